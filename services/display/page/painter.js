@@ -477,10 +477,11 @@ export class Painter {
       ctx.globalAlpha = 1;
     }
     let colour = "";
+    // At whole pixels: letters are sharp, and drawn once for all.
     for (const { track, left, top, lines } of this.labels) {
       const own = this.colourOf(scene, track);
       if (own !== colour) ctx.fillStyle = colour = own;
-      for (let k = 0; k < lines; k++) ctx.fillText(track.label[k], left + 2, top + (k + 1) * LINE_HEIGHT - 3);
+      for (let k = 0; k < lines; k++) ctx.fillText(track.label[k], Math.round(left) + 2, Math.round(top) + (k + 1) * LINE_HEIGHT - 3);
     }
     for (const label of this.labels) {
       const list = shares.get(label.track.number);

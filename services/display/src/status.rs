@@ -171,6 +171,9 @@ fn processes(world: &World, now: Now) -> Vec<Value> {
             Counter::Lost,
             Counter::RowsWritten,
             Counter::DatagramsSent,
+            Counter::PicturesSent,
+            Counter::PicturesSkipped,
+            Counter::RequestsRejected,
         ];
         let shown = figures.into_iter().filter(|counter| counters[*counter] > 0);
         shown

@@ -368,6 +368,7 @@ impl Row {
             Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
             Some(ProcessKind::Recorder) => (Counter::Taken, Counter::RowsWritten),
             Some(ProcessKind::Gateway | ProcessKind::Simulator) => (Counter::Taken, Counter::RecordsSent),
+            Some(ProcessKind::Display) => (Counter::Taken, Counter::PicturesSent),
             Some(ProcessKind::Link) => (Counter::Published, Counter::RecordsSent),
             _ => (Counter::Taken, Counter::Published),
         };
