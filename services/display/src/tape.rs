@@ -281,3 +281,115 @@ fn put(world: &mut World, slice: &Slice) {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use configuration::BUILT_IN_DEMO;
+    use messages::TrackState;
+    use messages::layout::Sample as _;
+    use recording::{Facts, Writer};
+    use test_support::S;
+
+    use super::*;
+    use crate::wire::Past;
+    use crate::world::Recording;
+
+    const BEGIN_NS: i64 = 1_700_000_000 * S;
+    /// The data are older than their recording.
+    const LATER_NS: i64 = 1_000_000 * S;
+
+    fn state(number: u32, second: i64, state: TrackState) -> SystemTrack {
+        SystemTrack {
+            track_number: number,
+            reference_time_ns: BEGIN_NS + second * S,
+            position_m: [second as f64, 0.0, 0.0],
+            state: state as u8,
+            ..SystemTrack::default()
+        }
+    }
+
+    /// A recording of 200 s: track 1 all the time, track 2 from 50 s to 150 s; a chunk each 10 s, in two files.
+    fn record(folder: &std::path::Path) -> Vec<PathBuf> {
+        let paths = ["a.mcap", "b.mcap"].map(|name| folder.join(name));
+        for (path, from) in paths.iter().zip([0, 100]) {
+            let mut writer = Writer::begin(File::create(path).unwrap(), &Facts::new()).unwrap();
+            let topic = messages::system_tracks();
+            let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
+            for second in from..from + 100 {
+                let of_second = match second {
+                    50..150 => Some(TrackState::Confirmed),
+                    150 => Some(TrackState::Terminated),
+                    _ => None,
+                };
+                let mut states = vec![state(1, second, TrackState::Confirmed)];
+                states.extend(of_second.map(|of_second| state(2, second, of_second)));
+                let header = BatchHeader {
+                    incarnation: 1,
+                    sent_ns: second * S,
+                    ..BatchHeader::default()
+                };
+                let taken_ns = BEGIN_NS + LATER_NS + second * S;
+                let octets = SystemTrack::octets(&states);
+                writer.slice(channel, &header, octets, taken_ns, taken_ns).unwrap();
+                if second % 10 == 9 {
+                    writer.flush().unwrap();
+                }
+            }
+            writer.finish().unwrap();
+        }
+        paths.into()
+    }
+
+    #[test]
+    fn any_moment_has_the_states_that_were_the_latest_then() {
+        let folder = tempfile::tempdir().unwrap();
+        let config = Config::read(std::path::Path::new(BUILT_IN_DEMO), &[]).unwrap();
+        let mut tape = Tape::open(&config, &record(folder.path())).unwrap();
+        assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 199 * S]);
+        let mut world = World::new("test", Vec::new(), 600, 1_000_000);
+        let now = Now {
+            mono_ns: 0,
+            utc_ns: BEGIN_NS,
+        };
+        world.recording = Some(Recording {
+            name: "test".to_owned(),
+            span_ns: tape.span_ns(),
+            at_ns: BEGIN_NS,
+            now,
+            wanted: Past {
+                time_s: 0.0,
+                speed: 0.0,
+            },
+            since_ns: 0,
+        });
+        // Ahead, back, a leap, and the ends; generations tell where the world was emptied.
+        let moments = [
+            (0, 1),
+            (30, 1),
+            (60, 1),
+            (149, 2),
+            (150, 2),
+            (20, 3),
+            (199, 4),
+            (120, 5),
+        ];
+        for (second, generation) in moments {
+            tape.go_to(&mut world, BEGIN_NS + second * S + S / 2).unwrap();
+            let shown: Vec<_> = world
+                .tracks
+                .values()
+                .map(|live| (live.track.track_number, live.track.position_m[0]))
+                .collect();
+            let mut expected = vec![(1, second as f64)];
+            expected.extend((50..150).contains(&second).then_some((2, second as f64)));
+            assert_eq!(shown, expected, "{second} s");
+            assert_eq!(world.generation, generation, "{second} s");
+            assert_eq!(world.time_ns(now), BEGIN_NS + second * S + S / 2);
+            let then = world.now(now);
+            assert_eq!(
+                (then.mono_ns, then.utc_ns),
+                (second * S + S / 2, BEGIN_NS + LATER_NS + second * S + S / 2)
+            );
+        }
+    }
+}
