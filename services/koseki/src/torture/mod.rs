@@ -150,6 +150,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     report.wrong.extend_from_slice(deployment.miscounted());
     let tally = deployment.tally();
     (report.states, report.late, report.reused) = (tally.states(), tally.late(), tally.reused().len());
+    epochs.insert(tally.epoch());
     report.epochs = epochs.len();
     report.left_behind = deployment.stop()?;
     report.seconds = (instant() - begun).as_secs_f64();
