@@ -143,6 +143,10 @@ def test_failures_are_told_apart(demo):
         closed.receive(0)
 
 
+def _resident_octets() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     deployment = Deployment("up", TOP / "examples/feed.toml", "--instance", "feed", "--out", tmp_path)
     publisher, tracks = koseki.publish("feed", "own"), koseki.subscribe("feed")
@@ -168,6 +172,17 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     assert slow.receive(PATIENCE).lost == 300 - 256
     assert slow.counts.lost == 300 - 256
     slow.close()
+    # What was received and let go takes no memory: KOSEKI_SLICES=1000000 for a long look.
+    slices, begun = int(os.environ.get("KOSEKI_SLICES", 50_000)), 0
+    for borrow in (False, True):
+        reader = koseki.subscribe("feed", "sensor/own/tracks", borrow=borrow)
+        for slice in range(slices // 2):
+            publisher.send(report)
+            assert reader.receive(PATIENCE).lost == 0
+            if slice == slices // 10:
+                begun = _resident_octets()
+        assert _resident_octets() - begun < 4 << 20
+        reader.close()
     deployment.process.terminate()
     with pytest.raises(koseki.Ended):
         while True:
