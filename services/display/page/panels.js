@@ -111,7 +111,7 @@ export class TrackPanel {
     const unit = units === "metric" ? "" : " kt";
     this.head.replaceChildren(
       h("h1", {}, nameOf(track), track.kind === "group" ? ` ×${track.members}` : ""),
-      h("div.soft", {}, `system track ${track.number} · ${track.state}${track.onGround ? " · on ground" : ""} `),
+      h("div.soft.under", {}, `system track ${track.number} · ${track.state}${track.onGround ? " · on ground" : ""} `),
       h("div.bad", {}, alerts.join(" ")),
       h(
         "div.grid",
@@ -167,7 +167,12 @@ export class TrackPanel {
     const one = (/** @type {number[]} */ values) => [{ name: "", colour: accent, times: history.times, values }];
     const [metres, speeds] = units === "metric" ? [1, 1] : [1 / 30.48, 3600 / 1852];
     const canvases = this.plots.map(({ canvas }) => canvas);
-    plot(canvases[0], one(history.heights.map((v) => v * metres)), { ...axes, unit: units === "metric" ? "m" : "FL" });
+    // Noise of level flight is not to look like climbing.
+    plot(canvases[0], one(history.heights.map((v) => v * metres)), {
+      ...axes,
+      unit: units === "metric" ? "m" : "FL",
+      least: units === "metric" ? 150 : 5,
+    });
     plot(canvases[1], one(history.speeds.map((v) => v * speeds)), {
       ...axes,
       unit: units === "metric" ? "m/s" : "kt",

@@ -6,8 +6,8 @@
  * Paints series over one time axis that ends at `until`.
  * @param {HTMLCanvasElement} canvas @param {Series[]} series
  * @param {{since: number, until: number, unit: string, text: string, line: string, low?: number, high?: number,
- *   bands?: [number, string][]}} options
- *   `bands`: values with a name at which a line is drawn.
+ *   least?: number, bands?: [number, string][]}} options
+ *   `least`: smallest range of values that is shown; `bands`: values with a name at which a line is drawn.
  */
 export function plot(canvas, series, options) {
   const ctx = prepared(canvas);
@@ -22,7 +22,12 @@ export function plot(canvas, series, options) {
       if (options.high === undefined) high = Math.max(high, value);
     });
   if (!(low <= high)) [low, high] = [0, 1];
-  if (high - low < 1e-9) [low, high] = [low - 1, high + 1];
+  const least = options.least ?? 1e-9;
+  if (high - low < least) {
+    const middle = (low + high) / 2;
+    const half = Math.max(1, least / 2);
+    [low, high] = [middle - half, middle + half];
+  }
   const left = 44;
   const bottom = height - 14;
   const x = (/** @type {number} */ t) =>
