@@ -149,6 +149,10 @@ alarms! {
         "The fusion that stood by has taken over, {times} so far, {still} from one that stood still.",
         "Read what the one before it wrote to standard error before it ended. One that stands still was kept from \
          running: give fusion a core of its own, or raise `takeover_ms`.";
+    RecordingFailed = 23, "recording-failed", Major, raise 0 s, clear 5 s,
+        "{process} cannot write its recording: {count} in vain.",
+        "Make room on the disk, or mend what it said on standard error; it goes on by itself, and what is missing is \
+         counted.";
 }
 
 #[cfg(test)]

@@ -133,8 +133,8 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
 fn check_recording(raw: &RecorderTable) -> Checked<Recording> {
     let has = |word| raw.format.contains(&word);
     let csv = has(RecordWord::Csv);
-    if raw.format.is_empty() {
-        let why = "nothing would be written: name \"csv\" or \"mcap\", or say enabled = false";
+    if !csv && !has(RecordWord::Mcap) {
+        let why = "the recorder would write nothing: name \"csv\" or \"mcap\", or say enabled = false";
         return Err(SettingsError::new("recorder.format", why));
     }
     let segments = || Segments {
@@ -146,6 +146,7 @@ fn check_recording(raw: &RecorderTable) -> Checked<Recording> {
     Ok(Recording {
         csv,
         mcap: has(RecordWord::Mcap).then(segments),
+        captures: (raw.enabled && has(RecordWord::Pcapng)).then(segments),
     })
 }
 

@@ -105,9 +105,11 @@ pub struct Recording {
     pub csv: bool,
     /// Containers of all topics, if they are written.
     pub mcap: Option<Segments>,
+    /// Captures of what live sources send, if adapters write them.
+    pub captures: Option<Segments>,
 }
 
-/// Containers, one after another.
+/// Containers or captures, one after another.
 #[derive(Clone, Copy, Debug)]
 pub struct Segments {
     /// Time after which they are written to, nanoseconds.

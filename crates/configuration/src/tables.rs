@@ -437,16 +437,17 @@ settings::settings! {
     pub struct RecorderTable {
         /// Whether there is one.
         enabled: bool = true;
-        /// Files that are written: rows of text, a file for each topic of data, and containers of all topics, for
-        /// everything to be read again to the bit.
+        /// Files that are written: rows of text, a file for each topic of data; containers of all topics, for
+        /// everything to be read again to the bit; captures of the datagrams and lines of live sources as they came.
         format: Vec<RecordWord> = vec![RecordWord::Csv];
-        /// Time after which containers are written to: what a killed recorder loses at most.
+        /// Time after which containers of all topics are written to: what a killed recorder loses at most.
         flush_s: Seconds = Seconds::of(1.0), in [0.01, 3_600];
-        /// Size at which another container is begun, megabytes.
+        /// Size at which another container or capture is begun, megabytes.
         segment_mb: u32 = 256, in [1, 65_536];
-        /// Time after which another container is begun.
+        /// Time after which another container or capture is begun.
         segment_s: Seconds = Seconds::of(3_600.0), in [1, 604_800];
-        /// Size of all containers of a start beyond which the oldest are deleted, gigabytes.
+        /// Size of all containers of a start beyond which the oldest are deleted, gigabytes; of the captures of each
+        /// receiver likewise.
         keep_gb: Option<f64> = None, in [0.001, 1e6];
     }
 
@@ -483,6 +484,8 @@ settings::words! {
         Csv = "csv",
         /// Containers.
         Mcap = "mcap",
+        /// Captures.
+        Pcapng = "pcapng",
     }
 
     /// Words for how the monitor waits.

@@ -331,14 +331,14 @@ counters! {
         "Times that the deployment was torn down and rebuilt because its shared memory was corrupt.";
     MissingRows = "missing_rows", Level by [],
         "Level: samples of a recorded source that are in none of the recorder's rows.";
-    RecordedSamples = "recorded_samples", Process by [Recorder],
-        "Samples taken for the recording of all topics.";
-    RecordedLost = "recorded_lost", Process by [Recorder],
-        "Samples that the recording of all topics lacks: dropped because the recorder fell behind or died, or not written.";
-    RecordingFailures = "recording_failures", Process by [Recorder],
-        "Times that the recording of all topics could not be written; it is tried again every second.";
-    RecordingsDeleted = "recordings_deleted", Process by [Recorder],
-        "Files of the recording of all topics that were deleted to make room for later ones.";
+    RecordedSamples = "recorded_samples", Process by [Recorder, Adapter],
+        "Samples taken for the recording of all topics; of adapters, datagrams and lines written to captures.";
+    RecordedLost = "recorded_lost", Process by [Recorder, Adapter],
+        "Samples that the recording of all topics lacks, or datagrams and lines that captures lack: dropped, or not written.";
+    RecordingFailures = "recording_failures", Process by [Recorder, Adapter],
+        "Times that the recording of all topics, or a capture, could not be written; it is tried again every second.";
+    RecordingsDeleted = "recordings_deleted", Process by [Recorder, Adapter],
+        "Files of the recording of all topics, or captures, that were deleted to make room for later ones.";
     DecisionsDropped = "decisions_dropped", Process by [Fusion],
         "Decisions of fusion that were not published because they came faster than its second thread took them.";
     TakeOvers = "take_overs", Process by [Fusion],

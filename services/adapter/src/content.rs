@@ -6,7 +6,7 @@ use std::io::Cursor;
 use asterix::{Decoder, blocks};
 use configuration::{Recorded, RecordedFormat};
 use csv_table::CsvError;
-use formats::containers::{Container, datagrams};
+use formats::containers::{Container, TimeStamp, datagrams};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
@@ -33,8 +33,7 @@ impl Content {
         Ok(match recorded.format {
             RecordedFormat::Asterix => Self::Asterix(Packed::new(bytes), Box::new(recorded.asterix.decoder())),
             RecordedFormat::Sbs => Self::Lines(Lines {
-                bytes,
-                offset: 0,
+                packed: Packed::new(bytes),
                 first_day_ns,
                 merger: Merger::new(SbsSettings::default()),
             }),
@@ -46,7 +45,7 @@ impl Content {
     pub(crate) fn is_exhausted(&self) -> bool {
         match self {
             Self::Asterix(packed, _) => packed.is_exhausted(),
-            Self::Lines(lines) => lines.offset == lines.bytes.len(),
+            Self::Lines(lines) => lines.packed.is_exhausted(),
             Self::Tracks(tracks) => tracks.reader.is_none(),
         }
     }
@@ -81,23 +80,23 @@ impl Content {
     }
 }
 
-/// Lines of SBS-1 in a file.
+/// Lines of SBS-1 in a file, or in the datagrams of a capture.
 #[derive(Debug)]
 pub(crate) struct Lines {
-    bytes: Vec<u8>,
-    offset: usize,
+    packed: Packed,
     first_day_ns: i64,
     merger: Merger,
 }
 
 impl Lines {
     fn read_line(&mut self, intake: &mut Intake) {
-        let rest = &self.bytes[self.offset..];
-        let end = rest.iter().position(|octet| *octet == b'\n');
-        let line = rest[..end.unwrap_or(rest.len())].trim_ascii_end();
-        self.offset += end.map_or(rest.len(), |end| end + 1);
-        // A line that was rejected has been counted by reason. Lines without a time are of no use in a file.
-        if let Ok(Some(observed)) = self.merger.take(line, self.first_day_ns) {
+        let (line, received_ns) = self.packed.next_piece(|rest| {
+            let end = rest.iter().position(|octet| *octet == b'\n');
+            end.map_or(rest.len(), |end| end + 1)
+        });
+        // A line that was rejected has been counted by reason. Lines without a time are of no use in a file of text.
+        let received_ns = received_ns.unwrap_or(self.first_day_ns);
+        if let Ok(Some(observed)) = self.merger.take(line.trim_ascii_end(), received_ns) {
             intake.observe(&observed);
         }
     }
@@ -140,8 +139,8 @@ impl Tracks {
 #[derive(Debug)]
 pub(crate) struct Packed {
     bytes: Vec<u8>,
-    /// End of each datagram, in their order.
-    ends: VecDeque<usize>,
+    /// End of each datagram, in their order, and when it was received, if that is known, UTC, nanoseconds.
+    ends: VecDeque<(usize, Option<i64>)>,
     offset: usize,
 }
 
@@ -151,14 +150,18 @@ impl Packed {
         let (mut unpacked, mut ends) = (Vec::new(), VecDeque::new());
         if Container::detect(&bytes) == Container::Raw {
             unpacked = bytes;
-            ends.push_back(unpacked.len());
+            ends.push_back((unpacked.len(), None));
         } else {
             for datagram in datagrams(&bytes).flatten() {
                 unpacked.extend_from_slice(&datagram.bytes);
-                ends.push_back(unpacked.len());
+                let received_ns = match datagram.time_stamp {
+                    Some(TimeStamp::Utc { ns }) => Some(ns),
+                    _ => None,
+                };
+                ends.push_back((unpacked.len(), received_ns));
             }
         }
-        ends.retain(|end| *end > 0);
+        ends.retain(|(end, _)| *end > 0);
         Self {
             bytes: unpacked,
             ends,
@@ -173,16 +176,22 @@ impl Packed {
 
     /// The octets of the next data block. What is no block ends its datagram, and is handed out to be counted.
     pub(crate) fn next_block(&mut self) -> &[u8] {
-        let end = self.ends.front().copied().unwrap_or(self.offset);
+        let length = |rest: &[u8]| {
+            let block = blocks(rest).next().and_then(Result::ok);
+            block.map_or(rest.len(), |block| block.bytes.len())
+        };
+        self.next_piece(length).0
+    }
+
+    /// The next octets of a datagram, of which `length` says how many belong together, and when it was received.
+    fn next_piece(&mut self, length: impl Fn(&[u8]) -> usize) -> (&[u8], Option<i64>) {
+        let (end, received_ns) = self.ends.front().copied().unwrap_or((self.offset, None));
         let rest = &self.bytes[self.offset..end];
-        let length = blocks(rest)
-            .next()
-            .and_then(Result::ok)
-            .map_or(rest.len(), |block| block.bytes.len());
+        let length = length(rest);
         self.offset += length;
         if self.offset == end {
             self.ends.pop_front();
         }
-        &rest[..length]
+        (&rest[..length], received_ns)
     }
 }

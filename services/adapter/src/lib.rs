@@ -3,14 +3,15 @@
 //!
 //! Live data come in datagrams (`receiver`), which hold ASTERIX (`blocks`), bearings or counts (`tables`), or in lines
 //! over a connection (`lines`). The source's pipeline makes samples of what was observed ([`sources`]), and `channel`
-//! publishes them. Recorded data are read whole: a source's decoded piece by piece (`recorded_source`, `content`), a
-//! wide-area sensor's as counts; `replay` publishes either, paced by its own times. Sensors that only count are in
-//! `wide_area`.
+//! publishes them; `capture` keeps the octets as they came, where that is wanted. Recorded data are read whole: a
+//! source's decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's as counts; `replay` publishes
+//! either, paced by its own times. Sensors that only count are in `wide_area`.
 
 #![forbid(unsafe_code)]
 
 mod bearings;
 mod blocks;
+mod capture;
 mod channel;
 mod content;
 mod counted;

@@ -3,6 +3,7 @@
 //! A server may not be there yet, go away and come back; the connection is made again whenever it is lost. A line has
 //! come in when it is read, as TCP keeps no time stamps of its own.
 
+use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -12,6 +13,7 @@ use messages::Counter;
 use net::{LinesSettings, TcpLines};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::capture::Capture;
 use crate::channel::Channel;
 use crate::counted::merged;
 
@@ -22,21 +24,33 @@ const PATIENCE: Duration = Duration::from_millis(50);
 #[derive(Debug)]
 pub(crate) struct Lines {
     client: TcpLines,
+    capture: Option<Capture>,
     merger: Merger,
     channel: Channel,
-    server: std::net::SocketAddr,
+    server: SocketAddr,
 }
 
 impl Lines {
     pub(crate) fn new(
         process: &Process,
-        server: std::net::SocketAddr,
+        server: SocketAddr,
         settings: SbsSettings,
         sources: &[&Source],
     ) -> anyhow::Result<Self> {
         let source = sources.first().context("no source is behind this receiver")?;
         Ok(Self {
             client: TcpLines::new(LinesSettings::new(server))?,
+            // Who reads here is not known.
+            capture: Capture::open(
+                process,
+                SocketAddr::new(
+                    match server {
+                        SocketAddr::V4(_) => Ipv4Addr::UNSPECIFIED.into(),
+                        SocketAddr::V6(_) => Ipv6Addr::UNSPECIFIED.into(),
+                    },
+                    0,
+                ),
+            )?,
             merger: Merger::new(settings),
             channel: Channel::open(process, source)?,
             server,
@@ -47,9 +61,13 @@ impl Lines {
 impl Agent for Lines {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let (merger, channel) = (&mut self.merger, &mut self.channel);
+        let (capture, server) = (&mut self.capture, self.server);
         let mut failed = Ok(());
         self.client.poll(now.mono_ns, PATIENCE, |line| {
             let read = Now::read();
+            if let Some(capture) = capture {
+                capture.take(server, read.utc_ns, line);
+            }
             // A line that was rejected has been counted by reason.
             if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
                 let taken = channel
@@ -62,6 +80,9 @@ impl Agent for Lines {
         });
         failed?;
         self.channel.publish()?;
+        if let Some(capture) = &mut self.capture {
+            capture.hand_over();
+        }
         Ok(Turn::Worked)
     }
 
@@ -77,6 +98,9 @@ impl Agent for Lines {
         whole.set(Counter::Connections, lines.connections);
         if !self.client.is_connected() {
             whole.note = format!("not connected to {}", self.server);
+        }
+        if let Some(capture) = &self.capture {
+            capture.count(&mut whole);
         }
         entries.push(whole);
         entries.push(of_source);

@@ -14,6 +14,8 @@ use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::capture::Capture;
+
 /// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -42,6 +44,7 @@ pub(crate) struct Received {
 #[derive(Debug)]
 pub(crate) struct Receiver<D> {
     socket: UdpReceiver,
+    capture: Option<Capture>,
     reader: D,
 }
 
@@ -54,18 +57,26 @@ impl<D: Datagrams> Receiver<D> {
             Transport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
         };
         let socket = UdpReceiver::open(&settings)?;
-        Ok(Self { socket, reader })
+        let capture = Capture::open(process, socket.local_address())?;
+        Ok(Self {
+            socket,
+            capture,
+            reader,
+        })
     }
 }
 
 impl<D: Datagrams> Agent for Receiver<D> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        let (socket, reader) = (&mut self.socket, &mut self.reader);
+        let (socket, capture, reader) = (&mut self.socket, &mut self.capture, &mut self.reader);
         let to_mono_ns = now.mono_ns - now.utc_ns;
         let mut failed = Ok(());
         let count = socket.receive(PATIENCE, |datagram| {
             let utc_ns = datagram.received_utc_ns;
             let mono_ns = utc_ns + to_mono_ns;
+            if let Some(capture) = capture {
+                capture.take(datagram.sender, utc_ns, datagram.bytes);
+            }
             let taken = reader.take(datagram.bytes, Received { utc_ns, mono_ns });
             if failed.is_ok() {
                 failed = taken;
@@ -73,6 +84,9 @@ impl<D: Datagrams> Agent for Receiver<D> {
         })?;
         failed?;
         reader.publish(count, now)?;
+        if let Some(capture) = capture {
+            capture.hand_over();
+        }
         Ok(Turn::Worked)
     }
 
@@ -92,6 +106,9 @@ impl<D: Datagrams> Agent for Receiver<D> {
             counted.empty + counted.oversized + counted.unstamped,
         );
         whole.set(Counter::DatagramsDropped, counted.kernel_drops);
+        if let Some(capture) = &self.capture {
+            capture.count(&mut whole);
+        }
         entries.push(whole);
         entries.extend(sources);
     }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use asterix::{Error as BlockError, blocks, registry};
 use configuration::{Config, Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
-use formats::containers::{Container, datagrams};
+use formats::containers::{Container, TimeStamp, datagrams};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
@@ -251,14 +251,17 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
 fn read_lines(bytes: &[u8]) -> Found {
     let mut merger = Merger::new(SbsSettings::default());
     let mut found = Found::default();
-    for line in bytes.split(|octet| *octet == b'\n') {
-        match merger.take(line.trim_ascii_end(), 0) {
-            Ok(Some(observed)) => {
-                found.first_time_ns = found.first_time_ns.or(observed.time_of_day_ns);
-                found.last_time_ns = observed.time_of_day_ns.or(found.last_time_ns);
+    for datagram in datagrams(bytes).flatten() {
+        let received_ns = datagram.time_stamp.map_or(0, TimeStamp::ns);
+        for line in datagram.bytes.split(|octet| *octet == b'\n') {
+            match merger.take(line.trim_ascii_end(), received_ns) {
+                Ok(Some(observed)) => {
+                    found.first_time_ns = found.first_time_ns.or(observed.time_of_day_ns);
+                    found.last_time_ns = observed.time_of_day_ns.or(found.last_time_ns);
+                }
+                Ok(None) => {}
+                Err(_) => found.skipped += line.len() as u64,
             }
-            Ok(None) => {}
-            Err(_) => found.skipped += line.len() as u64,
         }
     }
     found.records = merger.counters().messages;

@@ -34,7 +34,13 @@ const GROWING: &[Growing] = {
             AlarmKind::SamplesLost,
             &[Counter::Lost, Counter::RecordedLost],
             "sample",
-            &[Fusion, Recorder, Gateway],
+            &[Fusion, Recorder, Gateway, Adapter],
+        ),
+        (
+            AlarmKind::RecordingFailed,
+            &[Counter::RecordingFailures],
+            "attempt",
+            &[Recorder, Adapter],
         ),
         (
             AlarmKind::DatagramsDropped,

@@ -10,20 +10,19 @@ use std::path::{Path, PathBuf};
 use configuration::Segments as Settings;
 use messages::BatchHeader;
 use messages::layout::Layout;
-use recording::{Channel, Facts, RecordingError, Survey, Tally, Writer};
+use recording::{Channel, Facts, NumberedFiles, RecordingError, Survey, Tally, Writer};
 use runtime::Now;
 
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
 
-/// Name of a file: this, a number that rises, and the ending.
+/// Beginning of the files' names.
 const STEM: &str = "all_topics_";
-const ENDING: &str = ".mcap";
 
 /// Files of the recording, one after another.
 #[derive(Debug)]
 pub(crate) struct Segments {
-    folder: PathBuf,
+    files: NumberedFiles,
     settings: Settings,
     facts: Facts,
     topics: Vec<Topic>,
@@ -80,9 +79,10 @@ impl Segments {
         since_ns: u64,
     ) -> anyhow::Result<Self> {
         let mut earlier = Survey::default();
-        let files = files(folder)?;
-        let number = files.last().map_or(0, |(number, _)| *number);
-        for (_, path) in files.iter().rev() {
+        let files = NumberedFiles::new(folder, STEM, ".mcap");
+        let found = files.list()?;
+        let number = found.last().map_or(0, |(number, _)| *number);
+        for (_, path) in found.iter().rev() {
             if recording::whole(&mut File::open(path)?)?.bytes > 0 {
                 end(path)?;
                 earlier.add(&mut File::open(path)?)?;
@@ -107,7 +107,7 @@ impl Segments {
             }
         });
         Ok(Self {
-            folder: folder.to_owned(),
+            files,
             settings,
             facts,
             topics: topics.collect(),
@@ -234,7 +234,7 @@ impl Segments {
             return;
         }
         self.number += 1;
-        let path = self.folder.join(format!("{STEM}{:06}{ENDING}", self.number));
+        let path = self.files.path(self.number);
         match self.begin(&path, now) {
             Ok(open) => self.open = Some(open),
             Err(error) => {
@@ -271,19 +271,11 @@ impl Segments {
         let Some(keep_bytes) = self.settings.keep_bytes else {
             return;
         };
-        let Ok(files) = files(&self.folder) else { return };
-        let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |file| file.len());
-        let mut bytes: u64 = files.iter().map(|(_, path)| size(path)).sum();
-        for (number, path) in files {
-            if bytes <= keep_bytes || number == self.number {
-                break;
-            }
-            let freed = size(&path);
+        for path in self.files.beyond(keep_bytes).unwrap_or_default() {
             if let Err(error) = std::fs::remove_file(&path) {
                 self.failed(&error.into(), now);
                 return;
             }
-            bytes -= freed;
             self.counts.deleted += 1;
         }
     }
@@ -298,17 +290,4 @@ fn end(path: &Path) -> std::io::Result<()> {
         file.write_all(&recording::closing())?;
     }
     Ok(())
-}
-
-/// Files of the recording with their numbers, ascending.
-fn files(folder: &Path) -> std::io::Result<Vec<(u32, PathBuf)>> {
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder)? {
-        let path = entry?.path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        let number = name.and_then(|name| name.strip_prefix(STEM)?.strip_suffix(ENDING)?.parse().ok());
-        files.extend(number.map(|number| (number, path)));
-    }
-    files.sort();
-    Ok(files)
 }

@@ -48,6 +48,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
+mod capture;
 mod final_format;
 mod fragments;
 mod packet;
@@ -55,6 +56,7 @@ mod pcap;
 mod pcapng;
 mod skipped;
 
+pub use capture::{Way, begin_capture, capture};
 pub use fragments::FRAGMENTED_MAX;
 pub use skipped::{Counts, Reason, Skipped};
 
