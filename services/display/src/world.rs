@@ -249,10 +249,8 @@ impl World {
 
     /// A slice of system tracks has come.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
-        if header.incarnation < self.fusion {
-            return;
-        }
-        if header.incarnation > self.fusion {
+        // Not a later one always: a fusion that stood by may have started before the one that it follows.
+        if header.incarnation != self.fusion {
             // Whoever published the tracks so far is gone; its successor publishes again those that go on.
             if !self.tracks.is_empty() {
                 self.history.end_all(self.time_ns(now));

@@ -28,12 +28,10 @@ impl LatestStates {
         }
     }
 
-    /// Keeps a state that arrived from the fusion process of `incarnation`; a restarted one begins a new picture.
+    /// Keeps a state that arrived from the fusion process of `incarnation`; another one begins a new picture.
     pub(crate) fn keep(&mut self, incarnation: u64, track: &SystemTrack) {
-        if incarnation < self.fusion {
-            return;
-        }
-        if incarnation > self.fusion {
+        // Not a later one always: a fusion that stood by may have started before the one that it follows.
+        if incarnation != self.fusion {
             self.fusion = incarnation;
             self.tracks.clear();
         }
@@ -129,13 +127,15 @@ mod tests {
     #[test]
     fn a_restarted_fusion_begins_a_new_picture_and_ended_tracks_are_gone() {
         let mut states = LatestStates::new(2);
-        for (incarnation, number) in [(5, 1), (9, 2), (5, 3), (9, 4), (9, 6), (9, 4)] {
+        for (incarnation, number) in [(5, 1), (9, 2), (9, 4), (9, 6), (9, 4)] {
             states.keep(incarnation, &track(number, TrackState::Confirmed));
         }
         let numbers = |states: &LatestStates| states.iter().map(|track| track.track_number).collect::<Vec<_>>();
         assert_eq!(numbers(&states), [2, 4], "no room for a third");
         states.keep(9, &track(2, TrackState::Terminated));
         assert_eq!(numbers(&states), [4]);
+        states.keep(7, &track(8, TrackState::Confirmed));
+        assert_eq!(numbers(&states), [8], "one that had stood by since before leads");
     }
 
     #[test]
