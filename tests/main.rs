@@ -29,6 +29,7 @@ mod worth_of_counts;
 // Deployments: real processes.
 mod alarms;
 mod bench;
+mod captures;
 mod continuity;
 mod deployment;
 mod kills;
