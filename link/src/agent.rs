@@ -1,6 +1,5 @@
 //! The duty cycle of a link.
 
-use std::fmt::Write as _;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -15,7 +14,7 @@ use zenoh::qos::CongestionControl;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait as _};
 
-use crate::clocks::{self, Clocks};
+use crate::clocks::{self, Clocks, Comparison};
 use crate::feed;
 use crate::inbound::Inbound;
 use crate::keys;
@@ -86,7 +85,8 @@ impl LinkAgent {
             .map(|picture| tell_picture(&session, deployment, sender, picture));
         let picture = picture.transpose().map_err(|error| refused("the picture", error))?;
         let own_clock = keys::clock(deployment, &link.name);
-        let clock = clocks::answer(&session, &own_clock, 0).map_err(|error| refused("the clock", error))?;
+        let clock =
+            clocks::answer(&session, &own_clock, link.pretended_ns).map_err(|error| refused("the clock", error))?;
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
         let clocks = Clocks::default();
@@ -211,30 +211,29 @@ impl Agent for LinkAgent {
         entry.set(Counter::LostOnTheWay, came.lost());
         entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
         entry.set(Counter::SendFailures, self.outbox.failures());
-        entry.note = note(&self.clocks.present(Now::read()), &self.expected);
+        peers(&mut entry, &self.clocks.present(Now::read()), &self.expected);
         entries.push(entry);
     }
 }
 
-/// Peers that are there, how far away they are and how their clocks differ; and who is missing.
-pub(crate) fn note(present: &[(String, String, clocks::Comparison)], expected: &[String]) -> String {
+/// Says who is there, how far away and how their clocks differ; and who of those expected is missing.
+pub(crate) fn peers(entry: &mut HealthEntry, present: &[(String, String, Comparison)], expected: &[String]) {
     let ms = |ns: i64| ns as f64 / 1e6;
-    let mut note = String::new();
-    for (deployment, _, comparison) in present {
-        let separator = if note.is_empty() { "" } else { ", " };
-        let (away, bound) = (ms(comparison.round_trip_ns), ms(comparison.round_trip_ns) / 2.0);
-        let _ = write!(
-            note,
-            "{separator}{deployment} {away:.1} ms away, its UTC {:+.1} ± {bound:.1} ms",
-            ms(comparison.utc_offset_ns)
-        );
-    }
-    for missing in expected
+    let there = present.iter().map(|(deployment, _, comparison)| {
+        let (away, offset) = (ms(comparison.round_trip_ns), ms(comparison.utc_offset_ns));
+        format!(
+            "{deployment} {away:.1} ms away, its UTC {offset:+.1} ± {:.1} ms",
+            away / 2.0
+        )
+    });
+    let is_missing = |name: &&String| !present.iter().any(|(there, ..)| there == *name);
+    let missing = expected.iter().filter(is_missing);
+    entry.set(Counter::MissingPeers, missing.clone().count() as u64);
+    let off_ns = present
         .iter()
-        .filter(|name| !present.iter().any(|(there, _, _)| there == *name))
-    {
-        let separator = if note.is_empty() { "" } else { ", " };
-        let _ = write!(note, "{separator}{missing} is not there");
-    }
-    note
+        .map(|(.., comparison)| comparison.certain_offset_ns())
+        .max();
+    entry.set(Counter::HostClockOffUs, (off_ns.unwrap_or(0) / 1_000) as u64);
+    let missing = missing.map(|name| format!("{name} is not there"));
+    entry.note = there.chain(missing).collect::<Vec<_>>().join(", ");
 }

@@ -42,6 +42,13 @@ impl Comparison {
     }
 }
 
+impl Comparison {
+    /// Offset of its UTC for certain, whichever way: what is left beyond half of the round trip, nanoseconds.
+    pub(crate) fn certain_offset_ns(&self) -> i64 {
+        (self.utc_offset_ns.abs() - self.round_trip_ns / 2).max(0)
+    }
+}
+
 /// A link of another deployment.
 #[derive(Clone, Debug)]
 struct Peer {
@@ -169,6 +176,7 @@ mod tests {
             clocks.take("koseki-clock/west/out", slow, 200);
         }
         assert_eq!(clocks.of("west"), Some(fast));
+        assert_eq!((slow.certain_offset_ns(), fast.certain_offset_ns()), (20, 48));
         assert_eq!(clocks.of("east"), None);
         clocks.take("koseki-clock/west/out", slow, 300);
         clocks.take("koseki-clock/west/out", slow, 300);

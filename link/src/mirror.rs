@@ -51,6 +51,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
         send: Vec::new(),
         receive: Vec::new(),
         queue_octets: 0,
+        pretended_ns: 0,
         tls: None,
         user: None,
     };
@@ -274,7 +275,7 @@ impl Agent for MirrorAgent {
         entry.set(Counter::Conflated, came.conflated);
         entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
         let expected = std::slice::from_ref(&*self.deployment);
-        entry.note = agent::note(&self.clocks.present(Now::read()), expected);
+        agent::peers(&mut entry, &self.clocks.present(Now::read()), expected);
         entries.push(entry);
     }
 }

@@ -15,6 +15,8 @@ settings::settings! {
         clock_off_s: Seconds = Seconds::of(1.0), in [1e-3, 3600];
         /// Factor by which fusion has to enlarge a source's covariances.
         inflation: f64 = 4.0, in [1.3, 1000];
+        /// Offset of another host's clock, for certain.
+        host_clock_ms: f64 = 20.0, in [0.1, 3.6e6];
         /// Time for which a process may say nothing.
         process_silent_s: Seconds = Seconds::of(3.0), in [1, 3600];
         /// Least room on the disk that files are written to; 0: any is enough.

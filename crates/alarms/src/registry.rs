@@ -153,6 +153,12 @@ alarms! {
         "{process} cannot write its recording: {count} in vain.",
         "Make room on the disk, or mend what it said on standard error; it goes on by itself, and what is missing is \
          counted.";
+    PeerMissing = 24, "peer-missing", Major, raise 3 s, clear 0 s,
+        "{process} does not hear all that it is to receive from: {note}.",
+        "Look whether the other host and its link run, and whether the network lets the connection pass.";
+    HostClockOff = 25, "host-clock-off", Major, raise 3 s, clear 30 s,
+        "The clock of another host is {offset} off by the comparison of {process}: {note}.",
+        "Synchronise the clocks of both hosts (NTP, PTP): reports are used by the time that they state.";
 }
 
 #[cfg(test)]

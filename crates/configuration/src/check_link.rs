@@ -85,6 +85,7 @@ fn check_link(
         connect: raw.connect.clone(),
         send: raw.send.clone(),
         receive: receive.collect::<Checked<_>>()?,
+        pretended_ns: raw.pretend_utc_off_s.ns(),
         queue_octets: raw.queue_mb as usize * 1_000_000,
         tls,
         user,

@@ -15,6 +15,8 @@ pub struct Link {
     pub send: Vec<String>,
     /// Topics of other deployments that this one takes.
     pub receive: Vec<RemoteTopic>,
+    /// Time by which this host's clock (UTC) pretends to be off, nanoseconds.
+    pub pretended_ns: i64,
     /// Octets that wait for the network at most.
     pub queue_octets: usize,
     /// Files for TLS, if it is used.

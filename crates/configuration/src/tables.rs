@@ -316,6 +316,8 @@ settings::settings! {
         /// Octets that wait for the network at most, megabytes. When they are full, a newer state of a system track
         /// takes the place of an older one; of other samples the newest are dropped. Both are counted.
         queue_mb: u32 = 16, in [1, 4096];
+        /// Time by which this host tells others that its clock (UTC) is ahead, for trying what they make of it.
+        pretend_utc_off_s: Seconds = Seconds::of(0.0), in [-3600, 3600];
         /// Certificate of the authority that signed the others' certificates, a file in PEM.
         authority: Option<String> = None;
         /// Certificate that this host shows, a file in PEM.

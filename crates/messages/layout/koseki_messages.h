@@ -16,7 +16,7 @@
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9ef5cf0ad91fb702) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xd70c18196a239fd5) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x71203606d5bc0566) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
@@ -24,7 +24,7 @@
 #define KOSEKI_RESTORED_SCHEMA UINT64_C(0xe3fd053b3fd27971) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
-#define KOSEKI_COUNTERS_MAX UINT64_C(0x60) /* Length of Counters.values. */
+#define KOSEKI_COUNTERS_MAX UINT64_C(0x80) /* Length of Counters.values. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x1) /* `mode_3a` holds a Mode 3/A code. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x2) /* `callsign` holds a callsign. */
 #define KOSEKI_IDENTITY_NAME UINT64_C(0x4) /* `name` holds a name. */
@@ -636,9 +636,9 @@ static_assert(offsetof(KosekiRegistration, gross_value) == 136, "offset");
 static_assert(offsetof(KosekiRegistration, spare) == 152, "offset");
 
 typedef struct KosekiCounters {
-    uint64_t values[96]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
+    uint64_t values[128]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
 } KosekiCounters;
-static_assert(sizeof(KosekiCounters) == 768, "size");
+static_assert(sizeof(KosekiCounters) == 1024, "size");
 static_assert(offsetof(KosekiCounters, values) == 0, "offset");
 
 typedef struct KosekiHealth {
@@ -656,7 +656,7 @@ typedef struct KosekiHealth {
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 1064, "size");
+static_assert(sizeof(KosekiHealth) == 1320, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");
@@ -669,7 +669,7 @@ static_assert(offsetof(KosekiHealth, reserved) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");
-static_assert(offsetof(KosekiHealth, registration) == 896, "offset");
+static_assert(offsetof(KosekiHealth, registration) == 1152, "offset");
 
 typedef struct KosekiProgress {
     uint64_t consumer_incarnation; /* Monotonic start time of the consumer, nanoseconds: a restart shows as a new value. */

@@ -18,7 +18,7 @@ SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9ef5cf0ad91fb702  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xd70c18196a239fd5  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0x71203606d5bc0566  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
@@ -26,7 +26,7 @@ WORK_STEP_SCHEMA = 0x3121f747a9fcf9a4  # BatchHeader.schema of its slices.
 RESTORED_SCHEMA = 0xe3fd053b3fd27971  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
-COUNTERS_MAX = 0x60  # Length of Counters.values.
+COUNTERS_MAX = 0x80  # Length of Counters.values.
 IDENTITY_MODE_3A = 0x1  # `mode_3a` holds a Mode 3/A code.
 IDENTITY_CALLSIGN = 0x2  # `callsign` holds a callsign.
 IDENTITY_NAME = 0x4  # `name` holds a name.
@@ -792,7 +792,7 @@ assert Registration.spare.offset == 152
 
 class Counters(ctypes.Structure):
     _fields_ = [
-        ("values", ctypes.c_uint64 * 96),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
+        ("values", ctypes.c_uint64 * 128),  # Counts since the process started, indexed by the codes of `Counter`; a few are levels.
     ]
 
     @staticmethod
@@ -800,7 +800,7 @@ class Counters(ctypes.Structure):
         return "Counters"
 
 
-assert ctypes.sizeof(Counters) == 768
+assert ctypes.sizeof(Counters) == 1024
 assert Counters.values.offset == 0
 
 
@@ -826,7 +826,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 1064
+assert ctypes.sizeof(Health) == 1320
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16
@@ -839,7 +839,7 @@ assert Health.reserved.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128
-assert Health.registration.offset == 896
+assert Health.registration.offset == 1152
 
 
 class Progress(ctypes.Structure):

@@ -10,13 +10,13 @@ use crate::ProcessKind;
 use crate::layout::sample;
 
 /// Length of [`Counters::values`].
-pub const COUNTERS_MAX: usize = 96;
+pub const COUNTERS_MAX: usize = 128;
 
 sample! {
     /// The values of all counters of a process, or of one source within it.
-    Counters, size 768 {
+    Counters, size 1024 {
         /// Counts since the process started, indexed by the codes of `Counter`; a few are levels.
-        values: [u64; 96] = [0; COUNTERS_MAX],
+        values: [u64; 128] = [0; COUNTERS_MAX],
     }
 }
 
@@ -359,6 +359,10 @@ counters! {
         "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
     Unsent = "unsent", Process by [Link],
         "Samples that were not sent to other hosts because the network is slower than they come.";
+    MissingPeers = "missing_peers", Level by [],
+        "Level: deployments of other hosts that a link is to receive from, and does not hear.";
+    HostClockOffUs = "host_clock_off_us", Level by [],
+        "Level: microseconds by which the clock (UTC) of another host is off for certain: beyond what the comparison leaves open.";
     RejectedEpoch = "rejected_epoch", FusionRejection by [Monitor, Gateway, Display],
         "Samples rejected because they came from a fusion that has been replaced since.";
 }

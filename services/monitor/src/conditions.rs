@@ -28,13 +28,18 @@ const DETECTION_LOSS: f64 = 0.15;
 /// Counters that should not grow: the alarm, the counters, the things that they count, and who counts them.
 type Growing = (AlarmKind, &'static [Counter], &'static str, &'static [ProcessKind]);
 const GROWING: &[Growing] = {
-    use ProcessKind::{Adapter, Fusion, Gateway, Recorder, Simulator};
+    use ProcessKind::{Adapter, Fusion, Gateway, Link, Recorder, Simulator};
     &[
         (
             AlarmKind::SamplesLost,
-            &[Counter::Lost, Counter::RecordedLost],
+            &[
+                Counter::Lost,
+                Counter::RecordedLost,
+                Counter::Unsent,
+                Counter::LostOnTheWay,
+            ],
             "sample",
-            &[Fusion, Recorder, Gateway, Adapter],
+            &[Fusion, Recorder, Gateway, Adapter, Link],
         ),
         (
             AlarmKind::RecordingFailed,
@@ -70,7 +75,7 @@ const GROWING: &[Growing] = {
             AlarmKind::LayoutMismatch,
             &[Counter::RejectedSchema],
             "slice",
-            &[Fusion, Recorder, Gateway],
+            &[Fusion, Recorder, Gateway, Link],
         ),
     ]
 };
@@ -188,7 +193,32 @@ impl Conditions {
         self.growing_counters(sight, round);
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
+        self.links(sight, round);
         self.room(sight.room, round);
+    }
+
+    /// What links say of other hosts.
+    fn links(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+        for link in sight
+            .processes
+            .iter()
+            .filter(|process| process.kind == ProcessKind::Link)
+        {
+            let Some(said) = sight.book.whole(ProcessKind::Link, &link.name) else {
+                continue;
+            };
+            let (subject, counters) = (Subject::process(&link.name), said.counters());
+            let values = [("process", link.title()), ("note", link.note.clone())];
+            if counters[Counter::MissingPeers] > 0 {
+                round.find(AlarmKind::PeerMissing, subject, Finding::Bad, &values);
+            }
+            let off_ms = counters[Counter::HostClockOffUs] as f64 / 1e3;
+            if let Some(finding) = above(off_ms, self.limits.host_clock_ms) {
+                let [process, note] = values;
+                let offset = ("offset", format!("{off_ms:.0} ms"));
+                round.find(AlarmKind::HostClockOff, subject, finding, &[process, note, offset]);
+            }
+        }
     }
 
     fn silent_sources(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {

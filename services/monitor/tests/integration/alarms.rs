@@ -463,6 +463,29 @@ fn each_fusion_that_takes_over_is_told() {
 }
 
 #[test]
+fn a_link_that_misses_a_peer_or_hears_a_wrong_clock_is_told() {
+    let link = "name = \"in\"\nconnect = [\"tcp/127.0.0.1:7447\"]\n";
+    let mut site = Site::new(&[&format!("link=[{{{}}}]", link.trim().replace('\n', ", "))]);
+    let say = |site: &mut Site, missing: u64, off_us: u64, note: &str| {
+        let said = site.say(ProcessKind::Link, "in", NO_SOURCE);
+        said.counters[Counter::MissingPeers] = missing;
+        said.counters[Counter::HostClockOffUs] = off_us;
+        *said = said.with_note(note);
+    };
+    say(&mut site, 0, 19_000, "west 1.0 ms away");
+    site.pass(5);
+    assert_eq!(site.standing(), [""; 0]);
+    say(&mut site, 1, 0, "west is not there");
+    site.pass(5);
+    let missing = "link in does not hear all that it is to receive from: west is not there.";
+    assert_eq!(site.standing(), [missing]);
+    say(&mut site, 0, 30_000, "west 1.0 ms away");
+    site.pass(5);
+    let off = "The clock of another host is 30 ms off by the comparison of link in: west 1.0 ms away.";
+    assert_eq!(site.standing(), [off]);
+}
+
+#[test]
 fn a_process_that_says_nothing_any_more_hangs() {
     let mut site = Site::new(&[]);
     let silent = |site: &mut Site| site.health.clear();
