@@ -17,7 +17,6 @@
 
 #![forbid(unsafe_code)]
 
-mod files;
 mod part;
 mod reader;
 mod survey;
@@ -25,7 +24,6 @@ mod tally;
 mod whole;
 mod writer;
 
-pub use files::NumberedFiles;
 pub use part::{Part, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};

@@ -22,8 +22,7 @@ use configuration::{Process, Segments};
 use crossbeam_queue::ArrayQueue;
 use formats::containers::{Way, begin_capture, capture};
 use messages::Counter;
-use recording::NumberedFiles;
-use runtime::{HealthEntry, Now};
+use runtime::{HealthEntry, Now, NumberedFiles};
 
 /// Batches that go back and forth, and the octets that each has room for: a disk may pause for seconds.
 const BATCHES: usize = 4;

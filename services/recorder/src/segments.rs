@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use configuration::Segments as Settings;
 use messages::BatchHeader;
 use messages::layout::Layout;
-use recording::{Channel, Facts, NumberedFiles, RecordingError, Survey, Tally, Writer};
-use runtime::Now;
+use recording::{Channel, Facts, RecordingError, Survey, Tally, Writer};
+use runtime::{Now, NumberedFiles};
 
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
