@@ -188,10 +188,12 @@ impl Home {
         assert!(!root.path().exists(), "{} is left", root.path().display());
         let lock = root.base().join(format!("{instance}.lock"));
         assert!(!lock.exists(), "{} is left", lock.display());
-        assert!(
-            root.outlasting(runtime::instance::CHECKPOINT).unwrap().is_none(),
-            "the checkpoint is left"
-        );
+        let links = fs::read_dir(root.base()).into_iter().flatten().flatten();
+        let links = links
+            .filter(|entry| entry.path().is_symlink())
+            .map(|entry| entry.path());
+        let links: Vec<PathBuf> = links.collect();
+        assert!(links.is_empty(), "what outlasts processes is left: {links:?}");
     }
 }
 
@@ -200,10 +202,11 @@ impl Home {
     fn forget_checkpoints(&self) {
         let base = self.base();
         let entries = fs::read_dir(&base).into_iter().flatten().flatten();
-        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-        for instance in names.filter_map(|name| Some(name.strip_suffix(".checkpoint")?.to_owned())) {
-            if let Ok(root) = Root::in_base(&base, &instance) {
-                root.remove_outlasting(runtime::instance::CHECKPOINT);
+        let links = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_symlink()));
+        let names = links.filter_map(|entry| entry.file_name().into_string().ok());
+        for name in names {
+            if let Some(Ok(root)) = name.split_once('.').map(|(instance, _)| Root::in_base(&base, instance)) {
+                root.remove_outlasting();
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Memory that outlasts the processes of an instance, and the instance's other memory with them.
 //!
 //! Memory that a process leaves to its successor, even where the launcher dies too and the next start removes all
-//! remains, lies in a file of its own: `/dev/shm/kept_<of the instance>_<random>`, to which the link
+//! remains, lies in a file of its own: `/dev/shm/kept_<of the instance>_<name>.<random>`, to which the link
 //! `<base>/<instance>.<name>` leads. The base folder is private, so whoever follows the link finds what this user's
 //! processes have made; the name of the file itself, which lies where every user can make some, proves nothing. A
 //! successor fills a file of its own and then has the link lead there, which happens at once or not at all.
@@ -12,6 +12,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
+
+use kept::Memory;
 
 use crate::base;
 use crate::error::{BusError, io_error};
@@ -37,7 +39,8 @@ impl Root {
     /// # Errors
     /// If there is no memory left for them.
     pub fn make_outlasting(&self, name: &str, words: usize) -> Result<Outlasting, BusError> {
-        let path = Path::new(SHARED_MEMORY_DIR).join(format!("{}{:08x}", self.outlasting_prefix(name), random()));
+        let file = format!("{}{name}.{:08x}", self.kept_prefix(), random());
+        let path = Path::new(SHARED_MEMORY_DIR).join(file);
         match Mapping::create(&path, words * size_of::<u64>()) {
             Ok(mapping) => Ok(Outlasting {
                 mapping,
@@ -69,10 +72,17 @@ impl Root {
         }
     }
 
-    /// Removes what was published under `name`, and what others left that were killed before they could publish.
-    pub fn remove_outlasting(&self, name: &str) {
-        let _ = fs::remove_file(self.outlasting_link(name));
-        remove_files(&self.outlasting_prefix(name), None);
+    /// Removes all that was published, and what others left that were killed before they could publish. What was
+    /// [put aside](Self::put_outlasting_aside) stays.
+    pub fn remove_outlasting(&self) {
+        let links = format!("{}.", self.instance());
+        for entry in fs::read_dir(self.base()).into_iter().flatten().flatten() {
+            let is_link = entry.file_type().is_ok_and(|kind| kind.is_symlink());
+            if is_link && entry.file_name().to_str().is_some_and(|name| name.starts_with(&links)) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+        remove_files(&self.kept_prefix(), None);
     }
 
     /// Puts what was published under `name` aside, for somebody to look at; where it is then.
@@ -86,10 +96,6 @@ impl Root {
 
     fn outlasting_link(&self, name: &str) -> PathBuf {
         self.base().join(format!("{}.{name}", self.instance()))
-    }
-
-    fn outlasting_prefix(&self, name: &str) -> String {
-        format!("{}{name}_", self.kept_prefix())
     }
 
     /// With what the names of all files in shared memory begin that are to outlast the instance's processes.
@@ -121,9 +127,15 @@ impl Outlasting {
             .and_then(|()| fs::rename(&new, &self.link))
             .map_err(io_error("create", &self.link))?;
         let name = self.path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-        let prefix = name.rsplit_once('_').map_or(name, |(prefix, _)| prefix);
-        remove_files(&format!("{prefix}_"), Some(&self.path));
+        let prefix = name.rsplit_once('.').map_or(name, |(prefix, _)| prefix);
+        remove_files(&format!("{prefix}."), Some(&self.path));
         Ok(())
+    }
+}
+
+impl Memory for Outlasting {
+    fn words(&self) -> &[AtomicU64] {
+        self.words()
     }
 }
 
@@ -164,7 +176,9 @@ mod tests {
         assert_eq!(words(&root.outlasting("a").unwrap().unwrap()), [0, 0]);
         assert!(!path.exists(), "what nobody finds is removed");
         assert_eq!(words(&found), [0, 0, 7], "but who has it keeps it");
-        root.remove_outlasting("a");
+        root.make_outlasting("a-b", 1).unwrap().publish().unwrap();
+        assert!(root.outlasting("a").unwrap().is_some(), "another name's");
+        root.remove_outlasting();
         assert!(root.outlasting("a").unwrap().is_none() && !second.path.exists());
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 0);
     }

@@ -453,8 +453,8 @@ settings::settings! {
         keep_gb: Option<f64> = None, in [0.001, 1e6];
     }
 
-    /// Memory of fusion that outlasts its process, so that its successor goes on with the same tracks under the same
-    /// numbers. Recordings are replayed without: they come again.
+    /// Memory of fusion, and of adapters that make tracks, which outlasts the process: its successor goes on with the
+    /// same tracks under the same numbers. Recordings are replayed without: they come again.
     pub struct CheckpointTable {
         /// Whether there is one.
         enabled: bool = true;

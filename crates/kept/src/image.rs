@@ -6,6 +6,7 @@
 //! before; every other one is whole.
 
 use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 
@@ -20,6 +21,12 @@ const FRONT: usize = 2;
 pub trait Memory: std::fmt::Debug + Send {
     /// The words; their number never changes.
     fn words(&self) -> &[AtomicU64];
+}
+
+impl<M: Memory + Sync> Memory for Arc<M> {
+    fn words(&self) -> &[AtomicU64] {
+        (**self).words()
+    }
 }
 
 impl Memory for Vec<AtomicU64> {

@@ -151,28 +151,17 @@ mod tests {
 
     type Numbers = Picture<i64, (u32, f64)>;
 
-    #[derive(Clone, Debug)]
-    struct Shared(Arc<Vec<AtomicU64>>);
-
-    impl Memory for Shared {
-        fn words(&self) -> &[AtomicU64] {
-            &self.0
-        }
+    fn blank() -> Arc<Vec<AtomicU64>> {
+        Arc::new((0..Numbers::words(PLACES)).map(|_| AtomicU64::new(0)).collect())
     }
 
-    fn blank() -> Shared {
-        Shared(Arc::new(
-            (0..Numbers::words(PLACES)).map(|_| AtomicU64::new(0)).collect(),
-        ))
-    }
-
-    fn copied(memory: &Shared) -> Vec<u64> {
+    fn copied(memory: &Arc<Vec<AtomicU64>>) -> Vec<u64> {
         memory.words().iter().map(|word| word.load(Relaxed)).collect()
     }
 
     type Found = Option<(i64, Vec<(u32, f64)>)>;
 
-    fn read(memory: &Shared) -> Result<Found, Refused> {
+    fn read(memory: &Arc<Vec<AtomicU64>>) -> Result<Found, Refused> {
         Numbers::read(memory.words(), "a", PLACES)
     }
 

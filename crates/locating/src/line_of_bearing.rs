@@ -1,23 +1,26 @@
 //! A bearing as the filters use it, and how it depends on where the emitter is.
 
+use kept::kept;
 use observations::Bearing;
 
 /// Nearer to the platform than this an emitter has no direction, metres.
 const OVERHEAD_M: f64 = 1.0;
 
-/// A checked bearing: direction as sine and cosine, so that no angle has to be unwrapped; a few that were taken one
-/// after the other may have become one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LineOfBearing {
-    pub(crate) time_ns: i64,
-    /// Position of the platform, east and north in the system frame, metres.
-    pub(crate) platform_m: [f64; 2],
-    pub(crate) sine: f64,
-    pub(crate) cosine: f64,
-    /// Inverse variance, 1/rad².
-    pub(crate) information: f64,
-    /// Whether it counts; bearings that were found to be wrong do not.
-    pub(crate) is_used: bool,
+kept! {
+    /// A checked bearing: direction as sine and cosine, so that no angle has to be unwrapped; a few that were taken one
+    /// after the other may have become one.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct LineOfBearing {
+        pub(crate) time_ns: i64,
+        /// Position of the platform, east and north in the system frame, metres.
+        pub(crate) platform_m: [f64; 2],
+        pub(crate) sine: f64,
+        pub(crate) cosine: f64,
+        /// Inverse variance, 1/rad².
+        pub(crate) information: f64,
+        /// Whether it counts; bearings that were found to be wrong do not.
+        pub(crate) is_used: bool,
+    }
 }
 
 /// Innovation of a line of bearing where the emitter is believed to be.

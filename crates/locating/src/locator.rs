@@ -1,5 +1,6 @@
 //! All emitters: whose a bearing is, and what follows from it.
 
+use kept::kept;
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 use observations::Bearing;
 use settings::SettingsError;
@@ -118,6 +119,20 @@ struct Emitter {
     selector: Selector,
 }
 
+kept! {
+    /// An emitter, but for its fix.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Known {
+        pub(crate) number: u32,
+        pub(crate) is_labelled: bool,
+        pub(crate) frequency_hz: f64,
+        pub(crate) first_ns: i64,
+        pub(crate) last: LineOfBearing,
+        pub(crate) last_heading_rad: Option<f64>,
+        pub(crate) turning_since_ns: Option<i64>,
+    }
+}
+
 /// Locates emitters from bearings.
 #[derive(Debug)]
 pub struct Locator {
@@ -194,6 +209,48 @@ impl Locator {
     /// Settings it was built from.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    pub(crate) fn next_number(&self) -> u32 {
+        self.next_number
+    }
+
+    pub(crate) fn resume_numbers(&mut self, next: u32) {
+        self.next_number = self.next_number.max(next);
+    }
+
+    /// All emitters, but for their fixes.
+    pub(crate) fn known(&self) -> impl Iterator<Item = Known> {
+        self.emitters.iter().map(|emitter| Known {
+            number: emitter.number,
+            is_labelled: emitter.is_labelled,
+            frequency_hz: emitter.frequency_hz,
+            first_ns: emitter.first_ns,
+            last: emitter.last,
+            last_heading_rad: emitter.last_heading_rad,
+            turning_since_ns: emitter.turning_since_ns,
+        })
+    }
+
+    /// Adds an emitter that has no fix, if there is room and none of its number.
+    pub(crate) fn resume_emitter(&mut self, known: &Known) {
+        let slot = self.emitters.len();
+        if let Err(place) = self.place(known.is_labelled, known.number)
+            && slot < self.settings.emitters_max
+        {
+            self.index.insert(place, (known.is_labelled, known.number, slot as u32));
+            self.emitters.push(Emitter {
+                number: known.number,
+                is_labelled: known.is_labelled,
+                frequency_hz: known.frequency_hz,
+                first_ns: known.first_ns,
+                last: known.last,
+                last_heading_rad: known.last_heading_rad,
+                turning_since_ns: known.turning_since_ns,
+                bank: Bank::new(&self.settings.motion),
+                selector: Selector::new(self.settings.selection),
+            });
+        }
     }
 
     fn take(&mut self, slot: usize, bearing: &Bearing, line: &LineOfBearing) -> Option<EmitterReport> {

@@ -129,7 +129,7 @@ impl Instance {
         while start.elapsed() < LEAVE_PATIENCE && !root.processes()?.is_empty() {
             std::thread::sleep(PAUSE);
         }
-        root.remove_outlasting(CHECKPOINT);
+        root.remove_outlasting();
         match claim.remove() {
             Ok(_) => Ok(()),
             Err(BusError::StillUsed { processes, .. }) => {

@@ -4,14 +4,18 @@
 //! an emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that
 //! it follows from. An emitter that falls silent has no further reports, as with any sensor.
 
-use locating::Locator;
+use std::sync::atomic::AtomicU64;
+
+use kept::{Memory, Refused};
 use locating::settings::Settings;
+use locating::{EmitterMemory, LeftEmitters, Locator};
 use messages::{Counter, Counters, SensorTrack};
 use observations::{Bearing, Sampled};
 use reception::Limits;
 use settings::SettingsError;
 
 use crate::detection_tracker::ingested;
+use crate::last_kept::LastKept;
 use crate::samples::Samples;
 
 /// Locator of one direction finder.
@@ -26,6 +30,8 @@ pub struct BearingLocator {
     newest_ns: i64,
     /// Time of the latest state of the platform.
     platform_ns: i64,
+    memory: Option<EmitterMemory>,
+    kept: LastKept,
 }
 
 /// Bearings, and tracks that followed from some, which were rejected, by reason.
@@ -50,6 +56,8 @@ impl BearingLocator {
             rejected: Rejected::default(),
             newest_ns: i64::MIN,
             platform_ns: i64::MIN,
+            memory: None,
+            kept: LastKept::default(),
         })
     }
 
@@ -101,6 +109,40 @@ impl BearingLocator {
         self.rejected.position += u64::from(!is_near);
         self.rejected.speed += u64::from(is_near && !is_slow);
         is_near && is_slow
+    }
+
+    /// Words of the memory that its emitters are kept in.
+    pub fn kept_words(&self) -> usize {
+        EmitterMemory::words(self.locator.settings())
+    }
+
+    /// Goes on with what another one has left in `memory`, if it was there later than at `since_ns` (UTC, nanoseconds);
+    /// otherwise only its numbers stay taken. To be said before the first bearing.
+    ///
+    /// # Errors
+    /// If the memory is not whole, or not this locator's.
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+        if let Some(mut left) = LeftEmitters::read(memory, owner, self.locator.settings())? {
+            if left.kept_ns() < since_ns {
+                left.end();
+            }
+            self.locator.resume(&left);
+        }
+        Ok(())
+    }
+
+    /// Keeps its emitters in `memory` from now on, which is blank and has [so many words](Self::kept_words).
+    pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
+        self.memory = Some(EmitterMemory::begin(memory, owner, self.locator.settings()));
+    }
+
+    /// Keeps its emitters, if that is due at `now_ns` (UTC, nanoseconds): before their tracks are published.
+    pub fn keep(&mut self, now_ns: i64) {
+        if let Some(memory) = &mut self.memory
+            && self.kept.is_due(self.locator.counts().bearings, now_ns)
+        {
+            self.locator.keep(memory, now_ns);
+        }
     }
 
     /// Time of the latest track, nanoseconds.

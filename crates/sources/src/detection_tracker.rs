@@ -16,19 +16,25 @@
 //! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of
 //! the data.
 //!
-//! Numbers of scans and tracks begin with a number that depends on the time ([`tracking::cutting`]), so that an adapter
-//! that was restarted, and knows nothing of the tracks before, does not give their numbers to other targets.
+//! An adapter that was killed has left its tracks ([`tracking::LeftTracks`]): its successor goes on with them under the
+//! same numbers. Besides, new numbers of scans and tracks begin with one that depends on the time
+//! ([`tracking::cutting`]), so that a successor that knows nothing of the tracks before does not give their numbers to
+//! other targets.
 
+use std::sync::atomic::AtomicU64;
+
+use kept::{Memory, Refused};
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
 use observations::{Bearing, Detection, Sampled, WideAreaReport};
 use settings::SettingsError;
-use tracking::TrackReport;
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_scans;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::Cue;
+use tracking::{LeftTracks, TrackMemory, TrackReport};
 
+use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
 
@@ -62,6 +68,8 @@ pub struct DetectionTracker {
     reports_dropped: u64,
     /// Emissions without a frequency.
     emissions_rejected: u64,
+    memory: Option<TrackMemory>,
+    kept: LastKept,
 }
 
 impl DetectionTracker {
@@ -98,6 +106,8 @@ impl DetectionTracker {
             reports_late: 0,
             reports_dropped: 0,
             emissions_rejected: 0,
+            memory: None,
+            kept: LastKept::default(),
         })
     }
 
@@ -144,6 +154,40 @@ impl DetectionTracker {
     pub fn end(&mut self, samples: &mut Samples) {
         while let Some(scan) = self.cutter.last_scan() {
             self.scan(scan, samples);
+        }
+    }
+
+    /// Words of the memory that its tracks are kept in.
+    pub fn kept_words(&self) -> usize {
+        TrackMemory::words(self.tracker.tracker().settings())
+    }
+
+    /// Goes on with what another one has left in `memory`, if it was there later than at `since_ns` (UTC, nanoseconds);
+    /// otherwise only its numbers stay taken. To be said before the first detection.
+    ///
+    /// # Errors
+    /// If the memory is not whole, or not this tracker's.
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+        if let Some(mut left) = LeftTracks::read(memory, owner, self.tracker.tracker().settings())? {
+            if left.kept_ns() < since_ns {
+                left.end();
+            }
+            self.tracker.resume(&left);
+        }
+        Ok(())
+    }
+
+    /// Keeps its tracks in `memory` from now on, which is blank and has [so many words](Self::kept_words).
+    pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
+        self.memory = Some(TrackMemory::begin(memory, owner, self.tracker.tracker().settings()));
+    }
+
+    /// Keeps its tracks, if that is due at `now_ns` (UTC, nanoseconds): before they are published.
+    pub fn keep(&mut self, now_ns: i64) {
+        if let Some(memory) = &mut self.memory
+            && self.kept.is_due(self.tracker.scans(), now_ns)
+        {
+            self.tracker.tracker().keep(memory, now_ns);
         }
     }
 

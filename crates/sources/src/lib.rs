@@ -17,6 +17,7 @@
 
 mod bearing_locator;
 mod detection_tracker;
+mod last_kept;
 mod pipeline;
 mod samples;
 mod scan_tracker;

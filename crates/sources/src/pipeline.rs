@@ -4,6 +4,9 @@
 //! make tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of
 //! [`Pipeline`].
 
+use std::sync::atomic::AtomicU64;
+
+use kept::{Memory, Refused};
 use messages::{Counters, SensorBearing, sensor_track_bits};
 use observations::{Bearing, Observation, Service, WideAreaReport};
 use reception::{Converter, SourceModel};
@@ -168,6 +171,48 @@ impl Pipeline {
             Maker::Tracker(tracker) => tracker.end(samples),
         }
         self.follow();
+    }
+
+    /// Words of the memory that the tracks it makes are kept in; `None` if it makes none.
+    pub fn kept_words(&self) -> Option<usize> {
+        match &self.maker {
+            Maker::None => None,
+            Maker::Tracker(tracker) => Some(tracker.kept_words()),
+            Maker::Locator(locator) => Some(locator.kept_words()),
+        }
+    }
+
+    /// Goes on with what another one has left in `memory`; of what is older than `since_ns` (UTC, nanoseconds) only the
+    /// numbers stay taken. To be said first of all.
+    ///
+    /// # Errors
+    /// If the memory is not whole, or not of this source.
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+        match &mut self.maker {
+            Maker::None => Ok(()),
+            Maker::Tracker(tracker) => tracker.resume(memory, owner, since_ns),
+            Maker::Locator(locator) => locator.resume(memory, owner, since_ns),
+        }
+    }
+
+    /// Keeps the tracks that it makes in `memory` from now on, which is blank and has
+    /// [so many words](Self::kept_words).
+    pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
+        match &mut self.maker {
+            Maker::None => {}
+            Maker::Tracker(tracker) => tracker.keep_in(memory, owner),
+            Maker::Locator(locator) => locator.keep_in(memory, owner),
+        }
+    }
+
+    /// Keeps the tracks that it makes, if that is due at `now_ns` (UTC, nanoseconds): before they are published, so
+    /// that no number is known that is not kept.
+    pub fn keep(&mut self, now_ns: i64) {
+        match &mut self.maker {
+            Maker::None => {}
+            Maker::Tracker(tracker) => tracker.keep(now_ns),
+            Maker::Locator(locator) => locator.keep(now_ns),
+        }
     }
 
     /// Time that the source has reached, UTC, nanoseconds; `i64::MIN` before its first data.

@@ -17,7 +17,7 @@ use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::{Cue, Looks, sigma_m};
 use tracking::wide_area::schedule::Schedule;
 use tracking::wide_area::{Emission, EmissionRejection, ReportRejection};
-use tracking::{Rejection, Settings, TrackReport, Tracker};
+use tracking::{LeftTracks, Rejection, Settings, TrackReport, Tracker};
 
 /// Outputs that are wanted of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -192,6 +192,11 @@ impl ScanTracker {
             self.tracker.picture_at(time_ns, &mut self.shown);
             self.hand_out(extrapolated, sink);
         }
+    }
+
+    /// Goes on with the tracks that another one has left. To be said before the first scan.
+    pub fn resume(&mut self, left: &LeftTracks) {
+        self.tracker.resume(left);
     }
 
     /// The tracker.

@@ -22,6 +22,8 @@
 //!
 //! Wide-area support is asked in one place, `wide_area::support`.
 //!
+//! A tracker goes on where another one was killed (`resumption`).
+//!
 //! What was considered and decided can be had as records ([`explanation`]).
 //! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`].
 //! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
@@ -73,6 +75,7 @@ mod plot;
 mod population;
 mod ranked;
 mod resolution;
+mod resumption;
 mod scan_context;
 mod scan_update;
 pub mod scans;
@@ -99,6 +102,7 @@ pub use counts::TrackerCounts;
 pub use field_of_view::FieldOfView;
 pub use initiation::Initiation;
 pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};
+pub use resumption::{LeftTracks, TrackMemory};
 pub use settings::Settings;
 pub use track_report::TrackReport;
 pub use tracker::{Rejection, Tracker};

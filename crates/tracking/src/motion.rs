@@ -13,6 +13,7 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988).
 
 use estimation::{AxisNoise, Gaussian};
+use kept::{Get, Kept, Put, kept};
 use messages::STATE_LEN;
 
 use crate::initiation::{Initiation, first_state};
@@ -54,17 +55,19 @@ impl MotionSettings {
     }
 }
 
-/// Position and velocity of a target by each model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Motion {
-    steady: Gaussian,
-    /// Like the steady one where there is no such model.
-    turning: Gaussian,
-    /// Turn rate of the turning model; [`TurnRate::NONE`] where there are no coordinated turns.
-    turn: TurnRate,
-    /// Probability that the target manoeuvres; 0 where there is no such model.
-    turning_probability: f64,
-    speed: Speed,
+kept! {
+    /// Position and velocity of a target by each model.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Motion {
+        steady: Gaussian,
+        /// Like the steady one where there is no such model.
+        turning: Gaussian,
+        /// Turn rate of the turning model; [`TurnRate::NONE`] where there are no coordinated turns.
+        turn: TurnRate,
+        /// Probability that the target manoeuvres; 0 where there is no such model.
+        turning_probability: f64,
+        speed: Speed,
+    }
 }
 
 /// Meaning of the two states.
@@ -76,6 +79,19 @@ enum Speed {
     Unknown,
     /// The same, seen a second time.
     Found,
+}
+
+impl Kept for Speed {
+    const WORDS: usize = 1;
+
+    fn put(&self, to: &mut Put<'_>) {
+        to.word(*self as u64);
+    }
+
+    fn get(from: &mut Get<'_>) -> Option<Self> {
+        let all = [Self::Known, Self::Unknown, Self::Found];
+        all.get(usize::try_from(from.word()?).ok()?).copied()
+    }
 }
 
 impl Motion {

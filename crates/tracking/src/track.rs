@@ -5,6 +5,7 @@
 //! scans; and whether they sprang from the same first detection. So a track is a flat record with the last
 //! [`HISTORY_MAX`] scans and its root. Branching is copying; nothing is ever walked, collected or fragmented.
 
+use kept::kept;
 use messages::NS_PER_S;
 
 use crate::limits::HISTORY_MAX;
@@ -15,32 +16,35 @@ pub(crate) const NO_DETECTION: u32 = 0;
 /// Number of a track that is not confirmed.
 pub(crate) const TENTATIVE: u32 = 0;
 
-/// One branch of what one first detection became.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Track {
-    /// Motion as the last detection or direction left it, and the time of that, nanoseconds.
-    pub(crate) motion: Motion,
-    pub(crate) time_ns: i64,
-    /// Time of the last detection, or of the last scan of directions with one that was probably its own, nanoseconds.
-    pub(crate) seen_ns: i64,
-    /// Number of the track tree: the same for all branches of one first detection.
-    pub(crate) root: u32,
-    /// The confirmed ancestor's number, or [`TENTATIVE`].
-    pub(crate) number: u32,
-    pub(crate) detections: u32,
-    /// Detections that lay in a confirmed track's gate (SP-7).
-    pub(crate) in_company: u32,
-    /// Scans since then.
-    pub(crate) missed: u32,
-    /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
-    pub(crate) log_silence: f64,
-    /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
-    pub(crate) log_likelihood_ratio: f64,
-    /// Sum over the hypotheses that contain it.
-    pub(crate) reliability: f64,
-    /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its
-    /// cluster.
-    pub(crate) history: [u32; HISTORY_MAX],
+kept! {
+    /// One branch of what one first detection became.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Track {
+        /// Motion as the last detection or direction left it, and the time of that, nanoseconds.
+        pub(crate) motion: Motion,
+        pub(crate) time_ns: i64,
+        /// Time of the last detection, or of the last scan of directions with one that was probably its own,
+        /// nanoseconds.
+        pub(crate) seen_ns: i64,
+        /// Number of the track tree: the same for all branches of one first detection.
+        pub(crate) root: u32,
+        /// The confirmed ancestor's number, or [`TENTATIVE`].
+        pub(crate) number: u32,
+        pub(crate) detections: u32,
+        /// Detections that lay in a confirmed track's gate (SP-7).
+        pub(crate) in_company: u32,
+        /// Scans since then.
+        pub(crate) missed: u32,
+        /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
+        pub(crate) log_silence: f64,
+        /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
+        pub(crate) log_likelihood_ratio: f64,
+        /// Sum over the hypotheses that contain it.
+        pub(crate) reliability: f64,
+        /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its
+        /// cluster.
+        pub(crate) history: [u32; HISTORY_MAX],
+    }
 }
 
 impl Track {

@@ -98,7 +98,7 @@ impl Tracker {
             let first = first.max(1);
             self.populations
                 .iter_mut()
-                .for_each(|population| population.next_number = first);
+                .for_each(|population| population.next_number = population.next_number.max(first));
         }
     }
 
@@ -237,6 +237,20 @@ impl Tracker {
         self.latest().clusters.len()
     }
 
+    /// Settings it was built from.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    pub(crate) fn best_branches(&self) -> &[BestBranch] {
+        &self.best
+    }
+
+    /// Population before the first scan.
+    pub(crate) fn first_population(&mut self) -> &mut Population {
+        &mut self.populations[0]
+    }
+
     pub(crate) fn latest(&self) -> &Population {
         &self.populations[self.open]
     }
@@ -324,7 +338,7 @@ impl Tracker {
     }
 
     /// Reports of each confirmed ancestor the most reliable branch (HT-10).
-    fn report(&mut self, observer: Option<&dyn Observer>) {
+    pub(crate) fn report(&mut self, observer: Option<&dyn Observer>) {
         let (population, settings) = (&self.populations[self.open], &self.settings);
         find_best(population, &mut self.best);
         self.reports.clear();

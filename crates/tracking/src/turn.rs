@@ -17,6 +17,7 @@
 //! 2001), section 11.7.
 
 use estimation::Gaussian;
+use kept::kept;
 use messages::STATE_LEN;
 
 /// Below this angle, radians, series stand for quotients of small numbers.
@@ -35,14 +36,16 @@ settings::settings! {
     }
 }
 
-/// The turn rate of one target. Single precision is enough for what is never known to a thousandth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct TurnRate {
-    /// Counter-clockwise, rad/s.
-    pub(crate) rate: f32,
-    variance: f32,
-    /// Covariance with position and velocity.
-    cross: [f32; STATE_LEN],
+kept! {
+    /// The turn rate of one target. Single precision is enough for what is never known to a thousandth.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct TurnRate {
+        /// Counter-clockwise, rad/s.
+        pub(crate) rate: f32,
+        variance: f32,
+        /// Covariance with position and velocity.
+        cross: [f32; STATE_LEN],
+    }
 }
 
 impl TurnRate {

@@ -4,11 +4,12 @@ use bus::{BusError, Mark, SharedMemory, Subscriber};
 use configuration::{Process, Source};
 use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
 use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
-use runtime::HealthEntry;
 use runtime::clock::mono_ns;
+use runtime::{HealthEntry, Now};
 use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
+use crate::continuity;
 use crate::outlet::Outlet;
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
@@ -76,13 +77,14 @@ impl Channel {
             process.bus.subscriber(&topic, || process.incarnation)
         });
         let first_day_ns = process.first_day_ns();
-        let pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, Arrivals::new());
+        let mut pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, Arrivals::new())?;
+        continuity::go_on(process, source, &mut pipeline);
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,
             source: source.number,
             name: source.name.clone(),
-            pipeline: pipeline?,
+            pipeline,
             gathered: Samples {
                 tracks: Vec::with_capacity(GATHERED_MAX),
                 ..Samples::default()
@@ -119,6 +121,7 @@ impl Channel {
     /// Publishes what has been gathered.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;
+        self.pipeline.keep(Now::read().utc_ns);
         let mark = Mark {
             progress_ns: self.pipeline.progress_ns(),
             sent_ns: mono_ns(),

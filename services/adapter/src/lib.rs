@@ -14,6 +14,7 @@ mod blocks;
 mod capture;
 mod channel;
 mod content;
+mod continuity;
 mod counted;
 mod intake;
 mod lines;

@@ -9,11 +9,10 @@
 //! at a place that depends on the time of day, so that no number comes again within a day.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
 
-use bus::{Outlasting, Root, Transport};
+use bus::{Root, Transport};
 use configuration::{Checkpoint, Process};
-use fusion::checkpoint::{Clock, Layout, Memory, Snapshot};
+use fusion::checkpoint::{Clock, Layout, Snapshot};
 use fusion::{Engine, Sink};
 use messages::{RESTORED_WORDS, Restored};
 use runtime::Now;
@@ -145,7 +144,7 @@ impl Start {
             .make_outlasting(CHECKPOINT, self.layout.len())
             .and_then(|memory| {
                 let memory = Arc::new(memory);
-                engine.keep_checkpoint(Box::new(Shared(Arc::clone(&memory))));
+                engine.keep_checkpoint(Box::new(Arc::clone(&memory)));
                 keeping.note(engine, now);
                 memory.publish()
             });
@@ -178,16 +177,6 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
             Err(error) => refused(error.to_string()),
         },
         Err(error) => refused(error.to_string()),
-    }
-}
-
-/// Memory that the engine writes and that is published beside.
-#[derive(Debug)]
-struct Shared(Arc<Outlasting>);
-
-impl Memory for Shared {
-    fn words(&self) -> &[AtomicU64] {
-        self.0.words()
     }
 }
 

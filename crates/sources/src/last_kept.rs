@@ -1,0 +1,26 @@
+//! When tracks are kept: after each change, and each second, so that they show how long nobody has kept any.
+
+/// Time after which tracks that have not changed are kept again, nanoseconds.
+const AGAIN_NS: i64 = 1_000_000_000;
+
+/// State of the tracks when they were kept last.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LastKept {
+    changes: u64,
+    /// UTC, nanoseconds.
+    time_ns: i64,
+}
+
+impl LastKept {
+    /// Whether they are to be kept at `now_ns` (UTC, nanoseconds), after so many changes; then they have been.
+    pub(crate) fn is_due(&mut self, changes: u64, now_ns: i64) -> bool {
+        let is_due = changes != self.changes || now_ns.abs_diff(self.time_ns) >= AGAIN_NS.unsigned_abs();
+        if is_due {
+            *self = Self {
+                changes,
+                time_ns: now_ns,
+            };
+        }
+        is_due
+    }
+}

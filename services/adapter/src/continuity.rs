@@ -1,0 +1,41 @@
+//! Going on where another adapter was killed: with the tracks that it has made, under the same numbers.
+//!
+//! They are kept beside fusion's checkpoint, each source's in memory of its own ([`bus::Outlasting`]). What cannot be
+//! used is put aside, said, and not used; numbers begin with one that depends on the time then.
+
+use std::sync::Arc;
+
+use configuration::{Process, Source};
+use runtime::Now;
+use sources::Pipeline;
+
+/// Has a source's pipeline go on, and keep its tracks for the next one.
+pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline) {
+    let (Some(words), Some(settings)) = (pipeline.kept_words(), process.config.fusion.checkpoint) else {
+        return;
+    };
+    let (root, name, owner) = (process.bus.root(), format!("tracks-{}", source.name), &source.name);
+    let now_ns = Now::read().utc_ns;
+    let resumed = match root.outlasting(&name) {
+        Ok(Some(memory)) => {
+            let resumed = pipeline.resume(memory.words(), owner, now_ns - settings.max_age_ns);
+            resumed.map_err(|refused| refused.to_string())
+        }
+        Ok(None) => Ok(()),
+        Err(error) => Err(error.to_string()),
+    };
+    if let Err(reason) = resumed {
+        let aside = root.put_outlasting_aside(&name);
+        let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
+        eprintln!("warning: the tracks kept of {owner} are not used: {reason}{aside}");
+    }
+    let kept = root.make_outlasting(&name, words).and_then(|memory| {
+        let memory = Arc::new(memory);
+        pipeline.keep_in(Box::new(Arc::clone(&memory)), owner);
+        pipeline.keep(now_ns);
+        memory.publish()
+    });
+    if let Err(error) = kept {
+        eprintln!("warning: the tracks of {owner} are not kept: {error}");
+    }
+}
