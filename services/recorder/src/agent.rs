@@ -161,6 +161,23 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 entries[first].counters.add(counter, count);
             }
         }
+        if let (Some(all_topics), true) = (&self.all_topics, self.files.is_empty()) {
+            for (place, (id, _)) in self.streams.iter().enumerate() {
+                let taken = all_topics.taken(place);
+                match id.stream {
+                    Stream::SystemTracks => entries[first].set(Counter::Taken, taken),
+                    Stream::SensorTracks => {
+                        let mut entry = HealthEntry {
+                            source: id.number,
+                            ..HealthEntry::default()
+                        };
+                        entry.set(Counter::Taken, taken);
+                        entries.push(entry);
+                    }
+                    _ => {}
+                }
+            }
+        }
         for file in &self.files {
             let (id, counts) = (file.id(), file.counts());
             if id.stream == Stream::SensorTracks {

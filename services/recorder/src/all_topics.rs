@@ -40,6 +40,11 @@ trait Taken<S: Transport>: Debug {
 
     /// Whether something has arrived.
     fn has_slices(&self) -> bool;
+
+    /// Samples taken; of a log, none are counted.
+    fn taken(&self) -> u64 {
+        0
+    }
 }
 
 /// The topic of a stream.
@@ -57,6 +62,10 @@ impl<S: Transport, T: Payload + Streamed> Taken<S> for OfStream<S, T> {
 
     fn has_slices(&self) -> bool {
         self.0.has_slices()
+    }
+
+    fn taken(&self) -> u64 {
+        self.0.counts().taken
     }
 }
 
@@ -232,6 +241,11 @@ impl<S: Transport> AllTopics<S> {
 
     pub(crate) fn has_slices(&self) -> bool {
         self.topics.iter().any(|topic| topic.has_slices())
+    }
+
+    /// Samples taken of the stream at this place of [`Config::streams`].
+    pub(crate) fn taken(&self, stream: usize) -> u64 {
+        self.topics[stream].taken()
     }
 
     pub(crate) fn counts(&self) -> SegmentCounts {

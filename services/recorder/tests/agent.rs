@@ -292,6 +292,10 @@ mod all_topics {
         while !matches!(recorder.turn(at(1.2)).unwrap(), Turn::Finished) {}
         recorder.close(at(1.3)).unwrap();
         assert_eq!(survey(&out).topics[TOPIC].samples, 9);
+        let mut entries: Vec<HealthEntry> = Vec::new();
+        recorder.health(&mut entries);
+        let taken: u64 = entries.iter().map(|entry| entry.counters[Counter::Taken]).sum();
+        assert_eq!(taken, 18, "of the source and of the system tracks");
         assert!(!out.join("system_tracks.csv").exists());
     }
 
