@@ -169,7 +169,10 @@ mod tests {
         /// Killed between any two stores, in whatever order they are made, a writer leaves the old or the new picture.
         #[test]
         fn a_picture_is_never_half_new(
-            pictures in prop::collection::vec((any::<i64>(), prop::collection::vec((any::<u32>(), -1e9..1e9), 0..5)), 1..6),
+            pictures in prop::collection::vec(
+                (any::<i64>(), prop::collection::vec((any::<u32>(), -1e9..1e9), 0..5)),
+                1..6,
+            ),
             stored in prop::collection::vec(any::<bool>(), Numbers::words(PLACES)),
         ) {
             let memory = blank();

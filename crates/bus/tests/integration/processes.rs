@@ -7,6 +7,7 @@ use std::fs::{self, File};
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
@@ -316,6 +317,14 @@ fn nothing_stays_of_processes_killed_while_they_join_or_leave() {
     let line = line(&home);
     line.bus.remove_dead();
     let before = files(&home);
+    // As the launcher does: nobody waits for ever for memory that a killed process had only begun.
+    let (running, ended) = mpsc::channel::<()>();
+    let mut unborn = Unborn::new(home.root());
+    let launcher = thread::spawn(move || {
+        while ended.recv_timeout(Unborn::PERIOD) == Err(mpsc::RecvTimeoutError::Timeout) {
+            unborn.remove().unwrap();
+        }
+    });
     for round in 0..KILLS_WHILE_JOINING {
         let mut joiner = Other::start(home.root(), "joiner");
         thread::sleep(Duration::from_micros(700 * round));
@@ -323,6 +332,8 @@ fn nothing_stays_of_processes_killed_while_they_join_or_leave() {
         while line.bus.remove_dead().failed > 0 {}
         assert_eq!(files(&home), before, "after kill {round}");
     }
+    drop(running);
+    launcher.join().unwrap();
 }
 
 #[test]
