@@ -75,6 +75,11 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
         "{said}"
     );
 
+    let said = succeed(&home, &["recording", "info", "out/latest", "--json"]);
+    let info: serde_json::Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(info["topics"]["health"]["samples"], survey.topics["health"].samples);
+    assert!(info["configuration"].as_str().unwrap().contains("radar-west"));
+
     succeed(
         &home,
         &[

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use formats::rows::Utc;
 use recording::Survey;
+use serde_json::json;
 use telemetry::table::{Align, Table};
 
 use crate::args::{RecordingInfo, Usage};
@@ -22,7 +23,36 @@ pub(crate) fn run(info: &RecordingInfo) -> anyhow::Result<()> {
         let mut add = || survey.add(&mut File::open(path)?);
         add().with_context(|| format!("reading {}", path.display()))?;
     }
-    crate::print(&text(&survey, files.len())?)
+    crate::print(&match info.json {
+        true => json(&survey, files.len()),
+        false => text(&survey, files.len())?,
+    })
+}
+
+fn json(survey: &Survey, files: usize) -> String {
+    let topics = survey.topics.iter().map(|(name, topic)| {
+        let of_topic = json!({
+            "schema": topic.schema,
+            "samples": topic.samples,
+            "lost": topic.tally.lost,
+            "slices": topic.slices,
+            "publishers": topic.tally.publishers(),
+            "first_ns": topic.first_ns,
+            "last_ns": topic.last_ns,
+        });
+        (name.clone(), of_topic)
+    });
+    let topics: serde_json::Map<_, _> = topics.collect();
+    let fact = |name: &str| survey.facts.get(name);
+    let all = json!({
+        "run": fact("run"),
+        "version": fact("version"),
+        "configuration": fact("configuration"),
+        "files": files,
+        "without_an_end": survey.torn,
+        "topics": topics,
+    });
+    format!("{all}\n")
 }
 
 /// The files of a recording, in their order.

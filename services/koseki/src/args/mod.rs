@@ -392,6 +392,9 @@ pub(crate) struct RecordingInfo {
     /// A file, or the folder of a start
     #[arg(value_name = "RECORDING")]
     pub(crate) path: PathBuf,
+    /// Print JSON, with the configuration that was recorded
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// `koseki recording cut`.
