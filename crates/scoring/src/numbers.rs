@@ -22,6 +22,7 @@ pub struct NumberTally {
     first: BTreeMap<u32, u32>,
     ended: BTreeSet<u32>,
     reused: BTreeSet<u32>,
+    ignores_addresses: bool,
 }
 
 impl NumberTally {
@@ -53,13 +54,23 @@ impl NumberTally {
             return;
         }
         self.live.insert(number);
-        if let Some(address) = track.identity.unique_number() {
+        if let Some(address) = track.identity.unique_number().filter(|_| !self.ignores_addresses) {
             if *self.first.entry(number).or_insert(address) != address {
                 self.reused.insert(number);
             }
             self.carriers.insert(address, number);
             self.shown.insert(address);
         }
+    }
+
+    /// Tells targets apart by their addresses again, or not for now: while a simulated world that began anew and the
+    /// tracks of the one before show other targets under the same addresses. Who carried what is forgotten then.
+    pub fn ignore_addresses(&mut self, ignore: bool) {
+        if self.ignores_addresses != ignore {
+            self.carriers.clear();
+            self.first.clear();
+        }
+        self.ignores_addresses = ignore;
     }
 
     /// Forgets who has been shown: [`Self::shown`] counts from now on.
@@ -161,5 +172,10 @@ mod tests {
         tally.take(6, &state(7, 12, TrackState::Terminated, 204));
         tally.take(6, &state(7, 12, TrackState::Tentative, 205));
         assert_eq!(tally.reused().iter().copied().collect::<Vec<_>>(), [1, 7]);
+        tally.ignore_addresses(true);
+        tally.take(6, &state(8, 15, TrackState::Confirmed, 206));
+        tally.ignore_addresses(false);
+        tally.take(6, &state(8, 16, TrackState::Confirmed, 207));
+        assert_eq!((tally.reused().len(), tally.carriers().len()), (2, 1));
     }
 }

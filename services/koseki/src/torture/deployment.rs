@@ -127,6 +127,11 @@ impl Deployment {
         &self.tally
     }
 
+    /// Whether the tally leaves addresses out of account for now.
+    pub(super) fn ignore_addresses(&mut self, ignore: bool) {
+        self.tally.ignore_addresses(ignore);
+    }
+
     /// Joins it for a moment.
     pub(super) fn bus(&self) -> anyhow::Result<Bus<SharedMemory>> {
         Ok(Bus::open(&self.root, "torture")?)

@@ -33,8 +33,11 @@ const PAUSE_DRAWN_MS: u64 = 3000;
 
 /// Time between two looks at what is used, seconds.
 const RESOURCES_S: f64 = 15.0;
-/// Time after a fault that costs numbers in which others are not blamed for it.
-const SETTLES: Duration = Duration::from_secs(15);
+/// Time after a fault that costs numbers in which others are not blamed for it: a world that began anew has other
+/// targets under the same addresses, and the tracks of the one before go on for a while.
+const SETTLES: Duration = Duration::from_secs(45);
+/// Faults between two of those, so that others are judged between them.
+const APART: usize = 20;
 
 /// Result of a run.
 #[derive(Debug, Default, Serialize)]
@@ -100,6 +103,8 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
         .filter(|fault| deployment.has(fault.needs))
         .filter(wanted)
         .collect();
+    let keeping: Vec<&Fault> = possible.iter().copied().filter(|fault| fault.keeps_numbers).collect();
+    let mut since_anew = 0;
     let mut epochs = BTreeSet::new();
     let mut settled_s = 0.0;
     let mut next_resources_s = 0.0;
@@ -114,19 +119,24 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
         if possible.is_empty() {
             continue;
         }
-        let fault = possible[random.random_range(0..possible.len())];
+        let choice = match since_anew < APART && !keeping.is_empty() {
+            true => &keeping,
+            false => &possible,
+        };
+        let fault = choice[random.random_range(0..choice.len())];
+        since_anew = if fault.keeps_numbers { since_anew + 1 } else { 0 };
         let at_s = (instant() - begun).as_secs_f64();
+        if !fault.keeps_numbers || at_s >= settled_s {
+            deployment.ignore_addresses(!fault.keeps_numbers);
+        }
         let before = deployment.tally().clone();
         let caused = instant();
         let what = (fault.cause)(&mut deployment, &mut random).with_context(|| fault.name)?;
         let back = deployment.until_back(PATIENCE)?;
         if !fault.keeps_numbers {
-            settled_s = at_s + SETTLES.as_secs_f64();
+            settled_s = (instant() - begun + SETTLES).as_secs_f64();
         }
-        let renumbered = match at_s >= settled_s {
-            true => deployment.tally().renumbered(&before),
-            false => Vec::new(),
-        };
+        let renumbered = deployment.tally().renumbered(&before);
         epochs.insert(deployment.tally().epoch());
         let back_s = (instant() - caused).as_secs_f64();
         println!("{at_s:7.1} s  {:<20} {what}; back after {back_s:.2} s", fault.name);
