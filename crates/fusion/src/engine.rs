@@ -9,6 +9,8 @@
 use messages::{Counter, DecisionKind, GrossError, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
+use association::distance::squared2;
+
 use crate::association_step::Search;
 use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
@@ -502,6 +504,7 @@ impl Engine {
         sink: &mut impl Sink,
     ) {
         let system = self.tracks.sensors.get(sensor).system;
+        self.tracks.systems.get_mut(system).nis = 0.0;
         if let Some(measurement) = measurement {
             self.update_filter(sensor, measurement, sink);
         }
@@ -536,7 +539,9 @@ impl Engine {
             }
             return;
         };
+        let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
         let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
+        self.tracks.systems.get_mut(system).nis = nis as f32;
         let speed = velocity[0].hypot(velocity[1]);
         if speed > COURSE_SPEED_MIN_MPS {
             self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);

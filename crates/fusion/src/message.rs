@@ -62,6 +62,7 @@ pub(crate) fn write(
     message.track_number = entry.number;
     message.trigger_source = cause.map_or(NO_SOURCE, |report| report.source);
     message.selected_source = NO_SOURCE;
+    message.nis = cause.map_or(0.0, |_| entry.nis);
     message.identity = entry.identity;
     message.position_m = entry.state.position_m;
     message.velocity_mps = entry.state.velocity_mps;

@@ -35,6 +35,8 @@ pub(crate) struct SystemEntry {
     pub(crate) course: [f64; 2],
     /// Sum of ln(1 − probability of detection) over the misses since the last report.
     pub(crate) absence: f64,
+    /// Normalised innovation squared of its latest report, in the plane; 0 if that was not compared with the filter.
+    pub(crate) nis: f32,
     /// When a sensor track that joined began, earliest, and its source: the one that has followed the target longest.
     pub(crate) first_seen: (i64, u16),
     /// Whether it was ever confirmed.
@@ -143,6 +145,7 @@ impl SystemEntry {
             identity: kept.identity,
             course: kept.course,
             absence: kept.absence,
+            nis: 0.0,
             first_seen: kept.first_seen,
             was_shown: kept.was_shown,
             reports: kept.reports,
@@ -167,6 +170,7 @@ impl SystemEntry {
             state: filter.state(),
             course: [0.0, 1.0],
             absence: 0.0,
+            nis: 0.0,
             first_seen: (i64::MAX, NO_SOURCE),
             was_shown: false,
             duplicate: None,

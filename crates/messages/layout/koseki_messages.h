@@ -12,7 +12,7 @@
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x9adee01cc67eb8ad) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x2dfda4c3dd95c740) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x533817797a6d4cd1) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x934307e9dc3c0033) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x5b07ebf82321f055) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9ef5cf0ad91fb702) /* BatchHeader.schema of its slices. */
@@ -488,7 +488,8 @@ typedef struct KosekiSystemTrack {
     KosekiExtent extent; /* Size of the target. */
     KosekiCovariance covariance; /* Covariance of position and velocity. */
     KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
-    uint32_t spare[4]; /* Reserved, 0. */
+    float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane: about 2 on average where */
+    uint32_t spare[3]; /* Reserved, 0. */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 1064, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
@@ -519,7 +520,8 @@ static_assert(offsetof(KosekiSystemTrack, movement) == 200, "offset");
 static_assert(offsetof(KosekiSystemTrack, extent) == 216, "offset");
 static_assert(offsetof(KosekiSystemTrack, covariance) == 240, "offset");
 static_assert(offsetof(KosekiSystemTrack, contributions) == 408, "offset");
-static_assert(offsetof(KosekiSystemTrack, spare) == 1048, "offset");
+static_assert(offsetof(KosekiSystemTrack, nis) == 1048, "offset");
+static_assert(offsetof(KosekiSystemTrack, spare) == 1052, "offset");
 
 typedef struct KosekiContributorSet {
     int64_t reference_time_ns; /* Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970. */

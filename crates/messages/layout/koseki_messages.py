@@ -14,7 +14,7 @@ SENSOR_BEARING_SCHEMA = 0x2e86ce3ebba8ca15  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x9adee01cc67eb8ad  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x2dfda4c3dd95c740  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x533817797a6d4cd1  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x934307e9dc3c0033  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x5b07ebf82321f055  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9ef5cf0ad91fb702  # BatchHeader.schema of its slices.
@@ -604,7 +604,8 @@ class SystemTrack(ctypes.Structure):
         ("extent", Extent),  # Size of the target.
         ("covariance", Covariance),  # Covariance of position and velocity.
         ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
-        ("spare", ctypes.c_uint32 * 4),  # Reserved, 0.
+        ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane: about 2 on average where
+        ("spare", ctypes.c_uint32 * 3),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -641,7 +642,8 @@ assert SystemTrack.movement.offset == 200
 assert SystemTrack.extent.offset == 216
 assert SystemTrack.covariance.offset == 240
 assert SystemTrack.contributions.offset == 408
-assert SystemTrack.spare.offset == 1048
+assert SystemTrack.nis.offset == 1048
+assert SystemTrack.spare.offset == 1052
 
 
 class ContributorSet(ctypes.Structure):

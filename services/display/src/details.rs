@@ -2,14 +2,14 @@
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_valid`, `on_ground`, `merged_into`, `covariance` (the 21 elements of the upper triangle), `identity`
+//! `height_valid`, `on_ground`, `merged_into`, `nis`, `covariance` (the 21 elements of the upper triangle), `identity`
 //! {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`, `type_confidence`}, `decisions` [{`time_s`, `kind`,
 //! `text`}] and `contributions`, each with `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`,
 //! `time_s`, `time_of_measurement_ns` and `position_m`, where the sensor track was last. Of the past, there are no
 //! `covariance`, `sequence`, `epoch`, `rule` and `decisions`.
 //!
 //! **A row of a history** is `[time_s, east, north, up, speed, state, nis, [[source, weight], …]]`, the oldest first;
-//! `nis` is `null`, since fusion does not publish it.
+//! `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
 
 use messages::picture::{PictureIdentity, PictureTrack, picture_track_bits};
 use messages::{
@@ -71,6 +71,7 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "height_valid": track.height_valid != 0,
         "on_ground": track.on_ground != 0,
         "merged_into": track.merged_into,
+        "nis": nis(track.nis),
         "covariance": track.covariance.upper,
         "identity": identity(&track.identity, &track.target_type),
         "contributions": parts,
@@ -97,6 +98,7 @@ fn past(world: &World, number: u32, state: u64) -> Option<Value> {
         "velocity_mps": [record.east_mps, record.north_mps, record.up_mps],
         "height_valid": record.flags & picture_track_bits::HEIGHT != 0,
         "on_ground": record.flags & picture_track_bits::ON_GROUND != 0,
+        "nis": nis(moment.nis),
         "identity": identity(&known, &target_type),
         "contributions": parts,
         "decisions": [],
@@ -105,6 +107,11 @@ fn past(world: &World, number: u32, state: u64) -> Option<Value> {
 
 fn word<T>(value: Option<T>, word: impl Fn(T) -> &'static str) -> Option<&'static str> {
     value.map(word)
+}
+
+/// Normalised innovation squared, where there is one.
+fn nis(nis: f32) -> Option<f32> {
+    Some(nis).filter(|nis| *nis > 0.0)
 }
 
 fn source(number: u16) -> Option<u16> {
@@ -207,7 +214,7 @@ pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value
                 Some(record.up_m).filter(|up_m| !up_m.is_nan()),
                 record.east_mps.hypot(record.north_mps),
                 word(TrackState::from_code(record.state), TrackState::word),
-                null,
+                nis(moment.nis),
                 weights,
             ])
         })

@@ -26,6 +26,8 @@ pub(crate) struct Moment {
     pub(crate) time_ns: i64,
     /// Time of the latest measurement, UTC, nanoseconds.
     pub(crate) measured_ns: i64,
+    /// Normalised innovation squared of the report that caused it; 0: none did.
+    pub(crate) nis: f32,
     /// The state; its ages say nothing.
     pub(crate) track: PictureTrack,
     /// Number of its first contribution.
@@ -96,6 +98,7 @@ impl History {
             at_ns,
             time_ns: track.reference_time_ns,
             measured_ns,
+            nis: track.nis,
             track: record,
             contribution,
             previous,
@@ -113,6 +116,7 @@ impl History {
             at_ns,
             time_ns: at_ns,
             measured_ns: at_ns,
+            nis: 0.0,
             track: PictureTrack::default(),
             contribution: self.first_contribution + self.contributions.len() as u64,
             previous: NONE,
