@@ -42,6 +42,23 @@ fn a_leader_that_is_stopped_is_replaced_and_never_speaks_again() {
     campaign(Signal::STOP, 2, 5, &STANDBY, Duration::from_millis(150));
 }
 
+#[test]
+fn a_leader_that_stands_still_before_anybody_has_seen_it_is_replaced_too() {
+    let home = Home::new();
+    // Nobody else notices.
+    let demo = home.demo_with(&[&STANDBY[..], &["--set", "launcher.watchdog_s=3600"]].concat());
+    let leads = || leading_fusion(&home.root("demo"));
+    until("one leads", || leads().is_some());
+    until("one stands by", || home.status_row("standby").state == "running");
+    let (leader, standby) = (leads().unwrap(), home.status_row("standby").pid);
+    kill(leader, Signal::STOP);
+    kill(standby, Signal::KILL);
+    until("another leads", || leads().is_some_and(|now| now != leader));
+    let (status, said) = demo.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
 const STANDBY: [&str; 2] = ["--set", "fusion.standby=true"];
 
 /// Ends fusion a few times, or as often as `KOSEKI_KILLS` says: then at long intervals, and with a limit to how long no

@@ -36,7 +36,7 @@ use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::cores::Placement;
 use runtime::housekeeping::Queues;
-use runtime::instance::{CHECKPOINT, FUSION_LEADS};
+use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fd::OwnedFd;
 use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
@@ -258,12 +258,14 @@ impl Standby {
         let pid = i32::try_from(clock.process_id).ok().and_then(Pid::from_raw);
         let opened = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
         // The number may be another process's by now, unless that one still makes notes in the checkpoint: then it is
-        // the leader, since it holds the lock.
+        // the leader, since it holds the lock. One that stood still before it was ever seen makes none: then the system
+        // says who holds the lock.
         let lives = |memory: &Outlasting| {
             let noted = clock_of(memory.words(), &self.layout).map_or(0, |clock| clock.turn_ns);
             mono_ns().saturating_sub(noted) < self.settings.takeover_ns
         };
-        if let Some(process) = opened.filter(|_| lives(&memory)) {
+        let leads = || leading_fusion(process.bus.root()) == Some(clock.process_id);
+        if let Some(process) = opened.filter(|_| lives(&memory) || leads()) {
             self.leader = Some(Leader { memory, clock, process });
             (self.still_ns, self.has_followed, self.killed) = (0, true, false);
         }
