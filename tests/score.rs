@@ -54,6 +54,31 @@ fn a_picture_is_scored_as_text_and_as_json() {
 }
 
 #[test]
+fn two_pictures_are_held_against_each_other() {
+    let header = "time_s,system_track_id,x,y,z,vx,vy,vz,state\n";
+    let moves = |east: f64| {
+        let row = |second: i32| format!("{second},1,{},0,0,10,0,0,confirmed\n", east + 10.0 * f64::from(second));
+        (100..110).map(row).collect::<String>()
+    };
+    let also = "100,7,9000,0,0,0,0,0,confirmed\n104,8,0,9000,0,0,0,0,tentative\n";
+    let files = Folder::with(&[("after.csv", format!("{header}{}{also}", moves(3.0)))]);
+    fs::create_dir(files.path("before")).unwrap();
+    files.write("before/system_tracks.csv", format!("{header}{}", moves(0.0)));
+    let same = files.json("compare pictures before before --json");
+    let figures = ["gospa", "rmse_pos", "missed_per_s", "false_per_s"];
+    assert_eq!(figures.map(|word| same[word].as_f64()), [Some(0.0); 4]);
+    let found = files.json("compare pictures before after.csv --json --max-age 2");
+    assert_eq!(found["rmse_pos"].as_f64(), Some(3.0));
+    assert_eq!(found["missed_per_s"].as_f64(), Some(0.0));
+    assert_eq!(found["false_per_s"].as_f64(), Some(0.2), "two seconds of ten");
+    assert_eq!(found["system_tracks"], 2, "what is tentative is not shown");
+    let back = files.json("compare pictures after.csv before --json --max-age 2");
+    assert_eq!(back["missed_per_s"].as_f64(), Some(0.2));
+    let text = String::from_utf8(files.run("compare pictures before after.csv").stdout).unwrap();
+    assert!(text.starts_with("gospa "), "{text}");
+}
+
+#[test]
 fn what_cannot_be_scored_is_refused_with_file_place_and_remedy() {
     let files = picture();
     for (arguments, expected) in [

@@ -488,7 +488,7 @@ typedef struct KosekiSystemTrack {
     KosekiExtent extent; /* Size of the target. */
     KosekiCovariance covariance; /* Covariance of position and velocity. */
     KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
-    float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane: about 2 on average where */
+    float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none. */
     uint32_t spare[3]; /* Reserved, 0. */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 1064, "size");

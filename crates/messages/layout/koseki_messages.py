@@ -604,7 +604,7 @@ class SystemTrack(ctypes.Structure):
         ("extent", Extent),  # Size of the target.
         ("covariance", Covariance),  # Covariance of position and velocity.
         ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
-        ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane: about 2 on average where
+        ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         ("spare", ctypes.c_uint32 * 3),  # Reserved, 0.
     ]
 

@@ -106,8 +106,8 @@ sample! {
         covariance: Covariance,
         /// Contributing sources in the order of their numbers; `contribution_count` of them hold something.
         contributions: [Contribution; 16],
-        /// Normalised innovation squared (NIS) of the report that caused this state, in the plane: about 2 on average where
-        /// covariances are honest, above 5.99 once in twenty; 0 if none did, or it was not compared with the filter.
+        /// Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
+        /// About 2 on average where covariances are honest, above 5.99 once in twenty.
         nis: f32,
         /// Reserved, 0.
         spare: [u32; 3],

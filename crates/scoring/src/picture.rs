@@ -102,6 +102,16 @@ impl Timeline {
         Ok(timeline)
     }
 
+    /// First whole second at which something shows; `None` if nothing does.
+    pub fn first_second(&self) -> Option<i64> {
+        self.pictures.first()
+    }
+
+    /// Last whole second that the rows reach; `None` if there are none.
+    pub fn last_second(&self) -> Option<i64> {
+        self.end_s.map(|end_s| end_s.floor() as i64)
+    }
+
     /// A timeline of tracks to which states are added that show for `age_max_s` seconds.
     pub fn empty(age_max_s: f64) -> Self {
         Self {

@@ -194,6 +194,11 @@ impl<const D: usize> Pictures<D> {
         }
     }
 
+    /// Instant of the first picture.
+    pub(crate) fn first(&self) -> Option<Instant> {
+        self.by_instant.keys().next().copied()
+    }
+
     /// Goes through the pictures in the order of time.
     pub(crate) fn walk(&self) -> Walk<'_, D> {
         Walk {

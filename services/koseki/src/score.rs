@@ -128,7 +128,7 @@ fn in_pairs<'a>(
 }
 
 /// Prints the figures that `words` name, those that there are.
-fn show(found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()> {
+pub(crate) fn show(found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()> {
     if json {
         return crate::print(&format!("{}\n", serde_json::to_string(found)?));
     }

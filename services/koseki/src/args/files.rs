@@ -312,7 +312,11 @@ none. us_per_report is the time of the engine alone. Every rule has an engine of
 
 /// `koseki compare`.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Compare {
+    /// Pictures that are there already.
+    #[command(subcommand)]
+    pub(crate) what: Option<CompareWhat>,
     #[command(flatten)]
     pub(crate) input: OfflineInput,
     /// Where the targets are: a CSV file as for `koseki score`
@@ -336,6 +340,48 @@ pub(crate) struct Compare {
     /// Print the table as Markdown
     #[arg(long, conflicts_with = "json")]
     pub(crate) markdown: bool,
+}
+
+/// Further things to compare.
+#[derive(Debug, Subcommand)]
+pub(crate) enum CompareWhat {
+    /// Say how two pictures of the same time differ: as recorded, and fused again with other settings
+    #[command(after_help = COMPARE_PICTURES_EXAMPLES)]
+    Pictures(ComparePictures),
+}
+
+const COMPARE_PICTURES_EXAMPLES: &str = "\
+Examples:
+  koseki replay records/tower/latest --config other.toml --out other.csv
+  koseki compare pictures records/tower/latest other.csv
+  koseki compare pictures before.csv after.csv --max-age 5 --json
+
+The first picture stands in the place of the truth: its confirmed and coasted tracks are the targets that the second one is
+held against at each whole second, with the figures of `koseki score`. A missed target is a track that only the first has, a
+false one a track that only the second has. Columns are found by name: time_s,system_track_id,x,y,z,vx,vy,vz,state.";
+
+/// `koseki compare pictures`.
+#[derive(Debug, Args)]
+pub(crate) struct ComparePictures {
+    /// System tracks of the first picture: a CSV file, or the folder of a start
+    pub(crate) first: PathBuf,
+    /// System tracks of the second one
+    pub(crate) second: PathBuf,
+    /// Cut-off of GOSPA and OSPA: distance from which two tracks are not of one target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// A state older than this does not show, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to compare [default: the first that either has]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: Option<i64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 pub(super) const SCORE_EXAMPLES: &str = "\

@@ -29,7 +29,8 @@ use files::{
     track_examples,
 };
 pub(crate) use files::{
-    Compare, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks, ScoreWhat, Simulate, Track,
+    Compare, ComparePictures, CompareWhat, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks,
+    ScoreWhat, Simulate, Track,
 };
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;

@@ -4,6 +4,7 @@
 //! fusing once. What is compared is what [`crate::fuse`] would write and [`crate::score`] would say of it, without the
 //! files between them.
 
+mod pictures;
 mod table;
 
 use anyhow::Context as _;
@@ -13,7 +14,7 @@ use messages::{Counter, NS_PER_S, SystemTrack, TrackState};
 use scoring::{PictureScore, PictureSettings, ShownState, Timeline};
 use serde::Serialize;
 
-use crate::args::Compare;
+use crate::args::{Compare, CompareWhat};
 use crate::files::{InputError, open};
 use crate::offline::{Refusals, Setup, drive};
 
@@ -41,6 +42,13 @@ struct Outcome {
 /// # Errors
 /// If a file or the configuration cannot be used.
 pub(crate) fn run(compare: &Compare) -> anyhow::Result<()> {
+    match &compare.what {
+        Some(CompareWhat::Pictures(asked)) => pictures::run(asked),
+        None => rules(compare),
+    }
+}
+
+fn rules(compare: &Compare) -> anyhow::Result<()> {
     let settings = PictureSettings {
         cut_off_m: compare.c,
         gate_m: compare.gate,
