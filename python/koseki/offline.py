@@ -1,10 +1,11 @@
 """Koseki's offline commands on tables, and recordings of ASTERIX as dicts and tables.
 
 Each command runs the executable `koseki` of the same version, found by $KOSEKI or in the PATH, on files in a folder of
-its own, so results are those of the command line to the digit; other Python threads run meanwhile. Decoding needs none. A table is given as a path of a
-CSV file, a dict of columns, a data frame of pandas or polars, a table of pyarrow, or anything else with the Arrow C
-stream interface (that needs pyarrow). A table is returned as a dict of numpy columns, of which `pandas.DataFrame`,
-`polars.DataFrame` and `pyarrow.table` make theirs. The columns, and their units, are those of `koseki COMMAND --help`.
+its own, so results are those of the command line to the digit; other Python threads run meanwhile. Decoding needs none. A
+table is given as a path of a CSV file, a dict of columns, a data frame of pandas or polars, a table of pyarrow, or
+anything else with the Arrow C stream interface (that needs pyarrow). A table is returned as a dict of numpy columns, of
+which `pandas.DataFrame`, `polars.DataFrame` and `pyarrow.table` make theirs. The columns, and their units, are those of
+`koseki COMMAND --help`.
 """
 
 from __future__ import annotations
