@@ -18,7 +18,16 @@ pub struct Survey {
     pub topics: BTreeMap<String, TopicSurvey>,
     /// Files of which the end was missing.
     pub torn: u64,
+    /// Times in which nothing was taken, each from one slice to the next, UTC, nanoseconds: the recorder was not there,
+    /// or the part was cut out.
+    pub gaps_ns: Vec<[u64; 2]>,
+    /// Time when the latest slice was taken.
+    taken_ns: Option<u64>,
 }
+
+/// Time without any slice that is a gap, nanoseconds: while a recorder runs, every process says five times a second how
+/// it is.
+const GAP_NS: u64 = 700_000_000;
 
 /// Contents of one topic.
 #[derive(Clone, Debug, Default)]
@@ -64,7 +73,13 @@ impl Survey {
                 header,
                 taken_ns,
                 ..
-            } => self.topic(topic).begin_slice(header, taken_ns),
+            } => {
+                let before_ns = self.taken_ns.replace(taken_ns).unwrap_or(taken_ns);
+                if taken_ns.saturating_sub(before_ns) > GAP_NS {
+                    self.gaps_ns.push([before_ns, taken_ns]);
+                }
+                self.topic(topic).begin_slice(header, taken_ns);
+            }
             Item::Sample { topic, .. } => self.topic(topic).add_sample(),
         }
     }

@@ -220,6 +220,25 @@ fn one_file_of_several_counts_what_was_lost_between_them() {
 }
 
 #[test]
+fn times_in_which_nothing_was_taken_are_gaps_within_a_file_and_between_files() {
+    let taken = |times_ms: &[i64]| {
+        let bytes = Shared::default();
+        let mut writer = Writer::begin(bytes.clone(), &Facts::new()).unwrap();
+        let channel = writer.channel(TOPIC, &Cue::LAYOUT).unwrap();
+        for time_ms in times_ms {
+            let header = BatchHeader::default();
+            writer.slice(channel, &header, &[], time_ms * 1_000_000, 5).unwrap();
+        }
+        writer.finish().unwrap();
+        bytes.bytes()
+    };
+    let files = [taken(&[1_000, 1_200, 1_800]), taken(&[4_000, 4_650, 6_000])];
+    let gaps = survey(&[&files[0], &files[1]]).gaps_ns;
+    let ms = gaps.iter().map(|gap| gap.map(|time_ns| time_ns / 1_000_000));
+    assert_eq!(ms.collect::<Vec<_>>(), [[1_800, 4_000], [4_650, 6_000]]);
+}
+
+#[test]
 fn what_no_recorder_wrote_is_nothing() {
     for bytes in [&b""[..], b"MCAP", b"time_s,sensor_id\n1,2\n"] {
         assert_eq!(whole(&mut Cursor::new(bytes)).unwrap().bytes, 0);

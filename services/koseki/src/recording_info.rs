@@ -12,6 +12,9 @@ use telemetry::table::{Align, Table};
 
 use crate::args::{RecordingInfo, Usage};
 
+/// Gaps that are listed in text.
+const GAPS_SHOWN: usize = 10;
+
 /// Prints what a recording holds.
 ///
 /// # Errors
@@ -50,6 +53,7 @@ fn json(survey: &Survey, files: usize) -> String {
         "configuration": fact("configuration"),
         "files": files,
         "without_an_end": survey.torn,
+        "gaps_ns": survey.gaps_ns,
         "topics": topics,
     });
     format!("{all}\n")
@@ -81,7 +85,21 @@ fn text(survey: &Survey, files: usize) -> anyhow::Result<String> {
         let said = survey.facts.get(fact).map_or("not said", String::as_str);
         writeln!(out, "{fact}: {said}")?;
     }
-    writeln!(out, "files: {files}, without an end: {}\n", survey.torn)?;
+    writeln!(out, "files: {files}, without an end: {}", survey.torn)?;
+    let configuration = survey.facts.get("configuration");
+    let lines = configuration.map_or("not said".to_owned(), |text| {
+        format!("{} lines, see --json", text.lines().count())
+    });
+    writeln!(out, "configuration: {lines}")?;
+    let utc = |time_ns: u64| Utc(time_ns as i64).to_string();
+    for [from_ns, to_ns] in survey.gaps_ns.iter().take(GAPS_SHOWN) {
+        let seconds = (to_ns - from_ns) as f64 / 1e9;
+        writeln!(out, "gap: {seconds:.1} s, from {} to {}", utc(*from_ns), utc(*to_ns))?;
+    }
+    if let Some(more) = survey.gaps_ns.len().checked_sub(GAPS_SHOWN).filter(|more| *more > 0) {
+        writeln!(out, "and {more} more gaps, see --json")?;
+    }
+    out.push('\n');
     let mut table = Table::new(&[
         ("topic", Align::Left),
         ("samples", Align::Right),
