@@ -97,7 +97,7 @@ fn commands_and_options_that_documents_name_exist() {
             else {
                 continue;
             };
-            let is_nested = matches!(*first, "bench" | "score");
+            let is_nested = matches!(*first, "bench" | "compare" | "recording" | "score");
             let second = words
                 .get(1)
                 .filter(|word| is_nested && word.chars().all(|c| c.is_ascii_lowercase()));

@@ -90,8 +90,11 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
             "again",
             "--asterix",
             "tracks.ast",
+            "--foxglove",
+            "map.mcap",
         ],
     );
+    check_pictures(&std::fs::read(home.path("map.mcap")).unwrap());
     let tables = std::fs::read_dir(home.path("again")).unwrap();
     let mut compared = 0;
     for table in tables.map(|entry| entry.unwrap().path()) {
@@ -112,6 +115,38 @@ fn all_topics_are_in_the_recording_as_many_as_rows() {
         .lines()
         .filter(|row| row.contains(",confirmed,") || row.contains(",coasted,"));
     assert!(records.lines().count() >= sent.count() && records.contains("\"_c\":62"));
+}
+
+/// Pictures of the demonstration's aircraft: of each second one of places and one of a scene, with the same tracks.
+fn check_pictures(file: &[u8]) {
+    let mut tracks: BTreeMap<u64, [Vec<String>; 2]> = BTreeMap::new();
+    for message in mcap::MessageStream::new(file).unwrap() {
+        let message = message.unwrap();
+        let schema = message.channel.schema.as_ref().unwrap().name.clone();
+        let content: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+        let of_second = tracks.entry(message.log_time).or_default();
+        match schema.as_str() {
+            "foxglove.LocationFixes" => {
+                for fix in content["fixes"].as_array().unwrap() {
+                    let [latitude, longitude] = ["latitude", "longitude"].map(|name| fix[name].as_f64().unwrap());
+                    assert!(
+                        (40.0..43.0).contains(&latitude) && (0.0..4.0).contains(&longitude),
+                        "{fix}"
+                    );
+                    assert!(fix["position_covariance"][0].as_f64().unwrap() > 0.0);
+                    of_second[0].push(fix["metadata"][0]["value"].as_str().unwrap().to_owned());
+                }
+            }
+            "foxglove.SceneUpdate" => {
+                let entities = content["entities"].as_array().unwrap().iter();
+                of_second[1].extend(entities.map(|entity| entity["id"].as_str().unwrap().to_owned()));
+            }
+            other => panic!("{other}"),
+        }
+    }
+    assert!(tracks.len() >= 3, "{}", tracks.len());
+    assert!(tracks.values().all(|[places, scene]| places == scene));
+    assert!(tracks.values().last().unwrap()[0].len() > 60);
 }
 
 #[test]

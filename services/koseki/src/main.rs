@@ -30,6 +30,7 @@ mod offline;
 mod picture;
 mod recording_copy;
 mod recording_export;
+mod recording_foxglove;
 mod recording_info;
 mod recordings;
 mod replay;

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, Write as _};
+use std::path::PathBuf;
 
 use anyhow::Context as _;
 use asterix::registry;
@@ -14,6 +15,7 @@ use recording::{Facts, Item};
 
 use crate::args::{RecordingExport, Usage};
 use crate::files::{OutputFile, check_outputs};
+use crate::recording_foxglove::Pictures;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};
 
@@ -30,7 +32,11 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     let paths = files(&export.path)?;
     check_outputs(
         &paths,
-        &[("--csv", export.csv.as_ref()), ("--asterix", export.asterix.as_ref())],
+        &[
+            ("--csv", export.csv.as_ref()),
+            ("--asterix", export.asterix.as_ref()),
+            ("--foxglove", export.foxglove.as_ref()),
+        ],
     )?;
     let facts = facts(&paths[0])?;
     let config = configuration(&facts, &paths[0])?;
@@ -41,15 +47,19 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
         .as_deref()
         .map(|path| Blocks::begin(&config, OutputFile::begin(path)?));
     let mut blocks = blocks.take().transpose()?;
+    let pictures = |path: &PathBuf| Pictures::begin(&config, OutputFile::begin(path)?);
+    let mut pictures = export.foxglove.as_ref().map(pictures).transpose()?;
     for path in &paths {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
         recording::read::<_, anyhow::Error>(&mut file, |item| {
             tables.as_mut().map_or(Ok(()), |tables| tables.add(&item))?;
+            pictures.as_mut().map_or(Ok(()), |pictures| pictures.add(&item))?;
             Ok(blocks.as_mut().map_or(Ok(()), |blocks| blocks.add(&item))?)
         })
         .with_context(|| format!("exporting {}", path.display()))?;
     }
     tables.map_or(Ok(()), Tables::finish)?;
+    pictures.map_or(Ok(()), Pictures::finish)?;
     blocks.map_or(Ok(()), Blocks::finish)
 }
 

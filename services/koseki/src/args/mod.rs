@@ -442,6 +442,10 @@ pub(crate) struct RecordingExport {
     /// File for the system tracks as ASTERIX CAT062, one record a state that is confirmed, coasted or ended
     #[arg(long, value_name = "FILE", group = "format")]
     pub(crate) asterix: Option<PathBuf>,
+    /// File (MCAP) for the system tracks as Foxglove and Lichtblick draw them, a picture for each second: on a map, and
+    /// in space
+    #[arg(long, value_name = "FILE", group = "format")]
+    pub(crate) foxglove: Option<PathBuf>,
 }
 
 const CONDITION_EXAMPLES: &str = "\
