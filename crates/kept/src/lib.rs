@@ -11,6 +11,8 @@
 
 mod image;
 mod picture;
+#[cfg(feature = "states")]
+mod states;
 mod value;
 
 pub use image::{Area, Found, HEAD, Memory, Refused, is_marked, mark, mixed};

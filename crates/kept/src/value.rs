@@ -1,9 +1,7 @@
 //! Values as words of eight octets, and back.
 
-use estimation::{Gaussian, NearlyConstantVelocity};
 use messages::layout::Sample as _;
 use messages::{Covariance, Identity, TargetType};
-use nalgebra::SMatrix;
 
 /// A value that a record holds.
 pub trait Kept: Sized {
@@ -164,33 +162,7 @@ impl<T: Kept> Kept for Option<T> {
     }
 }
 
-impl<const R: usize, const C: usize> Kept for SMatrix<f64, R, C> {
-    const WORDS: usize = R * C;
-
-    fn put(&self, to: &mut Put<'_>) {
-        for value in self {
-            value.put(to);
-        }
-    }
-
-    fn get(from: &mut Get<'_>) -> Option<Self> {
-        let mut matrix = Self::zeros();
-        for value in &mut matrix {
-            *value = f64::get(from)?;
-        }
-        Some(matrix)
-    }
-}
-
 kept!(Covariance { upper: [f64; 21] });
-kept!(Gaussian {
-    mean: [f64; 6],
-    covariance: Covariance
-});
-kept!(NearlyConstantVelocity {
-    density_m2ps3: [f64; 3]
-});
-
 /// Keeps a sample by its octets.
 macro_rules! sample {
     ($($kind:ty),*) => {
