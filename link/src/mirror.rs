@@ -176,10 +176,8 @@ impl Inlet for Tracks {
             return self.complete(&arrival, head.origin, &slices, counts);
         }
         for (header, states) in slices {
-            let Some(missing) = self.stand_in.missing(&header) else {
-                counts.rejected += 1;
-                continue;
-            };
+            // The picture may have come first; then there is no news in it.
+            let missing = self.stand_in.missing(&header).unwrap_or(0);
             counts.missing += missing;
             self.lacks |= missing > 0;
             let news: Vec<SystemTrack> = states
@@ -221,30 +219,29 @@ impl Tracks {
         counts: &mut Counts,
     ) -> anyhow::Result<()> {
         self.lacks = false;
-        let Some((header, _)) = slices.first() else {
+        // The last one says how far it reaches.
+        let Some((header, _)) = slices.last() else {
             return Ok(());
         };
         let states = || slices.iter().flat_map(|(_, states)| states);
-        let newest = states().map(|state| state.sequence).max().unwrap_or(0);
         let news = states().copied().filter(|state| self.picture.is_news(header, state));
         // What was told after the picture was drawn is in order.
-        let gone = self
-            .picture
-            .states()
-            .filter(|known| known.sequence < newest && !states().any(|state| state.track_number == known.track_number));
+        let gone = self.picture.states().filter(|known| {
+            known.sequence < header.first_sequence && !states().any(|state| state.track_number == known.track_number)
+        });
         let ended = gone.map(|known| SystemTrack {
             state: TrackState::Terminated as u8,
             ..*known
         });
         let news: Vec<SystemTrack> = news.chain(ended).collect();
-        // In front of whatever comes next of the same publisher.
-        let header = BatchHeader {
+        let unnumbered = BatchHeader {
             first_sequence: UNNUMBERED,
             ..*header
         };
         for news in news.chunks(self.stand_in.topic.capacity.slice_len) {
-            self.tell(arrival, (&header, origin), news, counts)?;
+            self.tell(arrival, (&unnumbered, origin), news, counts)?;
         }
+        self.stand_in.pass(header, 0);
         Ok(())
     }
 }

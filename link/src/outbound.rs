@@ -20,6 +20,9 @@ use crate::wire::{Head, Message};
 const SLICES_PER_TURN: usize = 256;
 /// Size at which a message goes out.
 const MESSAGE_OCTETS: usize = 60_000;
+/// Silence after which a lane says again how far it is, nanoseconds. Whoever lost the last samples before a pause would
+/// not miss them.
+const SILENCE_NS: i64 = 500_000_000;
 /// States that go out in one slice when they have been held back.
 const HELD_BACK_PER_SLICE: usize = 32;
 
@@ -70,11 +73,39 @@ impl Sender {
 /// A lane: its place among those of the outbox, and who sends.
 pub(crate) type Lane = (usize, Sender);
 
+/// How far a lane is.
+#[derive(Debug, Default)]
+struct Reached {
+    /// Header of a slice that would come next; `None` while nothing has come.
+    header: Option<BatchHeader>,
+    at_ns: i64,
+}
+
+impl Reached {
+    fn pass(&mut self, header: &BatchHeader, count: usize, now: Now) {
+        self.header = Some(BatchHeader {
+            first_sequence: header.first_sequence + count as u64,
+            ..*header
+        });
+        self.at_ns = now.mono_ns;
+    }
+
+    /// An empty slice where it has been silent for long.
+    fn say<T: Payload>(&mut self, now: Now) -> Option<Message> {
+        let header = self.header.filter(|_| now.mono_ns - self.at_ns >= SILENCE_NS)?;
+        self.at_ns = now.mono_ns;
+        let mut message = Message::new();
+        message.add::<T>(&header, &[]);
+        Some(message)
+    }
+}
+
 /// A topic whose samples all go out.
 pub(crate) struct Stream<T: Payload> {
     lane: Lane,
     subscriber: Subscriber<SharedMemory, T>,
     counts: Counts,
+    reached: Reached,
 }
 
 impl<T: Payload> Stream<T> {
@@ -83,6 +114,7 @@ impl<T: Payload> Stream<T> {
             lane,
             subscriber: bus.subscriber(topic, || joined_ns)?,
             counts: Counts::default(),
+            reached: Reached::default(),
         })
     }
 }
@@ -100,13 +132,16 @@ impl<T: Payload> Outbound for Stream<T> {
                 counts.unsent += samples;
             }
         };
+        let reached = &mut self.reached;
         let slices = self.subscriber.take(SLICES_PER_TURN, |header, samples| {
+            reached.pass(header, samples.len(), now);
             message.add(header, samples);
             if message.octets() >= MESSAGE_OCTETS {
                 send(std::mem::replace(&mut message, Message::new()));
             }
         })?;
-        if !message.is_empty() {
+        let sign = || reached.say::<T>(now);
+        if let Some(message) = Some(message).filter(|message| !message.is_empty()).or_else(sign) {
             send(message);
         }
         Ok(slices == SLICES_PER_TURN)
@@ -211,7 +246,7 @@ impl Outbound for Tracks {
         let mut picture = self.picture.lock().unwrap_or_else(PoisonError::into_inner);
         let stream = &mut self.stream;
         let mut message = Message::new();
-        let ((lane, sender), counts) = (stream.lane, &mut stream.counts);
+        let ((lane, sender), counts, reached) = (stream.lane, &mut stream.counts, &mut stream.reached);
         let (held_back, ended, waiting, last) = (
             &mut self.held_back,
             &mut self.ended,
@@ -220,6 +255,7 @@ impl Outbound for Tracks {
         );
         let slices = stream.subscriber.take(SLICES_PER_TURN, |header, states| {
             *last = *header;
+            reached.pass(header, states.len(), now);
             picture.hear(header, states);
             let octets = message.octets() + size_of_val(states) + 2 * size_of::<BatchHeader>();
             if held_back.is_empty() && ended.is_empty() && outbox.has_room(octets) {
@@ -242,7 +278,9 @@ impl Outbound for Tracks {
                 }
             }
         })?;
-        if !message.is_empty() {
+        let is_complete = held_back.is_empty() && ended.is_empty();
+        let sign = || reached.say::<SystemTrack>(now).filter(|_| is_complete);
+        if let Some(message) = Some(message).filter(|message| !message.is_empty()).or_else(sign) {
             counts.sent += message.samples() as u64;
             outbox.put(lane, message.finish(sender.head(now, counts.conflated)));
         }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use messages::layout::Sample as _;
 use messages::{BatchHeader, SystemTrack, TrackState};
 
 use crate::wire::Message;
@@ -12,6 +13,7 @@ pub(crate) struct Picture {
     states: BTreeMap<u32, SystemTrack>,
     /// Sequence numbers of the last words of tracks that have ended lately.
     ended: BTreeMap<u32, u64>,
+    /// Header of a slice that would come next.
     header: BatchHeader,
 }
 
@@ -24,7 +26,10 @@ impl Picture {
         if header.epoch < self.header.epoch {
             return;
         }
-        self.header = *header;
+        self.header = BatchHeader {
+            first_sequence: header.first_sequence.wrapping_add(states.len() as u64),
+            ..*header
+        };
         for state in states {
             if TrackState::from_code(state.state) == Some(TrackState::Terminated) {
                 self.states.remove(&state.track_number);
@@ -59,7 +64,7 @@ impl Picture {
         self.states.get(&number)
     }
 
-    /// All of it, as slices of at most so many states, each state under its own sequence number's header.
+    /// All of it: each state as a slice under its own sequence number, and an empty one that says how far it reaches.
     pub(crate) fn tell(&self, message: &mut Message) {
         for state in self.states.values() {
             let header = BatchHeader {
@@ -68,12 +73,18 @@ impl Picture {
             };
             message.add(&header, std::slice::from_ref(state));
         }
+        let header = BatchHeader {
+            schema: SystemTrack::SCHEMA,
+            ..self.header
+        };
+        message.add::<SystemTrack>(&header, &[]);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::{self, Head};
 
     fn state(track_number: u32, sequence: u64, state: TrackState) -> SystemTrack {
         SystemTrack {
@@ -102,5 +113,20 @@ mod tests {
         picture.hear(&header(1), &[state(3, 9, TrackState::Confirmed)]);
         assert_eq!(picture.state(1).map(|state| state.sequence), Some(2));
         assert!(picture.state(2).is_none() && picture.state(3).is_none());
+    }
+
+    #[test]
+    fn what_is_told_says_how_far_it_reaches_even_if_nothing_lives() {
+        let mut picture = Picture::default();
+        let header = BatchHeader {
+            first_sequence: 7,
+            ..BatchHeader::default()
+        };
+        picture.hear(&header, &[state(1, 7, TrackState::Terminated)]);
+        let mut message = Message::new();
+        picture.tell(&mut message);
+        let (_, told) = wire::read::<SystemTrack>(&message.finish(Head::default()), 1).unwrap();
+        assert_eq!(told.len(), 1);
+        assert_eq!((told[0].0.first_sequence, told[0].1.len()), (8, 0));
     }
 }

@@ -12,7 +12,7 @@ use runtime::Now;
 use crate::inbound::{Arrival, Counts};
 use crate::wire::{self, Head, Slice};
 
-/// Place of samples that are told apart from their sequence, and of what comes next where nothing has come yet.
+/// Place of samples that are told apart from their sequence.
 pub(crate) const UNNUMBERED: u64 = u64::MAX;
 
 /// Publishers here that stand, one after another, for those of a topic elsewhere.
@@ -27,7 +27,8 @@ struct Open<T: Payload> {
     publisher: Publisher<SharedMemory, T>,
     /// Incarnation and epoch that it stands for.
     stands_for: (u64, u64),
-    next_sequence: u64,
+    /// Number that comes next there; `None` while nothing has come.
+    next_sequence: Option<u64>,
 }
 
 impl<T: Payload> StandIn<T> {
@@ -55,8 +56,7 @@ impl<T: Payload> StandIn<T> {
     /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         let same = |open: &&Open<T>| open.stands_for == (header.incarnation, header.epoch);
-        let next = self.open.as_ref().filter(same).map(|open| open.next_sequence);
-        let next = next.filter(|next| *next != UNNUMBERED);
+        let next = self.open.as_ref().filter(same).and_then(|open| open.next_sequence);
         header.first_sequence.checked_sub(next.unwrap_or(header.first_sequence))
     }
 
@@ -87,7 +87,7 @@ impl<T: Payload> StandIn<T> {
             self.open = Some(Open {
                 publisher: publisher.with_epoch(header.epoch),
                 stands_for,
-                next_sequence: UNNUMBERED,
+                next_sequence: None,
             });
         }
         let open = self.open.as_mut().context("it was just opened")?;
@@ -107,8 +107,9 @@ impl<T: Payload> StandIn<T> {
 
     /// All samples of the other publisher up to the end of a slice of so many have been published, or never will be.
     pub(crate) fn pass(&mut self, header: &BatchHeader, count: usize) {
-        if let Some(open) = &mut self.open {
-            open.next_sequence = header.first_sequence + count as u64;
+        let same = |open: &&mut Open<T>| open.stands_for == (header.incarnation, header.epoch);
+        if let Some(open) = self.open.as_mut().filter(same) {
+            open.next_sequence = open.next_sequence.max(Some(header.first_sequence + count as u64));
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A deployment of another host as an instance here.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -113,13 +114,17 @@ fn a_mirror_that_joins_late_and_is_cut_off_shows_the_picture_as_it_is() {
     );
     let mut reflection = reflection.unwrap();
     let agree = |original: &mut Reader, reflection: &mut Reader| {
+        let numbers = RefCell::new((Vec::new(), Vec::new()));
         until(
             || {
                 original.read();
                 reflection.read();
-                !original.tracks.is_empty() && original.numbers() == reflection.numbers()
+                let (there, here) = (original.numbers(), reflection.numbers());
+                let agree = !there.is_empty() && there == here;
+                numbers.replace((there, here));
+                agree
             },
-            || here.status("tower"),
+            || format!("{:?}\n{}", numbers.borrow(), here.status("tower")),
         );
     };
     agree(&mut original, &mut reflection);
