@@ -16,8 +16,8 @@
 //! | pairs | the sums of registration of each pair of sources | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //!
-//! How a record is written so that a kill costs one at most, [`kept`] tells. Its writing takes no system call, no lock
-//! and no allocation; the size is fixed at the start ([`Layout::len`]).
+//! How a record is written so that a kill costs one at most, the crate [`kept`](mod@kept) tells. Its writing takes no
+//! system call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
 //!
 //! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
 //! sensor track that was a member brings it back to its system track.
