@@ -60,7 +60,7 @@ impl LinkAgent {
             },
             origin: process.config.origin,
         };
-        let session = session::open(link)?;
+        let session = session::open(deployment, link)?;
         let refused = |what: &str, error: zenoh::Error| anyhow!("{what}: {error}");
         let mut open = Open {
             process,

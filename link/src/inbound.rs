@@ -3,7 +3,7 @@
 //! Messages wait for a thread of their own, which sleeps until one comes. An [`Inlet`] checks it and publishes its
 //! slices here.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -19,9 +19,12 @@ use zenoh::{Session, Wait as _};
 
 use crate::clocks::Clocks;
 use crate::keys;
+use crate::session::MESSAGE_MAX;
 
 /// Messages that wait to be published at most.
 const WAITING: usize = 1024;
+/// Their octets at most, whoever sends them.
+const WAITING_OCTETS: usize = 4 * MESSAGE_MAX;
 /// Longest sleep, so that the end is noticed.
 const SLEEP: Duration = Duration::from_millis(100);
 /// Time between two questions for what is lacking, nanoseconds.
@@ -76,14 +79,19 @@ type Arrived = (usize, Vec<u8>);
 #[derive(Clone)]
 struct Entrance {
     sender: SyncSender<Arrived>,
+    octets: Arc<AtomicUsize>,
     overrun: Arc<AtomicU64>,
 }
 
 impl Entrance {
     fn arrive(&self, index: usize, sample: &Sample) {
-        let message = sample.payload().to_bytes().into_owned();
+        let octets = sample.payload().len();
+        let has_room = self.octets.fetch_add(octets, Ordering::Relaxed) + octets <= WAITING_OCTETS;
+        let message = has_room.then(|| sample.payload().to_bytes().into_owned());
         // What finds no room is missing from the sequence, and counted there; what is dropped at the end is not.
-        if let Err(TrySendError::Full(_)) = self.sender.try_send((index, message)) {
+        let offered = message.map(|message| self.sender.try_send((index, message)));
+        if let None | Some(Err(TrySendError::Full(_))) = offered {
+            self.octets.fetch_sub(octets, Ordering::Relaxed);
             self.overrun.fetch_add(1, Ordering::Relaxed);
         }
     }
@@ -97,6 +105,7 @@ impl Inbound {
         let is_closed = Arc::new(AtomicBool::new(false));
         let entrance = Entrance {
             sender,
+            octets: Arc::default(),
             overrun: Arc::new(AtomicU64::new(0)),
         };
         let mut subscribers = Vec::new();
@@ -182,6 +191,7 @@ impl Work {
             let arrived = receiver.recv_timeout(SLEEP);
             let now = Now::read();
             if let Ok((index, message)) = arrived {
+                self.entrance.octets.fetch_sub(message.len(), Ordering::Relaxed);
                 let (deployment, inlet) = &mut inlets[index];
                 let offset = self.clocks.of(deployment);
                 let arrival = Arrival {

@@ -4,6 +4,7 @@
 //! in for sources that are `external`. Between hosts, Eclipse Zenoh carries the slices as they lie in shared memory.
 //! Whatever happens to the network or to this process, fusion does not notice more than sources that are silent.
 
+mod access;
 mod agent;
 mod clocks;
 mod feed;

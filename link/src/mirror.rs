@@ -48,12 +48,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
         name: "mirror".to_owned(),
         listen: mirror.listen,
         connect: mirror.connect,
-        send: Vec::new(),
-        receive: Vec::new(),
-        queue_octets: 0,
-        pretended_ns: 0,
-        tls: None,
-        user: None,
+        ..Link::default()
     };
     let link = match config.links.first() {
         // With what this host shows and asks for.
@@ -81,7 +76,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
 fn reflect(config: Config, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
     let process = Process::connect(config, options, ProcessKind::Link, &link.name)?;
     let _held = hold_topics(&process.config, &process.bus)?;
-    let session = session::open(link)?;
+    let session = session::open(&process.config.name, link)?;
     let deployment = Arc::new(process.config.name.clone());
     let wanted = topics.iter().map(|topic| {
         let wanted = messages::visit(topic, Reflect(&deployment));

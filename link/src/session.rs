@@ -5,11 +5,16 @@ use configuration::Link;
 use serde_json::json;
 use zenoh::{Config, Session, Wait as _};
 
-/// Joins the links that `link` names.
+use crate::access;
+
+/// Octets of a message at most: a picture of some ten thousand tracks.
+pub(crate) const MESSAGE_MAX: usize = 16 << 20;
+
+/// Joins the links that `deployment`'s `link` names.
 ///
 /// # Errors
-/// If an endpoint cannot be listened at, or a file for TLS or the password cannot be read.
-pub(crate) fn open(link: &Link) -> anyhow::Result<Session> {
+/// If an endpoint cannot be listened at, or a file for TLS, users or the password cannot be read.
+pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
     let mut config = Config::default();
     let mut set = |key: &str, value: serde_json::Value| {
         let refused = |error| anyhow!("{key} = {value}: {error}");
@@ -29,6 +34,10 @@ pub(crate) fn open(link: &Link) -> anyhow::Result<Session> {
     )?;
     // A peer that is gone without a word is noticed after this time.
     set("transport/link/tx/lease", json!(2000))?;
+    set("transport/link/rx/max_message_size", json!(MESSAGE_MAX))?;
+    if let Some(rules) = access::rules(deployment, link) {
+        set("access_control", rules)?;
+    }
     if let Some(tls) = &link.tls {
         set("transport/link/tls/root_ca_certificate", json!(tls.authority))?;
         set("transport/link/tls/enable_mtls", json!(true))?;
@@ -45,6 +54,9 @@ pub(crate) fn open(link: &Link) -> anyhow::Result<Session> {
         let password = text.lines().next().unwrap_or_default();
         set("transport/auth/usrpwd/user", json!(user))?;
         set("transport/auth/usrpwd/password", json!(password))?;
+    }
+    if let Some(file) = &link.users_file {
+        set("transport/auth/usrpwd/dictionary_file", json!(file))?;
     }
     let at = || format!("{} {}", link.listen.join(" "), link.connect.join(" "));
     zenoh::open(config)

@@ -8,8 +8,8 @@ use messages::{SensorTrack, Streamed as _, WideArea};
 use settings::SettingsError;
 
 use super::check::{Checked, check_name};
-use super::link::{Link, LinkTls, RemoteTopic};
-use super::tables::{LinkTable, RemoteTopicTable};
+use super::link::{Link, LinkPeer, LinkTls, RemoteTopic};
+use super::tables::{LinkPeerTable, LinkTable, RemoteTopicTable};
 use super::{Input, Source, WideAreaInput, WideAreaSensor};
 
 /// The links to other hosts.
@@ -78,6 +78,7 @@ fn check_link(
             return Err(SettingsError::new(key("send"), what));
         }
     }
+    let peers = check_peers(key, raw)?;
     let receive = raw.receive.iter().map(|each| remote(key, each, sources, sensors));
     Ok(Link {
         name: raw.name.clone(),
@@ -89,7 +90,27 @@ fn check_link(
         queue_octets: raw.queue_mb as usize * 1_000_000,
         tls,
         user,
+        users_file: raw.users_file.as_ref().map(PathBuf::from),
+        peers,
     })
+}
+
+fn check_peers(key: &impl Fn(&str) -> String, raw: &LinkTable) -> Checked<Vec<LinkPeer>> {
+    if !raw.peers.is_empty() && raw.certificate.is_none() && raw.users_file.is_none() {
+        let what = "nobody can be told from others without certificates or users; give authority, certificate and \
+                    private_key, or users_file";
+        return Err(SettingsError::new(key("peer"), what));
+    }
+    let check_peer = |peer: &LinkPeerTable| {
+        let read = peer.read.clone().unwrap_or_else(|| raw.send.clone());
+        if let Some(unsent) = read.iter().find(|topic| !raw.send.contains(topic)) {
+            let what = format!("\"{unsent}\" is not sent; give it in send, too");
+            return Err(SettingsError::new(key("peer.read"), what));
+        }
+        let name = peer.name.clone();
+        Ok(LinkPeer { name, read })
+    };
+    raw.peers.iter().map(check_peer).collect()
 }
 
 fn remote(

@@ -38,7 +38,7 @@ use settings::{Document, SettingsError, Table, Value};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
-pub use link::{Link, LinkTls, RemoteTopic};
+pub use link::{Link, LinkPeer, LinkTls, RemoteTopic};
 pub use locating::locating_settings;
 pub use network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 pub use offline::{Offline, OfflineSettings, SeenSensor};

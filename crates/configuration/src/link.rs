@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 /// A link to deployments on other hosts: one process, `koseki-link` (PL-13).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Link {
     /// Name of the process.
     pub name: String,
@@ -23,6 +23,19 @@ pub struct Link {
     pub tls: Option<LinkTls>,
     /// User and file with the password, if the others ask for them.
     pub user: Option<(String, PathBuf)>,
+    /// File with users and passwords, if the others must be one of them.
+    pub users_file: Option<PathBuf>,
+    /// Others that it deals with; empty: all that may connect.
+    pub peers: Vec<LinkPeer>,
+}
+
+/// Another link that a link deals with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LinkPeer {
+    /// Common name of its certificate, or its user.
+    pub name: String,
+    /// Topics that it may have.
+    pub read: Vec<String>,
 }
 
 /// A topic of another deployment, and where its samples go here.

@@ -328,8 +328,20 @@ settings::settings! {
         user: Option<String> = None;
         /// File whose first line is the user's password.
         password_file: Option<String> = None;
+        /// File with a line `USER:PASSWORD` for each user that others may be; whoever is none of them is refused.
+        users_file: Option<String> = None;
+        /// Others that this link deals with. Without any, it deals with all that may connect.
+        peers as "peer": Vec<LinkPeerTable> = Vec::new();
         /// Allows TCP to other machines, without encryption: whoever is on the way sees and changes what is exchanged.
         insecure: bool = false;
+    }
+
+    /// Another link that a link deals with.
+    pub struct LinkPeerTable {
+        /// Common name of its certificate, or its user.
+        name: String;
+        /// Topics that it may have.
+        read: Option<Vec<String>> = None, usually "all that are sent";
     }
 
     /// A topic of another deployment.

@@ -78,6 +78,40 @@ fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
 }
 
 #[test]
+fn a_link_that_others_can_reach_says_who_they_are() {
+    let read = |lines: &str| {
+        let text = format!("{}\n[[link]]\nname = \"out\"\n{lines}", barcelona());
+        Config::parse(Path::new("test.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let local = "listen = [\"tcp/127.0.0.1:7447\"]";
+    let tls = "listen = [\"tls/[::]:7447\"]\nauthority = \"a\"\ncertificate = \"b\"\nprivate_key = \"c\"";
+    let peer = "[[link.peer]]\nname = \"centre\"";
+    let unsent = format!("{tls}\n{peer}\nread = [\"health\"]");
+    let cases = [
+        ("", "meets nobody"),
+        ("listen = [\"7447\"]", "is no endpoint"),
+        ("listen = [\"tcp/0.0.0.0:7447\"]", "can be reached from other machines"),
+        (
+            "listen = [\"tls/[::]:7447\"]",
+            "needs authority, certificate and private_key",
+        ),
+        (&format!("{local}\nuser = \"me\""), "user and password_file go together"),
+        (&format!("{local}\nsend = [\"nonsense\"]"), "is no topic"),
+        (&format!("{local}\n{peer}"), "nobody can be told from others"),
+        (&unsent, "\"health\" is not sent"),
+    ];
+    for (lines, said) in cases {
+        let error = read(lines).unwrap_err();
+        assert!(error.contains(said), "{lines}: {error}");
+    }
+    let link = &read(&format!("{tls}\n{peer}")).unwrap().links[0];
+    assert_eq!(
+        (link.peers[0].name.as_str(), &link.peers[0].read),
+        ("centre", &link.send)
+    );
+}
+
+#[test]
 fn sensors_and_deployments_have_an_identity() {
     let named = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     let radar = named.source("radar").unwrap();

@@ -4,7 +4,10 @@
 //! The executable of Koseki is taken from `$KOSEKI`, or from the workspace's target folder; without it the tests say
 //! `skipped`, unless `$KOSEKI_REQUIRE_DATA` is set.
 
+mod certificates;
 mod host;
 mod mirror;
+
+mod refusals;
 mod relay;
 mod remote_sensor;

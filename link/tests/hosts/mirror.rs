@@ -12,21 +12,38 @@ use crate::host::{Host, free_port, until};
 use crate::relay::{Delays, Relay};
 
 /// A reader's picture: the newest state of each track.
-struct Reader {
+pub(crate) struct Reader {
     subscription: Subscription<SystemTrack>,
-    tracks: BTreeMap<u32, SystemTrack>,
+    pub(crate) tracks: BTreeMap<u32, SystemTrack>,
 }
 
 impl Reader {
-    fn of(host: &Host, instance: &str) -> Self {
-        let root = Root::in_base(host.shared(), instance).unwrap();
-        Self {
-            subscription: Subscription::at(&root, &system_tracks()).unwrap(),
-            tracks: BTreeMap::new(),
-        }
+    /// A reader of an instance whose topics are there.
+    pub(crate) fn of(host: &Host, instance: &str) -> Self {
+        Self::find(host, instance).unwrap()
     }
 
-    fn read(&mut self) {
+    /// A reader of an instance as soon as its topics are there.
+    pub(crate) fn until_there(host: &Host, instance: &str) -> Self {
+        let mut reader = None;
+        until(
+            || {
+                reader = Self::find(host, instance);
+                reader.is_some()
+            },
+            || host.status(instance),
+        );
+        reader.unwrap()
+    }
+
+    fn find(host: &Host, instance: &str) -> Option<Self> {
+        let root = Root::in_base(host.shared(), instance).ok()?;
+        let subscription = Subscription::at(&root, &system_tracks()).ok()?;
+        let tracks = BTreeMap::new();
+        Some(Self { subscription, tracks })
+    }
+
+    pub(crate) fn read(&mut self) {
         while let Some(slice) = self.subscription.next(Duration::ZERO).unwrap() {
             for state in slice.iter() {
                 match TrackState::from_code(state.state) {
@@ -40,10 +57,28 @@ impl Reader {
     fn numbers(&self) -> Vec<u32> {
         self.tracks.keys().copied().collect()
     }
+
+    fn sequences(&self) -> Vec<u64> {
+        self.tracks.values().map(|track| track.sequence).collect()
+    }
+
+    /// Waits until it has the tracks that `original` has, each in its newest state.
+    pub(crate) fn agrees_with(&mut self, original: &mut Self, here: &Host) {
+        let numbers = RefCell::new((Vec::new(), Vec::new()));
+        until(
+            || {
+                original.read();
+                self.read();
+                numbers.replace((original.numbers(), self.numbers()));
+                !original.tracks.is_empty() && original.sequences() == self.sequences()
+            },
+            || format!("{:?}\n{}", numbers.borrow(), here.status("tower")),
+        );
+    }
 }
 
 /// A mirror, ended with the test.
-struct Mirror(Child);
+pub(crate) struct Mirror(Child);
 
 impl Drop for Mirror {
     fn drop(&mut self) {
@@ -52,12 +87,13 @@ impl Drop for Mirror {
     }
 }
 
-fn mirror(host: &Host, config: &str, port: u16) -> Mirror {
+/// A mirror on `host` of the deployment that `config` describes and whose link is at `endpoint`.
+pub(crate) fn mirror(host: &Host, config: &str, endpoint: &str, options: &[&str]) -> Mirror {
     let path = host.path("tower.toml");
     std::fs::write(&path, config).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_koseki-link"));
     command.arg("mirror").arg("--config").arg(path);
-    command.arg("--connect").arg(format!("tcp/127.0.0.1:{port}"));
+    command.args(["--connect", endpoint]).args(options);
     command
         .env("KOSEKI_ROOT", host.shared())
         .stdin(Stdio::null())
@@ -65,8 +101,8 @@ fn mirror(host: &Host, config: &str, port: u16) -> Mirror {
     Mirror(command.spawn().unwrap())
 }
 
-/// A world whose targets come and go.
-fn tower(port: u16) -> String {
+/// A world whose targets come and go, and a link at `endpoint` with what else is to be said of it.
+pub(crate) fn tower(endpoint: &str, link: &str) -> String {
     format!(
         "name = \"tower\"\n\
          [frame]\nlatitude_deg = 41.3\nlongitude_deg = 2.1\n\
@@ -75,8 +111,8 @@ fn tower(port: u16) -> String {
          [source.simulated]\nkind = \"multilateration\"\ndropouts_per_hour = 100.0\nfalse_tracks_per_period = 1.0\n\
          [source.covariance]\nfrom = \"report\"\nposition_sigma_m = 5.0\n\
          [recorder]\nenabled = false\n\
-         [[link]]\nname = \"out\"\nlisten = [\"tcp/127.0.0.1:{port}\"]\n\
-         send = [\"system/tracks\", \"health\"]\n"
+         [[link]]\nname = \"out\"\nlisten = [\"{endpoint}\"]\n\
+         send = [\"system/tracks\", \"health\"]\n{link}"
     )
 }
 
@@ -86,7 +122,8 @@ fn a_mirror_that_joins_late_and_is_cut_off_shows_the_picture_as_it_is() {
         return;
     };
     let port = free_port();
-    let mut deployment = there.up("tower", &tower(port), &[]);
+    let config = tower(&format!("tcp/127.0.0.1:{port}"), "");
+    let mut deployment = there.up("tower", &config, &[]);
     deployment.until_up();
     let mut original = Reader::of(&there, "tower");
     until(
@@ -97,37 +134,9 @@ fn a_mirror_that_joins_late_and_is_cut_off_shows_the_picture_as_it_is() {
         String::new,
     );
     let relay = Relay::to(port, Delays::NONE);
-    let _mirror = mirror(&here, &tower(port), relay.port());
-    until(|| here.status("tower").contains("tower"), String::new);
-    let mut reflection = None;
-    until(
-        || {
-            let root = Root::in_base(here.shared(), "tower").unwrap();
-            let found = Subscription::at(&root, &system_tracks());
-            reflection = found.ok().map(|subscription| Reader {
-                subscription,
-                tracks: BTreeMap::new(),
-            });
-            reflection.is_some()
-        },
-        || here.status("tower"),
-    );
-    let mut reflection = reflection.unwrap();
-    let agree = |original: &mut Reader, reflection: &mut Reader| {
-        let numbers = RefCell::new((Vec::new(), Vec::new()));
-        until(
-            || {
-                original.read();
-                reflection.read();
-                let (there, here) = (original.numbers(), reflection.numbers());
-                let agree = !there.is_empty() && there == here;
-                numbers.replace((there, here));
-                agree
-            },
-            || format!("{:?}\n{}", numbers.borrow(), here.status("tower")),
-        );
-    };
-    agree(&mut original, &mut reflection);
+    let _mirror = mirror(&here, &config, &format!("tcp/127.0.0.1:{}", relay.port()), &[]);
+    let mut reflection = Reader::until_there(&here, "tower");
+    reflection.agrees_with(&mut original, &here);
     // What ends while nothing passes is told ended when the mirror is back.
     let before = original.numbers();
     relay.cut();
@@ -139,14 +148,5 @@ fn a_mirror_that_joins_late_and_is_cut_off_shows_the_picture_as_it_is() {
         String::new,
     );
     relay.mend();
-    agree(&mut original, &mut reflection);
-    let sequences = |reader: &Reader| -> Vec<u64> { reader.tracks.values().map(|track| track.sequence).collect() };
-    until(
-        || {
-            original.read();
-            reflection.read();
-            sequences(&original) == sequences(&reflection)
-        },
-        || here.status("tower"),
-    );
+    reflection.agrees_with(&mut original, &here);
 }

@@ -1,0 +1,83 @@
+//! Access control: which other link may have, and give, which keys.
+//!
+//! Where a link names those it deals with, whatever is not said here is refused: each of them may ask for the topics
+//! that it may have, all of them may give what this link takes, and compare clocks. Zenoh's interceptors see to it at
+//! the network's edge, by the common name of the certificate or by the user.
+
+use configuration::Link;
+use messages::{SystemTrack, system_tracks};
+use serde_json::{Value, json};
+
+use crate::keys;
+
+const ALL: [&str; 9] = [
+    "put",
+    "delete",
+    "declare_subscriber",
+    "query",
+    "declare_queryable",
+    "reply",
+    "liveliness_token",
+    "declare_liveliness_subscriber",
+    "liveliness_query",
+];
+
+/// Rules of `deployment`'s `link` in the form of Zenoh's configuration; `None` if it deals with everybody.
+pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
+    if link.peers.is_empty() {
+        return None;
+    }
+    let rule = |id: &str, keys: &[String], flow: &str, messages: &[&str]| {
+        json!({
+            "id": format!("{id}-{flow}"), "key_exprs": keys, "flows": [flow], "messages": messages,
+            "permission": "allow",
+        })
+    };
+    let mut rules: Vec<Value> = Vec::new();
+    let mut common = Vec::new();
+    let mut allow = |to: &mut Vec<String>, id: &str, keys: &[String], ingress: &[&str], egress: &[&str]| {
+        // Zenoh knows no rule about nothing.
+        if !keys.is_empty() {
+            rules.push(rule(id, keys, "ingress", ingress));
+            rules.push(rule(id, keys, "egress", egress));
+            to.extend([format!("{id}-ingress"), format!("{id}-egress")]);
+        }
+    };
+    allow(&mut common, "clocks", &["koseki-clock/**".to_owned()], &ALL, &ALL);
+    let given = link.receive.iter();
+    let given: Vec<String> = given
+        .map(|topic| keys::topic_of_any_layout(&topic.deployment, &topic.topic))
+        .collect();
+    allow(&mut common, "given", &given, &["put"], &["declare_subscriber"]);
+    let mut subjects = Vec::new();
+    let mut policies = Vec::new();
+    for (index, peer) in link.peers.iter().enumerate() {
+        let mut had: Vec<String> = peer
+            .read
+            .iter()
+            .map(|topic| keys::topic_of_any_layout(deployment, topic))
+            .collect();
+        if peer.read.iter().any(|topic| topic == system_tracks().name.as_str()) {
+            had.push(keys::picture::<SystemTrack>(deployment));
+        }
+        let mut own = common.clone();
+        let id = format!("had-{index}");
+        let (asked, answered) = (["declare_subscriber", "query"], ["put", "reply", "declare_queryable"]);
+        allow(&mut own, &id, &had, &asked, &answered);
+        let mut identities = Vec::new();
+        for (kind, is_used) in [
+            ("cert_common_names", link.tls.is_some()),
+            ("usernames", link.users_file.is_some()),
+        ] {
+            if is_used {
+                let id = format!("{kind}-{index}");
+                subjects.push(json!({"id": id, kind: [peer.name]}));
+                identities.push(id);
+            }
+        }
+        policies.push(json!({"rules": own, "subjects": identities}));
+    }
+    Some(json!({
+        "enabled": true, "default_permission": "deny", "rules": rules, "subjects": subjects, "policies": policies,
+    }))
+}

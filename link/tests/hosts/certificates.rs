@@ -1,0 +1,37 @@
+//! Certificates of a test.
+
+use std::fs;
+use std::path::PathBuf;
+
+use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair};
+
+use crate::host::Host;
+
+/// Who signs certificates.
+pub(crate) struct Authority(CertifiedIssuer<'static, KeyPair>);
+
+impl Authority {
+    pub(crate) fn new() -> Self {
+        let mut params = CertificateParams::new(Vec::new()).unwrap();
+        params.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+        let own = KeyPair::generate().unwrap();
+        Self(CertifiedIssuer::self_signed(params, own).unwrap())
+    }
+
+    /// Keys of a link's configuration for whoever is called `name` on `host`, and trusts `trusted`.
+    pub(crate) fn certify(&self, host: &Host, name: &str, trusted: &Self) -> String {
+        let mut params = CertificateParams::new(vec!["127.0.0.1".to_owned()]).unwrap();
+        params.distinguished_name.push(DnType::CommonName, name);
+        let own = KeyPair::generate().unwrap();
+        let certificate = params.signed_by(&own, &self.0).unwrap();
+        let write = |what: &str, text: String| -> PathBuf {
+            let path = host.path(&format!("{name}-{what}.pem"));
+            fs::write(&path, text).unwrap();
+            path
+        };
+        let authority = write("authority", trusted.0.pem());
+        let certificate = write("certificate", certificate.pem());
+        let key = write("key", own.serialize_pem());
+        format!("authority = {authority:?}\ncertificate = {certificate:?}\nprivate_key = {key:?}\n")
+    }
+}

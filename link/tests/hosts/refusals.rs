@@ -1,0 +1,161 @@
+//! Those who may not join, and messages that are none.
+
+use std::time::Duration;
+
+use koseki_client::messages::{Counter, Health, health};
+use koseki_client::{Root, Subscription};
+use zenoh::Wait as _;
+
+use crate::certificates::Authority;
+use crate::host::{Host, free_port, until};
+use crate::mirror::{Mirror, Reader, mirror, tower};
+
+/// Options with which a mirror shows who it is.
+const IDENTIFIED: [&str; 1] = ["--certificates"];
+
+/// A mirror that the others are compared with, and one that must learn nothing.
+fn only_the_first_sees(there: &Host, allowed: (&Host, &Mirror), refused: &[(Host, Mirror)], from: &str) {
+    for (host, _) in refused {
+        until(
+            || host.status("tower").contains("tower is not there"),
+            || format!("{from}: {}", host.status("tower")),
+        );
+    }
+    let mut original = Reader::of(there, "tower");
+    let mut seen = Reader::until_there(allowed.0, "tower");
+    until(
+        || {
+            original.read();
+            seen.read();
+            seen.tracks.len() >= 25
+        },
+        || allowed.0.status("tower"),
+    );
+    for (host, _) in refused {
+        let status = host.status("tower");
+        assert!(status.contains("tower is not there"), "{status}");
+        let mut reader = Reader::of(host, "tower");
+        reader.read();
+        assert!(reader.tracks.is_empty(), "{status}");
+    }
+}
+
+#[test]
+fn who_has_no_certificate_of_the_authority_or_is_not_named_learns_nothing() {
+    let Some(there) = Host::new() else { return };
+    let (authority, forger) = (Authority::new(), Authority::new());
+    let port = free_port();
+    let named = "[[link.peer]]\nname = \"display\"\n";
+    let config = |identity: &str| tower(&format!("tls/127.0.0.1:{port}"), &format!("{identity}{named}"));
+    let own = authority.certify(&there, "tower", &authority);
+    let mut deployment = there.up("tower", &config(&own), &[]);
+    deployment.until_up();
+    let join = |name: &str, signed: &Authority| {
+        let host = Host::new().unwrap();
+        let identity = signed.certify(&host, name, &authority);
+        let mirror = mirror(&host, &config(&identity), &format!("tls/127.0.0.1:{port}"), &IDENTIFIED);
+        (host, mirror)
+    };
+    let refused = [join("display", &forger), join("stranger", &authority)];
+    let (host, display) = join("display", &authority);
+    only_the_first_sees(&there, (&host, &display), &refused, "certificates");
+}
+
+#[test]
+fn who_is_no_user_or_has_no_password_learns_nothing() {
+    let Some(there) = Host::new() else { return };
+    let port = free_port();
+    let users = there.path("users");
+    std::fs::write(&users, "display:one\nrecorder:two\n").unwrap();
+    let listed = format!("users_file = {users:?}\n[[link.peer]]\nname = \"display\"\n");
+    let endpoint = format!("tcp/127.0.0.1:{port}");
+    let mut deployment = there.up("tower", &tower(&endpoint, &listed), &[]);
+    deployment.until_up();
+    let join = |user: &str, password: &str| {
+        let host = Host::new().unwrap();
+        let file = host.path("password");
+        std::fs::write(&file, password).unwrap();
+        let identity = format!("user = \"{user}\"\npassword_file = {file:?}\n");
+        let mirror = mirror(&host, &tower(&endpoint, &identity), &endpoint, &IDENTIFIED);
+        (host, mirror)
+    };
+    let anonymous = Host::new().unwrap();
+    let nobody = mirror(&anonymous, &tower(&endpoint, ""), &endpoint, &[]);
+    let refused = [
+        join("display", "two"),
+        join("stranger", "one"),
+        // A user, but none that the link deals with.
+        join("recorder", "two"),
+        (anonymous, nobody),
+    ];
+    let (host, display) = join("display", "one");
+    only_the_first_sees(&there, (&host, &display), &refused, "users");
+}
+
+/// A message with no slice of the present layout.
+fn forged(schema_is_other: bool) -> Vec<u8> {
+    let mut message = b"KOSEKI/1".to_vec();
+    message.resize(72, 0);
+    if schema_is_other {
+        message.resize(72 + 256, 0xA5);
+    }
+    message.push(7);
+    message
+}
+
+#[test]
+fn messages_that_are_none_are_counted_and_do_no_harm() {
+    let (Some(there), Some(here)) = (Host::new(), Host::new()) else {
+        return;
+    };
+    let (port, door) = (free_port(), free_port());
+    let endpoint = format!("tcp/127.0.0.1:{port}");
+    let mut deployment = there.up("tower", &tower(&endpoint, ""), &[]);
+    deployment.until_up();
+    let door = format!("tcp/127.0.0.1:{door}");
+    let _mirror = mirror(&here, &tower(&endpoint, ""), &endpoint, &["--listen", &door]);
+    let mut seen = Reader::until_there(&here, "tower");
+    let mut config = zenoh::Config::default();
+    for (key, value) in [
+        ("mode", "\"client\"".to_owned()),
+        ("scouting/multicast/enabled", "false".to_owned()),
+        ("connect/endpoints", format!("[\"{door}\"]")),
+    ] {
+        config.insert_json5(key, &value).unwrap();
+    }
+    let mut intruder = None;
+    until(
+        || {
+            intruder = zenoh::open(config.clone()).wait().ok();
+            intruder.is_some()
+        },
+        || here.status("tower"),
+    );
+    let intruder = intruder.unwrap();
+    let root = Root::in_base(here.shared(), "tower").unwrap();
+    let mut health: Subscription<Health> = Subscription::at(&root, &health()).unwrap();
+    let mut rejected = 0;
+    let messages = [Vec::new(), vec![0xFF; 5000], forged(false), forged(true)];
+    until(
+        || {
+            for message in &messages {
+                let key = "koseki/0123456789abcdef/tower/system/tracks";
+                intruder.put(key, message.clone()).wait().unwrap();
+            }
+            while let Some(slice) = health.next(Duration::ZERO).unwrap() {
+                for entry in slice.iter().filter(|entry| entry.name() == "mirror") {
+                    rejected = entry.counters[Counter::MessagesRejected];
+                }
+            }
+            rejected >= messages.len() as u64
+        },
+        || here.status("tower"),
+    );
+    // Larger than any message may be: the network drops it.
+    intruder
+        .put("koseki/0/tower/system/tracks", vec![0; 20 << 20])
+        .wait()
+        .unwrap();
+    let mut original = Reader::of(&there, "tower");
+    seen.agrees_with(&mut original, &here);
+}
