@@ -59,6 +59,59 @@ fn a_leader_that_stands_still_before_anybody_has_seen_it_is_replaced_too() {
     home.assert_nothing_is_left("demo");
 }
 
+#[test]
+fn numbers_are_not_given_again_after_the_machines_death() {
+    let home = Home::new();
+    let folder = format!("checkpoint.folder=\"{}\"", home.path("disk").display());
+    // Nothing is young enough to go on.
+    let durable = [
+        &folder,
+        "checkpoint.durable=true",
+        "checkpoint.copy_every_s=0.1",
+        "checkpoint.max_age_s=0.1",
+    ];
+    let arguments: Vec<&str> = durable.iter().flat_map(|each| ["--set", *each]).collect();
+    let demo = home.demo_with(&arguments);
+    let live_in = |many: usize| {
+        let mut watcher = Watcher::new(&Bus::open(&home.root("demo"), "watcher").unwrap());
+        until("targets are shown", || {
+            watcher.look();
+            watcher.tally.carriers().len() > many
+        });
+        watcher.tally
+    };
+    let before = live_in(30);
+    let copied = || std::fs::metadata(home.path("disk").join("demo.checkpoint")).and_then(|file| file.modified());
+    let since = copied().unwrap();
+    until("all of them are copied", || copied().unwrap() > since);
+    // It cannot start any of them again.
+    demo.signal(Signal::STOP);
+    for pid in home.pids() {
+        kill(pid, Signal::KILL);
+    }
+    demo.end();
+    until("all are dead", || home.pids().is_empty());
+    home.root("demo").remove_outlasting();
+    let demo = home.demo_with(&arguments);
+    let after = live_in(30);
+    let last = before.live().iter().max().copied().unwrap();
+    assert!(
+        after.live().iter().all(|number| *number > last),
+        "{:?} {:?}",
+        before.live(),
+        after.live()
+    );
+    let (status, said) = demo.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    assert!(said.contains("copies in"), "{said}");
+    home.assert_nothing_is_left("demo");
+    assert_eq!(
+        std::fs::read_dir(home.path("disk")).unwrap().count(),
+        0,
+        "an orderly end forgets"
+    );
+}
+
 const STANDBY: [&str; 2] = ["--set", "fusion.standby=true"];
 
 /// Ends fusion a few times, or as often as `KOSEKI_KILLS` says: then at long intervals, and with a limit to how long no

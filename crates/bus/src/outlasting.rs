@@ -7,11 +7,16 @@
 //! successor fills a file of its own and then has the link lead there, which happens at once or not at all.
 //!
 //! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]).
+//!
+//! The machine's death ends it, too. What must outlast that is copied to a folder on disk now and then
+//! ([`Root::copy_outlasting`]), and revived from there ([`Root::revive_outlasting`]). Records that are written
+//! meanwhile may be torn in the copy, as they may be when their writer is killed.
 
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use kept::Memory;
 
@@ -21,6 +26,11 @@ use crate::line::fold;
 use crate::mapping::Mapping;
 use crate::root::Root;
 use crate::seal::{SHARED_MEMORY_DIR, random};
+
+/// With what the name of a file ends that was revived; other names end with a hexadecimal digit.
+const REVIVED: &str = "-revived";
+/// Words of a page: what is blank takes no room in a copy.
+const PAGE: usize = 512;
 
 /// Words that outlast their process, mapped.
 #[derive(Debug)]
@@ -39,8 +49,11 @@ impl Root {
     /// # Errors
     /// If there is no memory left for them.
     pub fn make_outlasting(&self, name: &str, words: usize) -> Result<Outlasting, BusError> {
-        let file = format!("{}{name}.{:08x}", self.kept_prefix(), random());
-        let path = Path::new(SHARED_MEMORY_DIR).join(file);
+        self.make_outlasting_as(&format!("{name}.{:08x}", random()), name, words)
+    }
+
+    fn make_outlasting_as(&self, file: &str, name: &str, words: usize) -> Result<Outlasting, BusError> {
+        let path = Path::new(SHARED_MEMORY_DIR).join(format!("{}{file}", self.kept_prefix()));
         match Mapping::create(&path, words * size_of::<u64>()) {
             Ok(mapping) => Ok(Outlasting {
                 mapping,
@@ -70,6 +83,84 @@ impl Root {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(io_error("map", &path)(error)),
         }
+    }
+
+    /// Copies all that is published to files in `folder`, whole or not at all.
+    ///
+    /// # Errors
+    /// If a file cannot be written; the one before stays.
+    pub fn copy_outlasting(&self, folder: &Path) -> Result<(), BusError> {
+        fs::create_dir_all(folder).map_err(io_error("create", folder))?;
+        for name in self.outlasting_names() {
+            let Some(memory) = self.outlasting(&name)? else {
+                continue;
+            };
+            let path = self.copy_path(folder, &name);
+            let new = path.with_extension(format!("{name}.new"));
+            write_copy(&new, memory.words())
+                .and_then(|()| fs::rename(&new, &path))
+                .map_err(io_error("write", &new))?;
+        }
+        // The names themselves.
+        let folder_itself = File::open(folder).and_then(|folder| folder.sync_all());
+        folder_itself.map_err(io_error("write", folder))
+    }
+
+    /// Publishes what was copied to `folder`, but for what is there still; how many of them.
+    ///
+    /// # Errors
+    /// If there is no memory for it.
+    pub fn revive_outlasting(&self, folder: &Path) -> Result<usize, BusError> {
+        let mut revived = 0;
+        let prefix = format!("{}.", self.instance());
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            let file = entry.file_name();
+            let name = file.to_str().and_then(|file| file.strip_prefix(&prefix));
+            let Some(name) = name.filter(|name| !name.contains('.')) else {
+                continue;
+            };
+            if self.outlasting(name)?.is_some() {
+                continue;
+            }
+            let path = entry.path();
+            let octets = fs::read(&path).map_err(io_error("read", &path))?;
+            let words = octets.as_chunks::<{ size_of::<u64>() }>().0;
+            if words.is_empty() {
+                continue;
+            }
+            let memory = self.make_outlasting_as(&format!("{name}.{:08x}{REVIVED}", random()), name, words.len())?;
+            for (to, word) in memory.words().iter().zip(words) {
+                to.store(u64::from_ne_bytes(*word), Ordering::Relaxed);
+            }
+            memory.publish()?;
+            revived += 1;
+        }
+        Ok(revived)
+    }
+
+    /// Removes what was copied to `folder`.
+    pub fn remove_copies(&self, folder: &Path) {
+        let prefix = format!("{}.", self.instance());
+        for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+            if entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// Names under which something was published.
+    fn outlasting_names(&self) -> Vec<String> {
+        let links = format!("{}.", self.instance());
+        let entries = fs::read_dir(self.base()).into_iter().flatten().flatten();
+        let links = entries
+            .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_symlink()))
+            .filter_map(|entry| Some(entry.file_name().to_str()?.strip_prefix(&links)?.to_owned()));
+        // Those with a point are on their way to be published.
+        links.filter(|name| !name.contains('.')).collect()
+    }
+
+    fn copy_path(&self, folder: &Path, name: &str) -> PathBuf {
+        folder.join(format!("{}.{name}", self.instance()))
     }
 
     /// Removes all that was published, and what others left that were killed before they could publish. What was
@@ -109,6 +200,11 @@ impl Root {
 }
 
 impl Outlasting {
+    /// Whether it was revived from a copy, and may lack what was written last.
+    pub fn is_revived(&self) -> bool {
+        self.path.to_str().is_some_and(|path| path.ends_with(REVIVED))
+    }
+
     /// The words.
     pub fn words(&self) -> &[AtomicU64] {
         let count = self.mapping.bytes() / size_of::<u64>();
@@ -137,6 +233,24 @@ impl Memory for Outlasting {
     fn words(&self) -> &[AtomicU64] {
         self.words()
     }
+}
+
+fn write_copy(path: &Path, words: &[AtomicU64]) -> io::Result<()> {
+    let mut options = File::options();
+    let mut file = options.write(true).create(true).truncate(true).mode(0o600).open(path)?;
+    file.set_len(size_of_val(words) as u64)?;
+    let mut octets = Vec::with_capacity(PAGE * size_of::<u64>());
+    for page in words.chunks(PAGE) {
+        octets.clear();
+        let page = page.iter().map(|word| word.load(Ordering::Relaxed).to_ne_bytes());
+        octets.extend(page.flatten());
+        if octets.iter().any(|octet| *octet != 0) {
+            file.write_all(&octets)?;
+        } else {
+            file.seek(SeekFrom::Current(octets.len() as i64))?;
+        }
+    }
+    file.sync_all()
 }
 
 /// Removes this user's files in shared memory whose names begin with `prefix`, but for one.
@@ -181,5 +295,31 @@ mod tests {
         root.remove_outlasting();
         assert!(root.outlasting("a").unwrap().is_none() && !second.path.exists());
         assert_eq!(fs::read_dir(base.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn copies_outlast_the_machine() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path().join("disk");
+        let root = Root::in_base(base.path(), "copied").unwrap();
+        let memory = root.make_outlasting("a", 3 * PAGE + 1).unwrap();
+        memory.words()[2 * PAGE + 5].store(7, Relaxed);
+        memory.words()[3 * PAGE].store(8, Relaxed);
+        memory.publish().unwrap();
+        root.copy_outlasting(&folder).unwrap();
+        assert_eq!(root.revive_outlasting(&folder).unwrap(), 0, "it is there still");
+        root.remove_outlasting();
+        assert_eq!(root.revive_outlasting(&folder).unwrap(), 1);
+        let revived = root.outlasting("a").unwrap().unwrap();
+        let words: Vec<u64> = revived.words().iter().map(|word| word.load(Relaxed)).collect();
+        assert_eq!(
+            (words[2 * PAGE + 5], words[3 * PAGE], words.len()),
+            (7, 8, 3 * PAGE + 1)
+        );
+        assert_eq!(words.iter().sum::<u64>(), 15);
+        assert!(revived.is_revived() && !memory.is_revived());
+        root.remove_outlasting();
+        root.remove_copies(&folder);
+        assert_eq!(root.revive_outlasting(&folder).unwrap(), 0);
     }
 }

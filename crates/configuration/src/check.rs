@@ -25,8 +25,8 @@ use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
 use super::{
-    Checkpoint, Config, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording, Segments, Source,
-    Standby,
+    Checkpoint, Config, Durable, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording,
+    Segments, Source, Standby,
 };
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
@@ -106,6 +106,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
+    let durable = durable(&raw.checkpoint)?;
     let fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
     Ok(Config {
         monitor: check_monitor(&raw.monitor, &fusion)?,
@@ -122,12 +123,29 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         receivers,
         gateways,
         links,
+        durable,
         scenario,
         recording: check_recording(&raw.recorder)?,
         recorder: raw.recorder.enabled,
         display: check_display(&raw.display)?,
         watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
     })
+}
+
+fn durable(raw: &CheckpointTable) -> Checked<Option<Durable>> {
+    let refused = |key: &str, what: &str| Err(SettingsError::new(format!("checkpoint.{key}"), what));
+    match &raw.folder {
+        _ if !raw.durable => Ok(None),
+        _ if !raw.enabled => refused("durable", "there is no checkpoint to copy: leave it enabled"),
+        None => refused(
+            "folder",
+            "must be given with durable: a folder on a disk of this machine",
+        ),
+        Some(folder) => Ok(Some(Durable {
+            folder: PathBuf::from(folder),
+            every: Duration::from_nanos(raw.copy_every_s.ns().unsigned_abs()),
+        })),
+    }
 }
 
 fn check_recording(raw: &RecorderTable) -> Checked<Recording> {

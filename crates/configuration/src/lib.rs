@@ -82,6 +82,8 @@ pub struct Config {
     pub gateways: Vec<Gateway>,
     /// The links to deployments on other hosts; each is a process.
     pub links: Vec<Link>,
+    /// Copies on disk of what outlasts the processes; `None` if there are none.
+    pub durable: Option<Durable>,
     /// The simulated world, if there are simulated sources.
     pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
@@ -283,6 +285,15 @@ pub struct Fusion {
     pub queue: usize,
     /// A report that takes longer through fusion has missed its deadline, nanoseconds.
     pub deadline_ns: i64,
+}
+
+/// Copies on disk of what outlasts the processes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Durable {
+    /// Folder for them.
+    pub folder: PathBuf,
+    /// Time between two copies.
+    pub every: Duration,
 }
 
 /// Memory of fusion that outlasts its process.

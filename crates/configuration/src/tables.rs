@@ -472,6 +472,13 @@ settings::settings! {
         enabled: bool = true;
         /// Age beyond which its tracks are not gone on with: each is told ended.
         max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
+        /// Whether it is copied to a disk, so that it survives the machine's death: numbers are not given again, and
+        /// what was learned is known; tracks go on as far as `max_age_s` allows.
+        durable: bool = false;
+        /// Folder for the copies.
+        folder: Option<String> = None, usually "must be given with durable";
+        /// Time between two copies: what happened since the last one is lost with the machine.
+        copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
     }
 
     /// The launcher, which starts and watches the others.

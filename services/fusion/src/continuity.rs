@@ -31,6 +31,8 @@ const RECORDS_PER_TURN: usize = 64;
 /// Numbers a second, and seconds, over which numbering begins anew where nobody knows which were given.
 const NUMBERS_PER_S: u32 = 49_710;
 const DAY_S: i64 = 86_400;
+/// Numbers that are passed over where some may have been given after the copy was made that is gone on from.
+const PASSED_OVER: u32 = 100_000;
 
 /// How the lead was come by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,7 +57,12 @@ enum Found {
     /// There was no fusion before.
     Nothing,
     /// Tracks to go on with, or to be told ended.
-    Tracks { snapshot: Box<Snapshot>, ends: bool },
+    Tracks {
+        snapshot: Box<Snapshot>,
+        ends: bool,
+        /// Whether it is a copy, from before the machine died.
+        is_revived: bool,
+    },
     /// There was one, and nothing is known of it.
     Refused,
 }
@@ -87,7 +94,7 @@ impl Start {
 
     /// Parts of what is started from, for the topic `system/restored`; none if there is nothing.
     pub(crate) fn parts(&self, now: Now) -> Vec<Restored> {
-        let Found::Tracks { snapshot, ends } = &self.found else {
+        let Found::Tracks { snapshot, ends, .. } = &self.found else {
             return Vec::new();
         };
         let parts = snapshot.words().chunks(RESTORED_WORDS);
@@ -122,9 +129,18 @@ impl Start {
     ) -> anyhow::Result<Option<Keeping>> {
         match &self.found {
             Found::Nothing => {}
-            Found::Tracks { snapshot, ends } => {
+            Found::Tracks {
+                snapshot,
+                ends,
+                is_revived,
+            } => {
                 order.restored();
                 engine.resume(snapshot, *ends, sink);
+                if *is_revived {
+                    let number = snapshot.reserved().saturating_add(PASSED_OVER);
+                    order.numbers(number);
+                    engine.start_numbers_at(number);
+                }
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
                         input.follow(Some(position), i64::MIN, mono_ns)?;
@@ -171,8 +187,11 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
             Ok(snapshot) => {
                 let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
                 let ends = age_ns.is_none_or(|age_ns| age_ns > settings.max_age_ns);
-                let snapshot = Box::new(snapshot);
-                Found::Tracks { snapshot, ends }
+                Found::Tracks {
+                    snapshot: Box::new(snapshot),
+                    ends,
+                    is_revived: memory.is_revived(),
+                }
             }
             Err(error) => refused(error.to_string()),
         },

@@ -20,6 +20,7 @@ use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::durable::Copying;
 use crate::link::{Facts, Heard, Link, Said};
 
 /// Time between two looks.
@@ -38,6 +39,9 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let link =
         Link::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
     let _held = hold_topics(&process.config, &process.bus)?;
+    let durable = process.config.durable.clone();
+    let copying = durable.map(|durable| Copying::start(process.bus.root().clone(), durable));
+    let _copying = copying.transpose()?;
     let topic = messages::health();
     let mut keeper = Keeper {
         bus: &process.bus,

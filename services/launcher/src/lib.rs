@@ -40,6 +40,7 @@
 
 mod backoff;
 mod child;
+mod durable;
 mod end;
 pub mod keeper;
 mod link;
@@ -83,10 +84,19 @@ pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
     let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
+    let root = instance.root().clone();
     let result = preflight::check(config)
+        .and_then(|()| match &config.durable {
+            Some(durable) => durable::revive(&root, &durable.folder),
+            None => Ok(()),
+        })
         .and_then(|()| with_records(config, orders.clone()))
         .and_then(|orders| supervisor::Supervisor::new(config, &orders, &instance, stop, wake)?.run());
-    result.and(instance.clear())
+    let cleared = instance.clear();
+    if let Some(durable) = &config.durable {
+        root.remove_copies(&durable.folder);
+    }
+    result.and(cleared)
 }
 
 /// The orders, with a folder of this start's own in the place of the one that is asked for, if anything is written.

@@ -1,0 +1,73 @@
+//! Copies on disk of what outlasts the processes, so that it outlasts the machine.
+//!
+//! The keeper makes them in a thread of its own, every few seconds, from memory that the others go on writing. The
+//! launcher revives them at its start where the memory is gone; an orderly end removes them.
+
+use std::path::Path;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+
+use anyhow::Context as _;
+use bus::Root;
+use configuration::Durable;
+
+use crate::say;
+
+/// Copying, as long as this lives.
+#[derive(Debug)]
+pub(crate) struct Copying {
+    /// The thread ends when this is gone.
+    end: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Copying {
+    /// Copies what the processes at `root` keep.
+    ///
+    /// # Errors
+    /// If there is no thread for it.
+    pub(crate) fn start(root: Root, durable: Durable) -> anyhow::Result<Self> {
+        let (end, ended) = channel();
+        let work = move || {
+            let mut fails = false;
+            while ended.recv_timeout(durable.every) == Err(RecvTimeoutError::Timeout) {
+                match root.copy_outlasting(&durable.folder) {
+                    Ok(()) => fails = false,
+                    Err(error) if !fails => {
+                        fails = true;
+                        say(&format!("what is kept for a successor is not copied to disk: {error}"));
+                    }
+                    Err(_) => {}
+                }
+            }
+        };
+        let thread = std::thread::Builder::new().name("copies".to_owned()).spawn(work)?;
+        Ok(Self {
+            end: Some(end),
+            thread: Some(thread),
+        })
+    }
+}
+
+impl Drop for Copying {
+    fn drop(&mut self) {
+        self.end = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Brings back what a machine that died had kept in `folder`.
+///
+/// # Errors
+/// If nothing can be kept there.
+pub(crate) fn revive(root: &Root, folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("checkpoint.folder: making {}", folder.display()))?;
+    match root.revive_outlasting(folder) {
+        Ok(0) => {}
+        Ok(count) => say(&format!("going on from {count} copies in {}", folder.display())),
+        Err(error) => say(&format!("starting afresh, the copies cannot be used: {error}")),
+    }
+    Ok(())
+}
