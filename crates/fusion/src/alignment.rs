@@ -18,6 +18,7 @@
 //!
 //! Source: D. H. Ballard, *Generalizing the Hough transform to detect arbitrary shapes*, Pattern Recognition 13 (1981).
 
+use kept::kept;
 use messages::{GrossError, GrossKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::gross::{self, Motion, Sigma};
@@ -112,6 +113,17 @@ impl Seen {
     }
 }
 
+kept!(Found {
+    value: [f64; 2],
+    score: f64,
+    windows: u32
+});
+kept!(PairState {
+    found: [Found; HYPOTHESES.len()],
+    agree: bool,
+    addresses: u32
+});
+
 /// Success of one kind of error in explaining two sources, over the collections in a row that found it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
@@ -122,7 +134,7 @@ struct Found {
 
 /// Knowledge of two sources.
 #[derive(Clone, Copy, Debug, Default)]
-struct PairState {
+pub(crate) struct PairState {
     found: [Found; HYPOTHESES.len()],
     /// Whether they agree as they are.
     agree: bool,
@@ -273,6 +285,29 @@ impl Alignment {
             removed: vec![None; count],
             epochs: vec![0; count],
         }
+    }
+
+    /// Findings on two sources, by the place of their pair.
+    pub(crate) fn pair_mut(&mut self, place: usize) -> &mut PairState {
+        &mut self.pairs[place]
+    }
+
+    /// Errors of a source: the one that is believed, and what is taken off its reports.
+    pub(crate) fn kept(&self, source: usize) -> (Option<GrossError>, Option<(GrossKind, [f64; 2])>) {
+        (self.errors[source], self.removed[source])
+    }
+
+    /// Goes on with errors that were [kept](Self::kept); nothing is taken off where the settings do not say so.
+    pub(crate) fn resume(
+        &mut self,
+        source: usize,
+        (error, removed): (Option<GrossError>, Option<(GrossKind, [f64; 2])>),
+    ) {
+        self.removed[source] = removed.filter(|_| self.removes);
+        self.errors[source] = error.map(|error| GrossError {
+            is_removed: error.is_removed && self.removes,
+            ..error
+        });
     }
 
     /// The gross error of a source, if one is believed.

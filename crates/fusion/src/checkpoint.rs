@@ -13,7 +13,8 @@
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
 //! | sources | what was learned of each source | in turn |
-//! | pairs | the sums of registration of each pair of sources | in turn |
+//! | pairs | of each pair of sources: sums of registration, gross errors, copies | in turn |
+//! | classes | how hard each class of targets turns | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //!
 //! How a record is written so that a kill costs one at most, the crate [`kept`](mod@kept) tells. Its writing takes no
@@ -33,7 +34,7 @@ pub use kept::{Memory, Refused};
 use crate::settings::Settings;
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 2;
+const FORMAT: u64 = 3;
 /// Most words of a record's contents.
 const RECORD_MAX: usize = 128;
 /// Records that a kill can leave torn.
@@ -50,10 +51,11 @@ pub(crate) enum Kind {
     Remembered,
     Sources,
     Pairs,
+    Classes,
     Cells,
 }
 
-const KINDS: [Kind; 9] = [
+const KINDS: [Kind; 10] = [
     Kind::Numbers,
     Kind::Clock,
     Kind::Positions,
@@ -62,6 +64,7 @@ const KINDS: [Kind; 9] = [
     Kind::Remembered,
     Kind::Sources,
     Kind::Pairs,
+    Kind::Classes,
     Kind::Cells,
 ];
 
@@ -107,6 +110,7 @@ pub(crate) struct Sizes {
     pub(crate) members: usize,
     pub(crate) sources: usize,
     pub(crate) pairs: usize,
+    pub(crate) classes: (usize, usize),
     pub(crate) cells: (usize, usize),
 }
 
@@ -124,6 +128,7 @@ impl Layout {
                 Kind::Members | Kind::Remembered => (sensors, sizes.members),
                 Kind::Sources => (sources, sizes.sources),
                 Kind::Pairs => (sources * sources, sizes.pairs),
+                Kind::Classes => sizes.classes,
                 Kind::Cells => sizes.cells,
             };
             debug_assert!(words <= RECORD_MAX);

@@ -64,6 +64,18 @@ impl Dependence {
         new
     }
 
+    /// Finding on two sources, by the place of their pair: the share of copies, and whether that makes them dependent.
+    pub(crate) fn kept(&self, place: usize) -> (f64, bool) {
+        (self.copies[place], self.learned[place])
+    }
+
+    /// Goes on with a finding that was [kept](Self::kept).
+    pub(crate) fn resume(&mut self, place: usize, (copies, depends): (f64, bool)) {
+        self.copies[place] = copies;
+        self.learned[place] = depends && self.may_depend[place];
+        self.regroup();
+    }
+
     /// The group of a source: the number of its first one.
     pub(crate) fn group_of(&self, source: u16) -> u16 {
         self.groups[usize::from(source)]

@@ -11,13 +11,14 @@
 //! covariances are. Medians are compared, so that a wrong association cannot spoil them.
 
 use estimation::NearlyConstantVelocity;
+use kept::kept;
 
 use crate::filter::Fit;
 use crate::seeker::Seeker;
 use crate::source_model::CHI2_MEDIAN_2;
 
 /// Classes of targets: slow and fast.
-const CLASSES: usize = 2;
+pub(crate) const CLASSES: usize = 2;
 /// Speed from which on a target is fast, metres per second.
 const FAST_MPS: f64 = 30.0;
 /// Process noise that a tracker with one model should at least assume of fast targets, m²/s³.
@@ -32,7 +33,7 @@ const STEP: f64 = 0.02;
 
 /// One class of targets.
 #[derive(Clone, Copy, Debug)]
-struct Class {
+pub(crate) struct Class {
     /// Process noise that a tracker with one model assumes.
     assumed: NearlyConstantVelocity,
     /// Factor on that of turns.
@@ -42,6 +43,13 @@ struct Class {
     /// Median of the normalised innovations squared on the straight.
     straight: f64,
 }
+
+kept!(Class {
+    assumed: NearlyConstantVelocity,
+    factor: Seeker,
+    turns: NearlyConstantVelocity,
+    straight: f64
+});
 
 impl Class {
     fn new(density_m2ps3: f64) -> Self {
@@ -74,6 +82,11 @@ impl Manoeuvres {
         Self {
             classes: [density_m2ps3, density_m2ps3.max(FAST_M2PS3)].map(Class::new),
         }
+    }
+
+    /// All classes, for what is kept of them.
+    pub(crate) fn classes_mut(&mut self) -> &mut [Class; CLASSES] {
+        &mut self.classes
     }
 
     /// Process noise of turns of a target that flies at `velocity_mps`.

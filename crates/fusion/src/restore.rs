@@ -4,13 +4,15 @@
 //! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.
 
 use kept::{Get, Kept, kept};
-use messages::{NS_PER_S, TrackState};
+use messages::{GrossError, GrossKind, NS_PER_S, TrackState};
 
+use crate::alignment::PairState;
 use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
 use crate::engine::Engine;
 use crate::existence::Tally;
 use crate::explanation::Sink;
 use crate::life;
+use crate::manoeuvres::{CLASSES, Class};
 use crate::registration::{KeptErrors, Pair};
 use crate::source_model::SourceModel;
 use crate::system_tracks::{KeptTrack, SystemSlot};
@@ -19,7 +21,7 @@ use crate::tracks::Member;
 /// A track that ended so shortly before the process was killed may never have been told ended, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
 /// Kinds that are written in turn.
-const IN_TURN: [Kind; 3] = [Kind::Sources, Kind::Pairs, Kind::Cells];
+const IN_TURN: [Kind; 4] = [Kind::Sources, Kind::Pairs, Kind::Classes, Kind::Cells];
 
 kept! {
     /// All that was learned of one source.
@@ -30,6 +32,18 @@ kept! {
         mean_square: Option<f64>,
         /// Factor of the present condition (weather).
         factor: f64,
+        /// Gross error that is believed, and what is taken off.
+        gross: (Option<GrossError>, Option<(GrossKind, [f64; 2])>),
+    }
+}
+
+kept! {
+    /// All that was learned of one ordered pair of sources.
+    struct LearnedOfPair {
+        sums: Pair,
+        gross: PairState,
+        /// Share of copies, and whether that makes the two dependent.
+        copies: (f64, bool),
     }
 }
 
@@ -41,7 +55,8 @@ impl Engine {
             systems: KeptTrack::WORDS,
             members: Member::WORDS,
             sources: Learned::WORDS,
-            pairs: Pair::WORDS,
+            pairs: LearnedOfPair::WORDS,
+            classes: (CLASSES, Class::WORDS),
             cells: (coverage.places(), coverage.cell_words()),
         };
         Layout::new(&self.settings, sizes)
@@ -111,9 +126,15 @@ impl Engine {
             *self.life.coverage.general_mut(source) = learned.follows;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
             *self.publisher.accuracies.factor_mut(source) = learned.factor;
+            self.sources.alignment.resume(source, learned.gross);
         }
-        for (place, pair) in snapshot.all::<Pair>(Kind::Pairs) {
-            self.sources.registration.resume_pair(place, pair);
+        for (place, pair) in snapshot.all::<LearnedOfPair>(Kind::Pairs) {
+            self.sources.registration.resume_pair(place, pair.sums);
+            *self.sources.alignment.pair_mut(place) = pair.gross;
+            self.tracks.dependence.resume(place, pair.copies);
+        }
+        for (place, class) in snapshot.all::<Class>(Kind::Classes) {
+            self.sources.manoeuvres.classes_mut()[place] = class;
         }
         for (place, words) in snapshot.of_kind(Kind::Cells) {
             self.life.coverage.resume_cell(place, &mut Get(words));
@@ -166,10 +187,19 @@ impl Engine {
                     follows: *self.life.coverage.general_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
                     factor: *self.publisher.accuracies.factor_mut(place),
+                    gross: self.sources.alignment.kept(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }
-            Kind::Pairs => checkpoint.write(kind, place, &self.sources.registration.pairs()[place]),
+            Kind::Pairs => {
+                let learned = LearnedOfPair {
+                    sums: self.sources.registration.pairs()[place],
+                    gross: *self.sources.alignment.pair_mut(place),
+                    copies: self.tracks.dependence.kept(place),
+                };
+                checkpoint.write(kind, place, &learned);
+            }
+            Kind::Classes => checkpoint.write(kind, place, &self.sources.manoeuvres.classes_mut()[place]),
             _ => {
                 if let Some(cell) = self.life.coverage.cell_at(place) {
                     checkpoint.write_with(kind, place, cell);

@@ -6,9 +6,11 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
 use messages::layout::Sample as _;
+use messages::{GrossError, GrossKind};
 
 use super::*;
 use crate::checkpoint::{Clock, Memory, Refused, Snapshot};
+use crate::filter::Fit;
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]
@@ -231,4 +233,53 @@ proptest! {
         let refused = Snapshot::read(&memory.words()[1..], &layout);
         prop_assert_eq!(refused, Err(Refused::Foreign));
     }
+}
+
+#[test]
+fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
+    let mut settings = test_settings(usize::from(SOURCES));
+    settings.registration.gross = true;
+    let mut harness = Harness::new(settings);
+    let error = GrossError {
+        kind: GrossKind::Azimuth,
+        value: [0.01, 0.0],
+        partner: 0,
+        is_certain: true,
+        is_removed: true,
+    };
+    let engine = &mut harness.engine;
+    let fast_mps = [100.0, 0.0, 0.0];
+    for _ in 0..100 {
+        engine.sources.manoeuvres.learn(fast_mps, Fit::Turning(50.0));
+    }
+    engine
+        .sources
+        .alignment
+        .resume(2, (Some(error), Some((error.kind, error.value))));
+    for step in 0..100 {
+        let report = traffic(step, 0, 1);
+        engine.tracks.dependence.learn(&report);
+        engine.tracks.dependence.learn(&SensorTrack { source: 1, ..report });
+    }
+    let known = |harness: &Harness| {
+        let (sources, tracks) = (&harness.engine.sources, &harness.engine.tracks);
+        (
+            sources.manoeuvres.turns(fast_mps).density_m2ps3,
+            sources.alignment.kept(2),
+            [0, 1, 2].map(|source| tracks.dependence.group_of(source)),
+        )
+    };
+    let learned = known(&harness);
+    assert!(learned.0[0] > 60.0 && learned.2 == [0, 0, 2], "{learned:?}");
+    let (dead, memory) = kept(harness);
+    let (next, memory) = successor(dead, &memory, false);
+    assert_eq!(known(&next), learned);
+    // Who does not want errors removed any more gets reports as they are.
+    let mut settings = next.engine.settings().clone();
+    settings.registration.gross = false;
+    let mut other = Harness::new(settings);
+    let snapshot = Snapshot::read(memory.words(), &next.engine.checkpoint_layout()).unwrap();
+    other.engine.resume(&snapshot, false, &mut |_: &SystemTrack| {});
+    let (believed, removed) = other.engine.sources.alignment.kept(2);
+    assert!(removed.is_none() && believed.is_some_and(|error| !error.is_removed));
 }
