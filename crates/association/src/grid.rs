@@ -5,12 +5,14 @@
 //! an item costs a few writes, and only when it has left its cell; a search looks at the cells its square touches.
 //! Several cells may share one table entry: their items are told apart by the stored cell.
 
+use serde::{Deserialize, Serialize};
+
 /// Cell coordinates.
 type Cell = (i32, i32);
 
 const NONE: u32 = u32::MAX;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Link {
     next: u32,
     previous: u32,
@@ -19,7 +21,7 @@ struct Link {
 }
 
 /// Items `0..capacity` at places in the plane.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Grid {
     cell_m: f64,
     heads: Vec<u32>,

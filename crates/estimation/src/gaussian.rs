@@ -6,6 +6,7 @@
 
 use messages::{AXES, Covariance, STATE_LEN};
 use nalgebra::{SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 /// (x, y, z, vx, vy, vz) in metres and metres per second.
 pub type Vector6 = SVector<f64, STATE_LEN>;
@@ -17,7 +18,7 @@ pub type Matrix3 = SMatrix<f64, AXES, AXES>;
 pub type Symmetric3 = [f64; 6];
 
 /// A target's position and velocity at one time, as far as they are known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gaussian {
     /// Expected state: (x, y, z, vx, vy, vz) in metres and metres per second.
     pub mean: [f64; STATE_LEN],

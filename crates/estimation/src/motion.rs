@@ -16,6 +16,7 @@
 //! several models in parallel (IMM).
 
 use messages::AXES;
+use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{Gaussian, at};
 
@@ -55,7 +56,7 @@ impl AxisNoise {
 }
 
 /// The motion model: constant velocity, disturbed by a white-noise acceleration per axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearlyConstantVelocity {
     /// Spectral density of the acceleration east, north, up, m²/s³.
     pub density_m2ps3: [f64; AXES],

@@ -2,9 +2,10 @@
 
 use crate::settings::{AccuracyBase, Settings};
 use crate::state::State;
+use serde::{Deserialize, Serialize};
 
 /// The sensor accuracies of all sources under the present condition.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Accuracies {
     /// Factor of the present condition, per source.
     factors: Vec<f64>,

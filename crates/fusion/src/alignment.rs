@@ -20,6 +20,7 @@
 
 use kept::kept;
 use messages::{GrossError, GrossKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
 use crate::gross::{self, Motion, Sigma};
 use crate::settings::Settings;
@@ -81,14 +82,14 @@ const fn bin(kind: GrossKind) -> f64 {
 }
 
 /// Which source of a pair an error is one of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 enum Side {
     First,
     Second,
 }
 
 /// Latest report of a track.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Seen {
     time_ns: i64,
     track_number: u32,
@@ -125,7 +126,7 @@ kept!(PairState {
 });
 
 /// Success of one kind of error in explaining two sources, over the collections in a row that found it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Found {
     value: [f64; 2],
     score: f64,
@@ -133,7 +134,7 @@ struct Found {
 }
 
 /// Knowledge of two sources.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PairState {
     found: [Found; HYPOTHESES.len()],
     /// Whether they agree as they are.
@@ -151,7 +152,7 @@ impl PairState {
 }
 
 /// Stage of the search.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 enum Phase {
     /// Nothing until then, nanoseconds.
     Pause(i64),
@@ -162,7 +163,7 @@ enum Phase {
 }
 
 /// Part of the comparison of two sources.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Job {
     /// How well do they fit as they are?
     AsTheyAre,
@@ -175,19 +176,24 @@ enum Job {
 }
 
 /// Histograms of the errors that pairs of tracks imply, and the fullest place of each so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Votes {
-    lines: [[u16; ROW]; HYPOTHESES.len()],
-    plane: [[u16; ROW]; ROW],
+    lines: [Line; HYPOTHESES.len()],
+    #[serde(with = "serde_arrays")]
+    plane: [Line; ROW],
     /// Votes, and bins from the first.
     best: [(u32, [usize; 2]); HYPOTHESES.len()],
 }
 
+/// Votes along one axis.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Line(#[serde(with = "serde_arrays")] [u16; ROW]);
+
 impl Default for Votes {
     fn default() -> Self {
         Self {
-            lines: [[0; ROW]; HYPOTHESES.len()],
-            plane: [[0; ROW]; ROW],
+            lines: [Line([0; ROW]); HYPOTHESES.len()],
+            plane: [Line([0; ROW]); ROW],
             best: [(0, [BINS; 2]); HYPOTHESES.len()],
         }
     }
@@ -204,12 +210,12 @@ impl Votes {
             return;
         };
         let near = |at: usize| at.saturating_sub(1)..(at + 2).min(ROW);
-        let sum = |line: &[u16; ROW]| line[near(column)].iter().map(|votes| u32::from(*votes)).sum::<u32>();
+        let sum = |line: &Line| line.0[near(column)].iter().map(|votes| u32::from(*votes)).sum::<u32>();
         let votes = if kind == GrossKind::Position {
-            self.plane[row][column] += 1;
+            self.plane[row].0[column] += 1;
             self.plane[near(row)].iter().map(sum).sum()
         } else {
-            self.lines[hypothesis][column] += 1;
+            self.lines[hypothesis].0[column] += 1;
             sum(&self.lines[hypothesis])
         };
         let best = &mut self.best[hypothesis];
@@ -225,7 +231,7 @@ impl Votes {
 }
 
 /// Gross errors of all sources.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Alignment {
     reference: Option<usize>,
     removes: bool,

@@ -157,7 +157,7 @@ impl Layout {
     }
 
     /// Differs where records are laid out otherwise, or sources have other numbers.
-    fn fingerprint(&self) -> u64 {
+    pub(crate) fn fingerprint(&self) -> u64 {
         let sizes = self.areas.iter().flat_map(|area| [area.places, area.words]);
         sizes.fold(self.names, |hash, size| mixed(hash ^ size as u64))
     }

@@ -11,6 +11,7 @@
 //! The latest reports are kept in a table by time and place, in which later ones take the place of earlier ones.
 
 use messages::SensorTrack;
+use serde::{Deserialize, Serialize};
 
 use crate::settings::Settings;
 
@@ -26,7 +27,7 @@ const DEPENDENT: f64 = 0.5;
 const INDEPENDENT: f64 = 0.2;
 
 /// Dependence of the sources on each other.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Dependence {
     recent: Vec<(u64, u16)>,
     /// Share of each source's reports that repeat those of each other source.

@@ -6,9 +6,10 @@
 //! not touched.
 
 use messages::{SensorTrack, TargetType, TrackKind};
+use serde::{Deserialize, Serialize};
 
 /// Kind, number of members and type of a target, as its sources say.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Description {
     pub(crate) kind: TrackKind,
     /// Expected number of members of a group, else 0.

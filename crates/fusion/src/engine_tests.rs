@@ -3,6 +3,7 @@
 mod bad_input;
 mod dependent_sources;
 mod hostile_sources;
+mod image;
 mod innovations;
 mod passing_time;
 mod resumption;

@@ -15,6 +15,7 @@
 //! they no longer see it: each miss since the last report of any of them adds ln(1 − its probability of detection).
 
 use kept::{Get, Kept as _, Put, kept};
+use serde::{Deserialize, Serialize};
 
 use crate::settings::{CoverageArea, ExistenceSettings};
 
@@ -33,7 +34,7 @@ const PROBES: usize = 8;
 
 kept! {
     /// Hits and tries.
-    #[derive(Clone, Copy, Debug, Default)]
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct Tally {
         hits: f32,
         tries: f32,
@@ -56,7 +57,7 @@ impl Tally {
 }
 
 /// Where each source follows targets: learned per cell, or configured.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Coverage {
     sources: usize,
     cell_m: f64,

@@ -24,6 +24,7 @@ use messages::{
     AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
     movement_bits, sensor_track_bits,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Measurement, gaussian_of};
 use crate::state::State;
@@ -49,7 +50,7 @@ const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
 
 /// State of one target's filter at one time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Filter {
     pub(crate) time_ns: i64,
     /// All models together.

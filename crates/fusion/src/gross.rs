@@ -1,10 +1,11 @@
 //! Gross errors: what a report says without one, and which one would bring two tracks together.
 
 use messages::{AXES, Covariance, GrossKind, NS_PER_S, SensorTrack, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
 /// A horizontal place and velocity, and the place of the sensor that reported them, if it is known; metres and metres
 /// per second.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Motion {
     pub(crate) position_m: [f64; 2],
     pub(crate) velocity_mps: [f64; 2],

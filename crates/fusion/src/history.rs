@@ -6,15 +6,27 @@
 //! between the first position and the mean of the second is the residual V.
 
 use messages::{SensorTrack, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
+use crate::places::{self, Place};
 use crate::settings::Residual;
 
 /// The part of a report that is kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Stored {
     time_ns: i64,
     position_m: [f64; 3],
     velocity_mps: [f64; 3],
+}
+
+impl Place for Stored {
+    fn is_taken(&self) -> bool {
+        *self != Self::default()
+    }
+
+    fn free() -> Self {
+        Self::default()
+    }
 }
 
 impl Stored {
@@ -30,8 +42,9 @@ pub(crate) fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f
 }
 
 /// Rings of the last N reports, one per sensor-track slot, allocated at once.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Histories {
+    #[serde(with = "places")]
     stored: Vec<Stored>,
     heads: Vec<Head>,
     length: usize,
@@ -44,7 +57,7 @@ pub(crate) fn bytes_per_track(length: usize) -> usize {
 }
 
 /// Where one ring stands.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Head {
     newest: usize,
     count: usize,

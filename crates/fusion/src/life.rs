@@ -1,6 +1,7 @@
 //! The life of a system track: tentative, confirmed, coasted, terminated (QF-8), by evidence where there is any.
 
 use messages::{Counter, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
+use serde::{Deserialize, Serialize};
 
 use crate::existence::{Claim, Coverage};
 use crate::explanation::Sink;
@@ -23,7 +24,7 @@ const CHANCE_PERIODS: i64 = 3;
 const FOLLOWS_SELDOM: f64 = 0.1;
 
 /// Evidence and times on which the life of system tracks rests.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Life {
     /// Where each source follows targets.
     pub(crate) coverage: Coverage,

@@ -7,6 +7,7 @@
 //! given the time that shows it.
 
 use messages::NS_PER_S;
+use serde::{Deserialize, Serialize};
 use settings::{Seconds, SettingsError};
 
 use crate::settings::{FRESH_PERIODS, Settings};
@@ -19,7 +20,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 const SURELY_AGAIN: f64 = 1.1;
 
 /// How long reports and tracks live.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Lifetimes {
     learned: Vec<Learned>,
     /// Age up to which a report counts, per source, nanoseconds.
@@ -31,7 +32,7 @@ pub(crate) struct Lifetimes {
 }
 
 /// Period of a source of which nobody has stated it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Learned {
     /// The shortest that is believed, nanoseconds; `None` if the source's period is stated.
     least_ns: Option<i64>,

@@ -12,6 +12,7 @@
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
+use serde::{Deserialize, Serialize};
 
 use crate::filter::Fit;
 use crate::seeker::Seeker;
@@ -32,7 +33,7 @@ const MOST: f64 = 0.7;
 const STEP: f64 = 0.02;
 
 /// One class of targets.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Class {
     /// Process noise that a tracker with one model assumes.
     assumed: NearlyConstantVelocity,
@@ -71,7 +72,7 @@ impl Class {
 }
 
 /// Knowledge of all classes.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Manoeuvres {
     classes: [Class; CLASSES],
 }

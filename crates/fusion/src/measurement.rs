@@ -8,6 +8,7 @@
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, SensorTrack, sensor_track_bits};
 use nalgebra::Matrix2;
+use serde::{Deserialize, Serialize};
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
@@ -22,7 +23,7 @@ pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
 }
 
 /// Known errors of a report.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Correction {
     /// By how much its source's known errors have moved it, metres.
     pub(crate) shift_m: [f64; AXES],

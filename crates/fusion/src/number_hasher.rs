@@ -8,6 +8,7 @@
 //!
 //! Limit: numbers chosen with bad intent can make look-ups slow, as with any hash without a secret.
 
+use serde::{Deserialize, Serialize};
 use std::hash::{BuildHasher, Hasher};
 
 /// Numbers of one block lie next to each other.
@@ -16,7 +17,7 @@ const BLOCK_BITS: u32 = 16;
 const TAG_SHIFT: u32 = 57;
 
 /// Makes hashes of (source, track number), or of an address, for a table of a certain size.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct NumberHasher {
     places: u64,
 }
@@ -67,6 +68,35 @@ impl Hasher for Place {
 
     fn finish(&self) -> u64 {
         self.place ^ (self.place << TAG_SHIFT)
+    }
+}
+
+/// A table in whatever form serde writes.
+pub(crate) mod table {
+    use std::collections::HashMap;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::NumberHasher;
+
+    pub(crate) fn serialize<K: Serialize, V: Serialize, S: Serializer>(
+        table: &HashMap<K, V, NumberHasher>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let entries: Vec<(&K, &V)> = table.iter().collect();
+        (table.hasher(), entries).serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, K, V, D>(deserializer: D) -> Result<HashMap<K, V, NumberHasher>, D::Error>
+    where
+        K: Deserialize<'de> + Eq + std::hash::Hash,
+        V: Deserialize<'de>,
+        D: Deserializer<'de>,
+    {
+        let (hasher, entries) = <(NumberHasher, Vec<(K, V)>)>::deserialize(deserializer)?;
+        let mut table = HashMap::with_capacity_and_hasher(entries.len(), hasher);
+        table.extend(entries);
+        Ok(table)
     }
 }
 

@@ -1,5 +1,7 @@
 //! When a system track is weighed, and which state it has then.
 
+use serde::{Deserialize, Serialize};
+
 use messages::{Counter, Covariance, Decision, DecisionKind, SensorTrack, TrackState};
 
 use crate::accuracy::Accuracies;
@@ -15,10 +17,12 @@ use crate::tracks::Tracks;
 use crate::weighing::{Weighed, Weigher};
 
 /// The weighing of system tracks by the rule.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Publisher {
+    #[serde(with = "rules::by_code")]
     rule: &'static RuleEntry,
     pub(crate) accuracies: Accuracies,
+    #[serde(skip)]
     weighed: Box<Weighed>,
     /// Variance per axis that is added to states from the filter, m²: see [`Self::set_common_error`].
     common_error_m2: f64,

@@ -5,17 +5,19 @@
 //! and a scan is missed once half a period has passed since it was due. So an antenna may turn a little unevenly, and a
 //! source that reports more often than its period does not gain by it.
 
+use serde::{Deserialize, Serialize};
+
 /// Most scans that the index can look back over: one bit each.
 pub const SCANS_MAX: u32 = 64;
 
 /// The last scans of every sensor-track slot, allocated at once.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Qualities {
     scans: Vec<Scans>,
 }
 
 /// The last scans of one sensor track.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Scans {
     /// Bit 0 is the latest scan with a report; 1 if it confirmed the track.
     confirmed: u64,

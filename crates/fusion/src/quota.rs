@@ -6,8 +6,10 @@
 //! has nearly all of the table, and one that floods the table takes nothing from those that were there before it, and
 //! loses to those that come later as its own entries end.
 
+use serde::{Deserialize, Serialize};
+
 /// The places of one table, by source.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Quota {
     sources: Vec<Places>,
     /// Equal part of the table.
@@ -17,7 +19,7 @@ pub(crate) struct Quota {
     reserved: usize,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Places {
     taken: usize,
     /// At least as many as are taken, up to the share.

@@ -6,6 +6,7 @@
 //! of them go on improving the position, and when the first source falls silent the point stays where it was.
 
 use messages::DecisionKind;
+use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
 use crate::filter::Innovation;
@@ -23,7 +24,7 @@ const REPORTS_MIN: u32 = 4;
 const GAIN_MIN: f64 = 0.05;
 
 /// Whether the sources see different points, and whether one is kept.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ReferencePoints {
     /// Whether the sources see different points of the targets.
     sees_points: bool,

@@ -30,6 +30,7 @@
 use kept::kept;
 use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use serde::{Deserialize, Serialize};
 
 /// Number of systematic errors per source.
 pub const ERRORS: usize = 6;
@@ -110,7 +111,7 @@ fn sensitivity(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64;
 
 kept! {
     /// Sums over one ordered pair of sources, seen from the first.
-    #[derive(Clone, Copy, Debug)]
+    #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct Pair {
         /// Σ HⱼᵀWHⱼ.
         own: Block,
@@ -129,7 +130,7 @@ const EMPTY: Pair = Pair {
 
 kept! {
     /// Systematic errors of one source, as far as they are known.
-    #[derive(Clone, Copy, Debug)]
+    #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub struct SourceErrors {
         /// The estimate.
         pub errors: Errors,
@@ -174,7 +175,7 @@ kept! {
 }
 
 /// Registration of all sources with each other.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<Pair>,
@@ -189,7 +190,7 @@ pub(crate) struct Registration {
 }
 
 /// A solution that is being worked out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Solution {
     /// Sweep and source that come next; `None` if nothing is being worked out.
     next: Option<(usize, usize)>,

@@ -7,6 +7,7 @@
 //! period, and are then assigned together so that the sum of their statistical distances is smallest.
 
 use association::assignment::{Assignment, Pair};
+use serde::{Deserialize, Serialize};
 
 use crate::association_step::Search;
 use crate::sensor_tracks::SensorSlot;
@@ -21,20 +22,24 @@ const WAITING_MAX: usize = 4096;
 const PAIRS_MAX: usize = 4 * WAITING_MAX;
 
 /// Sensor tracks that wait for the end of their scan, per source, and room to assign them.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Scans {
     scans: Vec<Scan>,
     /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
     due_ns: i64,
+    #[serde(skip)]
     pairs: Vec<Pair>,
     /// System tracks of the scan being assigned, by column.
+    #[serde(skip)]
     columns: Vec<SystemSlot>,
+    #[serde(skip, default = "assignment")]
     assignment: Assignment,
+    #[serde(skip)]
     assigned: Vec<Assigned>,
 }
 
 /// The part of one source's scan that waits.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Scan {
     waiting: Vec<SensorSlot>,
     first_ns: i64,
@@ -57,6 +62,10 @@ pub(crate) struct Assigned {
     pub(crate) best: Option<(SystemSlot, f64)>,
 }
 
+fn assignment() -> Assignment {
+    Assignment::new(WAITING_MAX, PAIRS_MAX, PAIRS_MAX)
+}
+
 impl Scans {
     pub(crate) fn new(settings: &Settings) -> Self {
         let scans = settings.sources.iter().map(|_| Scan {
@@ -69,7 +78,7 @@ impl Scans {
             due_ns: i64::MAX,
             pairs: Vec::with_capacity(PAIRS_MAX),
             columns: Vec::with_capacity(PAIRS_MAX),
-            assignment: Assignment::new(WAITING_MAX, PAIRS_MAX, PAIRS_MAX),
+            assignment: assignment(),
             assigned: Vec::with_capacity(WAITING_MAX),
         };
         new.follow_periods(settings);

@@ -1,10 +1,12 @@
 //! When something is due: refreshes at whole multiples of their period, and a look at the sources once a second.
 
+use serde::{Deserialize, Serialize};
+
 /// Time between two looks at what was learned of the sources, nanoseconds.
 pub(crate) const TICK_NS: i64 = 1_000_000_000;
 
 /// The engine's time, UTC, nanoseconds.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Schedule {
     /// The latest time that has passed.
     now_ns: i64,
@@ -13,7 +15,7 @@ pub(crate) struct Schedule {
 }
 
 /// States at uniform times.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Refresh {
     period_ns: i64,
     /// How much later than its time a refresh is due.

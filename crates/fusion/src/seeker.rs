@@ -4,6 +4,7 @@
 //! more as for less. While nearly all ask for the same, which chance seldom brings about, steps are longer.
 
 use kept::kept;
+use serde::{Deserialize, Serialize};
 
 /// Step of the logarithm per sample, and how much longer it may become where all samples say the same.
 const STEP: f64 = 0.03;
@@ -13,7 +14,7 @@ const AGREEMENT: f64 = 0.5;
 
 kept! {
     /// The logarithm of the factor, 0 at the start.
-    #[derive(Clone, Copy, Debug, Default)]
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct Seeker {
         logarithm: f64,
         /// Mean over the last samples of whether they ask for more (1) or less (−1).

@@ -4,11 +4,13 @@ use std::collections::HashMap;
 
 use estimation::Gaussian;
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::history::Histories;
 use crate::measurement::{Correction, gaussian_of};
-use crate::number_hasher::NumberHasher;
+use crate::number_hasher::{NumberHasher, table};
+use crate::places::{self, Place};
 use crate::quality::Qualities;
 use crate::quota::Quota;
 
@@ -19,7 +21,7 @@ pub(crate) type SensorSlot = u32;
 pub(crate) const NO_SYSTEM: u32 = u32::MAX;
 
 /// Role of a sensor track in its system track.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Role {
     /// The one that contributes for its source.
     Primary,
@@ -28,7 +30,7 @@ pub(crate) enum Role {
 }
 
 /// The next sensor track of the same system track, if there is one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Link(SensorSlot);
 
 impl Link {
@@ -45,7 +47,7 @@ impl Link {
 
 /// One live sensor track. What every report of its system track's other members looks at comes first, in one line of
 /// the cache.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct SensorEntry {
     /// Time of `latest`, nanoseconds.
@@ -97,7 +99,7 @@ pub(crate) struct SensorEntry {
 }
 
 /// Where on a target a sensor track's detection point lies.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct DetectionPoint {
     /// Along and across the target's course, from its reference point, metres.
     pub(crate) offset_m: [f64; 2],
@@ -191,12 +193,24 @@ impl SensorEntry {
     }
 }
 
+impl Place for SensorEntry {
+    fn is_taken(&self) -> bool {
+        self.live
+    }
+
+    fn free() -> Self {
+        Self::default()
+    }
+}
+
 /// The table: preallocated entries, found by source and track number.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct SensorTracks {
+    #[serde(with = "places")]
     entries: Vec<SensorEntry>,
     free: Vec<SensorSlot>,
     quota: Quota,
+    #[serde(with = "table")]
     by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
     /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the
     /// table ends.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use messages::{FusionRule, NS_PER_S};
+use serde::{Deserialize, Serialize};
 use settings::{Degrees, Seconds, SettingsError};
 
 use crate::quality::SCANS_MAX;
@@ -494,7 +495,7 @@ impl SourceSettings {
 }
 
 /// Where a source sees targets, and how surely.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoverageArea {
     /// East and north of the sensor in the system frame, metres.
     pub place_m: [f64; 2],

@@ -16,6 +16,7 @@
 use estimation::{NearlyConstantVelocity, implied_noise};
 use kept::kept;
 use messages::Covariance;
+use serde::{Deserialize, Serialize};
 
 use crate::seeker::Seeker;
 
@@ -41,7 +42,7 @@ const SPREAD_SAMPLES_MIN: u32 = 30;
 
 kept! {
     /// A median that follows its samples by steps of the logarithm.
-    #[derive(Clone, Copy, Debug, Default)]
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
     pub(crate) struct Median {
         logarithm: f64,
         samples: u32,
@@ -73,7 +74,7 @@ impl Median {
 
 kept! {
     /// Knowledge of one source.
-    #[derive(Clone, Copy, Debug)]
+    #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct SourceModel {
         horizontal_noise: Median,
         vertical_noise: Median,

@@ -3,6 +3,7 @@
 
 use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
 use crate::filter::{Filter, Innovation};
@@ -26,7 +27,7 @@ const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
 /// The sources, each by its number.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Sources {
     pub(crate) models: Vec<SourceModel>,
     pub(crate) registration: Registration,

@@ -2,9 +2,10 @@
 
 use estimation::{AxisNoise, Gaussian};
 use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
+use serde::{Deserialize, Serialize};
 
 /// State of a target at a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The time, UTC, nanoseconds.
     pub time_ns: i64,

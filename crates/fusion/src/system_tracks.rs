@@ -7,10 +7,12 @@ use std::collections::{BinaryHeap, HashMap};
 use association::Grid;
 use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
+use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::filter::{Filter, KeptFilter};
-use crate::number_hasher::NumberHasher;
+use crate::number_hasher::{NumberHasher, table};
+use crate::places::{self, Place};
 use crate::quota::Quota;
 use crate::rules::Memory;
 use crate::sensor_tracks::SensorSlot;
@@ -20,8 +22,9 @@ use crate::state::State;
 pub(crate) type SystemSlot = u32;
 
 /// One system track.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SystemEntry {
+    /// Number; 0 if the place is free.
     pub(crate) number: u32,
     /// Source that started it: the place in the table is of its quota.
     owner: u16,
@@ -191,15 +194,29 @@ impl SystemEntry {
     }
 }
 
+impl Place for SystemEntry {
+    fn is_taken(&self) -> bool {
+        self.number != 0
+    }
+
+    fn free() -> Self {
+        let nowhere = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
+        let filter = Filter::new(0, nowhere, false);
+        Self::new((0, NO_SOURCE), TrackState::Terminated, filter, i64::MIN)
+    }
+}
+
 /// The table.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct SystemTracks {
+    #[serde(with = "places")]
     entries: Vec<SystemEntry>,
     /// The rule's memory of each; empty if it has none.
     memories: Vec<Memory>,
     free: Vec<SystemSlot>,
     quota: Quota,
     pub(crate) grid: Grid,
+    #[serde(with = "table")]
     by_address: HashMap<u32, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
     /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
@@ -212,15 +229,8 @@ impl SystemTracks {
     /// With room for `capacity` system tracks that `sources` sources start, and, if the rule `remembers`, for what it
     /// remembers of them.
     pub(crate) fn new(capacity: usize, sources: usize, cell_m: f64, remembers: bool) -> Self {
-        let nowhere = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
-        let empty = SystemEntry::new(
-            (0, NO_SOURCE),
-            TrackState::Terminated,
-            Filter::new(0, nowhere, false),
-            i64::MIN,
-        );
         Self {
-            entries: vec![empty; capacity],
+            entries: vec![SystemEntry::free(); capacity],
             memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
             quota: Quota::new(capacity, sources),
@@ -381,7 +391,9 @@ impl SystemTracks {
     /// Frees an ended entry that [`SystemTracks::due_before`] yielded.
     pub(crate) fn free(&mut self, slot: SystemSlot) {
         self.in_state[TrackState::Terminated as usize] -= 1;
-        self.quota.give_back(self.entries[slot as usize].owner);
+        let entry = &mut self.entries[slot as usize];
+        entry.number = 0;
+        self.quota.give_back(entry.owner);
         self.free.push(slot);
     }
 }

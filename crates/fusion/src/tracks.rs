@@ -1,6 +1,7 @@
 //! The sensor tracks and the system tracks, and which sensor track belongs to which system track.
 
 use kept::kept;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use messages::{Decision, DecisionKind, TrackState};
@@ -9,20 +10,22 @@ use crate::checkpoint::{Checkpoint, Kind};
 use crate::dependence::Dependence;
 use crate::filter::Filter;
 use crate::lifetimes::Lifetimes;
-use crate::number_hasher::NumberHasher;
+use crate::number_hasher::{NumberHasher, table};
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
 /// Both tables, linked with each other.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Tracks {
     pub(crate) sensors: SensorTracks,
     pub(crate) systems: SystemTracks,
     pub(crate) lifetimes: Lifetimes,
     pub(crate) dependence: Dependence,
     /// Where what must outlive the process is written.
+    #[serde(skip)]
     pub(crate) checkpoint: Option<Checkpoint>,
     /// Members from before the start.
+    #[serde(with = "table")]
     remembered: Remembered,
 }
 

@@ -114,6 +114,22 @@ macro_rules! sample {
             }
         }
 
+        #[cfg(feature = "serde")]
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.serialize_bytes($crate::layout::Sample::octets(std::slice::from_ref(self)))
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let octets = <&[u8] as serde::Deserialize>::deserialize(deserializer)?;
+                let sample = $crate::layout::Sample::of_octets(octets);
+                sample.ok_or_else(|| serde::de::Error::invalid_length(octets.len(), &stringify!($name)))
+            }
+        }
+
         const _: () = {
             const fn fit_for_shared_memory<T: iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend>() {}
             $( fit_for_shared_memory::<$kind>(); )*

@@ -86,6 +86,7 @@ pub const NS_PER_S: f64 = 1e9;
 
 codes! {
     /// State in the life of a track.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum TrackState: u8, default Tentative {
         /// Seen, not yet believed.
         Tentative = 0, "tentative";
@@ -100,6 +101,7 @@ codes! {
 
 codes! {
     /// Kind of what a track follows.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum TrackKind: u8, default Single {
         /// One target.
         Single = 0, "single";

@@ -26,6 +26,7 @@ bits! {
 
 codes! {
     /// Kind of a gross error of a source.
+    #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum GrossKind: u8 {
         /// Azimuths are too large, clockwise, radians: a north mark that is off.
         Azimuth = 1, "azimuth";
@@ -40,6 +41,7 @@ codes! {
 
 /// Gross error of a source, as the tracks of another one show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GrossError {
     /// Kind.
     pub kind: GrossKind,

@@ -10,12 +10,13 @@
 //! its last stored report, moved to the reference time, for as long as its sensor track is known.
 
 use messages::CONTRIBUTIONS_MAX;
+use serde::{Deserialize, Serialize};
 
 use super::{Candidate, NO_SOURCE, Share};
 use crate::settings::{DropOut, HandOverSettings};
 
 /// Where the hand-over of one target stands, on one axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct HandOver {
     /// The source chosen last; [`NO_SOURCE`] at first.
     chosen: u16,
@@ -31,7 +32,7 @@ pub(crate) struct HandOver {
 }
 
 /// A mixture of sources: their weights sum to 1, or all are 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Blend {
     sources: [u16; CONTRIBUTIONS_MAX],
     weights: [f64; CONTRIBUTIONS_MAX],

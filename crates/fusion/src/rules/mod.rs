@@ -22,6 +22,7 @@ mod system_filter;
 use messages::{FusionRule, TrackState};
 
 use hand_over::HandOver;
+use serde::{Deserialize, Serialize};
 
 use crate::settings::RuleSettings;
 use crate::state::State;
@@ -92,6 +93,24 @@ pub static REGISTRY: &[RuleEntry] = &[
 pub fn entry(code: FusionRule) -> &'static RuleEntry {
     let entry = REGISTRY.iter().find(|entry| entry.code == code);
     entry.expect("every code has a rule")
+}
+
+/// A rule in whatever form serde writes.
+pub(crate) mod by_code {
+    use messages::FusionRule;
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::{Serialize, Serializer};
+
+    use super::{RuleEntry, entry};
+
+    pub(crate) fn serialize<S: Serializer>(rule: &RuleEntry, serializer: S) -> Result<S::Ok, S::Error> {
+        rule.code.code().serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static RuleEntry, D::Error> {
+        let code = FusionRule::from_code(u8::deserialize(deserializer)?);
+        code.map(entry).ok_or_else(|| D::Error::custom("no rule has this code"))
+    }
 }
 
 /// Lets a rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their accuracy
@@ -223,7 +242,7 @@ pub struct Share {
 }
 
 /// Memory of a rule that works on candidates: what it keeps of one target between refreshes (TI-12).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
     pub selected: [u16; 3],

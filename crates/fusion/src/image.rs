@@ -1,0 +1,64 @@
+//! The whole of an engine as octets, so that another one goes on as this one would.
+//!
+//! A checkpoint has what a successor must know, and is written while the engine works. An image has all that reports
+//! and time ever change, and is made at one moment: whoever has it, and each report from then on, gets the same system
+//! tracks to the bit, as if it had been there from the beginning. What follows from the settings alone is not in it,
+//! nor are counters. Making one takes as long as there are tracks, and allocates: it is for a recorder that starts.
+
+use crate::checkpoint::Refused;
+use crate::engine::Engine;
+
+impl Engine {
+    /// All that reports and time have changed so far.
+    pub fn image(&self) -> Vec<u8> {
+        let Self {
+            settings,
+            tracks,
+            sources,
+            points,
+            scans,
+            life,
+            publisher,
+            schedule,
+            outbox: _,
+        } = self;
+        let periods: Vec<_> = settings
+            .sources
+            .iter()
+            .map(|source| (source.period_ns, source.fresh_ns))
+            .collect();
+        let of = self.checkpoint_layout().fingerprint();
+        let parts = (of, periods, tracks, sources, points, scans, life, publisher, schedule);
+        // Into memory, where there is always room, and all of it is of a known length.
+        postcard::to_stdvec(&parts).unwrap_or_default()
+    }
+
+    /// Goes on from another engine's image.
+    ///
+    /// # Errors
+    /// If it is one of other settings or of another build.
+    pub fn resume_image(&mut self, image: &[u8]) -> Result<(), Refused> {
+        let (of, rest) = postcard::take_from_bytes::<u64>(image).map_err(|_| Refused::Damaged(1))?;
+        if of != self.checkpoint_layout().fingerprint() {
+            return Err(Refused::Foreign);
+        }
+        let parts = postcard::take_from_bytes(rest).map_err(|_| Refused::Damaged(1))?.0;
+        let checkpoint = self.tracks.checkpoint.take();
+        let periods: Vec<(i64, i64)>;
+        (
+            periods,
+            self.tracks,
+            self.sources,
+            self.points,
+            self.scans,
+            self.life,
+            self.publisher,
+            self.schedule,
+        ) = parts;
+        self.tracks.checkpoint = checkpoint;
+        for (source, period) in self.settings.sources.iter_mut().zip(periods) {
+            (source.period_ns, source.fresh_ns) = period;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,25 @@
+//! Tables in whatever form serde writes: of the places that nothing has taken, only that they are free.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A place of a table.
+pub(crate) trait Place: Sized {
+    /// Whether something has taken it.
+    fn is_taken(&self) -> bool;
+
+    /// A place that nothing has taken.
+    fn free() -> Self;
+}
+
+pub(crate) fn serialize<T: Place + Serialize, S: Serializer>(places: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(places.iter().map(|place| place.is_taken().then_some(place)))
+}
+
+pub(crate) fn deserialize<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    T: Place + Deserialize<'de>,
+    D: Deserializer<'de>,
+{
+    let places = Vec::<Option<T>>::deserialize(deserializer)?;
+    Ok(places.into_iter().map(|place| place.unwrap_or_else(T::free)).collect())
+}
