@@ -15,7 +15,8 @@ pub struct NumberTally {
     latest_ns: i64,
     states: u64,
     late: u64,
-    carriers: BTreeMap<u32, u32>,
+    /// Numbers of live tracks, by the address that they carry. A target may have two until they are merged.
+    carriers: BTreeMap<u32, BTreeSet<u32>>,
     shown: BTreeSet<u32>,
     live: BTreeSet<u32>,
     heard: BTreeSet<u32>,
@@ -43,7 +44,10 @@ impl NumberTally {
         self.heard.insert(number);
         if track.state == TrackState::Terminated as u8 {
             self.live.remove(&number);
-            self.carriers.retain(|_, carried| *carried != number);
+            self.carriers.retain(|_, numbers| {
+                numbers.remove(&number);
+                !numbers.is_empty()
+            });
             self.ended.insert(number);
             return;
         }
@@ -58,7 +62,7 @@ impl NumberTally {
             if *self.first.entry(number).or_insert(address) != address {
                 self.reused.insert(number);
             }
-            self.carriers.insert(address, number);
+            self.carriers.entry(address).or_default().insert(number);
             self.shown.insert(address);
         }
     }
@@ -98,8 +102,8 @@ impl NumberTally {
         self.late
     }
 
-    /// Number that each address carries, whose track lives.
-    pub fn carriers(&self) -> &BTreeMap<u32, u32> {
+    /// Numbers of the live tracks that carry each address.
+    pub fn carriers(&self) -> &BTreeMap<u32, BTreeSet<u32>> {
         &self.carriers
     }
 
@@ -118,11 +122,14 @@ impl NumberTally {
         &self.reused
     }
 
-    /// Targets of `before` that go on under another number, each with its numbers.
+    /// Targets of `before` of which the newest epoch speaks, but under none of their numbers: the address, a number
+    /// that it had, and one that it has.
     pub fn renumbered(&self, before: &Self) -> Vec<(u32, u32, u32)> {
-        let moved = before.carriers.iter().filter_map(|(address, number)| {
-            let now = *self.carriers.get(address)?;
-            (now != *number).then_some((*address, *number, now))
+        let moved = before.carriers.iter().filter_map(|(address, numbers)| {
+            let mut now = self.carriers.get(address)?.intersection(&self.heard).peekable();
+            let has = **now.peek()?;
+            let had = *numbers.first()?;
+            (!now.any(|number| numbers.contains(number))).then_some((*address, had, has))
         });
         moved.collect()
     }
@@ -165,7 +172,7 @@ mod tests {
         );
         // What an older one left in the queue is no fault; what it sends now is.
         tally.take(5, &state(2, 12, TrackState::Confirmed, 150));
-        assert_eq!((tally.late(), tally.carriers()[&12]), (0, 7));
+        assert_eq!((tally.late(), tally.carriers()[&12].last()), (0, Some(&7)));
         tally.take(5, &state(2, 12, TrackState::Confirmed, 202));
         assert_eq!((tally.late(), tally.reused().len()), (1, 0));
         tally.take(6, &state(1, 14, TrackState::Confirmed, 203));
@@ -177,5 +184,20 @@ mod tests {
         tally.ignore_addresses(false);
         tally.take(6, &state(8, 16, TrackState::Confirmed, 207));
         assert_eq!((tally.reused().len(), tally.carriers().len()), (2, 1));
+    }
+
+    #[test]
+    fn a_target_that_had_two_tracks_until_they_were_merged_goes_on() {
+        let mut tally = NumberTally::default();
+        for number in [2, 9] {
+            tally.take(5, &state(number, 12, TrackState::Confirmed, 100));
+        }
+        let before = tally.clone();
+        tally.take(5, &state(9, 12, TrackState::Terminated, 101));
+        tally.take(6, &state(2, 12, TrackState::Confirmed, 102));
+        assert_eq!(tally.renumbered(&before), []);
+        tally.take(6, &state(2, 12, TrackState::Terminated, 103));
+        tally.take(6, &state(10, 12, TrackState::Confirmed, 104));
+        assert_eq!(tally.renumbered(&before), [(12, 2, 10)]);
     }
 }
