@@ -49,6 +49,7 @@ const ORDER: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "offline",
     "koseki",
 ];
 
@@ -83,6 +84,7 @@ const OUTSIDE: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "offline",
     "koseki",
 ];
 

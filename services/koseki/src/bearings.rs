@@ -13,11 +13,10 @@ use formats::bearings_csv::BearingWriter;
 use formats::snapshots_csv::{Snapshot, SnapshotReader};
 use locating::music::{self, ArraySettings, Complex, Measured, Music, Snapshots};
 use observations::Bearing;
+use offline::{InputError, OutputFile, Refusals, check_outputs, open};
 use serde_json::json;
 
 use crate::args::MeasureBearings;
-use crate::files::{InputError, OutputFile, check_outputs, open};
-use crate::offline::Refusals;
 
 /// A bearing whose standard deviation exceeds this says nothing of a direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;

@@ -8,9 +8,10 @@ use std::time::Duration;
 use anyhow::bail;
 use bus::{Bus, Mark, Root, SharedMemory, Subscriber};
 use messages::{Control, Counter, Health, NO_SOURCE, ProcessKind};
+use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 
-use crate::args::{Condition, Usage};
+use crate::args::Condition;
 
 /// How long to wait for fusion's word.
 const PATIENCE: Duration = Duration::from_secs(5);

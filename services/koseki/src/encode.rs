@@ -11,11 +11,11 @@ use std::path::Path;
 use anyhow::Context as _;
 use asterix::choice::ChosenEdition;
 use asterix::{BlockWriter, Category, Expansion, NamedRecord, registry};
+use offline::{InputError, OutputFile, Usage, is_same_file, open};
 use serde_json::Value;
 use telemetry::table::count;
 
-use crate::args::{Encode, Usage};
-use crate::files::{InputError, OutputFile, is_same_file, open};
+use crate::args::Encode;
 
 /// Standard input, or standard output.
 const STANDARD: &str = "-";

@@ -4,8 +4,7 @@
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), cause faults
 //! ([`mod@torture`]), give orders ([`condition`]), make files for the machine ([`mod@generate`]) or work on files
-//! ([`mod@recording_info`], [`decode`], [`encode`], [`simulate`], [`fuse`], [`track`], [`bearings`], [`locate`],
-//! [`compare`], [`score`], [`send`]).
+//! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]); those on tables are in [`offline`].
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
@@ -16,32 +15,23 @@ mod args;
 mod bearings;
 mod bench;
 mod check;
-mod compare;
 mod condition;
 mod decode;
 mod doctor;
 mod encode;
-mod files;
-mod fuse;
 mod generate;
 mod link;
-mod locate;
-mod offline;
-mod picture;
 mod recording_copy;
 mod recording_export;
 mod recording_foxglove;
 mod recording_info;
 mod recordings;
 mod replay;
-mod score;
 mod send;
-mod simulate;
 mod status;
 mod tap;
 mod top;
 mod torture;
-mod track;
 
 use std::io::Write as _;
 use std::os::unix::process::CommandExt as _;
@@ -55,9 +45,10 @@ use clap::error::ErrorKind;
 use configuration::{BUILT_IN_DEMO, Config, ConfigError, Process};
 use launcher::Orders;
 use messages::ProcessKind;
+use offline::{Host, Terminal, Usage};
 use runtime::{Now, Options};
 
-use args::{Cli, Command, Serve, Usage};
+use args::{Cli, Command, Serve};
 use recordings::{Depth, RecordingError};
 
 /// Exit code of a failure while running.
@@ -135,13 +126,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Condition(condition) => condition::run(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),
+        Command::OnTables(command) => command.run(&Terminal::default()),
         Command::Bearings(bearings) => bearings::run(&bearings),
-        Command::Compare(compare) => compare::run(&compare),
-        Command::Fuse(fuse) => fuse::run(&fuse),
-        Command::Track(track) => track::run(&track),
-        Command::Locate(locate) => locate::run(&locate),
-        Command::Simulate(simulate) => simulate::run(&simulate),
-        Command::Score(score) => score::run(&score),
         Command::Send(send) => send::run(&send),
         Command::Torture(torture) => torture::run(&torture),
         Command::Bench(what) => bench::run(what),
@@ -237,7 +223,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = error.is::<ConfigError>()
         || error.is::<RecordingError>()
         || error.is::<Usage>()
-        || error.is::<files::InputError>()
+        || error.is::<offline::InputError>()
         || error.is::<bench_service::Refused>()
         || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }
@@ -255,24 +241,15 @@ fn refuse_usage(error: &clap::Error) -> ExitCode {
     ExitCode::from(CODE_REFUSED)
 }
 
-/// Prints an answer. A reader that has seen enough (`| head`) is no failure.
+/// Prints an answer.
 fn print(text: &str) -> anyhow::Result<()> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
+    Terminal::default().print(text)
 }
 
-/// Shows a summary: as JSON on standard output, else on standard error. With that closed, the files are written all the
-/// same.
+/// Shows a summary: as JSON on standard output, else on standard error.
 fn show(json: Option<serde_json::Value>, text: impl FnOnce() -> String) -> anyhow::Result<()> {
-    match json {
-        Some(json) => print(&format!("{json}\n")),
-        None => {
-            let _ = std::io::stderr().write_all(text().as_bytes());
-            Ok(())
-        }
-    }
+    let terminal: &dyn Host = &Terminal::default();
+    terminal.show(json, text)
 }
 
 fn one_line(text: &str) -> String {

@@ -5,10 +5,10 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
+use offline::{OutputFile, Usage, check_outputs};
 use recording::Part;
 
-use crate::args::{RecordingCut, RecordingMerge, Usage};
-use crate::files::{OutputFile, check_outputs};
+use crate::args::{RecordingCut, RecordingMerge};
 use crate::recording_info::files;
 use crate::replay::facts;
 

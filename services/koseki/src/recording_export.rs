@@ -9,12 +9,12 @@ use asterix::registry;
 use configuration::Config;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
+use offline::{OutputFile, Usage, check_outputs};
 use outgoing::{SystemReports, SystemSource};
 use recorder::Tables;
 use recording::{Facts, Item};
 
-use crate::args::{RecordingExport, Usage};
-use crate::files::{OutputFile, check_outputs};
+use crate::args::RecordingExport;
 use crate::recording_foxglove::Pictures;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};

@@ -12,10 +12,9 @@ use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 use messages::layout::Sample as _;
 use messages::{SystemTrack, TrackState};
+use offline::OutputFile;
 use recording::Item;
 use serde_json::{Value, json};
-
-use crate::files::OutputFile;
 
 /// Time between two pictures, nanoseconds.
 const PERIOD_NS: i64 = 1_000_000_000;

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use formats::rows::Utc;
+use offline::Usage;
 use recording::Survey;
 use serde_json::json;
 use telemetry::table::{Align, Table};
 
-use crate::args::{RecordingInfo, Usage};
+use crate::args::RecordingInfo;
 
 /// Gaps that are listed in text.
 const GAPS_SHOWN: usize = 10;

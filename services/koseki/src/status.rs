@@ -11,11 +11,12 @@ use std::time::Duration;
 use alarms::{AlarmKind, Present};
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
 use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, ProcessKind, Registration};
+use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 use telemetry::table::{Align, Table};
 
-use crate::args::{Status, Usage};
+use crate::args::Status;
 
 /// How long to listen: health messages come five times a second.
 const LISTEN: Duration = Duration::from_millis(700);

@@ -2,8 +2,9 @@
 
 use bus::{Instance, Root};
 use monitor::top::{Form, Settings, run as look_on};
+use offline::Usage;
 
-use crate::args::{Top, Usage};
+use crate::args::Top;
 
 /// Looks on at the instance that is named, or at the only one that runs.
 ///

@@ -5,9 +5,8 @@ use std::path::PathBuf;
 use bench_service::relay::RelayOptions;
 use bench_service::{Extra, Flood, Outputs, Settings, Wait};
 use clap::{Args, Subcommand, ValueEnum};
+use offline::values::above_zero;
 use runtime::cores::Placement;
-
-use super::values::above_zero;
 
 /// Rates of a sweep, reports per second.
 const SWEEP: [f64; 9] = [1e3, 2e3, 5e3, 10e3, 20e3, 50e3, 100e3, 200e3, 500e3];

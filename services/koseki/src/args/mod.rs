@@ -2,8 +2,8 @@
 
 mod bearings;
 mod bench;
+mod decode;
 mod encode;
-mod files;
 mod replay;
 mod send;
 mod tap;
@@ -16,22 +16,17 @@ use std::time::Duration;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::{Config, ConfigError};
+use offline::values::seconds;
 use runtime::{Now, Options, Speed};
 
 use bearings::BEARINGS_EXAMPLES;
 pub(crate) use bearings::MeasureBearings;
 use bench::BENCH_EXAMPLES;
 pub(crate) use bench::{Bench, BenchRelay};
+use decode::DECODE_EXAMPLES;
+pub(crate) use decode::Decode;
 use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::Encode;
-use files::{
-    COMPARE_EXAMPLES, DECODE_EXAMPLES, SCORE_EXAMPLES, SIMULATE_EXAMPLES, fuse_examples, locate_examples,
-    track_examples,
-};
-pub(crate) use files::{
-    Compare, ComparePictures, CompareWhat, Decode, Fuse, Locate, OfflineInput, Score, ScoreFixes, ScoreTracks,
-    ScoreWhat, Simulate, Track,
-};
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;
 use send::SEND_EXAMPLES;
@@ -40,7 +35,7 @@ use tap::TAP_EXAMPLES;
 pub(crate) use tap::{Tap, TapFormat};
 use torture::TORTURE_EXAMPLES;
 pub(crate) use torture::Torture;
-use values::{interval, seconds, speed};
+use values::{interval, speed};
 
 /// Where recordings are looked for if nobody says otherwise.
 const DATA_DEFAULT: &str = "../shared/data";
@@ -122,27 +117,11 @@ pub(crate) enum Command {
     /// Encode records, as `decode` writes them, into ASTERIX
     #[command(after_help = ENCODE_EXAMPLES)]
     Encode(Encode),
-    /// Write what simulated sensors see of a simulated world, and the truth
-    #[command(after_help = SIMULATE_EXAMPLES)]
-    Simulate(Simulate),
-    /// Fuse files of sensor tracks into one file of system tracks
-    #[command(after_help = fuse_examples())]
-    Fuse(Fuse),
-    /// Track targets in files of detections
-    #[command(after_help = track_examples())]
-    Track(Track),
+    #[command(flatten)]
+    OnTables(offline::Command),
     /// Measure bearings of emitters from snapshots of an antenna array
     #[command(after_help = BEARINGS_EXAMPLES)]
     Bearings(MeasureBearings),
-    /// Locate emitters from files of bearings, measured by a moving platform
-    #[command(after_help = locate_examples())]
-    Locate(Locate),
-    /// Run every fusion rule on the same sensor tracks, and show them side by side
-    #[command(after_help = COMPARE_EXAMPLES)]
-    Compare(Compare),
-    /// Score tracks or fixes against a known truth
-    #[command(after_help = SCORE_EXAMPLES)]
-    Score(Score),
     /// Send a recording onto the network, as its sensors sent it
     #[command(after_help = SEND_EXAMPLES)]
     Send(Send),
@@ -560,11 +539,6 @@ pub(crate) struct Shared {
     seed: u64,
 }
 
-/// A command line that is well-formed, but makes no sense.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub(crate) struct Usage(pub(crate) String);
-
 /// The deployment that `config` describes, and the options that its processes are started with.
 ///
 /// # Errors
@@ -617,15 +591,7 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
             commands.join(", ")
         );
     }
-    let text = error.to_string();
-    let words: Vec<&str> = text
-        .lines()
-        .take_while(|line| !line.starts_with("Usage:"))
-        .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
-        .map(str::trim)
-        .collect();
-    let words = words.join(" ");
-    let what = words.strip_prefix("error: ").unwrap_or(&words);
+    let what = offline::refusal(error);
     let first = std::env::args().nth(1);
     let command = first.filter(|word| Cli::command().find_subcommand(word).is_some());
     match command {

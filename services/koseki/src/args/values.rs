@@ -5,12 +5,8 @@ use std::time::Duration;
 use asterix::choice::{editions_of, expansions_of};
 use asterix::registry;
 use formats::rows::Utc;
+use offline::values::seconds;
 use runtime::Speed;
-
-/// Longest time that `--for` accepts, seconds: a hundred years.
-const SECONDS_MAX: f64 = 3.2e9;
-/// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
-const SECOND_MAX: f64 = 4e6;
 
 /// Nanoseconds since 1970 of a time as files write it.
 pub(super) fn utc(text: &str) -> Result<i64, String> {
@@ -37,22 +33,6 @@ pub(super) fn editions_help() -> String {
     text
 }
 
-pub(super) fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
-    if seconds > 0.0 && seconds <= SECONDS_MAX {
-        return Ok(Duration::from_secs_f64(seconds));
-    }
-    Err(format!("it must be more than 0 and at most {SECONDS_MAX}"))
-}
-
-pub(super) fn refresh(text: &str) -> Result<Duration, String> {
-    let time = seconds(text)?;
-    if (Duration::from_millis(1)..=Duration::from_secs(3600)).contains(&time) {
-        return Ok(time);
-    }
-    Err("it must lie between 0.001 and 3600".to_owned())
-}
-
 pub(super) fn interval(text: &str) -> Result<Duration, String> {
     let time = seconds(text)?;
     if (Duration::from_millis(100)..=Duration::from_secs(3600)).contains(&time) {
@@ -72,63 +52,16 @@ pub(super) fn speed(text: &str) -> Result<Speed, String> {
     Err("a factor must be more than 0; write max for as fast as possible".to_owned())
 }
 
-pub(super) fn finite(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
-    number
-        .is_finite()
-        .then_some(number)
-        .ok_or_else(|| "it must be finite".to_owned())
-}
-
-pub(super) fn above_zero(text: &str) -> Result<f64, String> {
-    let number = finite(text)?;
-    (number > 0.0)
-        .then_some(number)
-        .ok_or_else(|| "it must be more than 0".to_owned())
-}
-
-pub(super) fn not_negative(text: &str) -> Result<f64, String> {
-    let number = finite(text)?;
-    (number >= 0.0)
-        .then_some(number)
-        .ok_or_else(|| "it must not be negative".to_owned())
-}
-
-pub(super) fn whole_second(text: &str) -> Result<i64, String> {
-    let second = finite(text)?;
-    if second.fract() == 0.0 && second.abs() <= SECOND_MAX {
-        return Ok(second as i64);
-    }
-    Err(format!("pictures are scored at whole seconds up to {SECOND_MAX}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn speeds_and_times_are_checked() {
+    fn speeds_are_checked() {
         assert_eq!(speed("2.5"), Ok(Speed::Factor(2.5)));
         assert_eq!(speed("max"), Ok(Speed::Max));
         for wrong in ["0", "-1", "nan", "inf", "fast", ""] {
             assert!(speed(wrong).is_err(), "{wrong}");
-        }
-        assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
-        for wrong in ["0", "-1", "nan", "inf", "1e30", "soon"] {
-            assert!(seconds(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn distances_and_seconds_to_score_are_checked() {
-        assert_eq!((above_zero("0.5"), not_negative("0")), (Ok(0.5), Ok(0.0)));
-        for wrong in ["0", "-1", "nan", "inf", "far"] {
-            assert!(above_zero(wrong).is_err(), "{wrong}");
-        }
-        assert!(not_negative("-0.1").is_err() && finite("inf").is_err());
-        assert_eq!((whole_second("10"), whole_second("-3.0")), (Ok(10), Ok(-3)));
-        for wrong in ["0.5", "1e7", "nan", "noon"] {
-            assert!(whole_second(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -16,9 +16,9 @@ use asterix::choice::ChosenEdition;
 use asterix::{Mode, NamedRecord};
 use formats::containers::TimeStamp;
 use formats::recording::{Expansions, Recording, Statistics, Survey};
+use offline::{Usage, is_same_file};
 
-use crate::args::{Decode, Usage};
-use crate::files::is_same_file;
+use crate::args::Decode;
 
 /// Value of `--out` that means standard output.
 const STANDARD_OUTPUT: &str = "-";

@@ -16,11 +16,12 @@ use bus::{Bus, Mark, Publisher, Root, SharedMemory};
 use configuration::Config;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Outgoing as _, SensorTrack};
+use offline::Usage;
 use recording::Item;
 use runtime::signals::Stop;
 use runtime::{Now, Speed};
 
-use crate::args::{Replay, Usage};
+use crate::args::Replay;
 
 /// Longest sleep before it is looked whether the command shall end, nanoseconds.
 const LOOK_NS: i64 = 100_000_000;

@@ -17,11 +17,11 @@ use formats::tracks_csv::PlacedTrack;
 use frames::time::NS_PER_DAY;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Restored, SensorTrack, SystemTrack, WorkStep};
+use offline::{OutputFile, Usage, check_outputs};
 use recording::{Facts, Item};
 use runtime::Speed;
 
-use crate::args::{Replay, Usage};
-use crate::files::{OutputFile, check_outputs};
+use crate::args::Replay;
 use crate::recording_info::files;
 use again::{Again, Outcome, Plan, Spans};
 use verification::Verification;

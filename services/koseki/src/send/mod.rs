@@ -15,14 +15,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use offline::{InputError, Usage};
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
 use runtime::{Now, Speed};
 use serde_json::json;
 use telemetry::table::count;
 
-use crate::args::{Retime, Send, Usage};
-use crate::files::InputError;
+use crate::args::{Retime, Send};
 use pieces::{Mover, Pieces, Timed, begins_ns, offsets_ns};
 use way_out::WayOut;
 

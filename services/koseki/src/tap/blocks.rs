@@ -8,11 +8,12 @@ use bus::{Bus, Received, SharedMemory, WaitMode};
 use frames::{Geodetic, SystemFrame};
 use messages::SystemTrack;
 use messages::layout::Sample as _;
+use offline::Usage;
 use outgoing::SystemReports;
 use runtime::clock::mono_ns;
 use runtime::signals::Stop;
 
-use crate::args::{Tap, Usage};
+use crate::args::Tap;
 
 /// Octets of a block: what fits a datagram, for whoever sends them on.
 const BLOCK_OCTETS_MAX: usize = 1_400;

@@ -12,10 +12,11 @@ use anyhow::bail;
 use bus::{Bus, Payload, Received, Root, SharedMemory, WaitMode, Woken};
 use messages::{Topic, Visitor};
 use net::LineServer;
+use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
 
-use crate::args::{Tap, TapFormat, Usage};
+use crate::args::{Tap, TapFormat};
 use blocks::Blocks;
 use lines::{LineFormat, Lines};
 

@@ -15,12 +15,13 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use anyhow::Context as _;
+use offline::Usage;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use runtime::clock::instant;
 use serde::Serialize;
 
-use crate::args::{Torture, Usage};
+use crate::args::Torture;
 use deployment::Deployment;
 use faults::{FAULTS, Fault};
 use resources::Resources;

@@ -1,0 +1,523 @@
+//! The commands on files: what can be written after them, and their help.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::files::Usage;
+use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_second};
+
+/// A command on tables.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Write what simulated sensors see of a simulated world, and the truth
+    #[command(after_help = SIMULATE_EXAMPLES)]
+    Simulate(Simulate),
+    /// Fuse files of sensor tracks into one file of system tracks
+    #[command(after_help = fuse_examples())]
+    Fuse(Fuse),
+    /// Track targets in files of detections
+    #[command(after_help = track_examples())]
+    Track(Track),
+    /// Locate emitters from files of bearings, measured by a moving platform
+    #[command(after_help = locate_examples())]
+    Locate(Locate),
+    /// Run every fusion rule on the same sensor tracks, and show them side by side
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(Compare),
+    /// Score tracks or fixes against a known truth
+    #[command(after_help = SCORE_EXAMPLES)]
+    Score(Score),
+}
+
+/// Words without an executable before them.
+#[derive(Debug, Parser)]
+#[command(no_binary_name = true)]
+struct Line {
+    #[command(subcommand)]
+    command: Command,
+}
+
+impl Command {
+    /// The command that `words` say, of which the first is its name.
+    ///
+    /// # Errors
+    /// If they are none.
+    pub fn of(words: &[String]) -> Result<Self, Usage> {
+        let line = Line::try_parse_from(words).map_err(|error| Usage(refusal(&error)))?;
+        Ok(line.command)
+    }
+}
+
+/// Reason on one line for which words are no command.
+pub fn refusal(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let words: Vec<&str> = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:"))
+        .filter(|line| !line.trim().is_empty() && !line.starts_with("For more information"))
+        .map(str::trim)
+        .collect();
+    let words = words.join(" ");
+    words.strip_prefix("error: ").unwrap_or(&words).to_owned()
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  koseki simulate --scenario demo --seed 1 --out case1
+  koseki simulate --scenario dense --seed 3 --for 60 --out case3
+  koseki simulate --scenario my.toml --seed 1 --out mine
+  koseki simulate --scenario wide-area --set scenario.formation[0].count=1 --seed 1 --for 200 --out pair
+
+NAME  demo       a busy airport and its surroundings, seen by five sensors: what `koseki demo` shows
+      en-route   the same sensors; all targets fly en route, and all of them meet another one on their way
+      dense      demo with 400 targets
+      wide-area  formations that two radars do not resolve, and a remote sensor that counts them: config/wide-area.toml
+FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
+
+DIR/truth.csv            a row per whole second and target that some sensor could see there
+DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
+DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target,
+                         merged are several that it saw as one
+DIR/asterix_K.ast        with --asterix, what sensor K sends: for `koseki decode` and `koseki send`
+DIR/bearings_K.csv       in place of both, what direction finder K hears, for `koseki locate`; emitter_id is the target's
+DIR/wide_area_NAME.csv   what the wide-area sensor of this name counts, for `koseki track --wide-area`
+Times begin at 0. The same scenario and seed give the same bytes.";
+
+/// `koseki simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Name of a scenario, or a configuration with one
+    #[arg(long, value_name = "NAME|FILE")]
+    pub(crate) scenario: PathBuf,
+    /// Seed of the simulated world: the same seed gives the same traffic
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Folder for the files
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// How long a time is simulated, seconds
+    #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
+    pub(crate) seconds: Duration,
+    /// Write what each sensor sends in ASTERIX, too
+    #[arg(long)]
+    pub(crate) asterix: bool,
+    /// Replace a value of the scenario's configuration (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+const FUSE_EXAMPLES: &str = "\
+Examples:
+  koseki fuse --tracks radar.csv adsb.csv --refresh 1 --out fused.csv
+  koseki fuse --tracks all.csv --rule best-source --out fused.csv --json
+  koseki fuse --tracks all.csv --config sensors.toml --out fused.csv
+  koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg --track 7
+
+FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
+         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and of what `koseki track`
+         knows of targets kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the
+         covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold several sensors;
+         several files are merged by time. Rows that cannot be used are left out and counted.
+--out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
+         and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
+         coasted. Several values in a column are joined with |.
+--explain time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit
+         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
+         compared with limit.
+--config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
+           [fusion.rule]
+           name = \"best-source\"
+           [[sensor]]
+{KEYS}         docs/configuration.md says what [fusion] may hold, and which values are possible.
+         What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
+
+The same files and options give the same bytes.";
+
+/// Help of `koseki fuse`, with the keys of a sensor.
+fn fuse_examples() -> String {
+    FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help())
+}
+
+/// `koseki fuse`.
+#[derive(Debug, Args)]
+pub struct Fuse {
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// How sources are weighed; auto is the best there is for unknown data [default: what --config says, else auto]
+    #[arg(long, value_name = "RULE")]
+    pub(crate) rule: Option<String>,
+    /// Write rows at whole multiples of so many seconds [default: a row per update]
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) refresh: Option<Duration>,
+    /// File for the system tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// File for a picture (SVG): the system tracks over the reports that they were made from
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// The system track that the picture is about [default: all]
+    #[arg(long, value_name = "N", requires = "picture")]
+    pub(crate) track: Option<u32>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Inputs and settings of the offline engines of fusion.
+#[derive(Debug, Args)]
+pub(crate) struct OfflineInput {
+    /// Sensor tracks: CSV files, each in the order of time
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// Description of the sensors, and settings of fusion: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+}
+
+const TRACK_EXAMPLES: &str = "\
+Examples:
+  koseki track --detections radar.csv --out tracks.csv
+  koseki track --detections radar.csv lidar.csv camera.csv --config sensors.toml --out tracks.csv
+  koseki track --detections radar.csv --out tracks.csv --explain why.csv --json
+  koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
+  koseki track --detections radar.csv --wide-area counts.csv --emissions heard.csv --config types.toml --out tracks.csv
+  koseki track --detections radar.csv --period 1 --cues looks.csv --out tracks.csv
+
+FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
+         kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
+         bearing, bearing_elevation; m: values in that order, m3 the range rate where there is one; s: their standard
+         deviations; p: where the sensor was; all in metres, radians, m/s, and what a kind does not measure left empty.
+         Detections with the same sensor_id and scan are one scan: what the sensor saw in a turn or an image. A scan number
+         that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
+         out and counted. A recording of the Autoferry data set (scenarioN_detections.json) is read as it is: sensors 1 lidar,
+         2 radar (position2), 3 infrared camera, 4 camera (bearing); it states no standard deviations, so --config must.
+--wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row for each report of how many targets there were around a
+         place (docs/wide-area.md); arrival_s counts like time_s; route: east and north of the places passed, oldest first,
+         joined with |.
+--emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,pulse_interval_s]    a row for each emission that
+         was heard, as for `koseki locate`; with the types and priors of --config it tells what the tracks are.
+--out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,kind,members,type,type_confidence,hypotheses,
+         reliability    a row for each confirmed track after each scan, or with --period at its whole multiples; state is
+         confirmed, or coasted after a scan without it; sensor_id is 0, the tracker; kind is group where targets are not told
+         apart, with their expected number, and type is what the target is, if that is known.
+--cues   made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad    after each scan, where
+         each sensor should look for each confirmed track when it looks next: an ellipse, its longer axis clockwise from north.
+--explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
+--config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
+         following alone. Nothing of it has to be given; what is said of a sensor are facts, the rest serves all alike:
+{KEYS}         docs/tracking.md says when to choose what, docs/wide-area.md what stands in [wide_area] and [selection],
+         docs/configuration.md which values are possible.
+
+The same files and options give the same bytes.";
+
+/// Help of `koseki track`, with the keys of its configuration.
+fn track_examples() -> String {
+    TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help())
+}
+
+/// `koseki track`.
+#[derive(Debug, Args)]
+pub struct Track {
+    /// Detections: CSV files, or recordings of the Autoferry data set
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) detections: Vec<PathBuf>,
+    /// How many targets a wide-area sensor has seen, which reports late: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) wide_area: Option<PathBuf>,
+    /// Emissions that an on-board receiver has heard, to tell types of targets by: a CSV file of bearings
+    #[arg(long, value_name = "FILE")]
+    pub(crate) emissions: Option<PathBuf>,
+    /// Description of the sensors, and settings of the tracker: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// File for the tracks
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// Give the tracks out at the whole multiples of this period, instead of after each scan
+    #[arg(long, value_name = "SECONDS", value_parser = refresh)]
+    pub(crate) period: Option<Duration>,
+    /// File for what was considered and decided
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// File for where each sensor should look next
+    #[arg(long, value_name = "FILE")]
+    pub(crate) cues: Option<PathBuf>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const LOCATE_EXAMPLES: &str = "\
+Examples:
+  koseki locate --bearings flight.csv --out fixes.csv
+  koseki locate --bearings flight.csv --filter fixed --select staged --out fixes.csv --explain why.csv
+  koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg --emitter 7
+
+FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
+         Radians clockwise from north, metres east, north and up; p is where the platform was. Any number of emitters in
+         one file. Where emitter_id is empty, bearings find their emitter by frequency and direction, and emitters are
+         numbered from 1000001 on. Rows that cannot be used are left out and counted.
+--filter auto      the data decide: fixed point, straight motion or manoeuvring, the simplest that explains the bearings
+         fixed     a fixed point, or one that wanders
+         straight  straight motion, or manoeuvring
+--select auto      every fix steers the output, which never jumps: the best there is for unknown data
+         none      fixes as they are
+         interval  a fix each interval sets the direction of the output, which moves in straight lines
+         minimum   … a fix at each minimum of the variance
+         staged    intervals at first, minima once they come often enough
+--out    time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed
+         a row per bearing once the geometry allows a fix: the output; the trace of the filter's covariance; the filter's own
+         fix (raw) with its covariance; the model that is believed; 0 in agreed while its bearings are set aside.
+--explain time_s,emitter_id,decision,subject,reason,value,limit    value is what was compared with limit
+--config a TOML file; every key has a default:
+{KEYS}
+The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
+
+/// Help of `koseki locate`, with the keys of its configuration.
+fn locate_examples() -> String {
+    LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help())
+}
+
+/// `koseki locate`.
+#[derive(Debug, Args)]
+pub struct Locate {
+    /// Bearings: a CSV file in the order of time
+    #[arg(long, value_name = "FILE")]
+    pub(crate) bearings: PathBuf,
+    /// How emitters may move: auto, fixed or straight [default: what --config says, else auto]
+    #[arg(long, value_name = "FILTER")]
+    pub(crate) filter: Option<String>,
+    /// Which fixes are used: auto, none, interval, minimum or staged [default: what --config says, else auto]
+    #[arg(long, value_name = "SELECTION")]
+    pub(crate) select: Option<String>,
+    /// Settings of filters and selection: a TOML file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// File for the fixes
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+    /// File for what was decided and why, a row per decision
+    #[arg(long, value_name = "FILE")]
+    pub(crate) explain: Option<PathBuf>,
+    /// File for a picture (SVG) of one emitter's fixes and output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) picture: Option<PathBuf>,
+    /// The emitter of the picture [default: the first]
+    #[arg(long, value_name = "N", requires = "picture")]
+    pub(crate) emitter: Option<u32>,
+    /// Print what was read and found as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  koseki compare --tracks radar.csv adsb.csv --truth truth.csv
+  koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
+  koseki compare --tracks all.csv --config sensors.toml --json
+
+Inputs are those of `koseki fuse`, figures those of `koseki score` (see their --help); without --truth those that need
+none. us_per_report is the time of the engine alone. Every rule has an engine of its own; nothing is written.";
+
+/// `koseki compare`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Compare {
+    /// Pictures that are there already.
+    #[command(subcommand)]
+    pub(crate) what: Option<CompareWhat>,
+    #[command(flatten)]
+    pub(crate) input: OfflineInput,
+    /// Where the targets are: a CSV file as for `koseki score`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+    /// System tracks are compared at whole multiples of so many seconds
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = refresh)]
+    pub(crate) refresh: Duration,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print the table as Markdown
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
+}
+
+/// Further things to compare.
+#[derive(Debug, Subcommand)]
+pub(crate) enum CompareWhat {
+    /// Say how two pictures of the same time differ: as recorded, and fused again with other settings
+    #[command(after_help = COMPARE_PICTURES_EXAMPLES)]
+    Pictures(ComparePictures),
+}
+
+const COMPARE_PICTURES_EXAMPLES: &str = "\
+Examples:
+  koseki replay records/tower/latest --config other.toml --out other.csv
+  koseki compare pictures records/tower/latest other.csv
+  koseki compare pictures before.csv after.csv --max-age 5 --json
+
+The first picture stands in the place of the truth: its confirmed and coasted tracks are the targets that the second one is
+held against at each whole second, with the figures of `koseki score`. A missed target is a track that only the first has, a
+false one a track that only the second has. Columns are found by name: time_s,system_track_id,x,y,z,vx,vy,vz,state.";
+
+/// `koseki compare pictures`.
+#[derive(Debug, Args)]
+pub(crate) struct ComparePictures {
+    /// System tracks of the first picture: a CSV file, or the folder of a start
+    pub(crate) first: PathBuf,
+    /// System tracks of the second one
+    pub(crate) second: PathBuf,
+    /// Cut-off of GOSPA and OSPA: distance from which two tracks are not of one target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// A state older than this does not show, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to compare [default: the first that either has]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: Option<i64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_EXAMPLES: &str = "\
+Examples:
+  koseki score --truth truth.csv --tracks fused.csv
+  koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
+  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
+  koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
+
+At each whole second, the newest state of each track is moved to that second and held against the targets: GOSPA with its
+parts and OSPA say how far the picture is from the truth; targets keep their tracks from second to second while these are
+nearer than the gate, which gives switches, breaks, completeness and spurious tracks.
+
+truth:   time_s,target_id,x,y,z,vx,vy,vz                            a row per target and whole second
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are left out
+Columns are found by name, others are ignored. A figure that cannot be computed is null in JSON.";
+
+/// `koseki score`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Score {
+    /// Files that are scored besides.
+    #[command(subcommand)]
+    pub(crate) what: Option<ScoreWhat>,
+    /// Where the targets are: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) truth: Option<PathBuf>,
+    /// The tracks to score: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) tracks: Option<PathBuf>,
+    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Distance up to which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// A state older than this does not show, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Last whole second to score [default: the last that the truth reaches]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t1: Option<i64>,
+    /// Directions are compared of targets faster than this, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
+    pub(crate) moving: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Files that `koseki score` scores beside pictures.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScoreWhat {
+    /// Score how well a tracker tells targets apart, over one or more runs
+    #[command(after_help = SCORE_TRACKS_EXAMPLES)]
+    Tracks(ScoreTracks),
+    /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
+    #[command(after_help = SCORE_FIXES_EXAMPLES)]
+    Fixes(ScoreFixes),
+}
+
+const SCORE_TRACKS_EXAMPLES: &str = "\
+Examples:
+  koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
+  koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
+
+At each time of the truth from --since on: are exactly as many confirmed tracks near targets as there are targets, each
+near another one? Before it, targets cannot be told apart yet, and several tracks are too many. Positions are compared in
+the plane; a track shows for 4 s after its newest row, moved along its velocity.
+
+truth:   time_s,x,y                                         a row per target and time
+tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are added
+up, and JSON has the figures of each run under \"each\".";
+
+/// `koseki score tracks`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreTracks {
+    /// Where the targets are: a CSV file for each run
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The tracks of each run, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// A track is near a target if it is nearer than this, metres
+    #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// From when on targets can be told apart, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) since: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_FIXES_EXAMPLES: &str = "\
+Examples:
+  koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
+  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
+
+Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
+       drop    a dropped transmitter drifts straight on while the aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; from 500 s on counts
+Which case it is stands in the file meta.json beside each truth, with the baseline (m), sigma_deg and number of runs.
+
+truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows of times that the truth lacks are left out
+Several sets of runs of one case are pooled: as many --fixes as --truth, in the same order.";
+
+/// `koseki score fixes`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreFixes {
+    /// Where the emitters are: a CSV file with meta.json beside it, for each set of runs
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The fixes of each set, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) fixes: Vec<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}

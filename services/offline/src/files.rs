@@ -1,0 +1,171 @@
+//! Files that commands read and write.
+//!
+//! What is written appears whole or not at all: it is written beside its place under another name, and moved there when
+//! it is complete. So a command that fails, or is killed, leaves no half a table that looks like a whole one, and the
+//! result of an earlier run stays until there is a new one.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+
+/// Octets that are gathered before the system is asked to write or read.
+const BUFFER_OCTETS: usize = 1 << 18;
+
+/// A command line that is well-formed, but makes no sense.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// An input file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {what}", file.display())]
+pub struct InputError {
+    file: PathBuf,
+    what: String,
+}
+
+impl InputError {
+    /// A file, and its fault.
+    pub fn new(file: &Path, what: impl std::fmt::Display) -> Self {
+        Self {
+            file: file.to_owned(),
+            what: what.to_string(),
+        }
+    }
+
+    /// The same, and what the file is needed for.
+    pub(crate) fn with(mut self, needed: &str) -> Self {
+        self.what = format!("{}; {needed}", self.what);
+        self
+    }
+}
+
+/// Opens an input file.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn open(file: &Path) -> Result<File, InputError> {
+    let failed = |error: io::Error| InputError::new(file, format!("cannot be read: {error}"));
+    let opened = File::open(file).map_err(failed)?;
+    if opened.metadata().map_err(failed)?.is_dir() {
+        return Err(InputError::new(file, "is a folder; name a file"));
+    }
+    Ok(opened)
+}
+
+/// Whether two paths lead to one file that is there.
+pub fn is_same_file(one: &Path, other: &Path) -> bool {
+    matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
+}
+
+/// Refuses to write over an input, or one output over another.
+///
+/// # Errors
+/// The option and the file that it names.
+pub fn check_outputs<'a>(
+    inputs: impl IntoIterator<Item = &'a PathBuf> + Clone,
+    outputs: &[(&str, Option<&PathBuf>)],
+) -> Result<(), Usage> {
+    for (place, (option, file)) in outputs.iter().enumerate() {
+        let Some(file) = file else { continue };
+        if inputs.clone().into_iter().any(|input| is_same_file(input, file)) {
+            let what = format!("{option} {} is an input; name another file", file.display());
+            return Err(Usage(what));
+        }
+        for (other_option, other) in &outputs[place + 1..] {
+            if other.is_some_and(|other| other == *file || is_same_file(other, file)) {
+                return Err(Usage(format!("{option} and {other_option} name one file; name two")));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A file that appears when it is complete.
+#[derive(Debug)]
+pub struct OutputFile {
+    path: PathBuf,
+    /// Path that is written to until then; the path itself where that is no file, but a device or a pipe.
+    unfinished: Option<PathBuf>,
+    writer: Option<BufWriter<File>>,
+}
+
+impl OutputFile {
+    /// Begins to write what will be `path`.
+    ///
+    /// # Errors
+    /// If nothing can be written there.
+    pub fn begin(path: &Path) -> anyhow::Result<Self> {
+        let is_device = fs::metadata(path).is_ok_and(|found| !found.is_file());
+        let unfinished = (!is_device).then(|| unfinished_name(path));
+        let at = unfinished.as_deref().unwrap_or(path);
+        let opened = if is_device {
+            File::options().write(true).open(at)
+        } else {
+            File::create(at)
+        };
+        let file = opened.with_context(|| format!("{} cannot be written", path.display()))?;
+        Ok(Self {
+            path: path.to_owned(),
+            unfinished,
+            writer: Some(BufWriter::with_capacity(BUFFER_OCTETS, file)),
+        })
+    }
+
+    /// Puts the complete file in its place.
+    ///
+    /// # Errors
+    /// If what was written cannot be kept.
+    pub fn finish(mut self) -> anyhow::Result<()> {
+        let finished = self.writer.take().map_or(Ok(()), |mut writer| writer.flush());
+        finished
+            .and_then(|()| match &self.unfinished {
+                Some(unfinished) => fs::rename(unfinished, &self.path),
+                None => Ok(()),
+            })
+            .with_context(|| format!("{} cannot be written", self.path.display()))?;
+        self.unfinished = None;
+        Ok(())
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
+        match &mut self.writer {
+            Some(writer) => writer.write(octets),
+            None => Err(io::ErrorKind::NotConnected.into()),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.as_mut().map_or(Ok(()), Write::flush)
+    }
+}
+
+impl io::Seek for OutputFile {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        match &mut self.writer {
+            Some(writer) => writer.seek(to),
+            None => Err(io::ErrorKind::NotConnected.into()),
+        }
+    }
+}
+
+impl Drop for OutputFile {
+    fn drop(&mut self) {
+        if let Some(unfinished) = &self.unfinished {
+            drop(self.writer.take());
+            let _ = fs::remove_file(unfinished);
+        }
+    }
+}
+
+/// Beside `path`, so that it can be moved there at once; with this process's number, so that two do not share it.
+fn unfinished_name(path: &Path) -> PathBuf {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    path.with_file_name(name)
+}

@@ -1,0 +1,190 @@
+//! Summary of what was read and found, for a person or as JSON.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use fusion::Engine;
+use messages::{Counter, NS_PER_S, TrackState};
+use serde_json::{Value, json};
+
+use crate::host::Host;
+use crate::reading::{Driven, Refusals, Setup};
+
+/// Figures of the summary.
+pub(crate) struct Summary<'a> {
+    pub(crate) out: &'a Path,
+    pub(crate) setup: &'a Setup<'a>,
+    pub(crate) engine: &'a Engine,
+    pub(crate) refusals: &'a Refusals,
+    pub(crate) driven: Driven,
+    /// Rows written.
+    pub(crate) written: u64,
+}
+
+/// Counters that are shown where they are not 0: what became of reports, sensor by sensor.
+const OF_SENSORS: [Counter; 5] = [
+    Counter::RejectedExtrapolated,
+    Counter::RejectedDuplicate,
+    Counter::RejectedInvalid,
+    Counter::RejectedOutOfOrder,
+    Counter::DroppedTable,
+];
+/// Counters of system tracks.
+const OF_TRACKS: [Counter; 6] = [
+    Counter::TracksStarted,
+    Counter::TracksConfirmed,
+    Counter::TracksMerged,
+    Counter::TracksTerminated,
+    Counter::ContributionsSplit,
+    Counter::HandOvers,
+];
+
+impl Summary<'_> {
+    /// Shows it: as JSON on standard output, else on standard error.
+    ///
+    /// # Errors
+    /// If standard output fails.
+    pub(crate) fn show(&self, host: &dyn Host, json: bool) -> anyhow::Result<()> {
+        host.show(json.then(|| self.as_json()), || self.as_text())
+    }
+
+    fn as_json(&self) -> Value {
+        let counters = |of: &[Counter], value: &dyn Fn(Counter) -> u64| -> serde_json::Map<String, Value> {
+            of.iter()
+                .map(|counter| (counter.label().to_owned(), value(*counter).into()))
+                .collect()
+        };
+        let sensors: Vec<Value> = (0u16..)
+            .zip(&self.setup.sensor_ids)
+            .map(|(source, id)| {
+                let mut sensor = counters(&OF_SENSORS, &|counter| self.of_source(source, counter));
+                let settings = &self.engine.settings().sources[usize::from(source)];
+                sensor.insert("sensor_id".to_owned(), (*id).into());
+                sensor.insert("name".to_owned(), settings.name.as_str().into());
+                sensor.insert("period_s".to_owned(), (settings.period_ns as f64 / NS_PER_S).into());
+                if let Some(error) = self.engine.gross_error(source) {
+                    let partner = self.setup.sensor_ids[usize::from(error.partner)];
+                    let told = json!({
+                        "kind": error.kind.word(),
+                        "value": error.value,
+                        "shown_by": partner,
+                        "certain": error.is_certain,
+                        "removed": error.is_removed,
+                    });
+                    sensor.insert("gross_error".to_owned(), told);
+                }
+                Value::Object(sensor)
+            })
+            .collect();
+        json!({
+            "out": self.out.display().to_string(),
+            "rule": self.engine.settings().rule.name.0.word(),
+            "rows": self.written,
+            "reports": self.driven.reports,
+            "rows_refused": self.refusals.rows(),
+            "refused": self.refusals.by_reason,
+            "first_refused": self.refusals.first,
+            "sensors": sensors,
+            "system_tracks": counters(&OF_TRACKS, &|counter| self.engine.counts().get(counter)),
+            "live_tracks": self.live(),
+            "engine_s": self.driven.engine_ns as f64 / NS_PER_S,
+            "reports_per_s": self.rate(),
+        })
+    }
+
+    fn as_text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    fn write_text(&self, text: &mut String) -> std::fmt::Result {
+        let driven = &self.driven;
+        for (source, id) in (0u16..).zip(&self.setup.sensor_ids) {
+            let settings = &self.engine.settings().sources[usize::from(source)];
+            let reports = self.driven_of(source);
+            write!(
+                text,
+                "sensor {id:<6} {reports:>9} reports, every {:.3} s",
+                settings.period_ns as f64 / NS_PER_S
+            )?;
+            for counter in OF_SENSORS {
+                match self.of_source(source, counter) {
+                    0 => {}
+                    count => write!(text, ", {count} {}", words(counter))?,
+                }
+            }
+            writeln!(text)?;
+            if let Some(error) = self.engine.gross_error(source) {
+                let partner = self.setup.sensor_ids[usize::from(error.partner)];
+                let verdict = match (error.is_removed, error.is_certain) {
+                    (true, _) => "; that is taken off".to_owned(),
+                    (_, true) => "; fusion.registration.gross = true takes it off".to_owned(),
+                    _ => format!(", or sensor {partner} is off the other way"),
+                };
+                writeln!(
+                    text,
+                    "sensor {id:<6} is off by {error}, against sensor {partner}{verdict}"
+                )?;
+            }
+        }
+        text.push_str(&self.refusals.as_text());
+        let tracks: Vec<String> = OF_TRACKS
+            .iter()
+            .map(|counter| format!("{} {}", self.engine.counts().get(*counter), words(*counter)))
+            .collect();
+        writeln!(
+            text,
+            "system tracks: {}, {} live at the end",
+            tracks.join(", "),
+            self.live()
+        )?;
+        writeln!(
+            text,
+            "rule {}: {} reports in {:.3} s of the engine, {:.0} a second",
+            self.engine.settings().rule.name.0.word(),
+            driven.reports,
+            driven.engine_ns as f64 / NS_PER_S,
+            self.rate()
+        )?;
+        writeln!(text, "{}: {} rows", self.out.display(), self.written)
+    }
+
+    fn of_source(&self, source: u16, counter: Counter) -> u64 {
+        self.engine.counts().source(source).map_or(0, |counts| counts[counter])
+    }
+
+    fn driven_of(&self, source: u16) -> u64 {
+        self.driven
+            .by_source
+            .get(usize::from(source))
+            .copied()
+            .unwrap_or_default()
+    }
+
+    fn live(&self) -> usize {
+        self.engine.count_in_state(TrackState::Confirmed) + self.engine.count_in_state(TrackState::Coasted)
+    }
+
+    fn rate(&self) -> f64 {
+        self.driven.reports as f64 * NS_PER_S / self.driven.engine_ns.max(1) as f64
+    }
+}
+
+fn words(counter: Counter) -> &'static str {
+    match counter {
+        Counter::RejectedExtrapolated => "extrapolated by the sensor",
+        Counter::RejectedDuplicate => "of a second track on one target",
+        Counter::RejectedInvalid => "invalid",
+        Counter::RejectedOutOfOrder => "out of order",
+        Counter::DroppedTable => "refused by a full table",
+        Counter::TracksStarted => "started",
+        Counter::TracksConfirmed => "confirmed",
+        Counter::TracksMerged => "merged",
+        Counter::TracksTerminated => "ended",
+        Counter::ContributionsSplit => "sensor tracks taken out",
+        Counter::HandOvers => "hand-overs",
+        other => other.label(),
+    }
+}

@@ -1,0 +1,172 @@
+//! `koseki locate`: bearings of emitters into their positions (FM-7).
+//!
+//! The locator is the one of the live adapters; here a file is read, row by row, and what comes of it is written. A
+//! file may hold any number of emitters; of each only what its filters keep is in memory.
+
+mod decisions;
+mod picture;
+mod rows;
+mod summary;
+
+use std::cell::RefCell;
+use std::io::Write as _;
+use std::path::Path;
+use std::rc::Rc;
+
+use anyhow::Context as _;
+use formats::bearings_csv::BearingReader;
+use locating::selection::Select;
+use locating::settings::{FilterChoice, Settings};
+use locating::{Locator, Rejection};
+use observations::Bearing;
+
+use crate::args::Locate;
+use crate::files::{InputError, Usage, check_outputs};
+use crate::host::Host;
+use crate::reading::{Counting, Progress, Refusals};
+use decisions::Decisions;
+use picture::Paths;
+use summary::Summary;
+
+/// Places for emitters where no configuration says how many: more than any file of measurements has. Memory is taken
+/// when they come.
+const EMITTERS_MAX: usize = 20_000;
+
+/// Locates.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
+    let outputs = [
+        ("--out", Some(&locate.out)),
+        ("--explain", locate.explain.as_ref()),
+        ("--picture", locate.picture.as_ref()),
+    ];
+    check_outputs(std::iter::once(&locate.bearings).chain(&locate.config), &outputs)?;
+    let mut locator = Locator::new(settings(locate, host)?).map_err(|fault| Usage(fault.to_string()))?;
+    let mut input = Input::open(host, &locate.bearings)?;
+    let mut out = host.begin(&locate.out)?;
+    let unwritten = || format!("{} cannot be written", locate.out.display());
+    writeln!(out, "{}", rows::HEADER).with_context(unwritten)?;
+    let mut decisions = locate
+        .explain
+        .as_deref()
+        .map(|path| Decisions::begin(host, path))
+        .transpose()?;
+    let mut paths = locate.picture.as_ref().map(|_| Paths::new(locate.emitter));
+    let mut summary = Summary::default();
+    let progress = Progress::new(host, input.octets);
+    while let Some((line, bearing)) = input.next()? {
+        let begin_ns = runtime::clock::mono_ns();
+        let taken = locator.bearing(&bearing);
+        summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
+        match taken {
+            Ok(report) => {
+                if let Some(report) = &report {
+                    rows::write(&mut out, report).with_context(unwritten)?;
+                    summary.emitters.insert(report.number);
+                }
+                if let Some(paths) = &mut paths {
+                    paths.take(&bearing, report.as_ref());
+                }
+            }
+            Err(refusal) => input.refuse(line, refusal),
+        }
+        if let Some(table) = &mut decisions {
+            table.write(locator.decisions())?;
+        }
+        summary.count(locator.decisions());
+        progress.at(*input.octets_read.borrow())?;
+    }
+    drop(progress);
+    out.finish()?;
+    if let Some(table) = decisions {
+        table.finish()?;
+    }
+    if let (Some(paths), Some(file)) = (paths, &locate.picture) {
+        paths.draw(file)?;
+    }
+    summary.show(host, locate, &locator, &input.refusals)
+}
+
+/// Settings of the command line and the configuration.
+fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
+    let mut settings = match &locate.config {
+        Some(path) => {
+            let text = host.text(path)?;
+            configuration::locating_settings(path, &text)?
+        }
+        None => Settings {
+            emitters_max: EMITTERS_MAX,
+            ..Settings::default()
+        },
+    };
+    if let Some(word) = &locate.filter {
+        let words = FilterChoice::ALL.map(FilterChoice::word);
+        settings.motion.filter = FilterChoice::from_word(word).ok_or_else(|| not_known("--filter", word, &words))?;
+    }
+    if let Some(word) = &locate.select {
+        let words = Select::ALL.map(Select::word);
+        settings.selection.select = Select::from_word(word).ok_or_else(|| not_known("--select", word, &words))?;
+    }
+    Ok(settings)
+}
+
+fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
+    Usage(format!("{option} {word}: there are {}", words.join(", ")))
+}
+
+/// The file of bearings. Rows that cannot be used are left out and counted.
+struct Input<'a> {
+    path: &'a Path,
+    reader: BearingReader<Counting>,
+    octets: u64,
+    octets_read: Rc<RefCell<u64>>,
+    refusals: Refusals,
+    rows: u64,
+}
+
+impl<'a> Input<'a> {
+    fn open(host: &dyn Host, path: &'a Path) -> Result<Self, InputError> {
+        let file = host.open(path)?;
+        let octets = file.length;
+        let octets_read = Rc::default();
+        let reader = BearingReader::new(Counting::new(file, Rc::clone(&octets_read)), 0);
+        Ok(Self {
+            path,
+            reader: reader.map_err(|error| InputError::new(path, error))?,
+            octets,
+            octets_read,
+            refusals: Refusals::default(),
+            rows: 0,
+        })
+    }
+
+    /// The next row that can be read, with its line.
+    fn next(&mut self) -> Result<Option<(u64, Bearing)>, InputError> {
+        while let Some(row) = self.reader.next() {
+            if let Some(bearing) = self.refusals.usable(self.path, row)? {
+                self.rows += 1;
+                return Ok(Some((self.reader.line(), bearing)));
+            }
+        }
+        if self.rows == 0 {
+            let why = self
+                .refusals
+                .first
+                .first()
+                .map_or("the file has a header only", String::as_str);
+            return Err(InputError::new(self.path, format!("no row can be used: {why}")));
+        }
+        Ok(None)
+    }
+
+    fn refuse(&mut self, line: u64, refusal: Rejection) {
+        let reason = match refusal {
+            Rejection::Unusable(_) => "a value that cannot be",
+            Rejection::OutOfOrder => "order of time",
+            Rejection::TableFull => "want of places",
+        };
+        self.refusals.refused(reason, self.path, line, refusal);
+    }
+}

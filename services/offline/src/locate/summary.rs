@@ -1,0 +1,126 @@
+//! Summary of what was read and found, for a person or as JSON.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+use locating::{Decision, DecisionKind, Locator};
+use messages::NS_PER_S;
+use serde_json::{Value, json};
+
+use crate::args::Locate;
+use crate::host::Host;
+use crate::reading::Refusals;
+
+/// Counts on the way.
+#[derive(Debug, Default)]
+pub(super) struct Summary {
+    /// Emitters with a fix.
+    pub(super) emitters: BTreeSet<u32>,
+    /// Time that the locator alone took, nanoseconds.
+    pub(super) locator_ns: i64,
+    /// The model that is believed of each emitter.
+    models: BTreeMap<u32, &'static str>,
+    times_set_aside: u64,
+    restarts: u64,
+}
+
+impl Summary {
+    /// Counts what was decided on a bearing.
+    pub(super) fn count(&mut self, decisions: &[Decision]) {
+        for decision in decisions {
+            match decision.kind {
+                DecisionKind::ModelChosen(motion) => _ = self.models.insert(decision.emitter, motion.word()),
+                DecisionKind::BearingsSetAside(_) => self.times_set_aside += 1,
+                DecisionKind::ModelRestarted(_) => self.restarts += 1,
+                _ => {}
+            }
+        }
+    }
+
+    /// Shows it: as JSON on standard output, else on standard error.
+    ///
+    /// # Errors
+    /// If standard output fails.
+    pub(super) fn show(
+        &self,
+        host: &dyn Host,
+        locate: &Locate,
+        locator: &Locator,
+        refusals: &Refusals,
+    ) -> anyhow::Result<()> {
+        let json = locate.json.then(|| self.as_json(locate, locator, refusals));
+        host.show(json, || self.as_text(locate, locator, refusals))
+    }
+
+    fn as_json(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> Value {
+        let (counts, settings) = (locator.counts(), locator.settings());
+        json!({
+            "out": locate.out.display().to_string(),
+            "filter": settings.motion.filter.word(),
+            "select": settings.selection.select.word(),
+            "rows": counts.fixes,
+            "bearings": counts.bearings,
+            "without_fix": counts.without_fix,
+            "set_aside": counts.set_aside,
+            "times_set_aside": self.times_set_aside,
+            "models_restarted": self.restarts,
+            "associated": counts.associated,
+            "emitters": counts.emitters,
+            "emitters_with_fix": self.emitters.len(),
+            "emitters_by_model": self.by_model(),
+            "rows_refused": refusals.rows(),
+            "refused": refusals.by_reason,
+            "first_refused": refusals.first,
+            "locator_s": self.locator_ns as f64 / NS_PER_S,
+            "us_per_bearing": self.us_per_bearing(locator),
+        })
+    }
+
+    fn as_text(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> String {
+        let (counts, settings) = (locator.counts(), locator.settings());
+        let mut text = refusals.as_text();
+        let models: Vec<String> = (self.by_model().iter())
+            .map(|(motion, emitters)| format!("{emitters} {motion}"))
+            .collect();
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{} bearings of {} emitters; {} with a fix: {}",
+            counts.bearings,
+            counts.emitters,
+            self.emitters.len(),
+            if models.is_empty() {
+                "none".to_owned()
+            } else {
+                models.join(", ")
+            }
+        );
+        let _ = writeln!(
+            text,
+            "{} bearings before the geometry allowed a fix; {} set aside because they disagreed, {} times",
+            counts.without_fix, counts.set_aside, self.times_set_aside
+        );
+        let _ = writeln!(
+            text,
+            "filter {}, select {}: {:.3} s of the locator, {:.2} us a bearing",
+            settings.motion.filter.word(),
+            settings.selection.select.word(),
+            self.locator_ns as f64 / NS_PER_S,
+            self.us_per_bearing(locator)
+        );
+        let _ = writeln!(text, "{}: {} rows", locate.out.display(), counts.fixes);
+        text
+    }
+
+    fn by_model(&self) -> BTreeMap<&'static str, u64> {
+        let mut by_model = BTreeMap::new();
+        for motion in self.models.values() {
+            *by_model.entry(*motion).or_default() += 1;
+        }
+        by_model
+    }
+
+    fn us_per_bearing(&self, locator: &Locator) -> f64 {
+        self.locator_ns as f64 * 1e-3 / locator.counts().bearings.max(1) as f64
+    }
+}

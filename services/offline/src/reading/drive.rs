@@ -1,0 +1,95 @@
+//! Driving the engine through all reports of files, as the live process does in order of time.
+
+use std::io;
+
+use fusion::{Engine, Sink};
+use messages::{Decision, SystemTrack};
+
+use super::merged::Merged;
+use super::progress::Progress;
+use crate::host::Host;
+
+/// Time to whose whole multiples the engine goes on after the last report, nanoseconds, where it is not told to
+/// refresh.
+const STEP_NS: i64 = 1_000_000_000;
+
+/// Sums over the reports that were worked off.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Driven {
+    /// Reports worked off.
+    pub(crate) reports: u64,
+    /// The same by source.
+    pub(crate) by_source: Vec<u64>,
+    /// Time that the engine alone took, nanoseconds.
+    pub(crate) engine_ns: i64,
+    /// Time of the last report, nanoseconds.
+    pub(crate) last_ns: Option<i64>,
+}
+
+/// States and decisions that the engine hands out for one report.
+#[derive(Debug, Default)]
+struct HandedOut {
+    states: Vec<SystemTrack>,
+    decisions: Vec<Decision>,
+}
+
+impl Sink for HandedOut {
+    fn track(&mut self, track: &SystemTrack) {
+        self.states.push(*track);
+    }
+
+    fn decision(&mut self, decision: &Decision) {
+        self.decisions.push(*decision);
+    }
+}
+
+/// Works off all reports; each state of a system track is handed to `row`, each decision to `explain`.
+///
+/// After the last report time goes on to the next whole second, or multiple of the refresh time, and no further.
+///
+/// # Errors
+/// If a file cannot be read on, or `row` fails.
+pub(crate) fn drive(
+    host: &dyn Host,
+    engine: &mut Engine,
+    reports: &mut Merged,
+    mut row: impl FnMut(&SystemTrack) -> io::Result<()>,
+    mut explain: impl FnMut(&Decision) -> io::Result<()>,
+) -> anyhow::Result<Driven> {
+    let mut driven = Driven {
+        by_source: vec![0; engine.settings().sources.len()],
+        ..Driven::default()
+    };
+    let mut out = HandedOut::default();
+    let mut pass_on = |out: &mut HandedOut| -> io::Result<()> {
+        out.states.drain(..).try_for_each(|state| row(&state))?;
+        out.decisions.drain(..).try_for_each(|decision| explain(&decision))
+    };
+    let progress = Progress::new(host, reports.octets_in_all);
+    while let Some(report) = reports.next()? {
+        let begin_ns = runtime::clock::mono_ns();
+        engine.take(&report, &mut out);
+        driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
+        driven.reports += 1;
+        driven.by_source[usize::from(report.source)] += 1;
+        driven.last_ns = Some(report.time_of_measurement_ns);
+        pass_on(&mut out)?;
+        progress.at(*reports.octets.borrow())?;
+    }
+    if let Some(last_ns) = driven.last_ns {
+        // A deadline at this very time is met as soon as time has passed it.
+        let settings = engine.settings();
+        let end_ns = end_ns(last_ns, settings.refresh_ns()) + settings.refresh_delay_s.ns() + 1;
+        let begin_ns = runtime::clock::mono_ns();
+        engine.advance(end_ns, &mut out);
+        driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
+        pass_on(&mut out)?;
+    }
+    Ok(driven)
+}
+
+/// The first whole multiple of the refresh time that is not before `last_ns`.
+pub(crate) fn end_ns(last_ns: i64, refresh_ns: Option<i64>) -> i64 {
+    let step_ns = refresh_ns.unwrap_or(STEP_NS);
+    last_ns + (-last_ns).rem_euclid(step_ns)
+}

@@ -1,0 +1,228 @@
+//! Sensor tracks of several files in the order of time, one at a time.
+//!
+//! Of each file a few rows are in memory, so files may be of any length. Rows that cannot be used are left out and
+//! counted, each for itself: a recording of a million rows is of use although ten of them are damaged. Only where the
+//! whole file cannot be what it should be, without one of the columns for example, reading ends.
+//!
+//! A row whose time runs away from those of the other sensors that follow it is left out, and not they: nobody's clock
+//! shall let time pass for the others.
+
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use formats::sensor_tracks_csv::SensorTrackReader;
+use fusion::settings::SOURCES_MAX;
+use messages::SensorTrack;
+
+use super::progress::Counting;
+use super::refusals::Refusals;
+use crate::files::InputError;
+use crate::host::Host;
+
+/// Rows that are looked ahead.
+const AHEAD: usize = 16;
+/// A row this much later than most that follow it is taken for the wrong one, nanoseconds.
+const LEAP_NS: i64 = 5_000_000_000;
+
+/// Source of each `sensor_id`.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sensors {
+    /// By source number.
+    pub(crate) ids: Vec<u32>,
+    /// Whether sensors that are not among them are added.
+    pub(crate) open: bool,
+    /// One that was too many.
+    pub(crate) excess: Option<u32>,
+}
+
+impl Sensors {
+    fn source(&mut self, id: u32) -> Option<u16> {
+        if let Some(place) = self.ids.iter().position(|known| *known == id) {
+            return Some(place as u16);
+        }
+        if !self.open {
+            return None;
+        }
+        if self.ids.len() == SOURCES_MAX {
+            self.excess = self.excess.or(Some(id));
+            return None;
+        }
+        self.ids.push(id);
+        Some((self.ids.len() - 1) as u16)
+    }
+}
+
+type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
+
+/// Rows of several files, merged by time.
+pub(crate) struct Merged {
+    lanes: Vec<Lane>,
+    pub(crate) sensors: Rc<RefCell<Sensors>>,
+    pub(crate) refusals: Refusals,
+    /// Octets read so far, and in all.
+    pub(crate) octets: Rc<RefCell<u64>>,
+    pub(crate) octets_in_all: u64,
+}
+
+/// One file.
+struct Lane {
+    path: PathBuf,
+    reader: SensorTrackReader<Counting, SourceOf>,
+    /// Next row, and those after it.
+    next: Option<Waiting>,
+    ahead: VecDeque<Waiting>,
+    /// Time of the row that was given last.
+    given_ns: i64,
+}
+
+#[derive(Clone, Copy)]
+struct Waiting {
+    track: SensorTrack,
+    line: u64,
+}
+
+impl Merged {
+    /// Opens the files.
+    ///
+    /// # Errors
+    /// If one cannot be read, or lacks a column.
+    pub(crate) fn open(host: &dyn Host, files: &[PathBuf], sensors: Sensors) -> Result<Self, InputError> {
+        let mut merged = Self {
+            lanes: Vec::new(),
+            sensors: Rc::new(RefCell::new(sensors)),
+            refusals: Refusals::default(),
+            octets: Rc::default(),
+            octets_in_all: 0,
+        };
+        for path in files {
+            let file = host.open(path)?;
+            merged.octets_in_all += file.length;
+            let input = Counting::new(file, Rc::clone(&merged.octets));
+            let sensors = Rc::clone(&merged.sensors);
+            let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
+            let reader = SensorTrackReader::new(input, 0, source_of);
+            let mut lane = Lane {
+                path: path.clone(),
+                reader: reader.map_err(|error| InputError::new(path, error))?,
+                next: None,
+                ahead: VecDeque::with_capacity(AHEAD),
+                given_ns: i64::MIN,
+            };
+            lane.step(&mut merged.refusals)?;
+            merged.lanes.push(lane);
+        }
+        Ok(merged)
+    }
+
+    /// The next report of all files; of those with one time, that of the sensor with the smallest number.
+    ///
+    /// # Errors
+    /// If a file cannot be read on.
+    pub(crate) fn next(&mut self) -> Result<Option<SensorTrack>, InputError> {
+        let order = |lane: &Lane| {
+            lane.next
+                .map(|row| (row.track.time_of_measurement_ns, row.track.source))
+        };
+        let lanes = self.lanes.iter_mut().filter(|lane| lane.next.is_some());
+        let Some(lane) = lanes.min_by_key(|lane| order(lane)) else {
+            return Ok(None);
+        };
+        let given = lane.next;
+        lane.step(&mut self.refusals)?;
+        Ok(given.map(|row| row.track))
+    }
+}
+
+impl Lane {
+    /// Goes on to the next row.
+    fn step(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+        if let Some(given) = self.next {
+            self.given_ns = given.track.time_of_measurement_ns;
+        }
+        self.next = self.next_ahead(refusals)?;
+        while let Some(next) = self.next {
+            let next_ns = next.track.time_of_measurement_ns;
+            self.look_ahead(refusals)?;
+            if self.runs_away(&next) {
+                let what = format!("{} is far beyond the rows around it", seconds(next_ns));
+                refusals.out_of_order(&self.path, next.line, &what);
+                self.next = self.next_ahead(refusals)?;
+                continue;
+            }
+            let earlier = |row: &Waiting| row.track.time_of_measurement_ns < next_ns;
+            let Some(after) = self.ahead.front().copied().filter(earlier) else {
+                break;
+            };
+            let what = format!(
+                "{} is before {}, the time of an earlier row; sort the rows by time",
+                seconds(after.track.time_of_measurement_ns),
+                seconds(next_ns)
+            );
+            refusals.out_of_order(&self.path, after.line, &what);
+            self.ahead.pop_front();
+        }
+        Ok(())
+    }
+
+    /// Whether the time of `next` is far beyond most rows of other sensors that follow it, or, where none do, of its
+    /// own.
+    fn runs_away(&self, next: &Waiting) -> bool {
+        let (latest_ns, source) = (
+            next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
+            next.track.source,
+        );
+        let has_others = self.ahead.iter().any(|row| row.track.source != source);
+        let judges = self
+            .ahead
+            .iter()
+            .filter(|row| (row.track.source != source) == has_others);
+        let times = judges.map(|row| row.track.time_of_measurement_ns);
+        let (mut against, mut for_it) = (0, 0);
+        for time_ns in times {
+            against += usize::from((self.given_ns..latest_ns).contains(&time_ns));
+            for_it += usize::from(time_ns >= latest_ns);
+        }
+        against > for_it
+    }
+
+    fn next_ahead(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+        self.look_ahead(refusals)?;
+        Ok(self.ahead.pop_front())
+    }
+
+    /// Reads as many rows as are looked ahead.
+    fn look_ahead(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+        while self.ahead.len() < AHEAD
+            && let Some(row) = self.read(refusals)?
+        {
+            self.ahead.push_back(row);
+        }
+        Ok(())
+    }
+
+    /// The next row that can be read.
+    fn read(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+        while let Some(row) = self.reader.next() {
+            if let Some(track) = refusals.usable(&self.path, row)? {
+                let line = self.reader.line();
+                return Ok(Some(Waiting { track, line }));
+            }
+        }
+        Ok(None)
+    }
+}
+
+fn seconds(ns: i64) -> f64 {
+    frames::time::seconds(ns)
+}
+
+/// Refuses a file that is named twice: its reports would count twice.
+pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
+    let twice = files.iter().enumerate().find(|(place, file)| {
+        let before = &files[..*place];
+        before.iter().any(|other| crate::files::is_same_file(other, file))
+    });
+    twice.map(|(_, file)| file.as_path())
+}

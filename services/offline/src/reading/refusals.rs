@@ -1,0 +1,88 @@
+//! Rows that were left out, and why.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use csv_table::CsvError;
+
+use crate::files::InputError;
+
+/// So many refused rows are shown with their place and value.
+const SHOWN_MAX: usize = 5;
+
+/// Rows that were left out.
+#[derive(Clone, Debug, Default)]
+pub struct Refusals {
+    /// Rows by reason.
+    pub by_reason: BTreeMap<String, u64>,
+    /// The first of them, with file, line, value and remedy.
+    pub first: Vec<String>,
+}
+
+impl Refusals {
+    /// The value of a row of `file`, if it can be read; else the row is left out.
+    ///
+    /// # Errors
+    /// If the whole file cannot be read.
+    pub fn usable<T>(&mut self, file: &Path, row: Result<T, CsvError>) -> Result<Option<T>, InputError> {
+        match row {
+            Ok(value) => Ok(Some(value)),
+            Err(error @ (CsvError::Value { .. } | CsvError::Length { .. })) => {
+                self.unreadable(file, &error);
+                Ok(None)
+            }
+            Err(error) => Err(InputError::new(file, error)),
+        }
+    }
+
+    fn unreadable(&mut self, file: &Path, error: &CsvError) {
+        let reason = match error {
+            CsvError::Value { column, .. } => format!("column {column}"),
+            _ => "number of values".to_owned(),
+        };
+        self.add(reason, file, error);
+    }
+
+    /// A row that stands where its time does not belong.
+    pub fn out_of_order(&mut self, file: &Path, line: u64, what: &str) {
+        let said = format!("line {line}, column time_s: {what}");
+        self.add("order of time".to_owned(), file, said);
+    }
+
+    /// A row that was read, and that nobody can use.
+    pub fn refused(&mut self, reason: &str, file: &Path, line: u64, why: impl std::fmt::Display) {
+        self.add(reason.to_owned(), file, format!("line {line}: {why}"));
+    }
+
+    /// All of them.
+    pub fn rows(&self) -> u64 {
+        self.by_reason.values().sum()
+    }
+
+    /// Lines for a person; none if nothing was left out.
+    pub fn as_text(&self) -> String {
+        if self.by_reason.is_empty() {
+            return String::new();
+        }
+        let reasons = self
+            .by_reason
+            .iter()
+            .map(|(reason, rows)| format!("{rows} for {reason}"));
+        let mut text = format!(
+            "left out: {} rows, {}\n",
+            self.rows(),
+            reasons.collect::<Vec<_>>().join(", ")
+        );
+        for said in &self.first {
+            text += &format!("  {said}\n");
+        }
+        text
+    }
+
+    fn add(&mut self, reason: String, file: &Path, said: impl std::fmt::Display) {
+        *self.by_reason.entry(reason).or_default() += 1;
+        if self.first.len() < SHOWN_MAX {
+            self.first.push(format!("{}: {said}", file.display()));
+        }
+    }
+}

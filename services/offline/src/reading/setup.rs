@@ -1,0 +1,119 @@
+//! Setup of an offline engine: a configuration, and what the files themselves tell.
+
+use std::path::Path;
+
+use configuration::{Config, Offline};
+use fusion::Settings;
+use fusion::settings::SOURCES_MAX;
+use messages::FusionRule;
+
+use super::merged::{Merged, Sensors, named_twice};
+use super::survey::Survey;
+use crate::args::OfflineInput;
+use crate::files::{InputError, Usage};
+use crate::host::Host;
+
+/// Sources, settings and files.
+pub(crate) struct Setup<'a> {
+    host: &'a dyn Host,
+    input: &'a OfflineInput,
+    /// The files' `sensor_id` of each source.
+    pub(crate) sensor_ids: Vec<u32>,
+    pub(crate) settings: Settings,
+}
+
+/// Configuration that `--config` names.
+enum Given {
+    Deployment(Box<Config>),
+    Offline(Box<Offline>),
+}
+
+impl<'a> Setup<'a> {
+    /// Reads the configuration, and the files once.
+    ///
+    /// # Errors
+    /// If the configuration or a file cannot be used.
+    pub(crate) fn of(host: &'a dyn Host, input: &'a OfflineInput) -> anyhow::Result<Self> {
+        if let Some(file) = named_twice(&input.tracks) {
+            return Err(Usage(format!("--tracks names {} twice; name it once", file.display())).into());
+        }
+        let given = match &input.config {
+            Some(path) => given(host, path)?,
+            None => Given::Offline(Box::default()),
+        };
+        let survey = Survey::of(host, &input.tracks)?;
+        let (sensor_ids, settings) = match given {
+            Given::Deployment(config) => {
+                let ids = config
+                    .sources
+                    .iter()
+                    .map(|source| observations::sensor_id(source.number));
+                (ids.collect(), config.fusion.settings)
+            }
+            Given::Offline(config) => {
+                check(input, &survey)?;
+                let found = config.settings(&survey.sensors)?;
+                (found.sensor_ids, found.engine)
+            }
+        };
+        Ok(Self {
+            host,
+            input,
+            sensor_ids,
+            settings,
+        })
+    }
+
+    /// The reports, from the beginning.
+    ///
+    /// # Errors
+    /// If a file cannot be read.
+    pub(crate) fn reports(&self) -> Result<Merged, InputError> {
+        let sensors = Sensors {
+            ids: self.sensor_ids.clone(),
+            ..Sensors::default()
+        };
+        Merged::open(self.host, &self.input.tracks, sensors)
+    }
+}
+
+fn check(input: &OfflineInput, survey: &Survey) -> Result<(), InputError> {
+    let file = &input.tracks[0];
+    if let Some(id) = survey.excess {
+        let what = format!("sensor_id {id} is one too many: fusion takes up to {SOURCES_MAX} sensors");
+        return Err(InputError::new(file, what));
+    }
+    if survey.sensors.is_empty() {
+        let why = survey
+            .first_refusal
+            .as_deref()
+            .unwrap_or("the files have a header only");
+        return Err(InputError::new(file, format!("no row can be used: {why}")));
+    }
+    Ok(())
+}
+
+/// A deployment has sources; anything else is the configuration of files.
+fn given(host: &dyn Host, path: &Path) -> anyhow::Result<Given> {
+    let text = host.text(path)?;
+    let is_deployment = Config::is_deployment(&text);
+    Ok(if is_deployment {
+        Given::Deployment(Box::new(Config::parse(path, &text, &[])?))
+    } else {
+        Given::Offline(Box::new(Offline::parse(path, &text)?))
+    })
+}
+
+/// The rule called `name`.
+///
+/// # Errors
+/// If there is none; the message names those that there are.
+pub(crate) fn rule(name: &str) -> Result<FusionRule, Usage> {
+    FusionRule::from_word(name).ok_or_else(|| {
+        let known = FusionRule::ALL.map(FusionRule::word);
+        Usage(format!(
+            "--rule {name}: there is no such rule; there are {}",
+            known.join(", ")
+        ))
+    })
+}

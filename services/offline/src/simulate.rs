@@ -1,0 +1,312 @@
+//! `koseki simulate`: what simulated sensors see of a simulated world, as files (FM-9).
+//!
+//! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
+//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction
+//! finders give a table of bearings (FM-7), in which a transmitter has the number of its target; wide-area sensors one
+//! of counts (FM-6).
+
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context as _;
+use configuration::{Config, DEMO, Input, Instrument, Source};
+use formats::bearings_csv::BearingWriter;
+use formats::detections_csv::DetectionWriter;
+use formats::tracks_csv::SensorTrackWriter;
+use formats::wide_area_csv::WideAreaWriter;
+use messages::SensorTrack;
+use observations::sensor_id;
+use observations::{Detection, DetectionKind};
+use scenario::{
+    Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
+};
+use simulator::Feed;
+
+use crate::args::Simulate;
+use crate::files::Usage;
+use crate::host::Host;
+
+/// Scenarios by name: the deployment that they are of, and what they change of it.
+const NAMED: [(&str, &str, &[&str]); 4] = [
+    ("demo", DEMO, &[]),
+    (
+        "en-route",
+        DEMO,
+        &[
+            "scenario.terminal_share=0.0",
+            "scenario.holding_share=0.0",
+            "scenario.surface_share=0.0",
+            "scenario.crossing_share=1.0",
+        ],
+    ),
+    ("dense", DEMO, &["scenario.targets=400"]),
+    ("wide-area", include_str!("../../../config/wide-area.toml"), &[]),
+];
+
+/// Simulates.
+///
+/// # Errors
+/// If there is no such scenario, or a file cannot be written.
+pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
+    let config = config(&simulate.scenario, &simulate.set)?;
+    let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
+    let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
+        let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
+        return Err(Usage(format!("--scenario {}: {what}", simulate.scenario.display())).into());
+    };
+    let out = &simulate.out;
+    host.make_folder(out)
+        .with_context(|| format!("--out {} cannot be made", out.display()))?;
+    let truth = Truth::new(world, simulate.seed)?;
+    let end_s = simulate.seconds.as_secs_f64();
+    let mut said = String::new();
+    let mut observers = Observers::default();
+    for (source, instrument) in instruments {
+        let (id, name) = (sensor_id(source.number), &source.name);
+        match instrument {
+            Instrument::Sensor(settings) => {
+                let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
+                observers.sensors.push(sensor.clone());
+                if simulate.asterix {
+                    let feed = Feed::new(source, settings, simulate.seed, 0)?;
+                    write_asterix(host, out, source.number, feed, &truth, end_s)?;
+                }
+                let (reports, detections) =
+                    write_sensor(host, out, source.number, settings, &mut sensor, &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {reports} reports, {detections} detections\n");
+            }
+            Instrument::DirectionFinder(settings) => {
+                let mut finder = SimulatedDirectionFinder::new(settings, simulate.seed, source.number, 0)?;
+                observers.finders.push(finder.clone());
+                let bearings = write_bearings(host, out, source.number, &mut finder, &truth, end_s)?;
+                said += &format!("sensor {id} {name}: {bearings} bearings\n");
+            }
+        }
+    }
+    for sensor in &config.wide_area_sensors {
+        if let Some(settings) = &sensor.simulated {
+            let simulated = SimulatedWideAreaSensor::new(settings, simulate.seed, sensor.number, 0)?;
+            let counts = write_counts(host, out, &sensor.name, simulated, &truth, end_s)?;
+            said += &format!("wide-area sensor {}: {counts} reports\n", sensor.name);
+        }
+    }
+    let rows = write_truth(host, &out.join("truth.csv"), &truth, &observers, end_s)?;
+    said += &format!(
+        "{} targets, {rows} rows of truth; files in {}\n",
+        truth.len(),
+        out.display()
+    );
+    host.say(&said);
+    Ok(())
+}
+
+/// The configuration that a name or a file stands for, with values replaced.
+fn config(scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
+    let named = NAMED.iter().find(|(name, ..)| Path::new(name) == scenario);
+    match named {
+        Some((_, text, changes)) => {
+            let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+            Ok(Config::parse(scenario, text, &[&changes, set].concat())?)
+        }
+        None if !scenario.exists() => {
+            let names = NAMED.map(|(name, ..)| name).join(", ");
+            let what = format!(
+                "--scenario {}: no such file or scenario; there are {names}",
+                scenario.display()
+            );
+            Err(Usage(what).into())
+        }
+        None => Ok(Config::read(scenario, set)?),
+    }
+}
+
+fn simulated(source: &Source) -> Option<(&Source, &Instrument)> {
+    match &source.input {
+        Input::Simulated(simulated) => Some((source, &simulated.instrument)),
+        _ => None,
+    }
+}
+
+/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no
+/// tracks.
+fn write_sensor(
+    host: &dyn Host,
+    folder: &Path,
+    source: u16,
+    settings: &SensorSettings,
+    sensor: &mut SimulatedSensor,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<(u64, u64)> {
+    let id = sensor_id(source);
+    let reports_path = folder.join(format!("sensor_tracks_{id}.csv"));
+    let plots_path = folder.join(format!("detections_{id}.csv"));
+    let unwritten = || format!("{} cannot be written", folder.display());
+    let mut tracks = SensorTrackWriter::begin(host.begin(&reports_path)?, 0).with_context(unwritten)?;
+    let mut detections = DetectionWriter::begin(host.begin(&plots_path)?, 0).with_context(unwritten)?;
+    let end_ns = frames::time::ns(end_s);
+    let (mut reports, mut plots): (Vec<SensorTrack>, Vec<Plot>) = Default::default();
+    let (mut report_count, mut plot_count) = (0, 0);
+    while sensor.progress_s() <= end_s {
+        host.progress(sensor.progress_s() as u64, end_s as u64)?;
+        sensor.scan_with_plots(truth, &mut reports, &mut plots);
+        for report in reports
+            .drain(..)
+            .filter(|report| report.time_of_measurement_ns <= end_ns && !settings.plots)
+        {
+            tracks.write(&report).with_context(unwritten)?;
+            report_count += 1;
+        }
+        for plot in plots.drain(..).filter(|plot| plot.time_of_measurement_ns <= end_ns) {
+            plot_count += 1;
+            detections
+                .write(&detection(id, plot_count, &plot))
+                .with_context(unwritten)?;
+        }
+    }
+    tracks.into_inner().finish()?;
+    detections.into_inner().finish()?;
+    Ok((report_count, u64::from(plot_count)))
+}
+
+/// Writes what one sensor sends up to `end_s`: bare data blocks in the order of sending.
+fn write_asterix(
+    host: &dyn Host,
+    folder: &Path,
+    source: u16,
+    mut feed: Feed,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<()> {
+    let path = folder.join(format!("asterix_{}.ast", sensor_id(source)));
+    let mut out = host.begin(&path)?;
+    let mut written = Ok(());
+    while feed.due_s() <= end_s {
+        host.progress(feed.due_s() as u64, end_s as u64)?;
+        feed.deliver(truth, frames::time::ns(feed.due_s()), &mut |datagram| {
+            if written.is_ok() {
+                written = out.write_all(datagram);
+            }
+        });
+    }
+    written.with_context(|| format!("{} cannot be written", path.display()))?;
+    out.finish()
+}
+
+/// Writes what one direction finder hears up to `end_s`; how many bearings that is.
+fn write_bearings(
+    host: &dyn Host,
+    folder: &Path,
+    source: u16,
+    finder: &mut SimulatedDirectionFinder,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<u64> {
+    let path = folder.join(format!("bearings_{}.csv", sensor_id(source)));
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut table = BearingWriter::begin(host.begin(&path)?, 0).with_context(unwritten)?;
+    let (mut heard, mut count) = (Vec::new(), 0);
+    while finder.measured_s() <= end_s {
+        host.progress(finder.measured_s() as u64, end_s as u64)?;
+        heard.clear();
+        finder.listen(truth, &mut heard);
+        for bearing in &heard {
+            table.write(bearing).with_context(unwritten)?;
+        }
+        count += heard.len() as u64;
+    }
+    table.into_inner().finish()?;
+    Ok(count)
+}
+
+/// Writes what one wide-area sensor observes up to `end_s`, in the order of arrival; how many reports that is.
+fn write_counts(
+    host: &dyn Host,
+    folder: &Path,
+    name: &str,
+    mut sensor: SimulatedWideAreaSensor,
+    truth: &Truth,
+    end_s: f64,
+) -> anyhow::Result<u64> {
+    let path = folder.join(format!("wide_area_{name}.csv"));
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut table = WideAreaWriter::begin(host.begin(&path)?, 0).with_context(unwritten)?;
+    let (mut observed, mut count) = (Vec::new(), 0);
+    while sensor.observed_s() <= end_s {
+        host.progress(sensor.observed_s() as u64, end_s as u64)?;
+        observed.clear();
+        sensor.observe(truth, &mut observed);
+        for report in &observed {
+            table.write(report).with_context(unwritten)?;
+        }
+        count += observed.len() as u64;
+    }
+    table.into_inner().finish()?;
+    Ok(count)
+}
+
+/// Everything that observes the world and can show where a target is: what is counted from afar alone is in no picture.
+#[derive(Default)]
+struct Observers {
+    sensors: Vec<SimulatedSensor>,
+    finders: Vec<SimulatedDirectionFinder>,
+}
+
+impl Observers {
+    fn observe(&self, target: &TargetState) -> bool {
+        self.sensors.iter().any(|sensor| sensor.observes(target))
+            || self.finders.iter().any(|finder| finder.transmits(target))
+    }
+}
+
+/// A radar without height gives range and bearing; whoever measures height, a position.
+fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
+    let [east, north, up] = plot.position_m;
+    let [sigma_east, sigma_north, sigma_up] = plot.sigma_m;
+    let (kind, values, sigmas) = match (plot.polar_sigma, plot.height) {
+        (Some([range_sigma_m, azimuth_sigma_rad]), false) => {
+            let [range_m, azimuth_rad] = plot.polar();
+            let sigmas = [range_sigma_m, azimuth_sigma_rad, 0.0, 0.0];
+            (DetectionKind::RangeBearing, [range_m, azimuth_rad, 0.0], sigmas)
+        }
+        (None, false) => {
+            let sigmas = [sigma_east, sigma_north, 0.0, 0.0];
+            (DetectionKind::Position2, [east, north, 0.0], sigmas)
+        }
+        (_, true) => {
+            let sigmas = [sigma_east, sigma_north, sigma_up, 0.0];
+            (DetectionKind::Position3, [east, north, up], sigmas)
+        }
+    };
+    Detection {
+        time_of_measurement_ns: plot.time_of_measurement_ns,
+        sensor_id,
+        scan: plot.scan as u32,
+        detection_id: number,
+        kind,
+        values,
+        range_rate_mps: None,
+        sigmas: Some(sigmas),
+        platform_m: plot.site_m,
+        truth: Some(plot.of),
+    }
+}
+
+/// Writes where the targets are that some sensor could see; how many rows that is.
+fn write_truth(host: &dyn Host, path: &Path, truth: &Truth, observers: &Observers, end_s: f64) -> anyhow::Result<u64> {
+    let unwritten = || format!("{} cannot be written", path.display());
+    let mut out = host.begin(path)?;
+    writeln!(out, "time_s,target_id,x,y,z,vx,vy,vz").with_context(unwritten)?;
+    let mut rows = 0;
+    for second in 0..=end_s as i64 {
+        host.progress(second.cast_unsigned(), end_s as u64)?;
+        for target in truth.at(second as f64).filter(|target| observers.observe(target)) {
+            let ([x, y, z], [vx, vy, vz]) = (target.position_m, target.velocity_mps);
+            let id = target.id;
+            writeln!(out, "{second},{id},{x:.3},{y:.3},{z:.3},{vx:.3},{vy:.3},{vz:.3}").with_context(unwritten)?;
+            rows += 1;
+        }
+    }
+    out.finish()?;
+    Ok(rows)
+}

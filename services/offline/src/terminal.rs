@@ -1,0 +1,67 @@
+//! Commands on files, as a command line runs them.
+
+use std::cell::Cell;
+use std::fs;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::Path;
+
+use crate::files::{InputError, OutputFile, open};
+use crate::host::{Host, Input, Output};
+
+/// Less than this is done before anybody wonders, octets.
+const SHOWN_OCTETS_MIN: u64 = 64 << 20;
+
+/// Runs commands on files, as a command line does: answers go to standard output, the rest to standard error, and with
+/// long work a percentage is written over itself where that is a terminal.
+#[derive(Debug, Default)]
+pub struct Terminal {
+    percent: Cell<u64>,
+}
+
+impl Host for Terminal {
+    fn open(&self, path: &Path) -> Result<Input, InputError> {
+        let file = open(path)?;
+        let length = file.metadata().map_or(0, |found| found.len());
+        Ok(Input::new(file, length))
+    }
+
+    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>> {
+        Ok(Box::new(OutputFile::begin(path)?))
+    }
+
+    fn make_folder(&self, path: &Path) -> io::Result<()> {
+        fs::create_dir_all(path)
+    }
+
+    /// Prints an answer. A reader that has seen enough (`| head`) is no failure.
+    fn print(&self, text: &str) -> anyhow::Result<()> {
+        match io::stdout().write_all(text.as_bytes()) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
+    fn say(&self, text: &str) {
+        let _ = io::stderr().write_all(text.as_bytes());
+    }
+
+    fn progress(&self, done: u64, of: u64) -> io::Result<()> {
+        if of >= SHOWN_OCTETS_MIN && done * 100 >= (self.percent.get() + 1) * of && io::stderr().is_terminal() {
+            self.percent.set(done * 100 / of);
+            self.say(&format!("\r{} %", self.percent.get()));
+        }
+        Ok(())
+    }
+
+    fn passed(&self) {
+        if self.percent.take() > 0 {
+            self.say("\r     \r");
+        }
+    }
+}
+
+impl Output for OutputFile {
+    fn finish(self: Box<Self>) -> anyhow::Result<()> {
+        OutputFile::finish(*self)
+    }
+}

@@ -1,0 +1,128 @@
+//! Detections of one or several files: tables, and recordings of the Autoferry data set, which begin with a bracket.
+
+use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use configuration::SeenDetections;
+use formats::autoferry;
+use formats::detections_csv::DetectionReader;
+use frames::time::NS_PER_DAY;
+use observations::Detection;
+use tracking::Settings;
+use tracking::scans::ScanOfDetections;
+
+use crate::files::InputError;
+use crate::host::{self, Host};
+use crate::reading::Refusals;
+
+const BUFFER_OCTETS: usize = 1 << 18;
+
+/// Detections that were read.
+#[derive(Debug)]
+pub(super) struct Input {
+    first_file: PathBuf,
+    pub(super) detections: Vec<Detection>,
+    /// Scans that are known to be without detections: sensor, number, time in nanoseconds.
+    pub(super) silent: Vec<(u32, u32, i64)>,
+    pub(super) refusals: Refusals,
+    pub(super) octets: u64,
+}
+
+impl Input {
+    /// Reads all files. Rows that cannot be used are left out and counted.
+    ///
+    /// # Errors
+    /// If one cannot be read or lacks a column, or none has a row that can be used.
+    pub(super) fn read(host: &dyn Host, files: &[PathBuf]) -> Result<Self, InputError> {
+        let mut input = Self {
+            first_file: files[0].clone(),
+            detections: Vec::new(),
+            silent: Vec::new(),
+            refusals: Refusals::default(),
+            octets: 0,
+        };
+        for path in files {
+            input.read_file(host, path)?;
+        }
+        if input.detections.is_empty() {
+            let first = input.refusals.first.first();
+            let why = first.map_or("the files have a header only", String::as_str);
+            return Err(InputError::new(&input.first_file, format!("no row can be used: {why}")));
+        }
+        Ok(input)
+    }
+
+    fn read_file(&mut self, host: &dyn Host, path: &Path) -> Result<(), InputError> {
+        let mut file = host.open(path)?;
+        self.octets += file.length;
+        let failed = |error: std::io::Error| InputError::new(path, format!("cannot be read: {error}"));
+        let mut first = [0];
+        let begun = file.read(&mut first).map_err(failed)?;
+        if begun == 1 && first[0] == b'[' {
+            return self.read_autoferry(path, file, &first);
+        }
+        // What cannot be read twice, a pipe, is read on behind its first octet.
+        let file = match file.seek(SeekFrom::Start(0)) {
+            Ok(_) => first[..0].chain(file),
+            Err(_) => first[..begun].chain(file),
+        };
+        let reader = DetectionReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
+        for row in reader.map_err(|error| InputError::new(path, error))? {
+            self.detections.extend(self.refusals.usable(path, row)?);
+        }
+        Ok(())
+    }
+
+    /// Times count from midnight of the first scan's day.
+    fn read_autoferry(&mut self, path: &Path, mut file: host::Input, begun: &[u8]) -> Result<(), InputError> {
+        let mut json = begun.to_vec();
+        file.read_to_end(&mut json)
+            .map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;
+        let scans = autoferry::read_detections(&json).map_err(|error| InputError::new(path, error))?;
+        let first_ns = scans.iter().map(|scan| scan.time_of_measurement_ns).min();
+        let day_ns = first_ns.unwrap_or_default().div_euclid(NS_PER_DAY) * NS_PER_DAY;
+        for scan in scans {
+            if scan.detections.is_empty() {
+                let time_ns = scan.time_of_measurement_ns - day_ns;
+                self.silent.push((scan.sensor.id(), scan.number, time_ns));
+            }
+            self.detections
+                .extend(scan.detections.into_iter().map(|detection| Detection {
+                    time_of_measurement_ns: detection.time_of_measurement_ns - day_ns,
+                    ..detection
+                }));
+        }
+        Ok(())
+    }
+
+    /// Sensors, as far as the detections tell of them.
+    pub(super) fn seen(&self, scans: &[ScanOfDetections]) -> SeenDetections {
+        SeenDetections {
+            sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),
+            scan_max: scans.iter().map(|scan| scan.detections.len()).max().unwrap_or(0),
+        }
+    }
+
+    /// Refuses sensors of which nobody says how accurate they are.
+    pub(super) fn check(&self, settings: &Settings) -> Result<(), InputError> {
+        for sensor in settings.sensors.iter().filter(|sensor| sensor.sigmas.is_none()) {
+            let mut own = self.detections.iter().filter(|each| each.sensor_id == sensor.sensor_id);
+            // A sensor that is configured and has no detections is none of this file's.
+            let Some(first) = own.next() else { continue };
+            if first.sigmas.is_none() && own.all(|each| each.sigmas.is_none()) {
+                let id = sensor.sensor_id;
+                let what = format!(
+                    "no detection of sensor {id} states standard deviations (columns s0 to s3); give them in --config: \
+                     [[sensor]] with id = {id} and sigmas = […]"
+                );
+                return Err(InputError::new(&self.first_file, what));
+            }
+        }
+        Ok(())
+    }
+
+    /// Octets that so many of the detections take.
+    pub(super) fn octets_until(&self, detections: usize) -> u64 {
+        (self.octets as f64 * detections as f64 / self.detections.len().max(1) as f64) as u64
+    }
+}

@@ -1,0 +1,181 @@
+//! `koseki track`: files of detections into one file of tracks (FM-6).
+//!
+//! The tracker, with all that happens round it ([`ScanTracker`]), is the one that adapters run live, fed scan by scan
+//! in the order of their times: what an adapter published comes out of its recorded detections again, byte for byte.
+//! The files are read into memory whole, since a scan may be anywhere in them.
+
+mod explain;
+mod input;
+mod outputs;
+mod summary;
+mod support;
+
+use std::path::Path;
+
+use configuration::{Config, SeenDetections, Source, Tracking};
+use observations::sensor_id;
+use sources::{Outputs, Scan, ScanTracker};
+use tracking::Settings;
+use tracking::explanation::Observer;
+use tracking::scans::scans_of;
+use tracking::wide_area::arrivals::Arrivals;
+
+use crate::args::Track;
+use crate::files::{InputError, Usage, check_outputs};
+use crate::host::Host;
+use crate::reading::Progress;
+use explain::Explained;
+use input::Input;
+use outputs::Written;
+use summary::Summary;
+use support::Support;
+
+/// Tracks.
+///
+/// # Errors
+/// If what is asked for makes no sense, or a file cannot be read or written.
+pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
+    check_files(track)?;
+    let config = match &track.config {
+        Some(path) => Given::read(host, path)?,
+        None => Given::Offline(Box::default()),
+    };
+    let mut input = Input::read(host, &track.detections)?;
+    let (support, reports) = read(track.wide_area.as_deref(), |path| Support::reports(host, path))?;
+    let (heard, emissions) = read(track.emissions.as_deref(), |path| Support::emissions(host, path))?;
+    let scans = scans_of(&mut input.detections, &input.silent);
+    let settings = config.settings(&input.seen(&scans))?;
+    input.check(&settings)?;
+    heard
+        .iter()
+        .try_for_each(|emissions| emissions.check_types(&settings))?;
+    let outputs = Outputs {
+        period_ns: track.period.map(|period| period.as_nanos() as i64),
+        cues: track.cues.is_some(),
+    };
+    let mut written = Written::begin(host, &track.out, track.cues.as_deref())?;
+    (written.reports, written.emissions) = (support, heard);
+    let mut tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions)?;
+    let explained = track
+        .explain
+        .as_deref()
+        .map(|path| Explained::begin(host, path))
+        .transpose()?;
+    let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
+    let progress = Progress::new(host, input.octets);
+    for scan in &scans {
+        let detections = &input.detections[scan.detections.clone()];
+        let scan_at_hand = Scan {
+            sensor_id: scan.sensor_id,
+            number: scan.number,
+            time_ns: scan.time_ns,
+            detections,
+        };
+        tracker.scan(&scan_at_hand, observer, &mut written);
+        written.check()?;
+        progress.at(input.octets_until(scan.detections.end))?;
+    }
+    drop(progress);
+    if let Some(last) = scans.last() {
+        tracker.show(last.time_ns, &mut written);
+        written.check()?;
+    }
+    let (reports_left, emissions_left) = tracker.waiting();
+    written
+        .reports
+        .iter_mut()
+        .for_each(|support| support.left = reports_left);
+    written
+        .emissions
+        .iter_mut()
+        .for_each(|support| support.left = emissions_left);
+    let mut summary = Summary {
+        out: &track.out,
+        rows: 0,
+        cues: None,
+        input: &input,
+        support: written.reports.take(),
+        emissions: written.emissions.take(),
+        tracker: tracker.tracker(),
+        tracked: std::mem::take(&mut written.tracked),
+    };
+    (summary.rows, summary.cues) = written.finish()?;
+    if let (Some(explained), Some(path)) = (explained, &track.explain) {
+        explained.finish(path)?;
+    }
+    summary.show(host, track.json)
+}
+
+/// A file that may be given, and its rows.
+fn read<T>(
+    path: Option<&Path>,
+    read: impl Fn(&Path) -> Result<(Support, Vec<T>), InputError>,
+) -> Result<(Option<Support>, Vec<T>), InputError> {
+    match path {
+        Some(path) => read(path).map(|(support, rows)| (Some(support), rows)),
+        None => Ok((None, Vec::new())),
+    }
+}
+
+/// Configuration that `--config` names.
+enum Given {
+    /// A deployment: what it says of the source whose detections these are.
+    Deployment(Box<Config>),
+    Offline(Box<Tracking>),
+}
+
+impl Given {
+    fn read(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
+        let text = host.text(path)?;
+        Ok(match Config::is_deployment(&text) {
+            true => Self::Deployment(Box::new(Config::parse(path, &text, &[])?)),
+            false => Self::Offline(Box::new(Tracking::parse(path, &text)?)),
+        })
+    }
+
+    fn settings(&self, seen: &SeenDetections) -> anyhow::Result<Settings> {
+        let config = match self {
+            Self::Offline(config) => return Ok(config.settings(seen)),
+            Self::Deployment(config) => config,
+        };
+        let tracker_of = |id: &u32| {
+            let of_files = |source: &&Source| sensor_id(source.number) == *id;
+            config.sources.iter().find(of_files)?.tracker()
+        };
+        let mut ids = seen.sensor_ids.iter();
+        match (ids.next(), ids.next()) {
+            (Some(id), None) => match tracker_of(id) {
+                Some(tracker) => Ok(tracker.settings.clone()),
+                None => {
+                    let what =
+                        format!("source {id} is none, or has no [source.tracker]; sensor_id 1 is the first source");
+                    Err(InputError::new(&config.path, what).into())
+                }
+            },
+            _ => {
+                let ids: Vec<String> = seen.sensor_ids.iter().map(u32::to_string).collect();
+                let what = format!(
+                    "in a deployment each source has a tracker of its own, but the detections are of the sensors {}; give \
+                     those of one",
+                    ids.join(", ")
+                );
+                Err(InputError::new(&config.path, what).into())
+            }
+        }
+    }
+}
+
+/// No detection counts twice, what is read must not be written over, nor one output over the other.
+fn check_files(track: &Track) -> Result<(), Usage> {
+    if let Some(file) = crate::reading::named_twice(&track.detections) {
+        let what = format!("--detections names {} twice; name it once", file.display());
+        return Err(Usage(what));
+    }
+    let outputs = [
+        ("--out", Some(&track.out)),
+        ("--explain", track.explain.as_ref()),
+        ("--cues", track.cues.as_ref()),
+    ];
+    let inputs = track.detections.iter().chain(&track.config);
+    check_outputs(inputs.chain(&track.wide_area).chain(&track.emissions), &outputs)
+}

@@ -1,0 +1,146 @@
+//! Outputs of the tracker as tables and figures: the tracks after each scan or at even times (WA-11), and where each
+//! sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+use formats::cues_csv::CueRow;
+use formats::rows::{Row, RowWriter};
+use formats::tracks_csv::TrackerTrack;
+use messages::StageTimes;
+use observations::Sampled as _;
+use sources::{Scan, TrackSink};
+use tracking::wide_area::cue::Cue;
+use tracking::wide_area::{EmissionRejection, ReportRejection};
+use tracking::{Rejection, TrackReport, Tracker};
+
+use super::summary::Tracked;
+use super::support::Support;
+use crate::host::{Host, Output};
+
+/// Takes what comes out of the tracker.
+#[derive(Debug)]
+pub(super) struct Written {
+    tracks: Table<TrackerTrack>,
+    cues: Option<Table<CueRow>>,
+    pub(super) tracked: Tracked,
+    pub(super) reports: Option<Support>,
+    pub(super) emissions: Option<Support>,
+    /// Monotonic time at which the present scan was begun, nanoseconds.
+    begun_ns: i64,
+    failed: anyhow::Result<()>,
+}
+
+/// A table that is written.
+#[derive(Debug)]
+struct Table<T> {
+    path: PathBuf,
+    writer: RowWriter<T, Box<dyn Output>>,
+    rows: u64,
+}
+
+impl<T: Row> Table<T> {
+    fn begin(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
+        let writer = RowWriter::begin(host.begin(path)?, 0);
+        Ok(Self {
+            path: path.to_owned(),
+            writer: writer.with_context(|| format!("{} cannot be written", path.display()))?,
+            rows: 0,
+        })
+    }
+
+    fn write(&mut self, row: &T) -> anyhow::Result<()> {
+        self.rows += 1;
+        let written = self.writer.write(row);
+        written.with_context(|| format!("{} cannot be written", self.path.display()))
+    }
+}
+
+impl Written {
+    /// Begins the tables.
+    ///
+    /// # Errors
+    /// If one cannot be written.
+    pub(super) fn begin(host: &dyn Host, tracks: &Path, cues: Option<&Path>) -> anyhow::Result<Self> {
+        Ok(Self {
+            tracks: Table::begin(host, tracks)?,
+            cues: cues.map(|path| Table::begin(host, path)).transpose()?,
+            tracked: Tracked::default(),
+            reports: None,
+            emissions: None,
+            begun_ns: 0,
+            failed: Ok(()),
+        })
+    }
+
+    /// The first failure since the last call.
+    ///
+    /// # Errors
+    /// If a table could not be written.
+    pub(super) fn check(&mut self) -> anyhow::Result<()> {
+        std::mem::replace(&mut self.failed, Ok(()))
+    }
+
+    /// Puts the complete tables in their places; the number of rows of tracks and of cues.
+    ///
+    /// # Errors
+    /// If one cannot be kept.
+    pub(super) fn finish(self) -> anyhow::Result<(u64, Option<u64>)> {
+        let rows = (self.tracks.rows, self.cues.as_ref().map(|cues| cues.rows));
+        self.tracks.writer.into_inner().finish()?;
+        self.cues.map_or(Ok(()), |cues| cues.writer.into_inner().finish())?;
+        Ok(rows)
+    }
+
+    /// Does `write` unless something has failed before.
+    fn attempt(&mut self, write: impl FnOnce(&mut Self) -> anyhow::Result<()>) {
+        if self.failed.is_ok() {
+            self.failed = write(self);
+        }
+    }
+}
+
+impl TrackSink for Written {
+    fn begins(&mut self) {
+        self.begun_ns = runtime::clock::mono_ns();
+    }
+
+    fn done(&mut self, scan: &Scan<'_>, taken: Result<(), Rejection>, tracker: &Tracker) {
+        let took_ns = runtime::clock::mono_ns() - self.begun_ns;
+        self.tracked.scan(scan, took_ns, taken, tracker);
+    }
+
+    fn tracks(&mut self, tracks: &[TrackReport], _extrapolated: bool) {
+        self.attempt(|written| {
+            tracks.iter().try_for_each(|report| {
+                written.tracks.write(&TrackerTrack {
+                    track: report.sensor_track(0),
+                    hypotheses: report.hypotheses,
+                    reliability: report.reliability,
+                })
+            })
+        });
+    }
+
+    fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
+        let row = |cue: &Cue| CueRow {
+            sensor_id: cue.sensor_id,
+            cue: messages::Cue {
+                made_ns: scan_ns,
+                ..cue.sample(0, StageTimes::default())
+            },
+        };
+        self.attempt(|written| match &mut written.cues {
+            Some(table) => cues.iter().try_for_each(|cue| table.write(&row(cue))),
+            None => Ok(()),
+        });
+    }
+
+    fn report_rejected(&mut self, reason: ReportRejection) {
+        self.reports.iter_mut().for_each(|support| support.reject(reason));
+    }
+
+    fn emission_rejected(&mut self, reason: EmissionRejection) {
+        self.emissions.iter_mut().for_each(|support| support.reject(reason));
+    }
+}

@@ -1,0 +1,88 @@
+//! Inputs of a tracker besides detections: reports of a wide-area sensor (FM-6), and emissions that an on-board
+//! receiver heard (FM-7).
+
+use std::collections::BTreeMap;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use formats::bearings_csv::BearingReader;
+use formats::wide_area_csv::WideAreaReader;
+use observations::WideAreaReport;
+use tracking::Settings;
+use tracking::wide_area::Emission;
+
+use crate::files::InputError;
+use crate::host::Host;
+use crate::reading::Refusals;
+
+/// A file, and what became of its rows.
+#[derive(Debug)]
+pub(super) struct Support {
+    path: PathBuf,
+    pub(super) refusals: Refusals,
+    /// Rows that the tracker rejected, by reason.
+    pub(super) rejected: BTreeMap<String, u64>,
+    /// Rows that came after the last scan, and were of no use.
+    pub(super) left: usize,
+}
+
+impl Support {
+    fn of(path: &Path) -> Self {
+        Self {
+            path: path.to_owned(),
+            refusals: Refusals::default(),
+            rejected: BTreeMap::new(),
+            left: 0,
+        }
+    }
+
+    /// Reads reports of a wide-area sensor. Rows that are none are left out and counted.
+    ///
+    /// # Errors
+    /// If the file cannot be read or lacks a column.
+    pub(super) fn reports(host: &dyn Host, path: &Path) -> Result<(Self, Vec<WideAreaReport>), InputError> {
+        let (mut support, mut reports) = (Self::of(path), Vec::new());
+        let rows = WideAreaReader::new(BufReader::new(host.open(path)?), 0);
+        for row in rows.map_err(|error| InputError::new(path, error))? {
+            reports.extend(support.refusals.usable(path, row)?);
+        }
+        Ok((support, reports))
+    }
+
+    /// Reads emissions. Rows that are none are left out and counted.
+    ///
+    /// # Errors
+    /// If the file cannot be read or lacks a column.
+    pub(super) fn emissions(host: &dyn Host, path: &Path) -> Result<(Self, Vec<Emission>), InputError> {
+        let (mut support, mut emissions) = (Self::of(path), Vec::new());
+        let rows = BearingReader::new(BufReader::new(host.open(path)?), 0);
+        let mut rows = rows.map_err(|error| InputError::new(path, error))?;
+        while let Some(row) = rows.next() {
+            let Some(bearing) = support.refusals.usable(path, row)? else {
+                continue;
+            };
+            match Emission::of(&bearing) {
+                Some(emission) => emissions.push(emission),
+                None => {
+                    let why = "no frequency, by which a type could be told; write frequency_hz";
+                    support.refusals.refused("no frequency", path, rows.line(), why);
+                }
+            }
+        }
+        Ok((support, emissions))
+    }
+
+    /// Rejects emissions where nobody says what emits the like.
+    pub(super) fn check_types(&self, settings: &Settings) -> Result<(), InputError> {
+        if !settings.wide_area.knowledge.types.is_empty() {
+            return Ok(());
+        }
+        let what = "emissions tell types of targets, and none is described; do so in --config with [[wide_area.type]], or \
+                    leave --emissions out";
+        Err(InputError::new(&self.path, what))
+    }
+
+    pub(super) fn reject(&mut self, reason: impl std::fmt::Display) {
+        *self.rejected.entry(reason.to_string()).or_default() += 1;
+    }
+}

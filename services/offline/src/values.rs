@@ -1,0 +1,104 @@
+//! Values of options, and what is said of anything else.
+
+use std::time::Duration;
+
+/// Longest time that `--for` accepts, seconds: a hundred years.
+const SECONDS_MAX: f64 = 3.2e9;
+/// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
+const SECOND_MAX: f64 = 4e6;
+
+/// A time that lasts.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
+    if seconds > 0.0 && seconds <= SECONDS_MAX {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    Err(format!("it must be more than 0 and at most {SECONDS_MAX}"))
+}
+
+/// Time between pictures.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn refresh(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    if (Duration::from_millis(1)..=Duration::from_secs(3600)).contains(&time) {
+        return Ok(time);
+    }
+    Err("it must lie between 0.001 and 3600".to_owned())
+}
+
+/// Any number.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn finite(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
+    number
+        .is_finite()
+        .then_some(number)
+        .ok_or_else(|| "it must be finite".to_owned())
+}
+
+/// A positive number.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn above_zero(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    (number > 0.0)
+        .then_some(number)
+        .ok_or_else(|| "it must be more than 0".to_owned())
+}
+
+/// A number from 0 on.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    let number = finite(text)?;
+    (number >= 0.0)
+        .then_some(number)
+        .ok_or_else(|| "it must not be negative".to_owned())
+}
+
+/// A second at which pictures are scored.
+///
+/// # Errors
+/// If it is none; the text says what to write.
+pub fn whole_second(text: &str) -> Result<i64, String> {
+    let second = finite(text)?;
+    if second.fract() == 0.0 && second.abs() <= SECOND_MAX {
+        return Ok(second as i64);
+    }
+    Err(format!("pictures are scored at whole seconds up to {SECOND_MAX}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_checked() {
+        assert_eq!(seconds("1.5"), Ok(Duration::from_millis(1500)));
+        for wrong in ["0", "-1", "nan", "inf", "1e30", "soon"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn distances_and_seconds_to_score_are_checked() {
+        assert_eq!((above_zero("0.5"), not_negative("0")), (Ok(0.5), Ok(0.0)));
+        for wrong in ["0", "-1", "nan", "inf", "far"] {
+            assert!(above_zero(wrong).is_err(), "{wrong}");
+        }
+        assert!(not_negative("-0.1").is_err() && finite("inf").is_err());
+        assert_eq!((whole_second("10"), whole_second("-3.0")), (Ok(10), Ok(-3)));
+        for wrong in ["0.5", "1e7", "nan", "noon"] {
+            assert!(whole_second(wrong).is_err(), "{wrong}");
+        }
+    }
+}
