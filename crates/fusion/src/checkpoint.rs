@@ -9,7 +9,7 @@
 //! | numbers | the numbers that are reserved | before the first of a block is used |
 //! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
 //! | positions | each source: how far its reports have been worked off | with each report |
-//! | systems | each system track: number, state, life, identity | when it changes; the state each tenth of a second |
+//! | systems | each system track: number, state, life, identity | when it changes; every second state |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
 //! | sources | what was learned of each source | in turn |

@@ -70,6 +70,8 @@ pub(crate) struct SystemEntry {
     pub(crate) merged_into: u32,
     /// Time of the state that was kept last; `i64::MIN` if another change has not been kept yet.
     pub(crate) kept_ns: i64,
+    /// States since then.
+    pub(crate) unkept: u8,
 }
 
 kept! {
@@ -189,6 +191,7 @@ impl SystemEntry {
             description: Description::default(),
             merged_into: 0,
             kept_ns: i64::MIN,
+            unkept: 0,
             filter,
         }
     }

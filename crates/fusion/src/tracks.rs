@@ -29,8 +29,9 @@ pub(crate) struct Tracks {
     remembered: Remembered,
 }
 
-/// Time between two states of a system track that are kept, nanoseconds.
+/// Time between two states of a system track that are kept, nanoseconds, and states of which one is.
 const KEPT_EVERY_NS: i64 = 100_000_000;
+const KEPT_EVERY: u8 = 2;
 /// Numbers of system tracks that are reserved at a time.
 const NUMBERS: u32 = 256;
 
@@ -98,8 +99,11 @@ impl Tracks {
     pub(crate) fn keep(&mut self, system: SystemSlot) {
         if let Some(checkpoint) = &mut self.checkpoint {
             let entry = self.systems.get_mut(system);
-            if entry.state.time_ns >= entry.kept_ns.saturating_add(KEPT_EVERY_NS) {
-                entry.kept_ns = entry.state.time_ns;
+            entry.unkept = entry.unkept.saturating_add(1);
+            let has_changed = entry.kept_ns == i64::MIN;
+            let is_due = entry.unkept >= KEPT_EVERY && entry.state.time_ns >= entry.kept_ns + KEPT_EVERY_NS;
+            if has_changed || is_due {
+                (entry.kept_ns, entry.unkept) = (entry.state.time_ns, 0);
                 checkpoint.write(Kind::Systems, system as usize, &entry.kept());
             }
         }
