@@ -34,13 +34,55 @@ fn kill_and_wait(home: &Home, name: &str) {
     until("there are new rows", || rows(home) > had + 100);
 }
 
-/// Words of a verification, after it has found no difference.
-fn verified(home: &Home) -> String {
-    let output = home.run(&["replay", "out/latest", "--verify"]);
+/// Words of a verification of a folder or file, after it has found no difference.
+fn without_difference(home: &Home, recording: &str) -> String {
+    let output = home.run(&["replay", recording, "--verify"]);
     let said = String::from_utf8(output.stdout).unwrap();
-    assert!(output.status.success() && said.contains(", 0 differences\n"), "{said}");
-    assert!(!said.contains("not verified"), "{said}");
+    assert!(
+        output.status.success() && said.contains(", 0 differences\n"),
+        "{said}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     said
+}
+
+/// The same of all of the latest recording.
+fn verified(home: &Home) {
+    let said = without_difference(home, "out/latest");
+    assert!(!said.contains("not verified"), "{said}");
+}
+
+/// The latest file of all topics.
+fn latest_file(home: &Home) -> String {
+    let files = fs::read_dir(home.path("out/latest")).unwrap();
+    let names = files.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let latest = names.filter(|name| name.ends_with(".mcap")).max().unwrap();
+    format!("out/latest/{latest}")
+}
+
+#[test]
+fn what_a_restarted_recorder_has_is_fused_again_from_an_image_on() {
+    let home = Home::new();
+    let demo = home.demo_with(&[&ALL_TOPICS[..], &["--out", "out"]].concat());
+    until("there are rows", || rows(&home) > 100);
+    for _ in 0..2 {
+        kill_and_wait(&home, "recorder");
+        until("there is an image", || {
+            let output = home.run(&["recording", "info", &latest_file(&home)]);
+            let said = String::from_utf8(output.stdout).unwrap();
+            said.contains("system/restored") && number_after("system/restored", &said) > 0
+        });
+        let had = rows(&home);
+        until("there are new rows", || rows(&home) > had + 100);
+    }
+    let (status, said) = demo.stop();
+    assert!(status.success(), "{said}");
+    let all = without_difference(&home, "out/latest");
+    // The seconds without a recorder are missing, and what follows each up to the image; nothing else is.
+    assert!(all.contains("not verified"), "{all}");
+    let in_latest = without_difference(&home, &latest_file(&home));
+    let states = |said: &str| number_before("track", said);
+    assert!(states(&all) > states(&in_latest) + 100, "{all}{in_latest}");
 }
 
 #[test]
@@ -205,6 +247,12 @@ name = "multilateration"
 [fusion.rule]
 name = "best-source"
 "#;
+
+/// The number that stands after `word` in what was said.
+fn number_after(word: &str, said: &str) -> u64 {
+    let (_, rest) = said.split_once(word).unwrap();
+    rest.split_whitespace().next().unwrap().parse().unwrap()
+}
 
 /// The number that stands before `word` in what was said.
 fn number_before(word: &str, said: &str) -> u64 {

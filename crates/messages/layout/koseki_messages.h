@@ -121,6 +121,7 @@
 #define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. */
 #define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says. */
 #define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`: nobody knows which were given before. */
+#define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -698,7 +699,7 @@ static_assert(offsetof(KosekiProgress, reserved) == 44, "offset");
 static_assert(offsetof(KosekiProgress, said_ns) == 48, "offset");
 
 typedef struct KosekiControl {
-    uint32_t kind; /* Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7). */
+    uint32_t kind; /* Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole */
     uint32_t reserved; /* Reserved, 0. */
     uint8_t name[32]; /* Name that the order speaks of, UTF-8, padded with zeros. */
 } KosekiControl;
@@ -732,14 +733,14 @@ static_assert(offsetof(KosekiWorkStep, kind) == 14, "offset");
 static_assert(offsetof(KosekiWorkStep, flags) == 15, "offset");
 
 typedef struct KosekiRestored {
-    uint64_t epoch; /* Start-up number of the fusion that starts. */
-    int64_t time_ns; /* UTC at the start, nanoseconds since 1970. */
+    uint64_t epoch; /* Start-up number of the fusion. */
+    int64_t time_ns; /* UTC at the start, or at which the image was made, nanoseconds since 1970. */
     uint32_t part; /* Place of this part among all, from 0. */
     uint32_t parts; /* Number of parts. */
     uint32_t count; /* How many of `words` hold something. */
-    uint32_t ends; /* 1 if the tracks in it were too old to go on: each is told ended. */
+    uint32_t ends; /* 1 if the tracks in it were too old to go on: each is told ended; 2 if it is of an image. */
     uint64_t sequence; /* Sequence number at its publisher. */
-    uint64_t words[120]; /* Words of a `fusion::checkpoint::Snapshot`, after those of the parts before. */
+    uint64_t words[120]; /* Words of a `fusion::checkpoint::Snapshot`, after those of the parts before; of an image the number of the */
 } KosekiRestored;
 static_assert(sizeof(KosekiRestored) == 1000, "size");
 static_assert(offsetof(KosekiRestored, epoch) == 0, "offset");

@@ -123,6 +123,7 @@ STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
 STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
 STEP_RESTORED = 0x6  # Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
 STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows which were given before.
+STEP_IMAGE = 0x8  # An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -878,7 +879,7 @@ assert Progress.said_ns.offset == 48
 
 class Control(ctypes.Structure):
     _fields_ = [
-        ("kind", ctypes.c_uint32),  # Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7).
+        ("kind", ctypes.c_uint32),  # Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Name that the order speaks of, UTF-8, padded with zeros.
     ]
@@ -936,14 +937,14 @@ assert WorkStep.flags.offset == 15
 
 class Restored(ctypes.Structure):
     _fields_ = [
-        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that starts.
-        ("time_ns", ctypes.c_int64),  # UTC at the start, nanoseconds since 1970.
+        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion.
+        ("time_ns", ctypes.c_int64),  # UTC at the start, or at which the image was made, nanoseconds since 1970.
         ("part", ctypes.c_uint32),  # Place of this part among all, from 0.
         ("parts", ctypes.c_uint32),  # Number of parts.
         ("count", ctypes.c_uint32),  # How many of `words` hold something.
-        ("ends", ctypes.c_uint32),  # 1 if the tracks in it were too old to go on: each is told ended.
+        ("ends", ctypes.c_uint32),  # 1 if the tracks in it were too old to go on: each is told ended; 2 if it is of an image.
         ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
-        ("words", ctypes.c_uint64 * 120),  # Words of a `fusion::checkpoint::Snapshot`, after those of the parts before.
+        ("words", ctypes.c_uint64 * 120),  # Words of a `fusion::checkpoint::Snapshot`, after those of the parts before; of an image the number of the
     ]
 
     @staticmethod

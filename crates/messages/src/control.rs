@@ -32,7 +32,8 @@ sample! {
 sample! {
     /// An order to the fusion process.
     Control, size 40 {
-        /// Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7).
+        /// Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole
+        /// engine is to be said, for a recorder.
         kind: u32,
         /// Reserved, 0.
         reserved: u32,
@@ -44,6 +45,17 @@ sample! {
 impl Control {
     /// [`Control::kind`]: a named condition holds from now on.
     pub const CONDITION: u32 = 1;
+
+    /// [`Control::kind`]: an image of the whole engine is to be said.
+    pub const IMAGE: u32 = 2;
+
+    /// The order to say an image of the whole engine.
+    pub fn image() -> Self {
+        Self {
+            kind: Self::IMAGE,
+            ..Self::default()
+        }
+    }
 
     /// The order that condition `name` holds; `None` if the name is too long.
     pub fn condition(name: &str) -> Option<Self> {

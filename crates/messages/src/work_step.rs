@@ -21,6 +21,8 @@ codes! {
         Restored = 6, "restored";
         /// Numbers of system tracks begin at `sequence`: nobody knows which were given before.
         Numbers = 7, "numbers";
+        /// An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
+        Image = 8, "image";
     }
 }
 

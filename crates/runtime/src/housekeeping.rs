@@ -10,7 +10,7 @@
 //!   loop ◀── emptied buffers ────────────────────── housekeeper
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
 //!   loop ── decisions, where they are asked for ──▶ housekeeper ──▶ topic `system/decisions`
-//!   loop ── what it starts from ──────────────────▶ housekeeper ──▶ topic `system/restored`
+//!   loop ── what it starts from, or has ──────────▶ housekeeper ──▶ topic `system/restored`
 //! ```
 //!
 //! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
@@ -28,7 +28,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Root, SharedMemory, Subscriber};
 use crossbeam_queue::ArrayQueue;
-use messages::{Control, Decision, Health, LifeState, Restored};
+use messages::{Control, Decision, Health, LifeState, RESTORED_WORDS, Restored};
 
 use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
@@ -58,10 +58,51 @@ pub struct Queues {
     pub orders: ArrayQueue<Control>,
     /// Decisions of the loop, to be published; `None` if nobody asks for them.
     pub decisions: Option<ArrayQueue<Decision>>,
-    /// Parts of what the loop has started from, all of one start.
-    pub restored: ArrayQueue<Vec<Restored>>,
+    /// What the loop has started from, or has.
+    pub restored: ArrayQueue<Whole>,
     /// Names by which the process goes from now on: it has changed its part.
     pub names: ArrayQueue<&'static str>,
+}
+
+/// State that is said in parts on `system/restored`.
+#[derive(Clone, Debug, Default)]
+pub struct Whole {
+    /// Start-up number of the loop.
+    pub epoch: u64,
+    /// UTC, nanoseconds since 1970: see [`Restored::time_ns`].
+    pub time_ns: i64,
+    /// Kind of state: see [`Restored::ends`].
+    pub ends: u32,
+    /// The words of all parts, as octets; what is missing of the last one is zero.
+    pub octets: Vec<u8>,
+}
+
+/// Octets of a part.
+const PART: usize = RESTORED_WORDS * size_of::<u64>();
+
+impl Whole {
+    fn parts(&self) -> usize {
+        self.octets.len().div_ceil(PART)
+    }
+
+    fn part(&self, part: usize) -> Restored {
+        let octets = self.octets.chunks(PART).nth(part).unwrap_or_default();
+        let mut restored = Restored {
+            epoch: self.epoch,
+            time_ns: self.time_ns,
+            part: part as u32,
+            parts: self.parts() as u32,
+            ends: self.ends,
+            ..Restored::default()
+        };
+        for (word, octets) in restored.words.iter_mut().zip(octets.chunks(size_of::<u64>())) {
+            let mut whole = [0; size_of::<u64>()];
+            whole[..octets.len()].copy_from_slice(octets);
+            *word = u64::from_le_bytes(whole);
+            restored.count += 1;
+        }
+        restored
+    }
 }
 
 impl Queues {
@@ -221,46 +262,47 @@ impl House {
         let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
         let publish = |_: &_| bus.publisher(&messages::decisions(), self.incarnation);
         let decisions = desk.queues.decisions.as_ref().map(publish).transpose()?;
-        let start = StartSaid {
+        let whole = WholeSaid {
             bus: &bus,
             incarnation: self.incarnation,
             publisher: None,
-            parts: Vec::new(),
+            whole: Whole::default(),
             said: 0,
         };
         // Whoever started this waits for it.
         let _ = ready.send(());
-        keep_house(desk, reporter, control, decisions, start)
+        keep_house(desk, reporter, control, decisions, whole)
     }
 }
 
-/// The start of a loop, as it is being said.
-struct StartSaid<'a> {
+/// The start of a loop, or what it has, as it is being said.
+struct WholeSaid<'a> {
     bus: &'a Bus<SharedMemory>,
     incarnation: u64,
     /// It stays: what one says that comes and goes between two looks of a reader is lost to that.
     publisher: Option<Publisher<SharedMemory, Restored>>,
-    parts: Vec<Restored>,
+    whole: Whole,
     said: usize,
 }
 
-impl StartSaid<'_> {
+impl WholeSaid<'_> {
     /// Publishes the next parts.
-    fn go_on(&mut self, queue: &ArrayQueue<Vec<Restored>>) -> anyhow::Result<()> {
-        if let Some(parts) = queue.pop() {
-            (self.parts, self.said) = (parts, 0);
+    fn go_on(&mut self, queue: &ArrayQueue<Whole>) -> anyhow::Result<()> {
+        if self.said == self.whole.parts() {
+            (self.whole, self.said) = (queue.pop().unwrap_or_default(), 0);
         }
-        let Some(next) = self.parts.get(self.said) else {
+        let left = self.whole.parts() - self.said;
+        if left == 0 {
             return Ok(());
-        };
+        }
         if self.publisher.is_none() {
             let publisher = self.bus.publisher(&messages::restored(), self.incarnation)?;
-            self.publisher = Some(publisher.with_epoch(next.epoch));
+            self.publisher = Some(publisher.with_epoch(self.whole.epoch));
         }
         let Some(publisher) = &mut self.publisher else {
             return Ok(());
         };
-        let count = (RESTORED_SLICES * publisher.slice_len()).min(self.parts.len() - self.said);
+        let count = (RESTORED_SLICES * publisher.slice_len()).min(left);
         let mark = Mark {
             progress_ns: i64::MIN,
             sent_ns: mono_ns(),
@@ -268,12 +310,9 @@ impl StartSaid<'_> {
         };
         publisher.send(mark, count, |place, sequence| Restored {
             sequence,
-            ..self.parts[self.said + place]
+            ..self.whole.part(self.said + place)
         })?;
         self.said += count;
-        if self.said == self.parts.len() {
-            self.parts = Vec::new();
-        }
         Ok(())
     }
 }
@@ -283,7 +322,7 @@ fn keep_house(
     mut reporter: Reporter,
     mut control: Subscriber<SharedMemory, Control>,
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
-    mut start: StartSaid<'_>,
+    mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
     loop {
         // Read before the queue is emptied: what was said before closing is published.
@@ -304,7 +343,7 @@ fn keep_house(
         if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
             publish_decisions(queue, publisher)?;
         }
-        start.go_on(&desk.queues.restored)?;
+        whole.go_on(&desk.queues.restored)?;
         let orders = &desk.queues.orders;
         let room = orders.capacity() - orders.len();
         control.take(room, |_, slice| {

@@ -200,7 +200,8 @@ fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl V
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
     visit.visit(&messages::restored(), ONE_AND_ITS_SUCCESSOR)?;
-    visit.visit(&messages::control(), ONE_AND_ITS_SUCCESSOR)
+    // Operators', and the recorder's.
+    visit.visit(&messages::control(), 2 * ONE_AND_ITS_SUCCESSOR)
 }
 
 struct Need(u64);

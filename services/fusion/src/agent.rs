@@ -7,10 +7,12 @@ use bus::{Bus, Transport, Waiter};
 use configuration::{Config, Order, Source};
 use fusion::checkpoint::Position;
 use fusion::{Engine, Merger, Pushed};
-use messages::{BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Stream, StreamId, TrackState};
+use messages::{
+    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Restored, Stream, StreamId, TrackState,
+};
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
-use runtime::housekeeping::Queues;
+use runtime::housekeeping::{Queues, Whole};
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::continuity::{Keeping, Start, TakeOver};
@@ -161,20 +163,50 @@ impl<S: Transport> FusionAgent<S> {
         self.output.send(self.progress_ns, false)
     }
 
-    fn obey(&mut self) {
+    fn obey(&mut self, now: Now) {
         while let Some(order) = self.queues.orders.pop() {
-            let named = |name: &str| name == order.name();
-            let number = self.engine.settings().conditions().position(named);
-            let counter = match number.filter(|_| order.kind == Control::CONDITION) {
-                Some(number) => {
-                    self.order.condition(number as u32, self.engine.now_ns());
-                    self.engine.set_condition(order.name());
-                    Counter::OrdersObeyed
-                }
-                None => Counter::OrdersRejected,
+            let is_obeyed = match order.kind {
+                Control::CONDITION => self.set_condition(order.name()),
+                Control::IMAGE => self.say_image(now),
+                _ => false,
+            };
+            let counter = match is_obeyed {
+                true => Counter::OrdersObeyed,
+                false => Counter::OrdersRejected,
             };
             self.engine.counts_mut().add(NO_SOURCE, counter);
         }
+    }
+
+    fn set_condition(&mut self, name: &str) -> bool {
+        let number = self.engine.settings().conditions().position(|known| known == name);
+        if let Some(number) = number {
+            self.order.condition(number as u32, self.engine.now_ns());
+            self.engine.set_condition(name);
+        }
+        number.is_some()
+    }
+
+    /// Has an image of the engine said, for a recorder that has not been there from the beginning. It is the one thing
+    /// in the loop that takes long, and allocates.
+    fn say_image(&mut self, now: Now) -> bool {
+        // All states so far are sent, and what comes of an earlier order has been taken.
+        if self.output.waiting() > 0 || self.queues.restored.is_full() {
+            return false;
+        }
+        let (epoch, next) = self.output.next();
+        let mut octets = next.to_le_bytes().to_vec();
+        octets.append(&mut self.engine.image());
+        let time_ns = now.utc_ns;
+        self.order.image(time_ns);
+        let ends = Restored::IMAGE;
+        let whole = Whole {
+            epoch,
+            time_ns,
+            ends,
+            octets,
+        };
+        self.queues.restored.push(whole).is_ok()
     }
 
     /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that
@@ -357,7 +389,7 @@ impl<S: Transport> FusionAgent<S> {
 
 impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        self.obey();
+        self.obey(now);
         if let Some(keeping) = &mut self.keeping {
             keeping.tend(&mut self.engine, now);
         }

@@ -14,9 +14,9 @@ use bus::{Root, Transport};
 use configuration::{Checkpoint, Process};
 use fusion::checkpoint::{Clock, Layout, Snapshot};
 use fusion::{Engine, Sink};
-use messages::{RESTORED_WORDS, Restored};
 use runtime::Now;
 use runtime::clock::mono_ns;
+use runtime::housekeeping::Whole;
 use runtime::instance::CHECKPOINT;
 
 use crate::inputs::Input;
@@ -92,27 +92,17 @@ impl Start {
         matches!(self.found, Found::Tracks { .. })
     }
 
-    /// Parts of what is started from, for the topic `system/restored`; none if there is nothing.
-    pub(crate) fn parts(&self, now: Now) -> Vec<Restored> {
+    /// What is started from, for the topic `system/restored`; `None` if there is nothing.
+    pub(crate) fn whole(&self, now: Now) -> Option<Whole> {
         let Found::Tracks { snapshot, ends, .. } = &self.found else {
-            return Vec::new();
+            return None;
         };
-        let parts = snapshot.words().chunks(RESTORED_WORDS);
-        let count = parts.len();
-        let part = |(part, words): (usize, &[u64])| {
-            let mut restored = Restored {
-                epoch: self.epoch,
-                time_ns: now.utc_ns,
-                part: part as u32,
-                parts: count as u32,
-                count: words.len() as u32,
-                ends: u32::from(*ends),
-                ..Restored::default()
-            };
-            restored.words[..words.len()].copy_from_slice(words);
-            restored
-        };
-        parts.enumerate().map(part).collect()
+        Some(Whole {
+            epoch: self.epoch,
+            time_ns: now.utc_ns,
+            ends: u32::from(*ends),
+            octets: snapshot.words().iter().flat_map(|word| word.to_le_bytes()).collect(),
+        })
     }
 
     /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.

@@ -73,6 +73,13 @@ impl OrderOfWork {
         self.write(StepKind::Numbers, NO_SOURCE, first, 0);
     }
 
+    /// An image of the engine is made, which is said under this time. Publishers are named again: whoever begins here
+    /// knows none.
+    pub(crate) fn image(&mut self, time_ns: i64) {
+        self.write(StepKind::Image, NO_SOURCE, 0, time_ns);
+        self.publishers.fill(None);
+    }
+
     fn write(&mut self, kind: StepKind, source: u16, sequence: u32, time_ns: i64) {
         self.log.write(&WorkStep {
             time_ns,

@@ -79,6 +79,11 @@ impl<S: Transport> Output<S> {
         self.publisher.go_on();
     }
 
+    /// Start-up number of fusion, and number of the next state that is sent.
+    pub(crate) fn next(&self) -> (u64, u64) {
+        (self.publisher.epoch(), self.publisher.next_sequence())
+    }
+
     /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
     pub(crate) fn has_room(&mut self) -> anyhow::Result<bool> {
         let sent = self.publisher.counts().slices;

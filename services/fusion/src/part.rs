@@ -84,13 +84,9 @@ impl<'a> Part<'a> {
         let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
         let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
-        if let Some(parts) = start
-            .as_ref()
-            .map(|start| start.parts(now))
-            .filter(|parts| !parts.is_empty())
-        {
+        if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
             // There is one start, and room for it.
-            let _ = self.queues.restored.push(parts);
+            let _ = self.queues.restored.push(whole);
         }
         let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
         if let Some(start) = start {

@@ -195,7 +195,9 @@ impl Standby {
         now: Now,
     ) -> anyhow::Result<Option<(Lead, TakeOver)>> {
         while let Some(order) = queues.orders.pop() {
-            self.order = Some(order);
+            if order.kind == Control::CONDITION {
+                self.order = Some(order);
+            }
         }
         let lock = &self.lock.0;
         match lock.try_lock() {

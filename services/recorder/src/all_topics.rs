@@ -10,6 +10,7 @@ use recording::Facts;
 use runtime::Now;
 
 use crate::agent::Start;
+use crate::images::Images;
 use crate::recorded::{ForSamples, Recorded, for_samples};
 use crate::segments::{SegmentCounts, Segments};
 
@@ -25,6 +26,7 @@ pub(crate) struct AllTopics<S: Transport> {
     /// When it began, monotonic, nanoseconds; what was sent before has come a while after that.
     since_ns: i64,
     segments: Segments,
+    images: Images<S>,
 }
 
 /// Hears of each slice of the stream at a place of [`Config::streams`], and of the number of the sample after it.
@@ -215,10 +217,19 @@ impl<S: Transport> AllTopics<S> {
         ]);
         // What was said before all of them were open is no loss.
         let since_ns = Now::read().mono_ns;
+        let is_report = |place: usize| {
+            let stream = config.streams().nth(place).map(|(id, _)| id.stream);
+            stream == Some(Stream::SensorTracks)
+        };
+        let is_late = opening
+            .lines
+            .iter()
+            .any(|(place, line)| is_report(*place) && line.next_sequence > 0);
         Ok(Self {
             topics: opening.topics,
             lines: opening.lines,
             since_ns,
+            images: Images::new(bus, &settings, incarnation, since_ns + CATCH_UP_NS, is_late)?,
             segments: Segments::new(start.folder, settings, facts, opening.names, since_ns as u64)?,
         })
     }
@@ -236,6 +247,7 @@ impl<S: Transport> AllTopics<S> {
             }
         }
         self.segments.tend(now);
+        self.images.tend(self.segments.counts().lost, now)?;
         Ok(worked)
     }
 

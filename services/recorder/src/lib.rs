@@ -22,6 +22,7 @@
 
 mod agent;
 mod all_topics;
+mod images;
 mod numbering;
 mod recorded;
 mod recovery;

@@ -17,8 +17,8 @@ Examples:
   koseki replay records/tower/latest --live --instance again   the sensors' tracks once more, as of now
 
 The recording must be of all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are worked off in the order in which
-fusion did, between its recorded beginnings; what came of a fusion whose beginning, or of which a report, is not in the
-recording is not verified, and told. Bits are equal for one build on processors of one family; --verify names the first
+fusion did, from its recorded beginnings on. Where a report is missing, as while there was no recorder, what comes of it
+is not verified, and told, up to the next beginning or the image of fusion that a restarted recorder asks for. Bits are equal for one build on processors of one family; --verify names the first
 difference, and fails if there is one or nothing was verified. With --config sources are found by their names. With --live
 at another speed than 1, targets seem as much faster.";
 

@@ -3,7 +3,7 @@
 //! The steps say which report was worked off when, by the number that its publisher had given it; the reports are on
 //! the sources' topics of the same recording, some before and some after their step. A fusion that began within the
 //! recording begins again here. Where a report or a step is missing, what the engine would know from there on is not
-//! known: until fusion begins again its work is left out.
+//! known: until fusion begins again, or the recording has an image of its engine, its work is left out.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -18,11 +18,11 @@ const PATIENCE_NS: u64 = 10_000_000_000;
 /// Result of the work.
 #[derive(Debug)]
 pub(crate) enum Outcome<'a> {
-    /// Fusion begins, with this start-up number.
-    Began(u64),
+    /// Fusion begins, with this start-up number, or is known again from the state with this number on.
+    Began(u64, u64),
     /// A state of a system track.
     State(&'a SystemTrack),
-    /// Something is missing: nothing follows until fusion begins again.
+    /// Something is missing: nothing follows until fusion begins again, or is known again.
     Broke,
 }
 
@@ -69,6 +69,10 @@ pub(crate) struct Again {
     before: Option<Run>,
     /// Parts of what each fusion has found, by its start-up number.
     restored: BTreeMap<u64, Vec<Restored>>,
+    /// Parts of images, by the time that they have.
+    images: BTreeMap<i64, Vec<Restored>>,
+    /// Time of the latest image that is not needed any more.
+    passed_image_ns: i64,
     pub(crate) spans: Spans,
     /// Reports worked off.
     pub(crate) worked: u64,
@@ -102,6 +106,8 @@ impl Again {
             run: None,
             before: None,
             restored: BTreeMap::new(),
+            images: BTreeMap::new(),
+            passed_image_ns: i64::MIN,
             spans: Spans::default(),
             worked: 0,
             missing: 0,
@@ -118,9 +124,14 @@ impl Again {
         waiting.push_back((number as u32, *report));
     }
 
-    /// Takes a part of what a fusion has found.
+    /// Takes a part of what a fusion has found, or of an image of it.
     pub(crate) fn restored(&mut self, part: &Restored) {
-        self.restored.entry(part.epoch).or_default().push(*part);
+        let parts = match part.ends {
+            Restored::IMAGE if part.time_ns <= self.passed_image_ns => return,
+            Restored::IMAGE => self.images.entry(part.time_ns).or_default(),
+            _ => self.restored.entry(part.epoch).or_default(),
+        };
+        parts.push(*part);
     }
 
     /// Takes a step: the sample with this number of the log of this incarnation, taken by the recorder at `taken_ns`.
@@ -144,7 +155,8 @@ impl Again {
                 self.work.pop_front();
                 continue;
             };
-            let can_wait = self.run.is_some() && read_ns < taken_ns.saturating_add(PATIENCE_NS);
+            let is_early = read_ns < taken_ns.saturating_add(PATIENCE_NS);
+            let can_wait = self.run.is_some() && is_early;
             match StepKind::from_code(step.kind) {
                 Some(StepKind::Begin) => {
                     let epoch = step.time_ns.cast_unsigned();
@@ -155,7 +167,7 @@ impl Again {
                         epoch,
                         sequence: 0,
                     });
-                    out(Outcome::Began(epoch));
+                    out(Outcome::Began(epoch, 0));
                 }
                 Some(StepKind::Report) => match self.find(step.source, step.sequence) {
                     Found::NotYet if can_wait => return Ok(()),
@@ -190,6 +202,13 @@ impl Again {
                         run.engine.start_numbers_at(step.sequence);
                     }
                 }
+                Some(StepKind::Image) => {
+                    if self.run.is_none() && !self.resume_image(step.time_ns, out)? && is_early {
+                        return Ok(());
+                    }
+                    self.passed_image_ns = step.time_ns;
+                    self.images = self.images.split_off(&step.time_ns.saturating_add(1));
+                }
                 // A step of a later version.
                 None => self.break_off(out),
             }
@@ -209,11 +228,8 @@ impl Again {
         };
         let mut parts = self.restored.remove(&run.epoch).unwrap_or_default();
         parts.sort_by_key(|part| part.part);
-        let is_whole = parts.first().is_some_and(|first| first.parts as usize == parts.len());
-        let words = parts
-            .iter()
-            .flat_map(|part| part.words.iter().take(part.count as usize).copied());
-        let snapshot = || Snapshot::of_words(words.collect(), &run.engine.checkpoint_layout()).ok();
+        let is_whole = is_whole(&parts);
+        let snapshot = || Snapshot::of_words(words(&parts).collect(), &run.engine.checkpoint_layout()).ok();
         let found = (is_whole && plan.restores).then(snapshot).flatten();
         match (found, &mut self.before) {
             (Some(snapshot), _) => {
@@ -232,6 +248,30 @@ impl Again {
                 false
             }
         }
+    }
+
+    /// Goes on from the image with this time. `false` if that is not in the recording, or is of another build.
+    fn resume_image(&mut self, time_ns: i64, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<bool> {
+        let Some(parts) = self.images.get_mut(&time_ns).filter(|parts| is_whole(parts)) else {
+            return Ok(false);
+        };
+        parts.sort_by_key(|part| part.part);
+        let octets: Vec<u8> = words(parts).flat_map(u64::to_le_bytes).collect();
+        let Some((next, image)) = octets.split_first_chunk() else {
+            return Ok(false);
+        };
+        let mut run = Run {
+            engine: Box::new(Engine::new(self.plan.settings.clone())?),
+            epoch: parts[0].epoch,
+            sequence: u64::from_le_bytes(*next),
+        };
+        if self.plan.restores && run.engine.resume_image(image).is_err() {
+            return Ok(false);
+        }
+        out(Outcome::Began(run.epoch, run.sequence));
+        self.run = Some(run);
+        self.spans.last_ns = None;
+        Ok(true)
     }
 
     fn break_off(&mut self, out: &mut impl FnMut(Outcome<'_>)) {
@@ -282,6 +322,16 @@ impl Again {
             run.drive(origin, out, |engine, mut sink| engine.advance(time_ns, &mut sink));
         }
     }
+}
+
+fn is_whole(parts: &[Restored]) -> bool {
+    parts.first().is_some_and(|first| first.parts as usize == parts.len())
+}
+
+fn words(parts: &[Restored]) -> impl Iterator<Item = u64> {
+    parts
+        .iter()
+        .flat_map(|part| part.words.iter().take(part.count as usize).copied())
 }
 
 enum Found {

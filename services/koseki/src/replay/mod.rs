@@ -203,9 +203,9 @@ impl Reading {
 impl Result {
     fn take(&mut self, outcome: Outcome<'_>) {
         match outcome {
-            Outcome::Began(epoch) => {
+            Outcome::Began(epoch, sequence) => {
                 if let Some(verification) = &mut self.verification {
-                    verification.begin(epoch);
+                    verification.begin(epoch, sequence);
                 }
             }
             Outcome::Broke => {

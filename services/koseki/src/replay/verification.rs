@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fmt;
+use std::ops::Range;
 
 use formats::rows::Utc;
 use messages::SystemTrack;
@@ -27,8 +28,10 @@ pub(crate) struct Verification {
 struct Run {
     given: VecDeque<SystemTrack>,
     recorded: VecDeque<SystemTrack>,
-    /// Whether all of it is given.
-    is_whole: bool,
+    /// Numbers of states that are not given, since it is not known what fusion knew.
+    unknown: VecDeque<Range<u64>>,
+    /// Number of the state that is given next.
+    next: u64,
 }
 
 /// Difference of a state that was recorded.
@@ -41,25 +44,32 @@ pub(crate) struct Difference {
 }
 
 impl Verification {
-    pub(crate) fn begin(&mut self, epoch: u64) {
-        self.runs.entry(epoch).or_default().is_whole = true;
+    /// From the state with this number on, the run is given.
+    pub(crate) fn begin(&mut self, epoch: u64, sequence: u64) {
+        let run = self.runs.entry(epoch).or_insert_with(Run::unknown);
+        if let Some(unknown) = run.unknown.back_mut() {
+            unknown.end = sequence;
+        }
+        run.next = sequence;
     }
 
-    /// End of the latest run: what follows of it is not given.
+    /// End of the latest run: what follows of it is not given, unless it begins again.
     pub(crate) fn break_off(&mut self) {
         if let Some(mut latest) = self.runs.last_entry() {
-            latest.get_mut().is_whole = false;
+            let run = latest.get_mut();
+            run.unknown.push_back(run.next..u64::MAX);
         }
     }
 
     pub(crate) fn give(&mut self, state: &SystemTrack) {
-        let run = self.runs.entry(state.epoch).or_default();
+        let run = self.runs.entry(state.epoch).or_insert_with(Run::unknown);
+        run.next = state.sequence + 1;
         run.given.push_back(*state);
         self.settle(state.epoch);
     }
 
     pub(crate) fn record(&mut self, state: &SystemTrack) {
-        let run = self.runs.entry(state.epoch).or_default();
+        let run = self.runs.entry(state.epoch).or_insert_with(Run::unknown);
         run.recorded.push_back(*state);
         self.settle(state.epoch);
     }
@@ -67,8 +77,11 @@ impl Verification {
     /// Compares as far as both sides are there.
     fn settle(&mut self, epoch: u64) {
         let Some(run) = self.runs.get_mut(&epoch) else { return };
-        while let (Some(given), Some(recorded)) = (run.given.front(), run.recorded.front()) {
-            let (given, recorded) = (*given, *recorded);
+        loop {
+            self.not_verified += run.pass_over_unknown();
+            let (Some(&given), Some(&recorded)) = (run.given.front(), run.recorded.front()) else {
+                break;
+            };
             if given.sequence <= recorded.sequence {
                 run.given.pop_front();
             }
@@ -91,17 +104,42 @@ impl Verification {
 
     /// Nothing follows.
     pub(crate) fn finish(&mut self) {
-        for run in std::mem::take(&mut self.runs).into_values() {
+        for mut run in std::mem::take(&mut self.runs).into_values() {
             self.not_recorded += run.given.len() as u64;
-            if !run.is_whole {
-                self.not_verified += run.recorded.len() as u64;
-                continue;
-            }
+            let is_known = |state: &SystemTrack| !run.unknown.iter().any(|unknown| unknown.contains(&state.sequence));
+            let before = run.recorded.len();
+            run.recorded.retain(is_known);
+            self.not_verified += (before - run.recorded.len()) as u64;
             self.differences += run.recorded.len() as u64;
             if let Some(recorded) = run.recorded.front() {
                 self.first.get_or_insert_with(|| Difference::of(recorded, None));
             }
         }
+    }
+}
+
+impl Run {
+    /// A run of which nothing is known yet.
+    fn unknown() -> Self {
+        let mut run = Self::default();
+        run.unknown.push_back(0..u64::MAX);
+        run
+    }
+
+    /// Forgets the next recorded states whose like is surely not given; how many.
+    fn pass_over_unknown(&mut self) -> u64 {
+        let mut count = 0;
+        while let (Some(recorded), Some(unknown)) = (self.recorded.front(), self.unknown.front()) {
+            if recorded.sequence >= unknown.end {
+                self.unknown.pop_front();
+            } else if unknown.contains(&recorded.sequence) && unknown.end != u64::MAX {
+                self.recorded.pop_front();
+                count += 1;
+            } else {
+                break;
+            }
+        }
+        count
     }
 }
 
@@ -154,7 +192,7 @@ mod tests {
     #[test]
     fn stamps_of_processing_may_differ_and_nothing_else() {
         let mut verification = Verification::default();
-        verification.begin(3);
+        verification.begin(3, 0);
         let mut recorded = state(3, 0);
         (recorded.stages.taken_ns, recorded.stages.fused_ns) = (5, 6);
         verification.record(&recorded);
@@ -181,15 +219,37 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_is_known_again_is_verified_from_there_on() {
+        let mut verification = Verification::default();
+        verification.begin(3, 10);
+        (10..12).for_each(|sequence| verification.give(&state(3, sequence)));
+        (8..20).for_each(|sequence| verification.record(&state(3, sequence)));
+        verification.break_off();
+        verification.begin(3, 15);
+        (15..19).for_each(|sequence| verification.give(&state(3, sequence)));
+        verification.break_off();
+        verification.finish();
+        let Verification {
+            states,
+            not_verified,
+            differences,
+            not_recorded,
+            ..
+        } = verification;
+        // Before the first beginning two, between 12 and 15 three, at the end one.
+        assert_eq!((states, not_verified, differences, not_recorded), (6, 6, 0, 0));
+    }
+
+    #[test]
     fn states_on_one_side_only_are_told_apart() {
         let mut verification = Verification::default();
-        verification.begin(3);
+        verification.begin(3, 0);
         (0..3).for_each(|sequence| verification.give(&state(3, sequence)));
         (1..4).for_each(|sequence| verification.record(&state(3, sequence)));
         verification.break_off();
         // Of a fusion whose beginning is not in the recording.
         verification.record(&state(2, 0));
-        verification.begin(4);
+        verification.begin(4, 0);
         verification.record(&state(4, 0));
         verification.finish();
         assert_eq!((verification.states, verification.not_recorded), (2, 1));
