@@ -34,6 +34,7 @@ fn settings(targets: usize) -> Settings {
         adjustment: 1.0,
         priority: u32::from(number),
         shares: Vec::new(),
+        is_centre: false,
         independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
@@ -59,6 +60,7 @@ fn settings(targets: usize) -> Settings {
         registration: RegistrationSettings::default(),
         consistency: true,
         refresh_s: None,
+        exchange: false,
         refresh_delay_s: settings::Seconds::default(),
     }
 }

@@ -19,7 +19,7 @@ use crate::inlet;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
-use crate::measurement::{Measurement, whole_report};
+use crate::measurement::{Correction, Measurement, whole_report};
 use crate::outlet::Outbox;
 use crate::publishing::Publisher;
 use crate::reference_point::ReferencePoints;
@@ -233,7 +233,10 @@ impl Engine {
             self.miss(report, sink);
             return;
         }
-        self.tracks.dependence.learn(report);
+        let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
+        if !is_foreign {
+            self.tracks.dependence.learn(report);
+        }
         // Looked up early, so that the cache miss overlaps with the checks that follow.
         let known = self.tracks.sensors.find(report.source, report.track_number);
         let known = self.without_outdated(report, known, sink);
@@ -289,8 +292,14 @@ impl Engine {
         }
         let earlier = self.earlier(report, known)?;
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
-        let mut measurement = self.sources.measurement_behind(report, before, repaired);
-        let correction = self.sources.correction_of(&self.settings, report);
+        let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
+        let (mut measurement, correction) = if is_foreign {
+            // A state is all that it says, and the newest replaces the one before.
+            (None, Correction::NONE)
+        } else {
+            let measurement = self.sources.measurement_behind(report, before, repaired);
+            (measurement, self.sources.correction_of(&self.settings, report))
+        };
         if let Some(measurement) = &mut measurement {
             measurement.correct(&correction);
         }
@@ -303,6 +312,7 @@ impl Engine {
         let entry = sensors.get_mut(sensor);
         entry.take(report, identity, &correction);
         entry.repaired = repaired;
+        entry.is_foreign = is_foreign;
         entry.epoch = self.sources.alignment.epoch_of(report.source);
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
         Some((sensor, measurement))
@@ -505,7 +515,13 @@ impl Engine {
     ) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.systems.get_mut(system).nis = 0.0;
-        if let Some(measurement) = measurement {
+        if self.tracks.sensors.get(sensor).is_foreign {
+            self.follow_centre(sensor);
+        } else if self.tracks.systems.get(system).is_foreign {
+            // What the filter knows is another centre's: this is the first that it learns here.
+            self.tracks.restart_filter(sensor);
+            self.tracks.sensors.get_mut(sensor).share = 1.0;
+        } else if let Some(measurement) = measurement {
             self.update_filter(sensor, measurement, sink);
         }
         self.keep_alive(sensor, system, report);
@@ -515,6 +531,20 @@ impl Engine {
         self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+    }
+
+    /// Lets the filter repeat what another centre says, where no source here follows the target. Where one does, it
+    /// learns nothing of other centres: what is told to them must not come back to them.
+    fn follow_centre(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get(sensor);
+        let is_followed = self
+            .tracks
+            .contributing_here(entry.system, entry.time_ns)
+            .next()
+            .is_some();
+        if !is_followed {
+            self.tracks.restart_filter(sensor);
+        }
     }
 
     /// Updates the system filter with a measurement, and learns from what was not expected of it.
@@ -557,6 +587,8 @@ impl Engine {
         self.tracks
             .for_members(system, |member| member.share *= 1.0 - innovation.gain);
         self.tracks.sensors.get_mut(sensor).share += innovation.gain;
+        let source = self.tracks.sensors.get(sensor).source;
+        self.tracks.systems.get_mut(system).contributors |= 1 << source;
         self.points.learn(&mut self.tracks, sensor, &innovation);
         self.sources
             .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
@@ -597,6 +629,9 @@ impl Engine {
             return;
         };
         let entry = self.tracks.sensors.get_mut(sensor);
+        if entry.is_foreign {
+            return;
+        }
         entry.misses = entry.misses.saturating_add(1);
         let (system, role, misses) = (entry.system, entry.role, entry.misses);
         if system != NO_SYSTEM && role == Role::Primary {

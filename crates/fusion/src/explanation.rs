@@ -10,6 +10,12 @@ pub trait Sink {
     /// A system track has a new state.
     fn track(&mut self, track: &SystemTrack);
 
+    /// A system track has a new state by the sources here alone, for other centres. Handed out before the state that
+    /// what they say has gone into, and only where [`exchange`](crate::Settings::exchange) asks for it.
+    fn own_track(&mut self, track: &SystemTrack) {
+        let _ = track;
+    }
+
     /// Something was decided. The sequence number and the epoch are the publisher's, and 0 here.
     fn decision(&mut self, decision: &Decision) {
         let _ = decision;

@@ -80,6 +80,10 @@ impl Life {
         let (mut sources, mut established, mut reports) = (0u64, 0u32, 0u32);
         for member in tracks.contributing(system, now_ns) {
             let entry = tracks.sensors.get(member);
+            if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
+                // Another centre believes it, of however many sensors.
+                return (true, f64::NAN);
+            }
             sources |= 1 << entry.source;
             established += u32::from(tracks.is_established(member));
             reports = reports.saturating_add(entry.reports);
@@ -100,7 +104,7 @@ impl Life {
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
             let may_see = !filter.has_height || filter.estimate.mean[2] <= source.ceiling_m;
-            if groups(0, index as u16) & heard == 0 && may_see {
+            if groups(0, index as u16) & heard == 0 && may_see && !source.is_centre {
                 let follows = self.coverage.follows(index as u16, filter.estimate.position_m());
                 silence += (1.0 - follows).ln();
                 had_their_chance &= follows < FOLLOWS_SELDOM || age_ns >= CHANCE_PERIODS * source.period_ns;

@@ -114,7 +114,13 @@ impl Linking<'_> {
         out.count(source, Counter::TracksStarted);
         self.tracks.reserve_numbers();
         self.tracks.join(sensor, system);
-        self.tracks.sensors.get_mut(sensor).share = 1.0;
+        let is_foreign = {
+            let entry = self.tracks.sensors.get_mut(sensor);
+            entry.share = 1.0;
+            entry.is_foreign
+        };
+        let entry = self.tracks.systems.get_mut(system);
+        (entry.is_foreign, entry.contributors) = (is_foreign, 1 << source);
         out.decision(&self.tracks.decision(sensor, DecisionKind::Started, f64::NAN, f64::NAN));
         self.tracks.assign_role(sensor);
         true
@@ -162,7 +168,8 @@ impl Linking<'_> {
     /// several reports in a row.
     fn has_split<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
         let gate = self.settings.association.keep_gate;
-        if self.tracks.sensors.get(sensor).role == Role::Duplicate {
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.role == Role::Duplicate || entry.is_foreign {
             return self.part_has_split(sensor);
         }
         let Some(d2) = self.sources.offset_from_others(self.settings, self.tracks, sensor) else {
@@ -267,6 +274,8 @@ impl Linking<'_> {
             reports,
             first_seen,
             filter,
+            is_foreign,
+            contributors,
             number: ended,
             ..
         } = *self.tracks.systems.get(from);
@@ -288,9 +297,16 @@ impl Linking<'_> {
         }
         let entry = self.tracks.systems.get_mut(into);
         entry.reports = entry.reports.saturating_add(reports);
-        if filter.is_surer_than(&entry.filter) {
-            entry.filter = filter;
+        // What sources here know is not mixed with what other centres say.
+        let takes_over = match (entry.is_foreign, is_foreign) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => filter.is_surer_than(&entry.filter),
+        };
+        if takes_over {
+            (entry.filter, entry.is_foreign) = (filter, is_foreign);
         }
+        entry.contributors |= contributors;
         let into = entry.number;
         out.decision(&Decision {
             time_ns: now_ns,

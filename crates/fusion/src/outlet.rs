@@ -39,10 +39,7 @@ impl<S: Sink> Outlet<'_, S> {
     pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) -> bool {
         let message = &mut self.outbox.message;
         write(message);
-        // NaN and infinities times 0 are NaN: half the instructions of asking each value.
-        let is_finite = |values: &[f64]| values.iter().fold(0.0, |sum, value| sum + value * 0.0) == 0.0;
-        let is_sound =
-            is_finite(&message.position_m) & is_finite(&message.velocity_mps) & is_finite(&message.covariance.upper);
+        let is_sound = is_sound(message);
         if is_sound {
             self.sink.track(message);
         } else {
@@ -53,6 +50,15 @@ impl<S: Sink> Outlet<'_, S> {
         is_sound
     }
 
+    /// Hands out the state by the own sources alone, for other centres.
+    pub(crate) fn own_track(&mut self, write: impl FnOnce(&mut SystemTrack)) {
+        let message = &mut self.outbox.message;
+        write(message);
+        if is_sound(message) {
+            self.sink.own_track(message);
+        }
+    }
+
     pub(crate) fn decision(&mut self, decision: &Decision) {
         self.sink.decision(decision);
     }
@@ -60,4 +66,12 @@ impl<S: Sink> Outlet<'_, S> {
     pub(crate) fn count(&mut self, source: u16, counter: Counter) {
         self.outbox.counts.add(source, counter);
     }
+}
+
+/// Whether the state is finite.
+#[inline]
+fn is_sound(message: &SystemTrack) -> bool {
+    // NaN and infinities times 0 are NaN: half the instructions of asking each value.
+    let is_finite = |values: &[f64]| values.iter().fold(0.0, |sum, value| sum + value * 0.0) == 0.0;
+    is_finite(&message.position_m) & is_finite(&message.velocity_mps) & is_finite(&message.covariance.upper)
 }

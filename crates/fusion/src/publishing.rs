@@ -2,19 +2,26 @@
 
 use serde::{Deserialize, Serialize};
 
-use messages::{Counter, Covariance, Decision, DecisionKind, SensorTrack, TrackState};
+use messages::{
+    Contribution, Counter, Covariance, Decision, DecisionKind, SensorTrack, SystemTrack, TrackState, sensor_track_bits,
+};
 
 use crate::accuracy::Accuracies;
 use crate::description::Description;
 use crate::explanation::Sink;
+use crate::filter::Filter;
 use crate::message::{weight, write};
 use crate::outlet::Outlet;
-use crate::rules::{self, Fuse, Method, RuleEntry};
+use crate::rules::{self, Candidate, Fuse, Method, RuleEntry};
+use crate::sensor_tracks::SensorSlot;
 use crate::settings::{AccuracyBase, Settings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 use crate::weighing::{Weighed, Weigher};
+
+/// Other centres whose states are joined at a time.
+const CENTRES_MAX: usize = 8;
 
 /// The weighing of system tracks by the rule.
 #[derive(Debug, Serialize, Deserialize)]
@@ -131,6 +138,14 @@ impl Publisher {
             }
             Method::Candidates(rule) => self.fuse(settings, tracks, rule, (system, reference_ns), out),
         };
+        if is_usable && settings.exchange {
+            let weighed = Some(&*self.weighed);
+            out.own_track(|message| {
+                write(message, settings, tracks, system, cause, weighed);
+                list_contributors(message, settings, tracks.systems.get(system).contributors);
+            });
+        }
+        let is_usable = self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
         self.describe(tracks, system);
         if !is_usable {
             let entry = tracks.systems.get_mut(system);
@@ -209,6 +224,47 @@ impl Publisher {
         is_usable
     }
 
+    /// Joins the state that the own sources led to, if it `is_usable`, with those of other centres; whether there are
+    /// any.
+    fn join_centres(
+        &mut self,
+        tracks: &mut Tracks,
+        sources: &Sources,
+        (system, reference_ns): (SystemSlot, i64),
+        is_usable: bool,
+    ) -> bool {
+        let mut centres = [(SensorSlot::default(), Candidate::default()); CENTRES_MAX];
+        let entry = tracks.systems.get(system);
+        let (mut count, mut shares_none) = (0, true);
+        for member in tracks.contributing(system, reference_ns) {
+            let centre = tracks.sensors.get(member);
+            if !centre.is_foreign || count == CENTRES_MAX {
+                continue;
+            }
+            let latest = Filter::of_report(&centre.latest);
+            let candidate = Candidate {
+                source: centre.source,
+                state: latest.state_at(reference_ns, sources.turns_of(&latest)),
+                ..Candidate::default()
+            };
+            let knows = centre.latest.has(sensor_track_bits::CONTRIBUTORS);
+            shares_none &= knows && centre.latest.shared_sources & entry.contributors == 0;
+            centres[count] = (member, candidate);
+            count += 1;
+        }
+        if count == 0 {
+            return false;
+        }
+        let centres = &mut centres[..count];
+        centres.sort_unstable_by_key(|(_, candidate)| candidate.source);
+        let own = is_usable.then_some(&entry.state);
+        let joined = self.weighed.join_centres(own, centres, shares_none);
+        if let Some(state) = joined {
+            tracks.systems.get_mut(system).state = state;
+        }
+        joined.is_some()
+    }
+
     fn hand_over(&self, system_track: u32, time_ns: i64, (last, chosen): (u16, u16)) -> Decision {
         let accuracy = |source: u16| {
             let mut candidates = self.weighed.candidates().iter();
@@ -225,6 +281,27 @@ impl Publisher {
             value: accuracy(chosen),
             limit: accuracy(last),
             ..Decision::default()
+        }
+    }
+}
+
+/// Lists, after the contributions, those of `contributors` (sources, as bits) that no longer contribute: what they said
+/// is in the state.
+fn list_contributors(message: &mut SystemTrack, settings: &Settings, contributors: u64) {
+    for (number, source) in (0..).zip(&settings.sources) {
+        let is_listed = message.contributions().iter().any(|listed| listed.source == number);
+        if contributors & 1 << number == 0 || is_listed {
+            continue;
+        }
+        message.source_count += 1;
+        if let Some(place) = message.contributions.get_mut(usize::from(message.contribution_count)) {
+            *place = Contribution {
+                source: number,
+                sensor_uid: source.sensor_uid,
+                accuracy: f64::NAN,
+                ..Contribution::default()
+            };
+            message.contribution_count += 1;
         }
     }
 }

@@ -72,6 +72,8 @@ pub(crate) struct SensorEntry {
     pub(crate) on_ground: bool,
     /// Whether `latest` says that it is of a group, or of which type its target is.
     pub(crate) is_described: bool,
+    /// Whether it is a system track of another centre.
+    pub(crate) is_foreign: bool,
     /// The latest report, without its source's known errors.
     pub(crate) latest: SensorTrack,
     /// Whether the covariance of `latest` had to be repaired: then its source is not judged by it.
@@ -120,6 +122,7 @@ impl Default for SensorEntry {
             alerts: 0,
             on_ground: false,
             is_described: false,
+            is_foreign: false,
             latest: SensorTrack::default(),
             role: Role::Duplicate,
             system: NO_SYSTEM,

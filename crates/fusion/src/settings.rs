@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use messages::{FusionRule, NS_PER_S};
 use serde::{Deserialize, Serialize};
-use settings::{Degrees, Seconds, SettingsError};
+use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
 
 use crate::quality::SCANS_MAX;
 
@@ -14,6 +14,8 @@ pub const STORED_REPORTS_MAX: usize = 64;
 pub const RAMP_MAX: usize = 256;
 /// Most sources.
 pub const SOURCES_MAX: usize = 64;
+/// The word for `shares` where nobody knows.
+const UNKNOWN: &str = "unknown";
 /// A report is fresh for so many periods where nobody says more: two may be missed.
 pub(crate) const FRESH_PERIODS: f64 = 2.5;
 
@@ -29,6 +31,8 @@ settings::settings! {
         /// Time after a refresh time at which its states are formed. Reports measured meanwhile lie on the far side of
         /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
         refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
+        /// States by the sources here alone are published for other centres, beside those with what they say.
+        exchange: bool = false;
         /// Sizes of the tables.
         capacity: Capacity = Capacity::default();
         /// Association of reports with system tracks (TI-3).
@@ -229,8 +233,9 @@ settings::settings! {
         priority: Option<u32> = None, usually "its place";
         /// Height above the system origin beyond which this source cannot see targets.
         ceiling_m: Option<f64> = None;
-        /// Names of sources whose measurements are in its tracks too: together they count once.
-        shares: Vec<SourceRef> = Vec::new();
+        /// Names of sources whose measurements are in its tracks too: together they count once; or "unknown": its
+        /// tracks are the system tracks of another centre, of whatever sensors.
+        shares: Shares = Shares::default();
         /// Names of sources that are never taken for the same, however alike their reports are.
         independent_of: Vec<SourceRef> = Vec::new();
         /// Sensor accuracy (TI-7).
@@ -403,6 +408,52 @@ settings::spelt_as!(
     |gate| gate.probability
 );
 
+/// Sources whose measurements are in a source's tracks too.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shares {
+    /// These.
+    With(Vec<SourceRef>),
+    /// Nobody knows: its tracks are another centre's.
+    Unknown,
+}
+
+impl Default for Shares {
+    fn default() -> Self {
+        Self::With(Vec::new())
+    }
+}
+
+impl Value for Shares {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        if node.get_ref().as_str() == Some(UNKNOWN) {
+            *self = Self::Unknown;
+            return Ok(());
+        }
+        let mut sources = Vec::new();
+        Value::read(&mut sources, node, range, at)?;
+        *self = Self::With(sources);
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        match self {
+            Self::With(sources) => sources.check(range, at),
+            Self::Unknown => Ok(()),
+        }
+    }
+
+    fn kind(&self) -> String {
+        format!("{}, or \"{UNKNOWN}\"", Vec::<SourceRef>::new().kind())
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::With(sources) => sources.text(),
+            Self::Unknown => format!("\"{UNKNOWN}\""),
+        }
+    }
+}
+
 /// One source (TI-2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceSettings {
@@ -424,6 +475,8 @@ pub struct SourceSettings {
     pub priority: u32,
     /// Sources whose measurements are in its tracks too.
     pub shares: Vec<SourceRef>,
+    /// Whether its tracks are the system tracks of another centre.
+    pub is_centre: bool,
     /// Sources that are never taken for the same as this one.
     pub independent_of: Vec<SourceRef>,
     /// Height above the system origin beyond which it cannot see targets, metres.
@@ -484,7 +537,11 @@ impl SourceSettings {
             accuracy: accuracy.at(place_m),
             adjustment: accuracy.adjustment,
             priority: weighing.priority.unwrap_or(priority),
-            shares: weighing.shares.clone(),
+            shares: match &weighing.shares {
+                Shares::With(sources) => sources.clone(),
+                Shares::Unknown => Vec::new(),
+            },
+            is_centre: weighing.shares == Shares::Unknown,
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),

@@ -63,7 +63,8 @@ impl Sources {
     /// Looks for gross errors in a valid report, which came at `now_ns`: the report without that of its source, if one
     /// is taken off.
     pub(crate) fn align(&mut self, settings: &Settings, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
-        if !settings.registration.enabled || settings.sources.len() < 2 {
+        let is_foreign = settings.sources[usize::from(report.source)].is_centre;
+        if !settings.registration.enabled || settings.sources.len() < 2 || is_foreign {
             return None;
         }
         let corrected = self.alignment.corrected(report, now_ns);
@@ -234,6 +235,7 @@ impl Sources {
         if !settings.registration.enabled
             || report.state != TrackState::Confirmed as u8
             || entry.repaired
+            || entry.is_foreign
             || tracks.systems.get(system).life != TrackState::Confirmed
             || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
         {
@@ -242,7 +244,7 @@ impl Sources {
         let now_ns = report.time_of_measurement_ns;
         let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
         let latest = tracks
-            .contributing(system, now_ns)
+            .contributing_here(system, now_ns)
             .filter(|member| *member != sensor && confirmed(member))
             .max_by_key(|member| {
                 let latest = &tracks.sensors.get(*member).latest;

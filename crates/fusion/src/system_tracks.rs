@@ -44,6 +44,10 @@ pub(crate) struct SystemEntry {
     pub(crate) first_seen: (i64, u16),
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
+    /// Whether the filter repeats what another centre says, since no source here follows the target.
+    pub(crate) is_foreign: bool,
+    /// Sources that the filter has learned from, as bits.
+    pub(crate) contributors: u64,
     /// Number of another system track that seems to be the same target, and how many looks in a row it did.
     pub(crate) duplicate: Option<(u32, u32)>,
     /// When to look again for such a one, nanoseconds.
@@ -153,6 +157,7 @@ impl SystemEntry {
             nis: 0.0,
             first_seen: kept.first_seen,
             was_shown: kept.was_shown,
+            contributors: u64::MAX,
             reports: kept.reports,
             last_report_ns: kept.last_report_ns,
             alerts: kept.alerts,
@@ -178,6 +183,8 @@ impl SystemEntry {
             nis: 0.0,
             first_seen: (i64::MAX, NO_SOURCE),
             was_shown: false,
+            is_foreign: false,
+            contributors: 0,
             duplicate: None,
             duplicate_due_ns: i64::MIN,
             coverage_due_ns: i64::MIN,

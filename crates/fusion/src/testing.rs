@@ -21,6 +21,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         adjustment: 1.0,
         priority: index as u32,
         shares: Vec::new(),
+        is_centre: false,
         independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
@@ -50,6 +51,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         consistency: true,
         process_noise_m2ps3: 1.0,
         refresh_s: None,
+        exchange: false,
         refresh_delay_s: settings::Seconds::default(),
     }
 }

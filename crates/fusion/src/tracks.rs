@@ -177,6 +177,12 @@ impl Tracks {
         })
     }
 
+    /// Those of them that are no tracks of other centres.
+    pub(crate) fn contributing_here(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
+        self.contributing(system, now_ns)
+            .filter(|member| !self.sensors.get(*member).is_foreign)
+    }
+
     /// The sensor track of `source` that contributes to `system`, other than `own`.
     pub(crate) fn primary_of(
         &self,
@@ -290,7 +296,10 @@ impl Tracks {
     /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.
     pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
-        self.systems.get_mut(entry.system).filter = Filter::of_report(&entry.latest);
+        let system = self.systems.get_mut(entry.system);
+        system.filter = Filter::of_report(&entry.latest);
+        system.is_foreign = entry.is_foreign;
+        system.contributors = 1 << entry.source;
     }
 
     /// Frees the place of a sensor track.

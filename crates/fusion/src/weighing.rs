@@ -100,6 +100,42 @@ impl Weighed {
         true
     }
 
+    /// Joins the state of the `own` contributions, if there is one, with those of other centres, which are taken in
+    /// among the contributions. `None`, and nothing is, if that cannot be.
+    pub(crate) fn join_centres(
+        &mut self,
+        own: Option<&State>,
+        centres: &[(SensorSlot, Candidate)],
+        shares_none: bool,
+    ) -> Option<State> {
+        let mut candidates = [Candidate::default(); CONTRIBUTIONS_MAX];
+        let mut shares = [Share::default(); CONTRIBUTIONS_MAX];
+        for (place, (_, candidate)) in candidates.iter_mut().zip(centres) {
+            *place = *candidate;
+        }
+        let shares = &mut shares[..centres.len()];
+        let (state, own_share) = rules::join(own, &candidates[..centres.len()], shares_none, shares)?;
+        if own.is_none() {
+            (self.len, self.contributing) = (0, 0);
+        }
+        for share in &mut self.shares[..self.len] {
+            share.weight.iter_mut().for_each(|weight| *weight *= own_share);
+        }
+        for ((member, candidate), share) in centres.iter().zip(shares) {
+            let last = self.len;
+            self.push(*member, *candidate);
+            if let Some(place) = self.members().iter().position(|other| other == member) {
+                let end = (last + 1).min(CONTRIBUTIONS_MAX);
+                self.shares[place..end].rotate_right(1);
+                self.shares[place] = Share {
+                    accuracy: f64::INFINITY,
+                    ..*share
+                };
+            }
+        }
+        Some(state)
+    }
+
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
         let place = self
             .candidates()
@@ -129,7 +165,7 @@ impl Weigher<'_> {
     /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        for member in self.tracks.contributing(system, reference_ns) {
+        for member in self.tracks.contributing_here(system, reference_ns) {
             let source = sensors.get(member).source;
             weighed.contributing += 1;
             if weighed.len == CONTRIBUTIONS_MAX {
@@ -155,7 +191,7 @@ impl Weigher<'_> {
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        for member in self.tracks.contributing(system, reference_ns) {
+        for member in self.tracks.contributing_here(system, reference_ns) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
         if self.settings.rule.hand_over.drop_out == DropOut::Blend {

@@ -30,6 +30,7 @@ fn settings() -> Settings {
         adjustment: 1.0,
         priority: 0,
         shares: Vec::new(),
+        is_centre: false,
         independent_of: Vec::new(),
         ceiling_m: f64::INFINITY,
         coverage: None,
@@ -54,6 +55,7 @@ fn settings() -> Settings {
         registration: RegistrationSettings::default(),
         consistency: true,
         process_noise_m2ps3: 1.0,
+        exchange: false,
         refresh_s: None,
         refresh_delay_s: settings::Seconds::default(),
     }

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x6376fca9f5956254) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x245b5aca26e15eee) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x3f3924826fb216c0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x2e86ce3ebba8ca15) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x9adee01cc67eb8ad) /* BatchHeader.schema of its slices. */
@@ -39,6 +39,7 @@
 #define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* The velocity was derived by the adapter from successive positions. */
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* `trace` holds the source's own covariance trace (TI-16). */
 #define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps. */
+#define KOSEKI_SENSOR_TRACK_CONTRIBUTORS UINT64_C(0x200) /* `shared_sources` is known: the track is a system track of another centre, which names its sensors. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */
@@ -276,7 +277,9 @@ typedef struct KosekiSensorTrack {
     KosekiTargetType target_type; /* Type of the target. */
     KosekiExtent extent; /* Size of the target, as its source states or measures it. */
     KosekiMovement movement; /* Modes of movement and acceleration, as the source states them. */
-    uint32_t spare[4]; /* Reserved, 0. */
+    uint64_t shared_sources; /* Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers. */
+    uint32_t origin; /* Deployment that made it, where it is a system track of another centre; else 0. */
+    uint32_t spare; /* Reserved, 0. */
 } KosekiSensorTrack;
 static_assert(sizeof(KosekiSensorTrack) == 424, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
@@ -300,7 +303,9 @@ static_assert(offsetof(KosekiSensorTrack, reserved) == 350, "offset");
 static_assert(offsetof(KosekiSensorTrack, target_type) == 352, "offset");
 static_assert(offsetof(KosekiSensorTrack, extent) == 368, "offset");
 static_assert(offsetof(KosekiSensorTrack, movement) == 392, "offset");
-static_assert(offsetof(KosekiSensorTrack, spare) == 408, "offset");
+static_assert(offsetof(KosekiSensorTrack, shared_sources) == 408, "offset");
+static_assert(offsetof(KosekiSensorTrack, origin) == 416, "offset");
+static_assert(offsetof(KosekiSensorTrack, spare) == 420, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */

@@ -8,7 +8,7 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SENSOR_TRACK_SCHEMA = 0x6376fca9f5956254  # BatchHeader.schema of its slices.
+SENSOR_TRACK_SCHEMA = 0x245b5aca26e15eee  # BatchHeader.schema of its slices.
 SENSOR_DETECTION_SCHEMA = 0x3f3924826fb216c0  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x2e86ce3ebba8ca15  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x9adee01cc67eb8ad  # BatchHeader.schema of its slices.
@@ -41,6 +41,7 @@ SENSOR_TRACK_ON_GROUND = 0x20  # The source says that the target is on the groun
 SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # The velocity was derived by the adapter from successive positions.
 SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI-16).
 SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
+SENSOR_TRACK_CONTRIBUTORS = 0x200  # `shared_sources` is known: the track is a system track of another centre, which names its sensors.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
 SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.
@@ -336,7 +337,9 @@ class SensorTrack(ctypes.Structure):
         ("target_type", TargetType),  # Type of the target.
         ("extent", Extent),  # Size of the target, as its source states or measures it.
         ("movement", Movement),  # Modes of movement and acceleration, as the source states them.
-        ("spare", ctypes.c_uint32 * 4),  # Reserved, 0.
+        ("shared_sources", ctypes.c_uint64),  # Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
+        ("origin", ctypes.c_uint32),  # Deployment that made it, where it is a system track of another centre; else 0.
+        ("spare", ctypes.c_uint32),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -366,7 +369,9 @@ assert SensorTrack.reserved.offset == 350
 assert SensorTrack.target_type.offset == 352
 assert SensorTrack.extent.offset == 368
 assert SensorTrack.movement.offset == 392
-assert SensorTrack.spare.offset == 408
+assert SensorTrack.shared_sources.offset == 408
+assert SensorTrack.origin.offset == 416
+assert SensorTrack.spare.offset == 420
 
 
 class SensorDetection(ctypes.Structure):

@@ -71,8 +71,8 @@ pub use system_track::{
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, contributors, control, cues,
-    decisions, frame_origin, health, order, platform_states, progress, restored, sensor_bearings, sensor_detections,
-    sensor_tracks, system_tracks, visit, wide_area,
+    decisions, frame_origin, health, order, own_tracks, platform_states, progress, restored, sensor_bearings,
+    sensor_detections, sensor_tracks, system_tracks, visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

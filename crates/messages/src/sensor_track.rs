@@ -2,7 +2,7 @@
 
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType};
+use crate::{Covariance, Extent, Identity, Movement, StageTimes, SystemTrack, TargetType};
 
 bits! {
     /// Bits of [`SensorTrack::valid`].
@@ -25,6 +25,8 @@ bits! {
         TRACE = 1 << 7;
         /// The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
         WILD_CLOCK = 1 << 8;
+        /// `shared_sources` is known: the track is a system track of another centre, which names its sensors.
+        CONTRIBUTORS = 1 << 9;
     }
 }
 
@@ -95,12 +97,58 @@ sample! {
         extent: Extent,
         /// Modes of movement and acceleration, as the source states them.
         movement: Movement,
+        /// Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
+        shared_sources: u64,
+        /// Deployment that made it, where it is a system track of another centre; else 0.
+        origin: u32,
         /// Reserved, 0.
-        spare: [u32; 4],
+        spare: u32,
     }
 }
 
 impl SensorTrack {
+    /// A system track of another centre as a sensor track of `source`, for a deployment whose number is `origin` and
+    /// whose sources have the sensors `sensor_uids`. `None` if tracks of this deployment have gone into it: an echo
+    /// says nothing new.
+    pub fn of_centre(track: &SystemTrack, source: u16, origin: u32, sensor_uids: &[u32]) -> Option<Self> {
+        let contributions = track.contributions();
+        let is_echo = |of: u32| origin != 0 && of == origin;
+        if is_echo(track.origin) || contributions.iter().any(|contribution| is_echo(contribution.origin)) {
+            return None;
+        }
+        let has_all = usize::from(track.source_count) == contributions.len();
+        let is_known = has_all && contributions.iter().all(|contribution| contribution.sensor_uid != 0);
+        let shares = |uid: &u32| *uid == 0 || contributions.iter().any(|contribution| contribution.sensor_uid == *uid);
+        let shared = sensor_uids.iter().enumerate().filter(|(_, uid)| shares(uid));
+        let flag = |is_set: bool, bits| if is_set { bits } else { 0 };
+        let height = sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
+        Some(Self {
+            time_of_measurement_ns: track.reference_time_ns,
+            stages: track.stages,
+            track_number: track.track_number,
+            source,
+            valid: sensor_track_bits::VELOCITY
+                | sensor_track_bits::OWN_COVARIANCE
+                | flag(track.height_valid != 0, height)
+                | flag(track.on_ground != 0, sensor_track_bits::ON_GROUND)
+                | flag(is_known, sensor_track_bits::CONTRIBUTORS),
+            identity: track.identity,
+            position_m: track.position_m,
+            velocity_mps: track.velocity_mps,
+            covariance: track.covariance,
+            state: track.state,
+            alerts: track.alerts,
+            kind: track.kind,
+            members: track.members,
+            target_type: track.target_type,
+            extent: track.extent,
+            movement: track.movement,
+            shared_sources: shared.fold(0, |bits, (number, _)| bits | 1 << number),
+            origin: track.origin,
+            ..Self::default()
+        })
+    }
+
     /// Whether all of `bits` (see [`sensor_track_bits`]) are set.
     pub fn has(&self, bits: u16) -> bool {
         self.valid & bits == bits

@@ -283,6 +283,10 @@ topics! {
     /// The fused picture: one slice per worked-off batch, in the order of fusion.
     system_tracks() -> SystemTrack: "system/tracks", 256 slices of 64, 4 to 24;
 
+    /// Fused picture by the sources of this deployment alone, for other centres: each state names the sensors that have
+    /// contributed to it. Published where `fusion.exchange` asks for it.
+    own_tracks() -> SystemTrack: "system/own-tracks", 256 slices of 64, 4 to 8;
+
     /// Sensors that have contributed to each system track, for deployments that exchange tracks. Nobody publishes it
     /// yet.
     contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;

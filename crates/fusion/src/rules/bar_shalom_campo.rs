@@ -40,7 +40,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &m
         density_m2ps3: settings.common_noise_m2ps3.unwrap_or(target.process_noise_m2ps3),
         period_s: periods.min()? as f64 / NS_PER_S,
     };
-    matrices::fuse(target, &model, shares)
+    matrices::fuse(target.candidates, &model, shares)
 }
 
 impl Combination for CommonNoise {
@@ -75,7 +75,7 @@ fn spread<const D: usize>(correlation: &Matrix2<f64>) -> SMatrix<f64, D, D> {
 
 /// B with B·Bᵀ = `covariance`, lower triangular by blocks (position, velocity) with symmetric blocks on the diagonal:
 /// it turns with the frame, so that the result does not depend on where north is. D is 2 or 4.
-fn block_root<const D: usize>(covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
+pub(super) fn block_root<const D: usize>(covariance: &SMatrix<f64, D, D>) -> SMatrix<f64, D, D> {
     let axes = D / 2;
     // One axis is two of which the second is never looked at.
     let block = |row: usize, column: usize| {

@@ -33,7 +33,7 @@ impl Combination for Intersection {
 }
 
 fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    matrices::fuse(target, &settings.intersection, shares)
+    matrices::fuse(target.candidates, &settings.intersection, shares)
 }
 
 #[cfg(test)]

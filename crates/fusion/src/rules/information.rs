@@ -28,7 +28,7 @@ impl Combination for Sum {
 }
 
 fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    matrices::fuse(target, &Sum, shares)
+    matrices::fuse(target.candidates, &Sum, shares)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use estimation::{Estimate, Matrix6, repaired, unpacked};
 use messages::{AXES, CONTRIBUTIONS_MAX, STATE_LEN};
 use nalgebra::{SMatrix, SVector};
 
-use super::{Candidate, Share, Target};
+use super::{Candidate, Share};
 use crate::state::State;
 
 /// Variance in place of 0, which claims to know exactly: (1 mm)², (1 mm/s)².
@@ -30,8 +30,7 @@ pub(super) trait Combination {
 }
 
 /// Combines the candidates; fills the weights of their shares.
-pub(super) fn fuse(target: &Target<'_>, combination: &impl Combination, shares: &mut [Share]) -> Option<State> {
-    let candidates = target.candidates;
+pub(super) fn fuse(candidates: &[Candidate], combination: &impl Combination, shares: &mut [Share]) -> Option<State> {
     if let ([only], [share]) = (candidates, &mut *shares) {
         share.weight = [1.0; AXES];
         return Some(only.state);

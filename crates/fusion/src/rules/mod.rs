@@ -7,6 +7,7 @@
 mod auto;
 mod bar_shalom_campo;
 mod best_source;
+mod centres;
 mod combination;
 #[cfg(test)]
 mod conformance;
@@ -21,6 +22,7 @@ mod system_filter;
 
 use messages::{FusionRule, TrackState};
 
+pub(crate) use centres::join;
 use hand_over::HandOver;
 use serde::{Deserialize, Serialize};
 

@@ -1,0 +1,73 @@
+//! States of other centres, joined with that of the own sensors.
+//!
+//! What two centres say of a target is correlated where they share a sensor, and nobody knows by how much: then, and
+//! wherever it is not known whose sensors contributed, they are joined by covariance intersection. Where they share
+//! none, only the target's manoeuvres correlate them: both filters lag behind the same turns. That part is taken as
+//! constant, since neither filter is steady. Other centres may share sensors among themselves, which is never known
+//! here: their states are first joined with each other by intersection.
+//!
+//! A centre's newest state takes the place of the one before, and never enters the filter of a target that has sources
+//! here. So what this deployment tells others is of its own sensors alone, and nothing that it was told comes back to
+//! whoever told it, however the centres are joined.
+
+use estimation::{Estimate, INPUTS_MAX, correlated_combination};
+use messages::AXES;
+use nalgebra::SMatrix;
+
+use super::bar_shalom_campo::block_root;
+use super::matrices::{self, Combination};
+use super::{Candidate, Share};
+use crate::settings::Intersection;
+use crate::state::State;
+
+/// Measure that intersection makes small here.
+const MEASURE: Intersection = Intersection::Trace;
+
+/// Correlation of the errors of two centres without a common sensor: with it, simulated centres are as wrong as they
+/// say.
+const CORRELATION: f64 = 0.3;
+
+/// Combination of states that only manoeuvres correlate.
+struct Manoeuvres;
+
+impl Combination for Manoeuvres {
+    fn combine<const D: usize>(&self, inputs: &[Estimate<D>], shares: &mut [f64]) -> Option<Estimate<D>> {
+        let mut roots = [SMatrix::<f64, D, D>::zeros(); INPUTS_MAX];
+        for (root, input) in roots.iter_mut().zip(inputs) {
+            *root = block_root(&input.covariance);
+        }
+        let cross = |i: usize, j: usize| roots[i] * roots[j].transpose() * CORRELATION;
+        correlated_combination(inputs, cross, shares)
+    }
+}
+
+/// Joins the state of the `own` sensors, if there is one, with those of other centres; all are of one time. Fills the
+/// shares of the centres and gives the own one's. `shares_none`: the centres and this one have no sensor in common.
+/// `None` if no state can be used.
+pub(crate) fn join(
+    own: Option<&State>,
+    centres: &[Candidate],
+    shares_none: bool,
+    shares: &mut [Share],
+) -> Option<(State, f64)> {
+    let theirs = matrices::fuse(centres, &MEASURE, shares)?;
+    let Some(own) = own else {
+        return Some((theirs, 0.0));
+    };
+    let both = [*own, theirs].map(|state| Candidate {
+        state,
+        ..Candidate::default()
+    });
+    let mut halves = [Share::default(); 2];
+    let joined = if shares_none {
+        matrices::fuse(&both, &Manoeuvres, &mut halves)
+    } else {
+        matrices::fuse(&both, &MEASURE, &mut halves)
+    }?;
+    for share in shares {
+        for axis in 0..AXES {
+            share.weight[axis] *= halves[1].weight[axis];
+        }
+    }
+    Some((joined, halves[0].weight[0]))
+}

@@ -1,0 +1,395 @@
+//! Centres that exchange what their own sensors say: no information is counted twice, and each knows more than alone.
+//!
+//! Centres are engines in one process, fed with the tracks of simulated radars; what each knows of its own goes to the
+//! others as sensor tracks, some time later. States are compared with the truth at whole seconds: positions by their
+//! error, covariances by the normalised estimation error squared (NEES), over its two degrees of freedom.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
+use fusion::settings::{AccuracyTable, Settings, Shares, SourceSettings, Weighing};
+use fusion::{Engine, Sink};
+use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
+use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
+use settings::Seconds;
+use test_support::{Random, S};
+
+/// Radars: east and north, metres. The one in the middle may be heard by all.
+const PLACES_M: [[f64; 2]; 7] = [
+    [-80e3, -30e3],
+    [-70e3, 50e3],
+    [0.0, 5e3],
+    [80e3, 30e3],
+    [70e3, -50e3],
+    [10e3, 80e3],
+    [-15e3, -80e3],
+];
+const PERIODS_S: [f64; 7] = [4.0, 5.0, 4.5, 4.0, 5.0, 5.5, 4.8];
+/// Half the width of the strip along the border, metres: targets there are followed by all.
+const STRIP_M: f64 = 30e3;
+/// Time after which states count, and of the end, seconds.
+const SETTLED_S: f64 = 60.0;
+const END_S: f64 = 180.0;
+
+/// What is sent to whom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Sent {
+    /// Nothing.
+    Nothing,
+    /// States of the own sensors, with the sensors that contributed.
+    Own,
+    /// The same, without the sensors.
+    Unnamed,
+    /// The whole picture, as if it were of sensors that nobody else hears: no guard.
+    Unguarded,
+}
+
+/// Centres and what joins them.
+struct Case {
+    /// Radars that each hears.
+    radars: Vec<Vec<usize>>,
+    /// Who sends to whom.
+    links: Vec<(usize, usize)>,
+    sent: Sent,
+    /// Time on the way, shortest and longest, seconds.
+    delay_s: [f64; 2],
+    /// When nothing is delivered, seconds.
+    cut_s: [f64; 2],
+    targets: u32,
+}
+
+/// What one centre's states in the strip are worth.
+#[derive(Clone, Debug, Default)]
+struct Worth {
+    squared_m2: f64,
+    nees: f64,
+    states: f64,
+    /// Target-seconds with one track, and all.
+    single: f64,
+    all: f64,
+    /// Times at which a target had several tracks, seconds.
+    doubled_s: Vec<f64>,
+    /// Numbers of the tracks of each target, by its address.
+    numbers: BTreeMap<u32, BTreeSet<u32>>,
+}
+
+impl Worth {
+    fn rmse_m(&self) -> f64 {
+        (self.squared_m2 / self.states).sqrt()
+    }
+
+    fn nees(&self) -> f64 {
+        self.nees / (2.0 * self.states)
+    }
+}
+
+struct Centre {
+    engine: Engine,
+    /// Radars, then centres, in the order of the sources.
+    radars: Vec<usize>,
+    centres: Vec<usize>,
+}
+
+/// What an engine has handed out.
+#[derive(Default)]
+struct HandedOut {
+    own: Vec<SystemTrack>,
+    tracks: Vec<SystemTrack>,
+}
+
+impl Sink for HandedOut {
+    fn track(&mut self, track: &SystemTrack) {
+        self.tracks.push(*track);
+    }
+
+    fn own_track(&mut self, track: &SystemTrack) {
+        self.own.push(*track);
+    }
+}
+
+fn uid(radar: usize) -> u32 {
+    messages::sensor_uid(&format!("radar-{radar}"))
+}
+
+fn centre(case: &Case, number: usize) -> Centre {
+    let radars = case.radars[number].clone();
+    let to_it = case.links.iter().filter(|(_, to)| *to == number);
+    let centres: Vec<usize> = to_it.map(|(from, _)| *from).collect();
+    let source = |name: String, weighing: Weighing, period_s: f64, place_m: [f64; 2]| {
+        SourceSettings::new(&name, &weighing, (period_s, 0), place_m, &AccuracyTable::default()).unwrap()
+    };
+    let own = radars.iter().map(|radar| SourceSettings {
+        sensor_uid: uid(*radar),
+        place_m: Some(PLACES_M[*radar]),
+        ..source(
+            format!("radar-{radar}"),
+            Weighing::default(),
+            PERIODS_S[*radar],
+            PLACES_M[*radar],
+        )
+    });
+    let foreign = centres.iter().map(|other| {
+        let weighing = Weighing {
+            shares: Shares::Unknown,
+            ..Weighing::default()
+        };
+        source(format!("centre-{other}"), weighing, 1.0, [0.0; 2])
+    });
+    let mut settings = Settings {
+        exchange: true,
+        refresh_s: Some(Seconds::of(1.0)),
+        ..Settings::default()
+    };
+    settings.rule.name.0 = FusionRule::Auto;
+    // Tracks find each other by their motion; addresses tell here which target they are of.
+    settings.association.use_identity = false;
+    let settings = settings.with_sources(own.chain(foreign).collect()).unwrap();
+    Centre {
+        engine: Engine::new(settings).unwrap(),
+        radars,
+        centres,
+    }
+}
+
+fn world(targets: u32) -> Truth {
+    let settings = ScenarioSettings {
+        targets,
+        terminal_share: 0.0,
+        holding_share: 0.0,
+        surface_share: 0.0,
+        ..ScenarioSettings::default()
+    };
+    Truth::new(&settings, 7).unwrap()
+}
+
+/// Reports of all radars in the order of their times.
+fn reports(truth: &Truth) -> Vec<(i64, usize, SensorTrack)> {
+    let mut all = Vec::new();
+    for (radar, place_m) in PLACES_M.iter().enumerate() {
+        let settings = SensorSettings {
+            position_m: Some([place_m[0], place_m[1], 0.0]),
+            period_s: Some(PERIODS_S[radar]),
+            identity: Some(SensorIdentity::Address),
+            height_sigma_m: Some(50.0),
+            ..SensorSettings::new(SensorKind::Radar)
+        };
+        let mut sensor = SimulatedSensor::new(&settings, 7, radar as u16, 0).unwrap();
+        let mut found = Vec::new();
+        while sensor.next_scan_time_s() < END_S {
+            sensor.scan(truth, &mut found);
+        }
+        all.extend(
+            found
+                .iter()
+                .map(|report| (report.time_of_measurement_ns, radar, *report)),
+        );
+    }
+    all.sort_by_key(|(time_ns, radar, report)| (*time_ns, *radar, report.track_number));
+    all
+}
+
+/// Lets the centres work until the end; what their states in the strip are worth.
+fn run(case: &Case) -> Vec<Worth> {
+    let truth = world(case.targets);
+    let mut random = Random::new(3);
+    let mut centres: Vec<Centre> = (0..case.radars.len()).map(|number| centre(case, number)).collect();
+    let mut worth = vec![Worth::default(); centres.len()];
+    // Reports on their way between centres, by time and number.
+    let mut on_the_way = BinaryHeap::new();
+    let mut waiting: BTreeMap<u64, (usize, SensorTrack)> = BTreeMap::new();
+    let mut next = 0;
+    let reports = reports(&truth);
+    let mut reports = reports.iter().peekable();
+    loop {
+        let report_ns = reports.peek().map_or(i64::MAX, |(time_ns, ..)| *time_ns);
+        let on_way_ns = on_the_way.peek().map_or(i64::MAX, |Reverse((time_ns, _))| *time_ns);
+        let now_ns = report_ns.min(on_way_ns);
+        if now_ns == i64::MAX {
+            break;
+        }
+        let mut work: Vec<(usize, SensorTrack)> = Vec::new();
+        if on_way_ns <= report_ns {
+            let Some(Reverse((_, number))) = on_the_way.pop() else {
+                break;
+            };
+            work.extend(waiting.remove(&number));
+        } else if let Some((_, radar, report)) = reports.next() {
+            for (number, centre) in centres.iter().enumerate() {
+                if let Some(source) = centre.radars.iter().position(|own| own == radar) {
+                    let source = source as u16;
+                    work.push((number, SensorTrack { source, ..*report }));
+                }
+            }
+        }
+        for (number, report) in work {
+            let mut out = HandedOut::default();
+            centres[number].engine.take_at(&report, now_ns, &mut out);
+            judge(&truth, &out.tracks, &mut worth[number]);
+            let sent = match case.sent {
+                Sent::Nothing => continue,
+                Sent::Own | Sent::Unnamed => &out.own,
+                Sent::Unguarded => &out.tracks,
+            };
+            for (_, to) in case.links.iter().filter(|(from, _)| *from == number) {
+                let receiver = &centres[*to];
+                for track in sent {
+                    let came_s = now_ns as f64 / S as f64 + case.delay_s[0];
+                    let came_s = came_s + (case.delay_s[1] - case.delay_s[0]) * random.unit();
+                    let Some(report) = offered(track, case.sent, number, receiver) else {
+                        continue;
+                    };
+                    if !(case.cut_s[0]..case.cut_s[1]).contains(&came_s) {
+                        next += 1;
+                        on_the_way.push(Reverse(((came_s * S as f64) as i64, next)));
+                        waiting.insert(next, (*to, report));
+                    }
+                }
+            }
+        }
+    }
+    worth
+}
+
+/// A state of centre `from` as its reader takes it.
+fn offered(track: &SystemTrack, sent: Sent, from: usize, to: &Centre) -> Option<SensorTrack> {
+    let mut track = *track;
+    track.origin = from as u32 + 1;
+    if sent == Sent::Unnamed {
+        track.source_count = u16::MAX;
+    }
+    let uids = match sent {
+        Sent::Unguarded => Vec::new(),
+        _ => to.radars.iter().map(|radar| uid(*radar)).collect(),
+    };
+    if sent == Sent::Unguarded {
+        track.contribution_count = 0;
+        track.source_count = 0;
+    }
+    let source = to.radars.len() + to.centres.iter().position(|centre| *centre == from)?;
+    SensorTrack::of_centre(&track, source as u16, 0, &uids)
+}
+
+fn judge(truth: &Truth, tracks: &[SystemTrack], worth: &mut Worth) {
+    let Some(first) = tracks.first() else { return };
+    let time_s = first.reference_time_ns as f64 / S as f64;
+    if !(SETTLED_S..END_S - 10.0).contains(&time_s) {
+        return;
+    }
+    // All live tracks are told at each whole second.
+    let mut found: BTreeMap<u32, u32> = BTreeMap::new();
+    let in_strip: BTreeMap<u32, _> = truth
+        .at(time_s)
+        .filter(|target| target.position_m[0].abs() < STRIP_M && target.position_m[1].abs() < 60e3)
+        .map(|target| (target.address, target))
+        .collect();
+    for track in tracks {
+        assert_eq!(track.reference_time_ns, first.reference_time_ns);
+        let is_shown = track.state == TrackState::Confirmed as u8 || track.state == TrackState::Coasted as u8;
+        let address = track.identity.unique_number().unwrap_or_default();
+        let Some(target) = in_strip.get(&address).filter(|_| is_shown) else {
+            continue;
+        };
+        *found.entry(address).or_default() += 1;
+        worth.numbers.entry(address).or_default().insert(track.track_number);
+        let [x, y] = [0, 1].map(|axis| track.position_m[axis] - target.position_m[axis]);
+        let p = &track.covariance;
+        let p = [p.get(0, 0), p.get(0, 1), p.get(1, 1)];
+        worth.squared_m2 += x * x + y * y;
+        worth.nees += association::distance::squared2([x, y], p);
+        worth.states += 1.0;
+    }
+    worth.all += in_strip.len() as f64;
+    worth.single += found.values().filter(|count| **count == 1).count() as f64;
+    if found.values().any(|count| *count > 1) {
+        worth.doubled_s.push(time_s);
+    }
+}
+
+/// Two centres with three radars each, of which one may be the same.
+fn two(shared: bool, sent: Sent) -> Case {
+    let third = if shared { 2 } else { 5 };
+    Case {
+        radars: vec![vec![0, 1, third], vec![2, 3, 4]],
+        links: vec![(0, 1), (1, 0)],
+        sent,
+        delay_s: [0.0; 2],
+        cut_s: [0.0; 2],
+        targets: 100,
+    }
+}
+
+/// Three centres in a ring, with one radar in common.
+fn ring(sent: Sent) -> Case {
+    Case {
+        radars: vec![vec![0, 1, 2], vec![2, 3, 4], vec![2, 5, 6]],
+        links: vec![(0, 1), (1, 2), (2, 0)],
+        ..two(true, sent)
+    }
+}
+
+/// Root of the mean squared error of the better one, metres.
+fn better_m(worth: &[Worth]) -> f64 {
+    worth.iter().map(Worth::rmse_m).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn each_of_two_knows_more_than_the_better_one_alone_and_is_as_sure_as_it_may_be() {
+    for (shared, targets) in [(true, 400), (false, 100)] {
+        let with = |sent| Case {
+            targets,
+            ..two(shared, sent)
+        };
+        let alone_m = better_m(&run(&with(Sent::Nothing)));
+        for joined in run(&with(Sent::Own)) {
+            let (rmse_m, nees) = (joined.rmse_m(), joined.nees());
+            assert!(rmse_m <= alone_m, "{shared}: {rmse_m} m, alone {alone_m} m");
+            assert!((0.8..=1.3).contains(&nees), "{shared}: {nees}");
+            assert!(joined.single >= 0.99 * joined.all, "{shared}: {joined:?}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_counted_twice_where_nobody_says_whose_sensors_contributed() {
+    for shared in [true, false] {
+        let alone = run(&two(shared, Sent::Nothing));
+        for (joined, alone) in run(&two(shared, Sent::Unnamed)).iter().zip(&alone) {
+            assert!(joined.rmse_m() <= alone.rmse_m(), "{} m", joined.rmse_m());
+            assert!((0.8..=1.3).contains(&joined.nees()), "{}", joined.nees());
+        }
+    }
+}
+
+#[test]
+fn no_track_feeds_itself_round_a_ring_and_without_the_guard_it_does() {
+    for (sent, is_guarded) in [(Sent::Own, true), (Sent::Unguarded, false)] {
+        for centre in run(&ring(sent)) {
+            assert_eq!(centre.nees() <= 1.3, is_guarded, "{}", centre.nees());
+        }
+    }
+}
+
+#[test]
+fn a_slow_network_costs_little_and_a_cut_one_leaves_no_duplicates_behind() {
+    let joined = run(&two(true, Sent::Own));
+    let slow = run(&Case {
+        delay_s: [0.05, 0.15],
+        ..two(true, Sent::Own)
+    });
+    for (slow, joined) in slow.iter().zip(&joined) {
+        assert!(slow.rmse_m() <= 1.03 * joined.rmse_m(), "{} m", slow.rmse_m());
+        assert!(slow.single >= 0.99 * slow.all);
+    }
+    let healed = run(&Case {
+        cut_s: [90.0, 120.0],
+        ..two(true, Sent::Own)
+    });
+    for (centre, before) in healed.iter().zip(&joined) {
+        assert!(
+            centre.doubled_s.iter().all(|time_s| *time_s <= 122.0),
+            "{:?}",
+            centre.doubled_s
+        );
+        assert_eq!(centre.numbers, before.numbers, "numbers changed");
+    }
+}
