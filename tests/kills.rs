@@ -144,7 +144,7 @@ fn campaign(count: usize, aged: Duration, seed: u64) -> Vec<Duration> {
 }
 
 /// Process numbers of the launcher's children, by their names.
-fn children(launcher: &Running) -> BTreeMap<String, u32> {
+pub(crate) fn children(launcher: &Running) -> BTreeMap<String, u32> {
     let pid = launcher.pid();
     let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).unwrap();
     let named = pids.split_whitespace().filter_map(|pid| {

@@ -1,17 +1,26 @@
 //! `koseki replay`: recordings of deployments whose processes were killed, fused again to the bit.
+//!
+//! The campaign is every kind of deployment for a minute, with ten kills of random children, and with two of the
+//! recorder, three times each: `cargo test -p koseki --test integration replay_campaign -- --ignored --nocapture`, with
+//! `--release` for the other build. `KOSEKI_SECONDS` and `KOSEKI_RUNS` say otherwise how long, and how often.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Cursor};
 use std::path::Path;
+use std::thread;
+use std::time::Duration;
 
 use ::recording::{Channel, Facts, Item, RecordingError, Writer};
 use messages::layout::{ALL, Layout, Sample as _};
 use messages::{BatchHeader, SystemTrack};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_chacha::ChaCha8Rng;
 use rustix::process::Signal;
 use test_support::recordings;
 
 use crate::common::home::{Home, kill, until};
 use crate::common::repository;
+use crate::kills::children;
 
 const ALL_TOPICS: [&str; 4] = [
     "--set",
@@ -306,4 +315,72 @@ fn recorded_traffic_is_fused_otherwise_and_goes_into_another_deployment() {
     });
     let (status, said) = again.stop();
     assert!(status.success(), "{said}");
+}
+
+/// Value of an environment variable, if it is a number.
+fn stated(variable: &str) -> Option<u64> {
+    std::env::var(variable).ok()?.parse().ok()
+}
+
+#[test]
+#[ignore = "takes half an hour: run it by its name"]
+fn replay_campaign() {
+    let length = Duration::from_secs(stated("KOSEKI_SECONDS").unwrap_or(60));
+    let config = |name: &str| repository("config").join(name).to_str().unwrap().to_owned();
+    let up = |name: &str, more: &[&str]| -> Vec<String> {
+        let more = more.iter().map(|word| (*word).to_owned());
+        ["up".to_owned(), config(name)].into_iter().chain(more).collect()
+    };
+    let mut deployments = vec![
+        ("demo", up("demo.toml", &[])),
+        ("maritime", up("maritime.toml", &[])),
+        ("wide-area", up("wide-area.toml", &[])),
+    ];
+    if let Some(data) = recordings("lebl2016") {
+        let data = ["--data", data.to_str().unwrap(), "--speed", "10"];
+        deployments.push(("barcelona", up("barcelona.toml", &data)));
+    }
+    let mut random = ChaCha8Rng::seed_from_u64(18);
+    for run in 1..=stated("KOSEKI_RUNS").unwrap_or(3) {
+        for (name, up) in &deployments {
+            for (victims, kills) in [("children", 10), ("the recorder", 2)] {
+                let is_victim = |child: &str| (child == "recorder") == (kills == 2);
+                let said = verified_after_kills(up, length, kills, &mut random, is_victim);
+                println!(
+                    "run {run}, {name}, {kills} kills of {victims}: {}",
+                    said.trim().replace('\n', "; ")
+                );
+            }
+        }
+    }
+}
+
+/// Words of the verification of a deployment that ran so long while so many of its children were killed.
+fn verified_after_kills(
+    up: &[String],
+    length: Duration,
+    kills: u32,
+    random: &mut ChaCha8Rng,
+    is_victim: impl Fn(&str) -> bool,
+) -> String {
+    let home = Home::new();
+    let up: Vec<&str> = up.iter().map(String::as_str).collect();
+    let running = home.start(&[&up[..], &["--out", "out"], &ALL_TOPICS[..]].concat());
+    until("there are rows", || rows(&home) > 10);
+    for _ in 0..kills {
+        thread::sleep(length / (kills + 1));
+        let children = children(&running);
+        let victims: Vec<u32> = children
+            .iter()
+            .filter(|(name, _)| is_victim(name))
+            .map(|(_, pid)| *pid)
+            .collect();
+        if !victims.is_empty() {
+            kill(victims[random.random_range(0..victims.len())], Signal::KILL);
+        }
+    }
+    thread::sleep(length / (kills + 1));
+    let (status, said) = running.stop();
+    assert!(status.success(), "{said}");
+    without_difference(&home, "out/latest")
 }
