@@ -4,6 +4,7 @@
 //! gone. Waiting lets other Python threads run.
 
 mod decoding;
+mod tables;
 
 use std::collections::BTreeMap;
 use std::ffi::{CStr, c_int, c_void};
@@ -37,7 +38,11 @@ fn failed(error: Error) -> PyErr {
         ErrorKind::Argument => return PyValueError::new_err(error.to_string()),
         ErrorKind::System => "KosekiError",
     };
-    let text = error.to_string();
+    raised(kind, error.to_string())
+}
+
+/// An exception of the package, of the class called `kind`.
+fn raised(kind: &str, text: String) -> PyErr {
     Python::attach(|py| {
         let class = py.import("koseki._errors").and_then(|module| module.getattr(kind));
         class
@@ -279,6 +284,7 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<decoding::Records>()?;
     module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
     module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
+    module.add_function(wrap_pyfunction!(tables::run, module)?)?;
     module.add_function(wrap_pyfunction!(layouts, module)?)?;
     module.add_function(wrap_pyfunction!(read, module)?)
 }

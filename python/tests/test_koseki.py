@@ -1,33 +1,69 @@
 """The package beside a live demonstration, and its offline functions against the command line."""
 
 import asyncio
+import csv
 import gc
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pandas
+import polars
 import pyarrow
 import pytest
 
 import koseki
-from koseki.offline import _executable, _read
 
 TOP = Path(__file__).parents[2]
 PATIENCE = 60.0
+EXECUTABLE = os.environ.get("KOSEKI") or shutil.which("koseki")
+
+
+def _run(arguments: list[object]) -> str:
+    """What the executable prints."""
+    return subprocess.run([EXECUTABLE, *map(str, arguments)], capture_output=True, text=True, check=True).stdout
+
+
+def _read(path: Path) -> dict[str, np.ndarray]:
+    """A table that the executable wrote, read by means that are not the package's."""
+    with path.open(newline="") as file:
+        rows = csv.reader(file)
+        names = next(rows)
+        columns = list(zip(*rows, strict=True)) or [()] * len(names)
+    return {name: _typed(name, column) for name, column in zip(names, columns, strict=True)}
+
+
+def _typed(name: str, values: tuple[str, ...]) -> np.ndarray:
+    texts = {"address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights"}
+    for kind in () if name in texts else (np.int64, np.float64):
+        try:
+            filled = values if kind is np.int64 else [value or "nan" for value in values]
+            return np.array(filled, dtype=object).astype(kind)
+        except ValueError:
+            pass
+    return np.array(values, dtype=object)
+
+
+def _assert_same(table: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
+    assert list(table) == list(expected)
+    for name, column in expected.items():
+        assert table[name].dtype == column.dtype, name
+        np.testing.assert_array_equal(table[name], column, err_msg=name)
 
 
 class Deployment:
     """A deployment of the command line in a folder of its own."""
 
     def __init__(self, *arguments: object) -> None:
-        command = [_executable(), *map(str, arguments)]
+        command = [EXECUTABLE, *map(str, arguments)]
         self.process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         assert any(" runs" in line for line in self.process.stderr)
 
@@ -98,7 +134,7 @@ def test_a_fusion_that_starts_anew_is_told(demo):
     tracks = koseki.subscribe(demo)
     first = tracks.receive(PATIENCE)
     assert first.starts_epoch
-    status = json.loads(koseki.offline._run(["status", "--instance", demo, "--json"]))
+    status = json.loads(_run(["status", "--instance", demo, "--json"]))
     fusion = next(child for child in status[0]["processes"] if child["name"] == "fusion")
     os.kill(fusion["pid"], signal.SIGKILL)
     end = time.monotonic() + PATIENCE
@@ -192,33 +228,140 @@ def test_an_external_source_is_fed_and_the_end_is_told(tmp_path):
     deployment.stop()
 
 
-def test_fusing_tables_equals_the_command_line(tmp_path):
+@pytest.fixture(scope="module")
+def case(tmp_path_factory):
+    """A simulated world as the executable writes it."""
+    folder = tmp_path_factory.mktemp("case")
+    _run(["simulate", "--scenario", "demo", "--for", "20", "--out", folder])
+    return folder
+
+
+def test_simulating_equals_the_command_line(case):
     world = koseki.simulate(seconds=20)
-    folder, out = tmp_path / "case", tmp_path / "fused.csv"
-    koseki.offline._run(["simulate", "--scenario", "demo", "--for", "20", "--out", folder])
-    files = sorted(folder.glob("sensor_tracks_*.csv"))
-    koseki.offline._run(["fuse", "--tracks", *files, "--out", out])
+    assert sorted(world) == sorted(file.stem for file in case.glob("*.csv"))
+    for name, table in world.items():
+        _assert_same(table, _read(case / f"{name}.csv"))
+
+
+@pytest.mark.parametrize("options", [{}, {"refresh": 0.5, "rule": "best-source"}], ids=["all", "refreshed"])
+def test_fusing_equals_the_command_line(case, tmp_path, options):
+    files, out = sorted(case.glob("sensor_tracks_*.csv")), tmp_path / "fused.csv"
+    words = [word for name, value in options.items() for word in (f"--{name}", value)]
+    told = json.loads(_run(["fuse", "--json", "--tracks", *files, *words, "--out", out]))
+    expected, tables = _read(out), [_read(file) for file in files]
+    assert len(expected["time_s"]) > 100
+    # Whatever the columns come in, and in whatever kind of numbers.
+    kinds = [files, tables, [pandas.DataFrame(table) for table in tables], [polars.DataFrame(table) for table in tables]]
+    kinds += [[pyarrow.table(table) for table in tables], [tables[0], *files[1:]]]
+    for given in kinds:
+        fused = koseki.fuse(given, **options)
+        _assert_same(fused, expected)
+        timed = {"engine_s", "reports_per_s", "out"}
+        assert {name: value for name, value in fused.summary.items() if name not in timed} == {
+            name: value for name, value in told.items() if name not in timed
+        }
+    assert pyarrow.table(fused).num_rows == len(fused["time_s"])
+
+
+def test_tracking_equals_the_command_line(case, tmp_path):
+    files, out = sorted(case.glob("detections_*.csv")), tmp_path / "tracks.csv"
+    _run(["track", "--detections", *files, "--period", "1", "--out", out])
     expected = _read(out)
     assert len(expected["time_s"]) > 100
-    for tables in (files, [pandas.DataFrame(world[file.stem]) for file in files], [world[file.stem] for file in files]):
-        fused = koseki.fuse(tables)
-        assert list(fused) == list(expected)
-        for name, column in expected.items():
-            np.testing.assert_array_equal(fused[name], column, err_msg=name)
-    assert koseki.score(world["truth"], fused)
-    assert koseki.compare(files, truth=world["truth"])
+    for given in files, [_read(file) for file in files], [pandas.DataFrame(_read(file)) for file in files]:
+        _assert_same(koseki.track(given, period=1), expected)
 
 
-def test_what_a_command_refuses_is_a_value_error():
-    with pytest.raises(ValueError, match="column"):
+def test_locating_equals_the_command_line(tmp_path):
+    config = TOP / "config/maritime.toml"
+    _run(["simulate", "--scenario", config, "--for", "120", "--out", tmp_path])
+    file, out = sorted(tmp_path.glob("bearings_*.csv"))[0], tmp_path / "fixes.csv"
+    _run(["locate", "--bearings", file, "--filter", "fixed", "--out", out])
+    assert len(_read(out)["time_s"]) > 10
+    for given in file, _read(file), polars.DataFrame(_read(file)):
+        _assert_same(koseki.locate(given, filter="fixed"), _read(out))
+
+
+def test_figures_equal_those_of_the_command_line(case, tmp_path):
+    truth, files, fused = case / "truth.csv", sorted(case.glob("sensor_tracks_*.csv")), tmp_path / "fused.csv"
+    _run(["fuse", "--tracks", *files, "--refresh", "1", "--out", fused])
+    expected = json.loads(_run(["score", "--json", "--truth", truth, "--tracks", fused, "--gate", "200"]))
+    assert koseki.score(truth, fused, gate=200) == koseki.score(_read(truth), _read(fused), gate=200) == expected
+    rules = json.loads(_run(["compare", "--json", "--tracks", *files, "--truth", truth]))["rules"]
+    found = koseki.compare([_read(file) for file in files], truth=_read(truth))["rules"]
+    for rule in rules + found:
+        del rule["us_per_report"]
+    assert found == rules and len(rules) > 3
+
+
+def test_what_a_command_refuses_is_a_value_error(case):
+    table = _read(case / "sensor_tracks_1.csv")
+    with pytest.raises(ValueError, match="^tracks: header: column"):
         koseki.fuse({"time_s": [0.0]})
     with pytest.raises(ValueError, match="nonsense"):
-        koseki.fuse({"time_s": [0.0]}, rule="nonsense")
+        koseki.fuse(table, rule="nonsense")
+    with pytest.raises(ValueError, match="between 0.001 and 3600"):
+        koseki.fuse(table, refresh=0.0001)
+    with pytest.raises(ValueError, match="^config:2: fusion.nonsense: unknown key"):
+        koseki.fuse(table, config="[fusion]\nnonsense = 1\n")
+    with pytest.raises(ValueError, match="nothing.csv: cannot be read"):
+        koseki.fuse("nothing.csv")
+    with pytest.raises(ValueError, match=r"tracks: column x has 1 values, time_s has"):
+        koseki.fuse(table | {"x": [0.0]})
+    with pytest.raises(ValueError, match=r"tracks\[1\]: line 3, column state: \"a,b\" holds a comma"):
+        koseki.fuse([table, table | {"state": ["confirmed", "a,b"] + ["confirmed"] * (len(table["x"]) - 2)}])
+
+
+def test_rows_that_are_left_out_are_a_warning_with_their_line(case):
+    table = _read(case / "sensor_tracks_1.csv")
+    table["x"][3] = np.inf
+    with pytest.warns(UserWarning, match="^1 rows left out: tracks: line 5, column x"):
+        assert koseki.fuse(table).summary["rows_refused"] == 1
+
+
+def _many_reports(case) -> dict[str, np.ndarray]:
+    """Reports for seconds of work."""
+    table = _read(case / "sensor_tracks_1.csv")
+    shifts = np.repeat(25.0 * np.arange(200), len(table["time_s"]))
+    many = {name: np.tile(column, 200) for name, column in table.items()}
+    return many | {"time_s": many["time_s"] + shifts}
+
+
+def test_progress_is_told_and_may_end_the_command(case):
+    table, shares = _many_reports(case), []
+    koseki.fuse(table, progress=shares.append)
+    assert shares[-1] == 1.0 and all(0.0 <= share <= 1.0 for share in shares)
+
+    def end(share):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        koseki.fuse(table, progress=end)
+
+
+def test_other_threads_run_meanwhile_and_ctrl_c_ends_the_command(case):
+    table, turns, interrupted = _many_reports(case), 0, threading.Event()
+
+    def count():
+        nonlocal turns
+        while not interrupted.is_set():
+            turns += 1
+            if turns == 20:
+                os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.005)
+
+    thread = threading.Thread(target=count)
+    with pytest.raises(KeyboardInterrupt):
+        thread.start()
+        while True:
+            koseki.fuse(table)
+    interrupted.set()
+    thread.join()
 
 
 def test_a_recording_of_all_topics_has_what_was_published(tmp_path):
     options = ["--for", "3", "--instance", "recorded", "--set", 'recorder.format=["mcap", "csv"]', "--set", "recorder.enabled=true"]
-    koseki.offline._run(["demo", "--out", tmp_path, *options])
+    _run(["demo", "--out", tmp_path, *options])
     states = [koseki.read(file)["system/tracks"] for file in sorted(tmp_path.glob("latest/*.mcap"))]
     states = np.concatenate(states)
     assert len(states) == len(_read(tmp_path / "latest/system_tracks.csv")["time_s"]) > 0
@@ -234,7 +377,7 @@ RECORDINGS = sorted((TOP / "examples/data").glob("*.ast"))
 
 @pytest.mark.parametrize("recording", RECORDINGS, ids=lambda path: path.stem)
 def test_records_of_a_recording_are_those_of_the_command_line(recording):
-    lines = koseki.offline._run(["decode", recording, "--out", "-"]).splitlines()
+    lines = _run(["decode", recording, "--out", "-"]).splitlines()
     records = list(koseki.decode(recording))
     assert records == [json.loads(line) for line in lines] and len(records) > 10
 

@@ -42,7 +42,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Parser as _;
 use clap::error::ErrorKind;
-use configuration::{BUILT_IN_DEMO, Config, ConfigError, Process};
+use configuration::{BUILT_IN_DEMO, Config, Process};
 use launcher::Orders;
 use messages::ProcessKind;
 use offline::{Host, Terminal, Usage};
@@ -220,10 +220,8 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
 }
 
 fn exit_code(error: &anyhow::Error) -> u8 {
-    let refused = error.is::<ConfigError>()
+    let refused = offline::is_refused(error)
         || error.is::<RecordingError>()
-        || error.is::<Usage>()
-        || error.is::<offline::InputError>()
         || error.is::<bench_service::Refused>()
         || error.is::<launcher::ChildRefused>();
     if refused { CODE_REFUSED } else { CODE_FAILED }

@@ -41,3 +41,8 @@ impl Command {
         }
     }
 }
+
+/// Whether the words or an input were refused, rather than that something failed.
+pub fn is_refused(error: &anyhow::Error) -> bool {
+    error.is::<Usage>() || error.is::<InputError>() || error.is::<configuration::ConfigError>()
+}

@@ -1,0 +1,373 @@
+//! Commands on tables for Python: what the executable does with files, on columns.
+//!
+//! The commands read and write tables of text, so columns become text in memory, and text columns: numbers in the
+//! shortest form that is read as the same number again. So results are those of the executable to the digit, and an
+//! error names the line of the table as it would that of a file, of which the first has the columns' names.
+
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use offline::{Command, Host, Input, InputError, Output};
+use pyo3::buffer::PyBuffer;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyByteArray, PyList};
+
+/// Time between two looks whether somebody has pressed Ctrl-C, of which Python learns the progress.
+const LOOKS: Duration = Duration::from_millis(50);
+/// Columns that stay text, whatever they look like: an address may look like a number.
+const TEXTS: [&str; 8] = [
+    "address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights",
+];
+
+/// A table that Python hands over.
+#[derive(FromPyObject)]
+pub(super) enum Given {
+    Text(String),
+    Columns(Vec<(String, GivenColumn)>),
+}
+
+/// Values of one column.
+#[derive(FromPyObject)]
+pub(super) enum GivenColumn {
+    Numbers(PyBuffer<f64>),
+    Wholes(PyBuffer<i64>),
+    Texts(Vec<String>),
+}
+
+enum Values {
+    Numbers(Vec<f64>),
+    Wholes(Vec<i64>),
+    Texts(Vec<String>),
+}
+
+impl GivenColumn {
+    fn values(&self, py: Python<'_>) -> PyResult<Values> {
+        Ok(match self {
+            Self::Numbers(buffer) => Values::Numbers(buffer.to_vec(py)?),
+            Self::Wholes(buffer) => Values::Wholes(buffer.to_vec(py)?),
+            Self::Texts(texts) => Values::Texts(texts.clone()),
+        })
+    }
+}
+
+impl Values {
+    fn len(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Wholes(wholes) => wholes.len(),
+            Self::Texts(texts) => texts.len(),
+        }
+    }
+
+    /// Appends the value of a row; nothing where there is none.
+    fn write(&self, row: usize, text: &mut String) {
+        // Writing to a string cannot fail.
+        let _ = match self {
+            Self::Numbers(numbers) if numbers[row].is_nan() => Ok(()),
+            Self::Numbers(numbers) => write!(text, "{}", numbers[row]),
+            Self::Wholes(wholes) => write!(text, "{}", wholes[row]),
+            Self::Texts(texts) => text.write_str(&texts[row]),
+        };
+    }
+
+    /// Values as numbers, if all of them are some, or are missing.
+    fn of(name: &str, texts: Vec<&str>) -> Self {
+        if !TEXTS.contains(&name) {
+            if let Ok(wholes) = texts.iter().map(|text| text.parse()).collect() {
+                return Self::Wholes(wholes);
+            }
+            let number = |text: &&str| if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
+            if let Ok(numbers) = texts.iter().map(number).collect() {
+                return Self::Numbers(numbers);
+            }
+        }
+        Self::Texts(texts.into_iter().map(str::to_owned).collect())
+    }
+
+    /// Type of numpy and octets, or a list.
+    fn handed_out<'py>(&self, py: Python<'py>) -> PyResult<(&'static str, Bound<'py, PyAny>)> {
+        fn octets<const N: usize, T: Copy>(values: &[T], octets: fn(T) -> [u8; N]) -> Vec<u8> {
+            values.iter().flat_map(|value| octets(*value)).collect()
+        }
+        Ok(match self {
+            Self::Numbers(numbers) => (
+                "<f8",
+                PyByteArray::new(py, &octets(numbers, f64::to_le_bytes)).into_any(),
+            ),
+            Self::Wholes(wholes) => (
+                "<i8",
+                PyByteArray::new(py, &octets(wholes, i64::to_le_bytes)).into_any(),
+            ),
+            Self::Texts(texts) => ("O", PyList::new(py, texts)?.into_any()),
+        })
+    }
+}
+
+/// Text of a table; the fault if its columns cannot be one.
+fn as_text(columns: &[(String, Values)]) -> Result<String, String> {
+    let rows = columns.first().map_or(0, |(_, values)| values.len());
+    let mut text = String::new();
+    for (place, (name, values)) in columns.iter().enumerate() {
+        if values.len() != rows {
+            return Err(format!(
+                "column {name} has {} values, {} has {rows}",
+                values.len(),
+                columns[0].0
+            ));
+        }
+        if let Values::Texts(texts) = values
+            && let Some(row) = texts.iter().position(|text| text.contains([',', '\n', '\r']))
+        {
+            let (line, value) = (row + 2, &texts[row]);
+            return Err(format!(
+                "line {line}, column {name}: {value:?} holds a comma or the end of a line"
+            ));
+        }
+        text.push_str(if place == 0 { "" } else { "," });
+        text.push_str(name);
+    }
+    text.push('\n');
+    for row in 0..rows {
+        for (place, (_, values)) in columns.iter().enumerate() {
+            text.push_str(if place == 0 { "" } else { "," });
+            values.write(row, &mut text);
+        }
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+/// Columns of a table that a command has written.
+fn as_columns(text: &str) -> Vec<(String, Values)> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
+    let mut columns = vec![Vec::new(); names.len()];
+    for line in lines {
+        for (column, value) in columns.iter_mut().zip(line.split(',')) {
+            column.push(value);
+        }
+    }
+    let named = names.into_iter().zip(columns);
+    named
+        .map(|(name, texts)| (name.to_owned(), Values::of(name, texts)))
+        .collect()
+}
+
+/// Python's wish that a command ends: Ctrl-C, or an exception in its function for the progress.
+struct Watch {
+    progress: Option<Py<PyAny>>,
+    looked: Cell<Instant>,
+    failed: RefCell<Option<PyErr>>,
+}
+
+impl Watch {
+    /// Looks, now and then.
+    fn look(&self, share: Option<f64>) -> io::Result<()> {
+        match self.looked.get().elapsed() < LOOKS {
+            true => Ok(()),
+            false => self.look_now(share),
+        }
+    }
+
+    fn look_now(&self, share: Option<f64>) -> io::Result<()> {
+        let ended = || io::Error::other("given up");
+        if self.failed.borrow().is_some() {
+            return Err(ended());
+        }
+        self.looked.set(Instant::now());
+        let looked = Python::attach(|py| {
+            py.check_signals()?;
+            match (&self.progress, share) {
+                (Some(progress), Some(share)) => progress.call1(py, (share,)).map(|_| ()),
+                _ => Ok(()),
+            }
+        });
+        looked.map_err(|error| {
+            self.failed.replace(Some(error));
+            ended()
+        })
+    }
+}
+
+/// An input during whose reading Python may end the command.
+struct Watched<T> {
+    octets: T,
+    watch: Rc<Watch>,
+}
+
+impl<T: Read> Read for Watched<T> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.watch.look(None)?;
+        self.octets.read(buffer)
+    }
+}
+
+impl<T: Seek> Seek for Watched<T> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.octets.seek(to)
+    }
+}
+
+type Written = Rc<RefCell<BTreeMap<PathBuf, Vec<u8>>>>;
+
+/// Tables in memory by name; any other name is that of a file. All that is written stays in memory.
+struct Memory {
+    tables: BTreeMap<PathBuf, Arc<[u8]>>,
+    written: Written,
+    answer: RefCell<String>,
+    said: RefCell<String>,
+    watch: Rc<Watch>,
+}
+
+impl Memory {
+    fn watched(&self, octets: impl Read + Seek + 'static, length: u64) -> Input {
+        let watch = Rc::clone(&self.watch);
+        Input::new(Watched { octets, watch }, length)
+    }
+}
+
+impl Host for Memory {
+    fn open(&self, path: &Path) -> Result<Input, InputError> {
+        if let Some(table) = self.tables.get(path) {
+            return Ok(self.watched(Cursor::new(Arc::clone(table)), table.len() as u64));
+        }
+        let file: File = offline::open(path)?;
+        let length = file.metadata().map_or(0, |found| found.len());
+        Ok(self.watched(file, length))
+    }
+
+    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>> {
+        Ok(Box::new(Kept {
+            path: path.to_owned(),
+            octets: Vec::new(),
+            written: Rc::clone(&self.written),
+        }))
+    }
+
+    fn make_folder(&self, _path: &Path) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn print(&self, text: &str) -> anyhow::Result<()> {
+        self.answer.borrow_mut().push_str(text);
+        Ok(())
+    }
+
+    fn say(&self, text: &str) {
+        self.said.borrow_mut().push_str(text);
+    }
+
+    fn progress(&self, done: u64, of: u64) -> io::Result<()> {
+        self.watch.look(Some(done as f64 / of.max(1) as f64))
+    }
+
+    fn passed(&self) {
+        // A failure is found below.
+        let _ = self.watch.look_now(Some(1.0));
+    }
+}
+
+/// A table that is written.
+#[derive(Debug)]
+struct Kept {
+    path: PathBuf,
+    octets: Vec<u8>,
+    written: Written,
+}
+
+impl Write for Kept {
+    fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
+        self.octets.write(octets)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Output for Kept {
+    fn finish(self: Box<Self>) -> anyhow::Result<()> {
+        let Kept { path, octets, written } = *self;
+        written.borrow_mut().insert(path, octets);
+        Ok(())
+    }
+}
+
+type HandedOut<'py> = BTreeMap<String, Vec<(String, (&'static str, Bound<'py, PyAny>))>>;
+
+/// Does what `words` say; gives the tables that were written, the answer, and what was said beside it.
+#[pyfunction]
+pub(super) fn run<'py>(
+    py: Python<'py>,
+    words: Vec<String>,
+    tables: BTreeMap<String, Given>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(HandedOut<'py>, String, String)> {
+    let mut texts = BTreeMap::new();
+    let mut columns = BTreeMap::new();
+    for (name, given) in tables {
+        match given {
+            Given::Text(text) => _ = texts.insert(name, text),
+            Given::Columns(given) => {
+                let values = given
+                    .iter()
+                    .map(|(name, column)| Ok((name.clone(), column.values(py)?)));
+                columns.insert(name, values.collect::<PyResult<Vec<_>>>()?);
+            }
+        }
+    }
+    let (written, answer, said) = py.detach(move || {
+        let command = Command::of(&words).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        for (name, columns) in columns {
+            let text = as_text(&columns).map_err(|fault| PyValueError::new_err(format!("{name}: {fault}")))?;
+            texts.insert(name, text);
+        }
+        let table = |(name, text): (String, String)| (PathBuf::from(name), Arc::from(text.into_bytes()));
+        let memory = Memory {
+            tables: texts.into_iter().map(table).collect(),
+            written: Rc::default(),
+            answer: RefCell::default(),
+            said: RefCell::default(),
+            watch: Rc::new(Watch {
+                progress,
+                looked: Cell::new(Instant::now()),
+                failed: RefCell::default(),
+            }),
+        };
+        let done = command.run(&memory);
+        if let Some(error) = memory.watch.failed.take() {
+            return Err(error);
+        }
+        done.map_err(|error| failed(&error))?;
+        let written = memory.written.take().into_iter().map(|(path, octets)| {
+            let columns = as_columns(&String::from_utf8_lossy(&octets));
+            (path.to_string_lossy().into_owned(), columns)
+        });
+        let written: Vec<_> = written.collect();
+        Ok((written, memory.answer.take(), memory.said.take()))
+    })?;
+    let handed_out = written.iter().map(|(path, columns)| {
+        let columns = columns
+            .iter()
+            .map(|(name, values)| Ok((name.clone(), values.handed_out(py)?)));
+        Ok((path.clone(), columns.collect::<PyResult<_>>()?))
+    });
+    Ok((handed_out.collect::<PyResult<_>>()?, answer, said))
+}
+
+/// A refused input or option is an error of the value; else the engine has failed.
+fn failed(error: &anyhow::Error) -> PyErr {
+    let text = format!("{error:#}");
+    match offline::is_refused(error) {
+        true => PyValueError::new_err(text),
+        false => super::raised("KosekiError", text),
+    }
+}
