@@ -47,7 +47,7 @@ const NAMES_MAX: usize = 4;
 const BUFFERS: usize = 2;
 /// Slices of what a loop has started from that are published at a time: however many there are, a reader that looks in
 /// every few pauses loses none.
-const RESTORED_SLICES: usize = 8;
+const RESTORED_SLICES: usize = 4;
 /// How often the housekeeper looks for work.
 const PAUSE: Duration = Duration::from_millis(10);
 
