@@ -23,7 +23,6 @@ pub struct NumberTally {
     first: BTreeMap<u32, u32>,
     ended: BTreeSet<u32>,
     reused: BTreeSet<u32>,
-    ignores_addresses: bool,
 }
 
 impl NumberTally {
@@ -58,7 +57,7 @@ impl NumberTally {
             return;
         }
         self.live.insert(number);
-        if let Some(address) = track.identity.unique_number().filter(|_| !self.ignores_addresses) {
+        if let Some(address) = track.identity.unique_number() {
             if *self.first.entry(number).or_insert(address) != address {
                 self.reused.insert(number);
             }
@@ -67,14 +66,10 @@ impl NumberTally {
         }
     }
 
-    /// Tells targets apart by their addresses again, or not for now: while a simulated world that began anew and the
-    /// tracks of the one before show other targets under the same addresses. Who carried what is forgotten then.
-    pub fn ignore_addresses(&mut self, ignore: bool) {
-        if self.ignores_addresses != ignore {
-            self.carriers.clear();
-            self.first.clear();
-        }
-        self.ignores_addresses = ignore;
+    /// Forgets who carries which number: targets get new ones where those before are lost. Which numbers were given
+    /// stays known.
+    pub fn forget_carriers(&mut self) {
+        self.carriers.clear();
     }
 
     /// Forgets who has been shown: [`Self::shown`] counts from now on.
@@ -85,6 +80,11 @@ impl NumberTally {
     /// Newest epoch; 0 before the first state.
     pub fn epoch(&self) -> u64 {
         self.epoch
+    }
+
+    /// Monotonic time at which the first state of the newest epoch was sent, nanoseconds.
+    pub fn began_ns(&self) -> i64 {
+        self.began_ns
     }
 
     /// Monotonic time at which the latest state was sent, nanoseconds.
@@ -179,11 +179,13 @@ mod tests {
         tally.take(6, &state(7, 12, TrackState::Terminated, 204));
         tally.take(6, &state(7, 12, TrackState::Tentative, 205));
         assert_eq!(tally.reused().iter().copied().collect::<Vec<_>>(), [1, 7]);
-        tally.ignore_addresses(true);
         tally.take(6, &state(8, 15, TrackState::Confirmed, 206));
-        tally.ignore_addresses(false);
-        tally.take(6, &state(8, 16, TrackState::Confirmed, 207));
-        assert_eq!((tally.reused().len(), tally.carriers().len()), (2, 1));
+        tally.forget_carriers();
+        let before = tally.clone();
+        tally.take(7, &state(9, 15, TrackState::Confirmed, 207));
+        assert_eq!((tally.renumbered(&before), tally.began_ns()), (vec![], 207));
+        tally.take(7, &state(8, 16, TrackState::Confirmed, 208));
+        assert_eq!((tally.reused().len(), tally.carriers().len()), (3, 2));
     }
 
     #[test]

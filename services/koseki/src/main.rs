@@ -178,9 +178,6 @@ fn run_service(
     service: impl FnOnce(&Process) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let (config, mut options) = args::deployment(&serve.config, serve.shared)?;
-    if let Some(start) = serve.scenario_start {
-        options.scenario_start_ns = start;
-    }
     options.launcher = serve.launcher;
     let name = process_name(kind, serve.name, &config)?;
     let named = |error: anyhow::Error| match kind {

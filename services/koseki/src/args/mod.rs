@@ -497,9 +497,6 @@ pub(crate) struct Serve {
     pub(crate) name: Option<String>,
     #[command(flatten)]
     pub(crate) shared: Shared,
-    /// Begin of the simulated world, UTC, nanoseconds [default: now]
-    #[arg(long, value_name = "NS", hide = true, allow_negative_numbers = true)]
-    pub(crate) scenario_start: Option<i64>,
     /// Process number of the launcher, whose end this process follows
     #[arg(long, value_name = "PID", hide = true)]
     pub(crate) launcher: Option<u32>,
@@ -537,6 +534,9 @@ pub(crate) struct Shared {
     /// Seed of the simulated world, where the configuration has one
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Begin of the simulated world, UTC, nanoseconds [default: now]
+    #[arg(long, value_name = "NS", hide = true, allow_negative_numbers = true)]
+    scenario_start: Option<i64>,
 }
 
 /// The deployment that `config` describes, and the options that its processes are started with.
@@ -552,7 +552,7 @@ pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> Result<(Conf
         out: out_folder(shared.out, &instance),
         speed: shared.speed,
         seed: shared.seed,
-        scenario_start_ns: Now::read().utc_ns,
+        scenario_start_ns: shared.scenario_start.unwrap_or_else(|| Now::read().utc_ns),
         launcher: None,
         instance,
     };

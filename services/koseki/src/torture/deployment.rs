@@ -12,7 +12,7 @@ use bus::{Bus, Root, SharedMemory, Subscriber};
 use messages::{Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
-use runtime::clock::{instant, mono_ns};
+use runtime::clock::{Now, instant, mono_ns};
 use runtime::instance::leading_fusion;
 use rustix::process::{Pid, Signal, kill_process};
 use scoring::NumberTally;
@@ -38,6 +38,8 @@ pub(super) struct Deployment {
     launcher: Child,
     starts: usize,
     sources: Vec<String>,
+    /// Age beyond which fusion does not go on with the tracks of the one before, nanoseconds.
+    max_age_ns: i64,
     /// Names of the children, once all run.
     expected: Vec<String>,
     onlooker: Option<Onlooker>,
@@ -64,14 +66,14 @@ impl Deployment {
     pub(super) fn start(torture: &Torture) -> anyhow::Result<Self> {
         let folder = TempDir::new().context("making a folder")?;
         let root = Root::in_base(folder.path().join("koseki"), INSTANCE)?;
-        let (mut command, config) = match &torture.config {
-            Some(path) => {
-                let path = path.display().to_string();
-                (vec!["up".to_owned(), path.clone()], path)
-            }
-            None => (vec!["demo".to_owned()], configuration::BUILT_IN_DEMO.to_owned()),
-        };
+        let config = torture
+            .config
+            .as_deref()
+            .unwrap_or(Path::new(configuration::BUILT_IN_DEMO));
+        let mut command = vec!["up".to_owned(), config.display().to_string()];
         command.push(format!("--instance={INSTANCE}"));
+        // Its world goes on when the launcher is started again.
+        command.push(format!("--scenario-start={}", Now::read().utc_ns));
         let out = folder.path().join("out");
         command.push(format!("--out={}", out.display()));
         if own_file_systems::are_there() {
@@ -84,7 +86,7 @@ impl Deployment {
         for set in &torture.set {
             command.push(format!("--set={set}"));
         }
-        let config = configuration::Config::read(std::path::Path::new(&config), &torture.set)?;
+        let config = configuration::Config::read(config, &torture.set)?;
         let launcher = launch(&folder, &command, 0)?;
         let mut deployment = Self {
             folder,
@@ -92,6 +94,7 @@ impl Deployment {
             command,
             launcher,
             starts: 1,
+            max_age_ns: config.fusion.checkpoint.map_or(0, |checkpoint| checkpoint.max_age_ns),
             sources: config.sources.into_iter().map(|source| source.name).collect(),
             expected: Vec::new(),
             onlooker: None,
@@ -127,9 +130,14 @@ impl Deployment {
         &self.tally
     }
 
-    /// Whether the tally leaves addresses out of account for now.
-    pub(super) fn ignore_addresses(&mut self, ignore: bool) {
-        self.tally.ignore_addresses(ignore);
+    /// Age beyond which fusion does not go on with the tracks of the one before, nanoseconds; 0 if it never does.
+    pub(super) fn max_age_ns(&self) -> i64 {
+        self.max_age_ns
+    }
+
+    /// Has the tally forget who carries which number.
+    pub(super) fn forget_carriers(&mut self) {
+        self.tally.forget_carriers();
     }
 
     /// Joins it for a moment.
@@ -245,8 +253,10 @@ impl Deployment {
             latency_us: self.latencies.take_median_us(),
             ..Resources::default()
         };
-        used.add_process(self.launcher.id());
-        self.children()?.into_values().for_each(|pid| used.add_process(pid));
+        used.add_process("launcher".to_owned(), self.launcher.id());
+        for (name, pid) in self.children()? {
+            used.add_process(name, pid);
+        }
         Ok(used)
     }
 

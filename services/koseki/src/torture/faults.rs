@@ -92,8 +92,7 @@ pub(super) const FAULTS: [Fault; 14] = [
     Fault {
         name: "kill-launcher",
         needs: Needs::Nothing,
-        // A simulated world begins anew.
-        keeps_numbers: false,
+        keeps_numbers: true,
         cause: |deployment, _| {
             deployment.restart()?;
             Ok("launcher, started again".to_owned())

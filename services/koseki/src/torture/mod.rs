@@ -1,7 +1,8 @@
 //! `koseki torture`: faults at random on a deployment of its own, and an independent tally of what a subscriber sees.
 //!
 //! The deployment lives in a folder of its own that goes with it, beside whatever else runs on the machine. Which fault
-//! comes when is drawn from the seed alone, so that a run can be repeated. After each fault everything must come back:
+//! comes when is drawn from the seed alone, so that a run can be repeated. The simulated world goes on whatever dies,
+//! the launcher too: an address is one target all the time. After each fault everything must come back:
 //! every process, and states of the newest epoch. The tally ([`scoring::NumberTally`]) tells targets apart by their
 //! addresses; the launcher's and the subscribers' own counters are not asked.
 
@@ -34,11 +35,6 @@ const PAUSE_DRAWN_MS: u64 = 3000;
 
 /// Time between two looks at what is used, seconds.
 const RESOURCES_S: f64 = 15.0;
-/// Time after a fault that costs numbers in which others are not blamed for it: a world that began anew has other
-/// targets under the same addresses, and the tracks of the one before go on for a while.
-const SETTLES: Duration = Duration::from_secs(45);
-/// Faults between two of those, so that others are judged between them.
-const APART: usize = 20;
 
 /// Result of a run.
 #[derive(Debug, Default, Serialize)]
@@ -104,10 +100,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
         .filter(|fault| deployment.has(fault.needs))
         .filter(wanted)
         .collect();
-    let keeping: Vec<&Fault> = possible.iter().copied().filter(|fault| fault.keeps_numbers).collect();
-    let mut since_anew = 0;
     let mut epochs = BTreeSet::new();
-    let mut settled_s = 0.0;
     let mut next_resources_s = 0.0;
     while instant() - begun < end && report.wrong.is_empty() {
         let now_s = (instant() - begun).as_secs_f64();
@@ -120,24 +113,20 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
         if possible.is_empty() {
             continue;
         }
-        let choice = match since_anew < APART && !keeping.is_empty() {
-            true => &keeping,
-            false => &possible,
-        };
-        let fault = choice[random.random_range(0..choice.len())];
-        since_anew = if fault.keeps_numbers { since_anew + 1 } else { 0 };
+        let fault = possible[random.random_range(0..possible.len())];
         let at_s = (instant() - begun).as_secs_f64();
-        if !fault.keeps_numbers || at_s >= settled_s {
-            deployment.ignore_addresses(!fault.keeps_numbers);
-        }
         let before = deployment.tally().clone();
         let caused = instant();
         let what = (fault.cause)(&mut deployment, &mut random).with_context(|| fault.name)?;
         let back = deployment.until_back(PATIENCE)?;
-        if !fault.keeps_numbers {
-            settled_s = (instant() - begun + SETTLES).as_secs_f64();
-        }
-        let renumbered = deployment.tally().renumbered(&before);
+        let away_ns = deployment.tally().began_ns() - before.latest_ns();
+        let renumbered = match fault.keeps_numbers && away_ns < deployment.max_age_ns() {
+            true => deployment.tally().renumbered(&before),
+            false => {
+                deployment.forget_carriers();
+                Vec::new()
+            }
+        };
         epochs.insert(deployment.tally().epoch());
         let back_s = (instant() - caused).as_secs_f64();
         println!("{at_s:7.1} s  {:<20} {what}; back after {back_s:.2} s", fault.name);
@@ -187,6 +176,8 @@ fn conclude(torture: &Torture, report: &Report) -> anyhow::Result<()> {
         let text = serde_json::to_string_pretty(report)?;
         std::fs::write(path, text + "\n").with_context(|| format!("writing {}", path.display()))?;
     }
+    let growth = resources::growth(&report.resources);
+    println!("resident memory, MiB, at first, in the middle and at last: {growth}");
     println!(
         "{} faults in {:.0} s, {} states of {} epochs, {} lost and counted, {} take-overs ({} from one that stood \
          still): {} targets renumbered, {} numbers given twice, {} left behind",

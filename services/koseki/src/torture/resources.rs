@@ -1,5 +1,6 @@
 //! Use of the machine by a deployment, which must not grow.
 
+use std::collections::BTreeMap;
 use std::fs;
 
 use runtime::clock::mono_ns;
@@ -9,8 +10,8 @@ use serde::Serialize;
 #[derive(Clone, Debug, Default, Serialize)]
 pub(super) struct Resources {
     pub(super) at_s: f64,
-    /// Resident memory of all processes, shared memory counted in each, KiB.
-    pub(super) resident_kib: u64,
+    /// Resident memory of each process, shared memory counted in each, KiB.
+    pub(super) resident_kib: BTreeMap<String, u64>,
     /// Open files of all processes.
     pub(super) descriptors: usize,
     /// Files in shared memory and in the instance's folder.
@@ -22,13 +23,27 @@ pub(super) struct Resources {
 
 impl Resources {
     /// Adds the use of a process, which may end meanwhile.
-    pub(super) fn add_process(&mut self, pid: u32) {
+    pub(super) fn add_process(&mut self, name: String, pid: u32) {
         let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
         let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
         let words = resident.and_then(|resident| resident.split_whitespace().next());
-        self.resident_kib += words.and_then(|word| word.parse::<u64>().ok()).unwrap_or(0);
+        let resident_kib = words.and_then(|word| word.parse().ok()).unwrap_or(0);
+        self.resident_kib.insert(name, resident_kib);
         self.descriptors += fs::read_dir(format!("/proc/{pid}/fd")).map_or(0, Iterator::count);
     }
+}
+
+/// Resident memory of each process at the first look, in the middle, and at the last one.
+pub(super) fn growth(looks: &[Resources]) -> String {
+    let (Some(first), Some(last)) = (looks.first(), looks.last()) else {
+        return String::new();
+    };
+    let mib = |look: &Resources, name: &String| look.resident_kib.get(name).map_or(0.0, |kib| *kib as f64 / 1024.0);
+    let of_process = |name: &String| {
+        let at = [first, &looks[looks.len() / 2], last].map(|look| format!("{:.1}", mib(look, name)));
+        format!("{name} {}", at.join(" "))
+    };
+    last.resident_kib.keys().map(of_process).collect::<Vec<_>>().join(", ")
 }
 
 /// Latencies of states since the last look.
