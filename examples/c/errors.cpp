@@ -1,4 +1,5 @@
 // Shows that each failure is an exception with its code, and that a slow reader is told what it lost: errors INSTANCE.
+// errors INSTANCE SOURCE: somebody publishes the tracks of this source in another layout.
 #include <iostream>
 #include <koseki.hpp>
 
@@ -28,6 +29,13 @@ template <class Work> void expect(int code, Work work) {
 
 int main(int count, char **arguments) try {
   const std::string instance = count > 1 ? arguments[1] : "demo";
+  if (count > 2) {
+    expect(KOSEKI_SCHEMA, [&] {
+      koseki::Subscription<KosekiSensorTrack> tracks(instance, arguments[2]);
+      tracks.receive(std::chrono::seconds(20));
+    });
+    return 0;
+  }
   expect(KOSEKI_NOT_RUNNING, [] { Tracks("nobody"); });
   expect(KOSEKI_ARGUMENT, [] { Tracks("a/b"); });
   expect(KOSEKI_SCHEMA, [&] { koseki::Subscription<Stale>{instance}; });

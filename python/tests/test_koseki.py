@@ -236,6 +236,19 @@ def case(tmp_path_factory):
     return folder
 
 
+@pytest.mark.skipif("KOSEKI_OTHER_LAYOUT" not in os.environ, reason="c/examples/other_layout.rs is not built")
+def test_samples_of_another_layout_are_refused(tmp_path):
+    deployment = Deployment("up", TOP / "examples/feed.toml", "--instance", "stale", "--out", tmp_path)
+    tracks = koseki.subscribe("stale", "sensor/own/tracks")
+    stale = subprocess.Popen([os.environ["KOSEKI_OTHER_LAYOUT"], "stale", "own"])
+    with pytest.raises(koseki.SchemaMismatch, match="another layout"):
+        tracks.receive(PATIENCE)
+    tracks.close()
+    stale.kill()
+    stale.wait()
+    deployment.stop()
+
+
 def test_simulating_equals_the_command_line(case):
     world = koseki.simulate(seconds=20)
     assert sorted(world) == sorted(file.stem for file in case.glob("*.csv"))
