@@ -13,7 +13,7 @@
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
 //! | sources | what was learned of each source | in turn |
-//! | pairs | of each pair of sources: sums of registration, gross errors, copies | in turn |
+//! | pairs | of each pair of sources: sums of registration, gross errors, dependence | in turn |
 //! | classes | how hard each class of targets turns | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //!

@@ -1,16 +1,25 @@
 //! Sources that say the same: one measurement that is heard twice is no second witness.
 //!
 //! A radar whose tracks come over two networks looks like two radars that agree perfectly. Believed, they confirm each
-//! other's false tracks, and the covariance of what they say together is half of what it should be. Two measurements of
-//! one target are never the same; so a report that repeats the time and the place of another source's is a copy, and
-//! where most of a source's reports are, the source says nothing of its own. Sources that share something otherwise,
-//! like a centre that has made its tracks from ours, cannot be recognised so; the configuration says it of them.
+//! other's false tracks, and the covariance of what they say together is half of what it should be. Two things show it:
+//! - **Copies.** Two measurements of one target are never the same; so a report that repeats the time and the place of
+//!   another source's is a copy, and where most of a source's reports are, the source says nothing of its own. The
+//!   latest reports are kept in a table by time and place, in which later ones take the place of earlier ones.
+//! - **Correlated errors.** What was copied may have been rounded, delayed or filtered since. The difference of two
+//!   independent estimates of one target at one time has the sum of their covariances; that of dependent ones has twice
+//!   the covariance of their errors less. So where reports of two sources on one target coincide, the normalised square
+//!   of their difference is followed, and if its mean is far below 1, they have most of their errors in common. Claims
+//!   that are too timid make it small too; so each covariance counts as much as its source's normalised innovations say
+//!   that it is too large, and where both claim far too much to be a measure, nothing is learned. Nor is it of targets
+//!   that stand or crawl: sources that hold them where they were agree by nature.
+//!
+//! Sources that share less than that, like a centre that makes its tracks from many radars of which ours is one, cannot
+//! be told from good ones; the configuration says it of them.
 //!
 //! Dependent sources are a group, in which one at a time speaks of a target: as of several tracks of one source.
-//!
-//! The latest reports are kept in a table by time and place, in which later ones take the place of earlier ones.
 
-use messages::SensorTrack;
+use association::distance::squared2;
+use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::settings::Settings;
@@ -25,6 +34,19 @@ const SAME_NS: i64 = 1_000_000;
 const GAIN: f64 = 1.0 / 8.0;
 const DEPENDENT: f64 = 0.5;
 const INDEPENDENT: f64 = 0.2;
+/// Reports of two sources coincide if their times differ by no more than so many nanoseconds.
+const COINCIDENT_NS: i64 = 500_000_000;
+/// Least time between two reports of a sensor track that are compared, nanoseconds: its errors have changed by then.
+const COMPARED_EVERY_NS: i64 = 4_000_000_000;
+/// Weight of a new value in means of normalised squares, and the largest that counts.
+const SQUARE_GAIN: f64 = 1.0 / 64.0;
+const SQUARE_MAX: f64 = 4.0;
+/// Mean normalised innovation squared below which a source's covariances are no measure: two precise sources that claim
+/// little agree with each other better than either says. That of a copy is small by itself; so one of two is enough.
+const HONEST: f64 = 0.5;
+/// Mean of normalised squares of differences below which two sources are dependent, and above which not any more.
+const SAME_ERRORS: f64 = 0.12;
+const OWN_ERRORS: f64 = 0.25;
 
 /// Dependence of the sources on each other.
 #[derive(Debug, Serialize, Deserialize)]
@@ -32,6 +54,11 @@ pub(crate) struct Dependence {
     recent: Vec<(u64, u16)>,
     /// Share of each source's reports that repeat those of each other source.
     copies: Vec<f64>,
+    /// Mean normalised squares of the difference of coincident reports of each source and each other one, per axis:
+    /// with the other one moved to the time of the first, and as it is, in case only its stamp is another.
+    differences: Vec<[f64; 2]>,
+    /// Mean normalised innovation squared of each source, per axis, at most 1.
+    innovations: Vec<f64>,
     /// Whether the first source may be found to depend on the second.
     may_depend: Vec<bool>,
     stated: Vec<bool>,
@@ -46,6 +73,8 @@ impl Dependence {
         let mut new = Self {
             recent: vec![(0, u16::MAX); PLACES],
             copies: vec![0.0; count * count],
+            differences: vec![[1.0; 2]; count * count],
+            innovations: vec![1.0; count],
             may_depend: vec![true; count * count],
             stated: vec![false; count * count],
             learned: vec![false; count * count],
@@ -65,14 +94,16 @@ impl Dependence {
         new
     }
 
-    /// Finding on two sources, by the place of their pair: the share of copies, and whether that makes them dependent.
-    pub(crate) fn kept(&self, place: usize) -> (f64, bool) {
-        (self.copies[place], self.learned[place])
+    /// Finding on two sources, by the place of their pair: share of copies, mean squares of differences, and whether
+    /// that makes them dependent.
+    pub(crate) fn kept(&self, place: usize) -> ((f64, [f64; 2]), bool) {
+        ((self.copies[place], self.differences[place]), self.learned[place])
     }
 
     /// Goes on with a finding that was [kept](Self::kept).
-    pub(crate) fn resume(&mut self, place: usize, (copies, depends): (f64, bool)) {
+    pub(crate) fn resume(&mut self, place: usize, ((copies, difference), depends): ((f64, [f64; 2]), bool)) {
         self.copies[place] = copies;
+        self.differences[place] = difference;
         self.learned[place] = depends && self.may_depend[place];
         self.regroup();
     }
@@ -104,12 +135,65 @@ impl Dependence {
                 continue;
             }
             *copies += GAIN * (f64::from(u8::from(is_copy)) - *copies);
-            let limit = if self.learned[index] { INDEPENDENT } else { DEPENDENT };
-            let depends = *copies > limit && self.may_depend[index];
-            if depends != self.learned[index] {
-                self.learned[index] = depends;
-                self.regroup();
-            }
+            self.judge(index);
+        }
+    }
+
+    /// Learns from a normalised innovation squared of a source, per axis.
+    pub(crate) fn learn_innovation(&mut self, source: u16, squared: f64) {
+        let mean = &mut self.innovations[usize::from(source)];
+        *mean += SQUARE_GAIN * (squared.min(SQUARE_MAX) - *mean);
+    }
+
+    /// Whether a report of a source of that period is one that is compared; `reports` is how many its track had so far.
+    pub(crate) fn compares(reports: u32, period_ns: i64) -> bool {
+        let every = COMPARED_EVERY_NS
+            .div_euclid(period_ns.max(1))
+            .clamp(1, COMPARED_EVERY_NS);
+        i64::from(reports) % every == 0
+    }
+
+    /// Learns from the latest reports of two sources on one target.
+    pub(crate) fn compare(&mut self, own: &SensorTrack, other: &SensorTrack) {
+        let later_ns = own.time_of_measurement_ns - other.time_of_measurement_ns;
+        if later_ns.abs() > COINCIDENT_NS || own.source == other.source {
+            return;
+        }
+        let seconds = later_ns as f64 / NS_PER_S;
+        let [one, another] = [own, other].map(|report| usize::from(report.source));
+        let scales = [one, another].map(|source| self.innovations[source].min(1.0));
+        if scales[0].max(scales[1]) < HONEST {
+            return;
+        }
+        let sum =
+            |row, column| scales[0] * own.covariance.get(row, column) + scales[1] * other.covariance.get(row, column);
+        let sums = [sum(0, 0), sum(0, 1), sum(1, 1)];
+        let moved_m = own.velocity_mps[0].hypot(own.velocity_mps[1]) * COMPARED_EVERY_NS as f64 / NS_PER_S;
+        if moved_m * moved_m < sum(0, 0) + sum(1, 1) {
+            return;
+        }
+        let index = one * self.groups.len() + another;
+        for (mean, moved_s) in self.differences[index].iter_mut().zip([seconds, 0.0]) {
+            let difference =
+                |axis: usize| own.position_m[axis] - other.position_m[axis] - moved_s * other.velocity_mps[axis];
+            let squared = squared2([difference(0), difference(1)], sums);
+            *mean += SQUARE_GAIN * ((0.5 * squared).min(SQUARE_MAX) - *mean);
+        }
+        self.judge(index);
+    }
+
+    /// Decides whether the two sources of a pair depend on each other.
+    fn judge(&mut self, index: usize) {
+        let (copies, difference) = if self.learned[index] {
+            (INDEPENDENT, OWN_ERRORS)
+        } else {
+            (DEPENDENT, SAME_ERRORS)
+        };
+        let same = self.copies[index] > copies || self.differences[index].iter().any(|mean| *mean < difference);
+        let depends = same && self.may_depend[index];
+        if depends != self.learned[index] {
+            self.learned[index] = depends;
+            self.regroup();
         }
     }
 

@@ -366,6 +366,8 @@ impl Engine {
         if system == NO_SYSTEM {
             return;
         }
+        let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
+        self.tracks.learn_dependence(sensor, period_ns);
         self.tracks.assign_role(sensor);
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
@@ -552,7 +554,7 @@ impl Engine {
         let out = &mut self.outbox.to(sink);
         let referred = self.points.refer(&mut self.tracks, sensor, measurement, out);
         let entry = self.tracks.sensors.get(sensor);
-        let (system, time_ns) = (entry.system, entry.time_ns);
+        let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         let mut relative = *measurement;
         for (position, point) in relative.position_m.iter_mut().zip(referred.point_m) {
             *position -= point;
@@ -570,6 +572,7 @@ impl Engine {
             return;
         };
         let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
+        self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
         self.tracks.systems.get_mut(system).nis = nis as f32;
         let speed = velocity[0].hypot(velocity[1]);

@@ -42,8 +42,8 @@ kept! {
     struct LearnedOfPair {
         sums: Pair,
         gross: PairState,
-        /// Share of copies, and whether that makes the two dependent.
-        copies: (f64, bool),
+        /// Share of copies, mean squares of differences, and whether that makes the two dependent.
+        dependence: ((f64, [f64; 2]), bool),
     }
 }
 
@@ -131,7 +131,7 @@ impl Engine {
         for (place, pair) in snapshot.all::<LearnedOfPair>(Kind::Pairs) {
             self.sources.registration.resume_pair(place, pair.sums);
             *self.sources.alignment.pair_mut(place) = pair.gross;
-            self.tracks.dependence.resume(place, pair.copies);
+            self.tracks.dependence.resume(place, pair.dependence);
         }
         for (place, class) in snapshot.all::<Class>(Kind::Classes) {
             self.sources.manoeuvres.classes_mut()[place] = class;
@@ -195,7 +195,7 @@ impl Engine {
                 let learned = LearnedOfPair {
                     sums: self.sources.registration.pairs()[place],
                     gross: *self.sources.alignment.pair_mut(place),
-                    copies: self.tracks.dependence.kept(place),
+                    dependence: self.tracks.dependence.kept(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }

@@ -265,6 +265,29 @@ impl Tracks {
         self.keep_member(sensor);
     }
 
+    /// Learns from a sensor track's latest report, beside those of other sources on its target, whether sources have
+    /// errors in common.
+    pub(crate) fn learn_dependence(&mut self, sensor: SensorSlot, period_ns: i64) {
+        let Self {
+            sensors,
+            systems,
+            dependence,
+            ..
+        } = self;
+        let entry = sensors.get(sensor);
+        if entry.repaired || !Dependence::compares(entry.reports, period_ns) {
+            return;
+        }
+        let mut at = systems.get(entry.system).members;
+        while let Some(member) = at {
+            let other = sensors.get(member);
+            if !other.repaired {
+                dependence.compare(&entry.latest, &other.latest);
+            }
+            at = other.next.get();
+        }
+    }
+
     /// Makes a sensor track the primary one of its source, and of those that it depends on, if there is no other one
     /// that is fresh: one speaks for a source, and goes on doing so while it is fresh.
     pub(crate) fn assign_role(&mut self, sensor: SensorSlot) {
