@@ -63,9 +63,10 @@ impl Engine {
         settings.check()?;
         let capacity = settings.capacity;
         let sources = settings.sources.len();
-        // Rules that take their state from the filter do not look back.
+        // Rules that take their state from the filter do not look back, and remember nothing.
         let rule = rules::entry(settings.rule.name.0);
-        let looks_back = !rule.is_from_filter();
+        let remembers = !rule.is_from_filter();
+        let looks_back = remembers || settings.rule.accuracy_values;
         Ok(Self {
             tracks: Tracks::new(
                 SensorTracks::new(
@@ -77,7 +78,7 @@ impl Engine {
                     capacity.system_tracks(),
                     sources,
                     settings.association.cell_m,
-                    looks_back,
+                    remembers,
                 ),
                 Lifetimes::new(&settings),
                 Dependence::new(&settings),

@@ -111,6 +111,28 @@ fn more_sources_than_a_message_can_list_are_counted() {
 }
 
 #[test]
+fn accuracy_values_tell_the_steady_source_under_every_rule_that_is_asked_for_them() {
+    for rule in [messages::FusionRule::Auto, messages::FusionRule::SystemFilter] {
+        for wanted in [false, true] {
+            let mut settings = test_settings(2);
+            settings.rule.name.0 = rule;
+            settings.rule.accuracy_values = wanted;
+            let (mut harness, mut noise) = (Harness::new(settings), random(3));
+            for step in 0..20 {
+                let time_s = f64::from(step);
+                let place = [20.0 * noise(), 20.0 * noise()];
+                harness.take(&report(0, 1, time_s, place, [20.0, 0.0]));
+                harness.take(&report(1, 1, time_s + 0.5, [0.0; 2], [20.0, 0.0]));
+            }
+            let track = harness.published.last().unwrap();
+            let [unsteady, steady] = [0, 1].map(|place| track.contributions()[place].accuracy);
+            assert_eq!([unsteady, steady].map(f64::is_finite), [wanted; 2], "{rule:?}");
+            assert!(!wanted || unsteady > 10.0 * steady, "{rule:?}: {unsteady} {steady}");
+        }
+    }
+}
+
+#[test]
 fn alerts_and_ground_come_from_whoever_contributes() {
     let mut harness = Harness::new(test_settings(2));
     let place = [0.0, 0.0];

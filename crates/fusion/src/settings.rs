@@ -153,6 +153,9 @@ settings::settings! {
         recency: f64 = 1.0, in [1e-6, 1];
         /// Name of the source whose alpha is normalised to 1 (TI-8).
         reference_source: Option<SourceRef> = None;
+        /// Accuracy values lambda (TI-9) are given also by rules that need none, whose states are those of the target's
+        /// filter: of each sensor track the last reports are then kept.
+        accuracy_values: bool = false;
         /// Decision between equal accuracy values (TI-11): the source chosen last time, then priority; or priority
         /// alone.
         tie: Tie = Tie::LastThenPriority;

@@ -136,6 +136,14 @@ impl Weighed {
         Some(state)
     }
 
+    /// Gives each contribution its accuracy value.
+    fn value(&mut self) {
+        let three_axes = self.candidates().iter().all(|candidate| candidate.state.has_height);
+        for candidate in &mut self.candidates[..self.len] {
+            candidate.lambda = candidate.lambda_over(three_axes);
+        }
+    }
+
     fn push(&mut self, member: SensorSlot, candidate: Candidate) {
         let place = self
             .candidates()
@@ -162,7 +170,8 @@ impl Weigher<'_> {
         }
     }
 
-    /// The contributions to `system` in the order of their sources, with nothing but their share in the filter.
+    /// The contributions to `system` in the order of their sources, with their share in the filter, and nothing else
+    /// unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
         for member in self.tracks.contributing_here(system, reference_ns) {
@@ -183,9 +192,17 @@ impl Weigher<'_> {
             weighed.len += 1;
         }
         for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
+            if self.settings.rule.accuracy_values {
+                *candidate = self.candidate(*member, reference_ns);
+                continue;
+            }
             let entry = sensors.get(*member);
             candidate.source = entry.source;
             candidate.filter_share = entry.share;
+            candidate.lambda = f64::INFINITY;
+        }
+        if self.settings.rule.accuracy_values {
+            weighed.value();
         }
     }
 
@@ -197,10 +214,7 @@ impl Weigher<'_> {
         if self.settings.rule.hand_over.drop_out == DropOut::Blend {
             self.gather_stale(system, reference_ns, weighed);
         }
-        let three_axes = weighed.candidates().iter().all(|candidate| candidate.state.has_height);
-        for candidate in &mut weighed.candidates[..weighed.len] {
-            candidate.lambda = candidate.lambda_over(three_axes);
-        }
+        weighed.value();
     }
 
     /// The last reports of sources that are being left, though they are no longer fresh (TI-15).

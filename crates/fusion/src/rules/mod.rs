@@ -66,7 +66,8 @@ impl RuleEntry {
 #[derive(Clone, Copy, Debug)]
 pub enum Method {
     /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing
-    /// is remembered of a target, and of the candidates nothing but source and share is filled in.
+    /// is remembered of a target, and of the candidates source and share are filled in, the rest where accuracy values
+    /// are wanted.
     Filter,
     /// State and shares are made from the candidates.
     Candidates(Fuse),
@@ -135,10 +136,12 @@ pub fn fuse(
 
 /// Fills one share per candidate with what it contributed to the estimate of the target's filter.
 pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
-    shares.fill(Share {
-        accuracy: f64::INFINITY,
-        ..Share::default()
-    });
+    for (share, candidate) in shares.iter_mut().zip(candidates) {
+        *share = Share {
+            accuracy: candidate.lambda,
+            ..Share::default()
+        };
+    }
     system_filter::share_out(candidates, shares);
 }
 
