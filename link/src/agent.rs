@@ -93,7 +93,7 @@ impl LinkAgent {
         let inbound = Inbound::open(
             &session,
             process.bus.root(),
-            feed::wanted(link, process.config.frame)?,
+            feed::wanted(link, &process.config)?,
             &clocks,
         )?;
         let mut expected: Vec<String> = link.receive.iter().map(|topic| topic.deployment.clone()).collect();
@@ -134,7 +134,10 @@ impl Visitor for &mut Open<'_> {
         let outbound: Box<dyn Outbound> = match any.downcast_ref::<Topic<SystemTrack>>() {
             Some(topic) => {
                 let picture = SharedPicture::default();
-                self.picture = Some(Arc::clone(&picture));
+                // Whoever joins late asks for that of the system.
+                if topic.name.as_str() == messages::system_tracks().name.as_str() {
+                    self.picture = Some(Arc::clone(&picture));
+                }
                 Box::new(Tracks::open(bus, topic, lane, joined_ns, picture)?)
             }
             None => Box::new(Stream::open(bus, &topic, lane, joined_ns)?),

@@ -1,29 +1,46 @@
 //! Topics of other deployments as external sources of this one.
 //!
+//! System tracks of another centre become sensor tracks, each with the sources here that share a sensor with it; echoes of
+//! tracks of this deployment are left out.
+//!
 //! Stamps of the other host's monotonic clock are turned into this one's, as far as the clocks have been compared, and
 //! positions into this deployment's frame.
 
 use anyhow::anyhow;
 use bus::Payload;
-use configuration::{Link, RemoteTopic};
+use configuration::{Config, Link, RemoteTopic};
 use frames::{FrameChange, SystemFrame};
-use messages::{FrameOrigin, Outgoing, Topic};
+use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea};
 
 use crate::frame::{self, Placed};
 use crate::inbound::{Arrival, Counts, Inlet, Wanted};
 use crate::stand_in::StandIn;
 
-/// What `link` receives, for external sources of the deployment whose frame is `frame`.
+/// What `link` receives, for external sources of the deployment that `config` describes.
 ///
 /// # Errors
 /// If something is no topic that is fed from outside.
-pub(crate) fn wanted(link: &Link, frame: SystemFrame) -> anyhow::Result<Vec<Wanted>> {
+pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>> {
+    let frame = config.frame;
+    let pictures = [messages::own_tracks(), messages::system_tracks()];
     let wanted = |remote: &RemoteTopic| {
         let mut parts = remote.into.split('/');
         let (kind, name) = (parts.next(), parts.next().unwrap_or_default().to_owned());
         let inlet: Box<dyn FnOnce() -> Box<dyn Inlet> + Send> = match kind {
-            Some("sensor") => Box::new(move || Feed::open(frame, messages::sensor_tracks(&name))),
-            Some("wide-area") => Box::new(move || Feed::open(frame, messages::wide_area(&name))),
+            Some("sensor") if pictures.iter().any(|picture| picture.name.as_str() == remote.topic) => {
+                let uids: Vec<u32> = config.sources.iter().map(|source| source.uid).collect();
+                let origin = config.origin;
+                let report = move |track: &SystemTrack| SensorTrack::of_centre(track, 0, origin, &uids);
+                Box::new(move || Feed::open(frame, messages::sensor_tracks(&name), report))
+            }
+            Some("sensor") => {
+                let copy = |sample: &SensorTrack| Some(*sample);
+                Box::new(move || Feed::open(frame, messages::sensor_tracks(&name), copy))
+            }
+            Some("wide-area") => {
+                let copy = |sample: &WideArea| Some(*sample);
+                Box::new(move || Feed::open(frame, messages::wide_area(&name), copy))
+            }
             _ => return Err(anyhow!("{} is no topic that is fed from outside", remote.into)),
         };
         Ok(Wanted {
@@ -35,26 +52,31 @@ pub(crate) fn wanted(link: &Link, frame: SystemFrame) -> anyhow::Result<Vec<Want
     link.receive.iter().map(wanted).collect()
 }
 
-struct Feed<T: Payload> {
+/// Makes a sample here of one that came; `None` if it is left out.
+type Reading<R, T> = Box<dyn Fn(&R) -> Option<T>>;
+
+struct Feed<R, T: Payload> {
     stand_in: StandIn<T>,
+    reading: Reading<R, T>,
     frame: SystemFrame,
     /// Frame of what came last, and the change from there; `None` where it is this deployment's.
     change: (FrameOrigin, Option<FrameChange>),
 }
 
-impl<T: Outgoing + Payload + Placed> Feed<T> {
-    fn open(frame: SystemFrame, topic: Topic<T>) -> Box<dyn Inlet> {
+impl<R: Payload, T: Outgoing + Payload + Placed> Feed<R, T> {
+    fn open(frame: SystemFrame, topic: Topic<T>, reading: impl Fn(&R) -> Option<T> + 'static) -> Box<dyn Inlet> {
         Box::new(Self {
             stand_in: StandIn::new(topic),
+            reading: Box::new(reading),
             frame,
             change: (FrameOrigin::default(), None),
         })
     }
 }
 
-impl<T: Outgoing + Payload + Placed> Inlet for Feed<T> {
+impl<R: Payload, T: Outgoing + Payload + Placed> Inlet for Feed<R, T> {
     fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = self.stand_in.read(&arrival, counts) else {
+        let Some((head, slices)) = self.stand_in.read::<R>(&arrival, counts) else {
             return Ok(());
         };
         if self.change.0 != head.frame {
@@ -73,10 +95,11 @@ impl<T: Outgoing + Payload + Placed> Inlet for Feed<T> {
                 continue;
             };
             counts.missing += missing;
-            counts.published += samples.len() as u64;
+            let taken: Vec<T> = samples.iter().filter_map(&self.reading).collect();
+            counts.published += taken.len() as u64;
             let origin = (&header, head.origin);
             self.stand_in
-                .publish(arrival.bus, origin, &samples, now, |sample, sequence| {
+                .publish(arrival.bus, origin, &taken, now, |sample, sequence| {
                     let here_ns = arrival.offset_ns.map(|offset_ns| sample.ingested_ns() - offset_ns);
                     sample.came_in(here_ns.unwrap_or(now.mono_ns));
                     if let Some(change) = &change {

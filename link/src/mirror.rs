@@ -136,7 +136,7 @@ struct Copied<T: Payload>(StandIn<T>);
 
 impl<T: Payload> Inlet for Copied<T> {
     fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = self.0.read(&arrival, counts) else {
+        let Some((head, slices)) = self.0.read::<T>(&arrival, counts) else {
             return Ok(());
         };
         for (header, samples) in slices {
@@ -164,7 +164,7 @@ struct Tracks {
 
 impl Inlet for Tracks {
     fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = self.stand_in.read(&arrival, counts) else {
+        let Some((head, slices)) = self.stand_in.read::<SystemTrack>(&arrival, counts) else {
             return Ok(());
         };
         if head.is_picture {

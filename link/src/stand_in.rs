@@ -40,9 +40,13 @@ impl<T: Payload> StandIn<T> {
         }
     }
 
-    /// Reads a message; `None` if it is none, which is counted.
-    pub(crate) fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<T>>)> {
-        let Some((head, slices)) = wire::read::<T>(arrival.message, self.topic.capacity.slice_len) else {
+    /// Reads a message of samples that become those of the topic; `None` if it is none, which is counted.
+    pub(crate) fn read<R: Payload>(
+        &mut self,
+        arrival: &Arrival<'_>,
+        counts: &mut Counts,
+    ) -> Option<(Head, Vec<Slice<R>>)> {
+        let Some((head, slices)) = wire::read::<R>(arrival.message, self.topic.capacity.slice_len) else {
             counts.rejected += 1;
             return None;
         };

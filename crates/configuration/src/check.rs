@@ -108,6 +108,17 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     }
     let durable = durable(&raw.checkpoint)?;
     let fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
+    let own = messages::own_tracks().name;
+    let sends_own = |link: &super::Link| link.send.iter().any(|topic| topic == own.as_str());
+    if let Some(index) = links.iter().position(sends_own)
+        && !(fusion.settings.exchange && raw.origin != 0)
+    {
+        let what = format!(
+            "\"{}\" needs fusion.exchange = true, and an origin other than 0",
+            own.as_str()
+        );
+        return Err(SettingsError::new(format!("link[{index}].send"), what));
+    }
     Ok(Config {
         monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,

@@ -30,7 +30,10 @@ impl Deployment for Config {
                 Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
             }
         }
-        Ok(())
+        match self.fusion.settings.exchange {
+            true => visit.visit(&messages::own_tracks(), publishers),
+            false => Ok(()),
+        }
     }
 }
 

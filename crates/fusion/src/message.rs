@@ -39,6 +39,9 @@ pub(crate) fn publish_extrapolated<S: Sink>(
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
     // A state that was finite when it was formed stays so on its way.
     out.track(|message| write(message, settings, tracks, slot, None, None));
+    if settings.exchange && tracks.systems.get(slot).life == TrackState::Terminated {
+        out.own_track(|message| write(message, settings, tracks, slot, None, None));
+    }
     tracks.keep(slot);
 }
 
@@ -97,7 +100,7 @@ pub(crate) fn write(
             weight,
             accuracy: if is_scored { share.accuracy } else { f64::NAN },
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
-            origin: 0,
+            origin: member.latest.origin,
         };
         if weight > heaviest {
             heaviest = weight;

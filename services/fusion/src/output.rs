@@ -15,6 +15,8 @@ use runtime::housekeeping::Queues;
 pub(crate) struct Output<S: Transport> {
     publisher: Publisher<S, SystemTrack>,
     waiting: Vec<SystemTrack>,
+    /// What other centres are told.
+    own: Option<OwnTracks<S>>,
     /// For recordings: the recorder must keep up.
     flow: Option<Flow<S>>,
     /// Number of the deployment.
@@ -26,9 +28,22 @@ pub(crate) struct Output<S: Transport> {
     decisions_dropped: u64,
 }
 
+/// States by the sources here alone that wait to be sent as one slice.
+#[derive(Debug)]
+struct OwnTracks<S: Transport> {
+    publisher: Publisher<S, SystemTrack>,
+    waiting: Vec<SystemTrack>,
+}
+
 impl<S: Transport> Sink for Output<S> {
     fn track(&mut self, track: &SystemTrack) {
         self.waiting.push(*track);
+    }
+
+    fn own_track(&mut self, track: &SystemTrack) {
+        if let Some(own) = &mut self.own {
+            own.waiting.push(*track);
+        }
     }
 
     fn decision(&mut self, decision: &Decision) {
@@ -57,10 +72,19 @@ impl<S: Transport> Output<S> {
                 &[ProcessKind::Recorder],
             )
         };
+        let settings = &config.fusion.settings;
+        // The ends of all tracks at once fit too.
+        let room = topic.capacity.slice_len + settings.capacity.system_tracks();
+        let own = || -> anyhow::Result<_> {
+            Ok(OwnTracks {
+                publisher: bus.publisher(&messages::own_tracks(), incarnation)?.with_epoch(epoch),
+                waiting: Vec::with_capacity(room),
+            })
+        };
         Ok(Self {
             publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch),
-            // The ends of all tracks at once fit too.
-            waiting: Vec::with_capacity(topic.capacity.slice_len + config.fusion.settings.capacity.system_tracks()),
+            waiting: Vec::with_capacity(room),
+            own: settings.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: match config.order {
@@ -77,6 +101,9 @@ impl<S: Transport> Output<S> {
     /// States say that the tracks of the fusion before this one go on.
     pub(crate) fn go_on(&mut self) {
         self.publisher.go_on();
+        if let Some(own) = &mut self.own {
+            own.publisher.go_on();
+        }
     }
 
     /// Start-up number of fusion, and number of the next state that is sent.
@@ -128,6 +155,21 @@ impl<S: Transport> Output<S> {
         )?;
         self.deadline_misses += missed;
         self.waiting.clear();
+        let Some(OwnTracks { publisher, waiting }) = &mut self.own else {
+            return Ok(());
+        };
+        let mark = Mark {
+            progress_ns,
+            sent_ns,
+            end,
+        };
+        publisher.send(mark, waiting.len(), |index, sequence| {
+            let track = &mut waiting[index];
+            (track.sequence, track.epoch, track.origin) = (sequence, epoch, origin);
+            track.stages.fused_ns = sent_ns;
+            *track
+        })?;
+        waiting.clear();
         Ok(())
     }
 
