@@ -1,7 +1,7 @@
 //! Topics of other deployments as external sources of this one.
 //!
-//! System tracks of another centre become sensor tracks, each with the sources here that share a sensor with it; echoes of
-//! tracks of this deployment are left out.
+//! System tracks of another centre become sensor tracks, each with the sources here that share a sensor with it; echoes
+//! of tracks of this deployment are left out.
 //!
 //! Stamps of the other host's monotonic clock are turned into this one's, as far as the clocks have been compared, and
 //! positions into this deployment's frame.
@@ -10,7 +10,7 @@ use anyhow::anyhow;
 use bus::Payload;
 use configuration::{Config, Link, RemoteTopic};
 use frames::{FrameChange, SystemFrame};
-use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea};
+use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea, sensor_track_bits};
 
 use crate::frame::{self, Placed};
 use crate::inbound::{Arrival, Counts, Inlet, Wanted};
@@ -30,7 +30,14 @@ pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>
             Some("sensor") if pictures.iter().any(|picture| picture.name.as_str() == remote.topic) => {
                 let uids: Vec<u32> = config.sources.iter().map(|source| source.uid).collect();
                 let origin = config.origin;
-                let report = move |track: &SystemTrack| SensorTrack::of_centre(track, 0, origin, &uids);
+                // The fused picture names those that contribute now, not all that have.
+                let names_all = remote.topic == messages::own_tracks().name.as_str();
+                let unnamed = if names_all { 0 } else { sensor_track_bits::CONTRIBUTORS };
+                let report = move |track: &SystemTrack| {
+                    let mut report = SensorTrack::of_centre(track, 0, origin, &uids)?;
+                    report.valid &= !unnamed;
+                    Some(report)
+                };
                 Box::new(move || Feed::open(frame, messages::sensor_tracks(&name), report))
             }
             Some("sensor") => {

@@ -97,6 +97,10 @@ fn a_link_that_others_can_reach_says_who_they_are() {
         ),
         (&format!("{local}\nuser = \"me\""), "user and password_file go together"),
         (&format!("{local}\nsend = [\"nonsense\"]"), "is no topic"),
+        (
+            &format!("{local}\nsend = [\"system/own-tracks\"]"),
+            "needs fusion.exchange",
+        ),
         (&format!("{local}\n{peer}"), "nobody can be told from others"),
         (&unsent, "\"health\" is not sent"),
     ];

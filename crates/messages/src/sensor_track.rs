@@ -2,7 +2,7 @@
 
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Extent, Identity, Movement, StageTimes, SystemTrack, TargetType};
+use crate::{Contribution, Covariance, Extent, Identity, Movement, StageTimes, SystemTrack, TargetType};
 
 bits! {
     /// Bits of [`SensorTrack::valid`].
@@ -117,7 +117,9 @@ impl SensorTrack {
             return None;
         }
         let has_all = usize::from(track.source_count) == contributions.len();
-        let is_known = has_all && contributions.iter().all(|contribution| contribution.sensor_uid != 0);
+        // What another centre has contributed names no sensor.
+        let names_sensor = |contribution: &Contribution| contribution.sensor_uid != 0 && contribution.origin == 0;
+        let is_known = has_all && contributions.iter().all(names_sensor);
         let shares = |uid: &u32| *uid == 0 || contributions.iter().any(|contribution| contribution.sensor_uid == *uid);
         let shared = sensor_uids.iter().enumerate().filter(|(_, uid)| shares(uid));
         let flag = |is_set: bool, bits| if is_set { bits } else { 0 };
@@ -152,5 +154,46 @@ impl SensorTrack {
     /// Whether all of `bits` (see [`sensor_track_bits`]) are set.
     pub fn has(&self, bits: u16) -> bool {
         self.valid & bits == bits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A system track of deployment 2 to which sensors of these identities, heard by those deployments, contribute.
+    fn of_two(contributors: &[(u32, u32)]) -> SystemTrack {
+        let mut track = SystemTrack {
+            origin: 2,
+            source_count: contributors.len() as u16,
+            contribution_count: contributors.len() as u16,
+            ..SystemTrack::default()
+        };
+        for (contribution, (sensor_uid, origin)) in track.contributions.iter_mut().zip(contributors) {
+            (contribution.sensor_uid, contribution.origin) = (*sensor_uid, *origin);
+        }
+        track
+    }
+
+    #[test]
+    fn sensors_in_common_are_named_and_where_one_is_unknown_none_are() {
+        let uids = [7, 8, 0];
+        let report = SensorTrack::of_centre(&of_two(&[(8, 0), (9, 0)]), 4, 1, &uids).unwrap();
+        assert!(report.has(sensor_track_bits::CONTRIBUTORS));
+        assert_eq!((report.source, report.origin), (4, 2));
+        assert_eq!(report.shared_sources, 0b110, "a sensor without identity may be any");
+        let mut more = of_two(&[(9, 0)]);
+        more.source_count = 17;
+        for track in [of_two(&[(0, 0)]), of_two(&[(9, 3)]), more] {
+            let report = SensorTrack::of_centre(&track, 4, 1, &uids).unwrap();
+            assert!(!report.has(sensor_track_bits::CONTRIBUTORS));
+        }
+    }
+
+    #[test]
+    fn an_echo_is_left_out() {
+        assert!(SensorTrack::of_centre(&of_two(&[(9, 1)]), 4, 1, &[]).is_none());
+        assert!(SensorTrack::of_centre(&of_two(&[]), 4, 2, &[]).is_none());
+        assert!(SensorTrack::of_centre(&of_two(&[(9, 3)]), 4, 1, &[]).is_some());
     }
 }

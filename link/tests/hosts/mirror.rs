@@ -54,7 +54,7 @@ impl Reader {
         }
     }
 
-    fn numbers(&self) -> Vec<u32> {
+    pub(crate) fn numbers(&self) -> Vec<u32> {
         self.tracks.keys().copied().collect()
     }
 
