@@ -34,7 +34,7 @@ pub(super) struct Fault {
 }
 
 /// Every fault there is.
-pub(super) const FAULTS: [Fault; 14] = [
+pub(super) const FAULTS: [Fault; 15] = [
     Fault {
         name: "kill",
         needs: Needs::Nothing,
@@ -109,6 +109,19 @@ pub(super) const FAULTS: [Fault; 14] = [
             deployment.watch(pause)?;
             deployment.signal_process(pid, Signal::CONT);
             Ok(format!("{name} for {:.2} s", pause.as_secs_f64()))
+        },
+    },
+    Fault {
+        name: "stop-leader",
+        needs: Needs::Standby,
+        keeps_numbers: true,
+        cause: |deployment, random| {
+            let pid = deployment.signal("fusion", Signal::STOP)?;
+            let pause = Duration::from_millis(random.random_range(150..3000));
+            deployment.watch(pause)?;
+            // The one that took over has killed it, unless it came too late.
+            deployment.signal_process(pid, Signal::CONT);
+            Ok(format!("fusion for {:.2} s", pause.as_secs_f64()))
         },
     },
     Fault {
