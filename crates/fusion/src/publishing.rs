@@ -233,6 +233,10 @@ impl Publisher {
         (system, reference_ns): (SystemSlot, i64),
         is_usable: bool,
     ) -> bool {
+        let is_foreign = |member: SensorSlot| tracks.sensors.get(member).is_foreign;
+        if !tracks.contributing(system, reference_ns).any(is_foreign) {
+            return false;
+        }
         let mut centres = [(SensorSlot::default(), Candidate::default()); CENTRES_MAX];
         let entry = tracks.systems.get(system);
         let (mut count, mut shares_none) = (0, true);
@@ -251,9 +255,6 @@ impl Publisher {
             shares_none &= knows && centre.latest.shared_sources & entry.contributors == 0;
             centres[count] = (member, candidate);
             count += 1;
-        }
-        if count == 0 {
-            return false;
         }
         let centres = &mut centres[..count];
         centres.sort_unstable_by_key(|(_, candidate)| candidate.source);
