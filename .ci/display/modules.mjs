@@ -6,6 +6,7 @@ import { test } from "node:test";
 
 const page = new URL("../../services/display/page/", import.meta.url);
 const module = (name) => import(new URL(name, page));
+const { COLOURS } = await module("colours.js");
 const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
@@ -216,4 +217,69 @@ test("range rings stand apart at every scale, and coverage keeps the farthest", 
   const reach = coverage.outline(3).map(([east, north]) => Math.round(Math.hypot(east, north)));
   assert.deepEqual(reach, [4000, 2000]);
   assert.deepEqual(coverage.outline(9), []);
+});
+
+/** Light, red, green and blue from 0 to 1, of a colour written #rrggbb. */
+const light = (colour) =>
+  [1, 3, 5].map((at) => {
+    const value = parseInt(colour.slice(at, at + 2), 16) / 255;
+    return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
+  });
+
+/** Contrast of two colours as the Web Content Accessibility Guidelines define it, 1 to 21. */
+function contrast(one, other) {
+  const [dark, bright] = [one, other]
+    .map(light)
+    .map(([red, green, blue]) => 0.2126 * red + 0.7152 * green + 0.0722 * blue)
+    .sort((a, b) => a - b);
+  return (bright + 0.05) / (dark + 0.05);
+}
+
+/** Light as people see it: all three cones, no red ones, no green ones (Machado, Oliveira and Fernandes, 2009). */
+const VISIONS = {
+  full: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+  protanopia: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+  deuteranopia: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+};
+
+/** Lightness and the two opponent colours (CIELAB, white D65) of a colour that is seen so. */
+function seen(colour, vision) {
+  const times = (matrix, vector) => matrix.map((row) => row.reduce((sum, value, k) => sum + value * vector[k], 0));
+  const rgb = times(vision, light(colour)).map((value) => Math.min(1, Math.max(0, value)));
+  const [x, y, z] = times([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]], rgb)
+    .map((value, k) => value / [0.9505, 1, 1.089][k])
+    .map((value) => (value > 0.008856 ? Math.cbrt(value) : 7.787 * value + 16 / 116));
+  return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+}
+
+test("symbols and labels stand out from land and water in each set of colours", () => {
+  for (const [set, colours] of Object.entries(COLOURS)) {
+    const { confirmed, tentative, coasted, alert, selected, measure, unknown, overlay, scale, sources } = colours;
+    const text = [confirmed, tentative, coasted, alert, selected, measure, unknown, overlay, ...scale, ...sources];
+    for (const ground of [colours.land, colours.water]) {
+      for (const colour of text) assert.ok(contrast(colour, ground) >= 4.5, `${set}: ${colour} on ${ground}`);
+      for (const colour of Object.values(colours.sensor))
+        assert.ok(contrast(colour, ground) >= 3, `${set}: ${colour} on ${ground}`);
+    }
+  }
+});
+
+test("people without red or green cones tell states, heights and sources apart", () => {
+  for (const [set, colours] of Object.entries(COLOURS)) {
+    const { confirmed, tentative, coasted, alert, selected, measure } = colours;
+    const groups = [
+      [[confirmed, tentative, coasted, alert, selected, measure], 15],
+      [colours.scale, 12],
+      [colours.sources, 12],
+    ];
+    for (const [name, vision] of Object.entries(VISIONS))
+      for (const [group, least] of groups)
+        group.forEach((one, k) => {
+          for (const other of group.slice(k + 1)) {
+            const [a, b] = [seen(one, vision), seen(other, vision)];
+            const difference = Math.hypot(...a.map((value, n) => value - b[n]));
+            assert.ok(difference >= least, `${set}, ${name}: ${one} and ${other} differ by ${difference.toFixed(1)}`);
+          }
+        });
+  }
 });
