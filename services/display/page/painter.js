@@ -448,11 +448,13 @@ export class Painter {
     for (const { track, x, y } of order) {
       const full = selected.has(track.number);
       const lines = full ? 3 : settings.labels;
-      // Whoever was selected is labelled whatever stands there.
+      // Whoever was selected or is in distress is labelled whatever stands there; distress needs but its first line.
+      const always = full || isGrave(track);
+      const least = full ? lines : Math.min(lines, 1);
       const placed =
-        place(grid, track, x, y, lines, this.glyph) ?? (full ? place(null, track, x, y, lines, this.glyph) : null);
+        place(grid, track, x, y, lines, this.glyph) ?? (always ? place(null, track, x, y, least, this.glyph) : null);
       if (!placed) continue;
-      if (full && grid) grid.mark(placed.left, placed.top, placed.width, placed.height);
+      if (always && grid) grid.mark(placed.left, placed.top, placed.width, placed.height);
       this.labels.push(placed);
       const list = full && grid ? shares.get(track.number) : undefined;
       if (list)
