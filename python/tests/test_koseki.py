@@ -354,6 +354,8 @@ def test_progress_is_told_and_may_end_the_command(case):
 
 def test_other_threads_run_meanwhile_and_ctrl_c_ends_the_command(case):
     table, turns, interrupted = _many_reports(case), 0, threading.Event()
+    # Whoever runs this in the background of a shell has it ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
 
     def count():
         nonlocal turns
@@ -370,6 +372,7 @@ def test_other_threads_run_meanwhile_and_ctrl_c_ends_the_command(case):
             koseki.fuse(table)
     interrupted.set()
     thread.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_a_recording_of_all_topics_has_what_was_published(tmp_path):
