@@ -22,8 +22,9 @@ pub(crate) enum Outcome<'a> {
     Began(u64, u64),
     /// A state of a system track.
     State(&'a SystemTrack),
-    /// Something is missing: nothing follows until fusion begins again, or is known again.
-    Broke,
+    /// Something of the fusion with this start-up number is missing: nothing follows until one begins, or is known
+    /// again.
+    Broke(u64),
 }
 
 /// How work is done again.
@@ -275,8 +276,8 @@ impl Again {
     }
 
     fn break_off(&mut self, out: &mut impl FnMut(Outcome<'_>)) {
-        if self.run.take().is_some() {
-            out(Outcome::Broke);
+        if let Some(run) = self.run.take() {
+            out(Outcome::Broke(run.epoch));
         }
     }
 

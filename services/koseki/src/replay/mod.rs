@@ -208,9 +208,9 @@ impl Result {
                     verification.begin(epoch, sequence);
                 }
             }
-            Outcome::Broke => {
+            Outcome::Broke(epoch) => {
                 if let Some(verification) = &mut self.verification {
-                    verification.break_off();
+                    verification.break_off(epoch);
                 }
             }
             Outcome::State(state) => {

@@ -47,16 +47,16 @@ impl Verification {
     /// From the state with this number on, the run is given.
     pub(crate) fn begin(&mut self, epoch: u64, sequence: u64) {
         let run = self.runs.entry(epoch).or_insert_with(Run::unknown);
-        if let Some(unknown) = run.unknown.back_mut() {
+        if let Some(unknown) = run.unknown.back_mut().filter(|unknown| unknown.end == u64::MAX) {
             unknown.end = sequence;
         }
         run.next = sequence;
     }
 
-    /// End of the latest run: what follows of it is not given, unless it begins again.
-    pub(crate) fn break_off(&mut self) {
-        if let Some(mut latest) = self.runs.last_entry() {
-            let run = latest.get_mut();
+    /// End of a run: what follows of it is not given, unless it begins again. States of a later one may have been
+    /// recorded by then.
+    pub(crate) fn break_off(&mut self, epoch: u64) {
+        if let Some(run) = self.runs.get_mut(&epoch) {
             run.unknown.push_back(run.next..u64::MAX);
         }
     }
@@ -224,10 +224,10 @@ mod tests {
         verification.begin(3, 10);
         (10..12).for_each(|sequence| verification.give(&state(3, sequence)));
         (8..20).for_each(|sequence| verification.record(&state(3, sequence)));
-        verification.break_off();
+        verification.break_off(3);
         verification.begin(3, 15);
         (15..19).for_each(|sequence| verification.give(&state(3, sequence)));
-        verification.break_off();
+        verification.break_off(3);
         verification.finish();
         let Verification {
             states,
@@ -241,12 +241,27 @@ mod tests {
     }
 
     #[test]
+    fn a_run_ends_that_breaks_though_another_one_has_been_recorded_by_then() {
+        let mut verification = Verification::default();
+        verification.begin(3, 0);
+        verification.give(&state(3, 0));
+        (0..3).for_each(|sequence| verification.record(&state(3, sequence)));
+        (5..9).for_each(|sequence| verification.record(&state(4, sequence)));
+        verification.break_off(3);
+        verification.begin(4, 7);
+        (7..9).for_each(|sequence| verification.give(&state(4, sequence)));
+        verification.finish();
+        assert_eq!((verification.states, verification.not_verified), (3, 4));
+        assert_eq!((verification.differences, verification.not_recorded), (0, 0));
+    }
+
+    #[test]
     fn states_on_one_side_only_are_told_apart() {
         let mut verification = Verification::default();
         verification.begin(3, 0);
         (0..3).for_each(|sequence| verification.give(&state(3, sequence)));
         (1..4).for_each(|sequence| verification.record(&state(3, sequence)));
-        verification.break_off();
+        verification.break_off(3);
         // Of a fusion whose beginning is not in the recording.
         verification.record(&state(2, 0));
         verification.begin(4, 0);
