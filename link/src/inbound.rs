@@ -29,6 +29,9 @@ const WAITING_OCTETS: usize = 4 * MESSAGE_MAX;
 const SLEEP: Duration = Duration::from_millis(100);
 /// Time between two questions for what is lacking, nanoseconds.
 const ASK_NS: i64 = 500_000_000;
+/// The same at most, where something is lost again as soon as it has been had: a whole picture is much to send, and
+/// must not be what makes the network too slow.
+const ASK_MAX_NS: i64 = 8_000_000_000;
 
 /// Counts of what comes in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,6 +40,8 @@ pub(crate) struct Counts {
     pub(crate) messages: u64,
     /// Messages that could not be read, were of another layout, or repeated others.
     pub(crate) rejected: u64,
+    /// Samples that came, but for whole pictures.
+    pub(crate) came: u64,
     /// Samples that were published.
     pub(crate) published: u64,
     /// Samples that are missing from the senders' sequences.
@@ -186,7 +191,7 @@ impl Work {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, "link-inbound")?;
         let open = |wanted: Wanted| (wanted.deployment, (wanted.inlet)());
         let mut inlets: Vec<(String, Box<dyn Inlet>)> = self.wanted.into_iter().map(open).collect();
-        let mut asked_ns = vec![i64::MIN; inlets.len()];
+        let mut asking = vec![Asking::NOT_YET; inlets.len()];
         while !self.is_closed.load(Ordering::Relaxed) {
             let arrived = receiver.recv_timeout(SLEEP);
             let now = Now::read();
@@ -207,11 +212,7 @@ impl Work {
             }
             for (index, (_, inlet)) in inlets.iter().enumerate() {
                 // It may be a while until somebody answers.
-                if let Some(key) = inlet
-                    .lacks()
-                    .filter(|_| now.mono_ns.saturating_sub(asked_ns[index]) >= ASK_NS)
-                {
-                    asked_ns[index] = now.mono_ns;
+                if let Some(key) = asking[index].is_due(inlet.lacks(), now) {
                     let entrance = self.entrance.clone();
                     let take = move |reply: Reply| {
                         if let Ok(sample) = reply.result() {
@@ -224,6 +225,41 @@ impl Work {
             }
         }
         Ok(())
+    }
+}
+
+/// When it was asked for what a topic lacks.
+#[derive(Clone, Copy)]
+struct Asking {
+    at_ns: i64,
+    pause_ns: i64,
+    /// Whether it has been had since.
+    was_had: bool,
+}
+
+impl Asking {
+    const NOT_YET: Self = Self {
+        at_ns: i64::MIN,
+        pause_ns: ASK_NS,
+        was_had: true,
+    };
+
+    /// What is to be asked for now, of what is lacking.
+    fn is_due(&mut self, lacks: Option<String>, now: Now) -> Option<String> {
+        self.was_had |= lacks.is_none();
+        let since_ns = now.mono_ns.saturating_sub(self.at_ns);
+        let due = lacks.filter(|_| since_ns >= self.pause_ns)?;
+        let is_soon_again = self.was_had && since_ns < 4 * self.pause_ns;
+        *self = Self {
+            at_ns: now.mono_ns,
+            pause_ns: if is_soon_again {
+                (2 * self.pause_ns).min(ASK_MAX_NS)
+            } else {
+                ASK_NS
+            },
+            was_had: false,
+        };
+        Some(due)
     }
 }
 
@@ -247,5 +283,37 @@ pub(crate) trait Inlet {
     /// Key at which what it lacks can be asked for; `None` if it lacks nothing.
     fn lacks(&self) -> Option<String> {
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_lost_again_at_once_is_asked_for_ever_more_rarely() {
+        let mut asking = Asking::NOT_YET;
+        let mut ask = |lacks: bool, ms: i64| {
+            let now = Now {
+                mono_ns: ms * 1_000_000,
+                utc_ns: 0,
+            };
+            asking.is_due(lacks.then(String::new), now).is_some()
+        };
+        assert!(ask(true, 0), "at once");
+        assert!(
+            !ask(true, 499) && ask(true, 500) && ask(true, 1000),
+            "as often while nobody answers"
+        );
+        assert!(!ask(false, 1100) && !ask(true, 1200) && ask(true, 1500));
+        assert!(
+            !ask(false, 1600) && !ask(true, 2000) && ask(true, 2500),
+            "it was had, and is lost again"
+        );
+        assert!(!ask(false, 2600) && !ask(true, 4400) && ask(true, 4500));
+        assert!(
+            !ask(false, 4600) && ask(true, 30_000) && !ask(false, 30_100) && ask(true, 30_500),
+            "after a long peace"
+        );
     }
 }

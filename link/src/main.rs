@@ -79,6 +79,9 @@ struct Mirror {
     /// Name of the instance here [default: the configuration's name]
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
+    /// Process number of whoever started it, whose end this process follows
+    #[arg(long, value_name = "PID", hide = true)]
+    launcher: Option<u32>,
 }
 
 #[derive(Debug, Args)]

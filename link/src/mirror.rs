@@ -67,7 +67,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
         speed: Speed::Factor(1.0),
         seed: 1,
         scenario_start_ns: Now::read().utc_ns,
-        launcher: None,
+        launcher: mirror.launcher,
     };
     let done = reflect(config, options, &link, &mirror.topics);
     done.and(claimed.clear())
@@ -119,6 +119,7 @@ impl Visitor for Reflect<'_> {
                     key: keys::picture::<SystemTrack>(&deployment),
                     picture: Picture::default(),
                     lacks: true,
+                    reaches: 0,
                 }),
                 None => Box::new(Copied(StandIn::new(topic))),
             }
@@ -160,6 +161,8 @@ struct Tracks {
     key: String,
     picture: Picture,
     lacks: bool,
+    /// Number of the state that would come next after the last whole picture.
+    reaches: u64,
 }
 
 impl Inlet for Tracks {
@@ -171,10 +174,10 @@ impl Inlet for Tracks {
             return self.complete(&arrival, head.origin, &slices, counts);
         }
         for (header, states) in slices {
-            // The picture may have come first; then there is no news in it.
+            // The picture may have come first; then there is no news in it, and nothing lacks that it had.
             let missing = self.stand_in.missing(&header).unwrap_or(0);
             counts.missing += missing;
-            self.lacks |= missing > 0;
+            self.lacks |= missing > 0 && header.first_sequence > self.reaches;
             let news: Vec<SystemTrack> = states
                 .iter()
                 .copied()
@@ -236,7 +239,8 @@ impl Tracks {
         for news in news.chunks(self.stand_in.topic.capacity.slice_len) {
             self.tell(arrival, (&unnumbered, origin), news, counts)?;
         }
-        self.stand_in.pass(header, 0);
+        self.stand_in.begin(header);
+        self.reaches = header.first_sequence;
         Ok(())
     }
 }
@@ -262,6 +266,7 @@ impl Agent for MirrorAgent {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let came = self.inbound.counts();
         let mut entry = HealthEntry::default();
+        entry.set(Counter::Taken, came.came);
         entry.set(Counter::Published, came.published);
         entry.set(Counter::LostOnTheWay, came.lost());
         entry.set(Counter::Conflated, came.conflated);

@@ -34,6 +34,8 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
     )?;
     // A peer that is gone without a word is noticed after this time.
     set("transport/link/tx/lease", json!(2000))?;
+    // A megabyte for each peer: as much as comes while one that is not slow is not looking.
+    set("transport/link/tx/queue/size/data", json!(16))?;
     set("transport/link/rx/max_message_size", json!(MESSAGE_MAX))?;
     if let Some(rules) = access::rules(deployment, link) {
         set("access_control", rules)?;

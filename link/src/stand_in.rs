@@ -53,6 +53,7 @@ impl<T: Payload> StandIn<T> {
         if !head.is_picture {
             let before = std::mem::replace(&mut self.conflated, head.conflated);
             counts.conflated += head.conflated.saturating_sub(before);
+            counts.came += slices.iter().map(|(_, samples)| samples.len() as u64).sum::<u64>();
         }
         Some((head, slices))
     }
@@ -111,9 +112,21 @@ impl<T: Payload> StandIn<T> {
 
     /// All samples of the other publisher up to the end of a slice of so many have been published, or never will be.
     pub(crate) fn pass(&mut self, header: &BatchHeader, count: usize) {
-        let same = |open: &&mut Open<T>| open.stands_for == (header.incarnation, header.epoch);
-        if let Some(open) = self.open.as_mut().filter(same) {
+        if let Some(open) = self.open_for(header) {
             open.next_sequence = open.next_sequence.max(Some(header.first_sequence + count as u64));
         }
+    }
+
+    /// Nothing has come of the other publisher before a slice with this header, or how far it is stays as it is: what
+    /// came apart from the sequence makes nothing less missing.
+    pub(crate) fn begin(&mut self, header: &BatchHeader) {
+        if let Some(open) = self.open_for(header) {
+            open.next_sequence.get_or_insert(header.first_sequence);
+        }
+    }
+
+    fn open_for(&mut self, header: &BatchHeader) -> Option<&mut Open<T>> {
+        let same = |open: &&mut Open<T>| open.stands_for == (header.incarnation, header.epoch);
+        self.open.as_mut().filter(same)
     }
 }
