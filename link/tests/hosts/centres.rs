@@ -1,19 +1,21 @@
 //! Two centres that exchange what their own sensors say.
 
-use std::cell::RefCell;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use koseki_client::messages::{Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use koseki_client::{Publisher, Root};
 
-use crate::host::{Host, free_port, until};
+use crate::host::{Deployment, Host, PATIENCE, free_port};
 use crate::mirror::Reader;
 
-const TARGETS: u32 = 20;
+pub(crate) const TARGETS: u32 = 20;
 /// Time between two reports of a target.
 const PERIOD: Duration = Duration::from_millis(200);
 /// Number of the tracks of target 0 at each centre's sensor.
 const FIRST: [u32; 2] = [100, 700];
+
+/// Names of the two.
+pub(crate) const NAMES: [&str; 2] = ["west", "east"];
 
 /// A centre called `name` with the number `origin` that has a sensor of its own and is joined with `other`.
 fn centre(name: &str, origin: u32, other: &str, endpoint: &str) -> String {
@@ -77,43 +79,75 @@ fn sees_all(reader: &mut Reader, origin: u32, by_both: bool) -> bool {
     reader.tracks.len() == TARGETS as usize && reader.tracks.values().filter(wanted).count() == TARGETS as usize
 }
 
+/// Two centres that are joined, each with a sensor that says what the test wants.
+pub(crate) struct Centres {
+    pub(crate) hosts: [Host; 2],
+    sensors: [Publisher<SensorTrack>; 2],
+    pub(crate) readers: [Reader; 2],
+    begun: SystemTime,
+    // Before the hosts' folders go.
+    _up: [Deployment; 2],
+}
+
+impl Centres {
+    /// Starts both. `None` where Koseki has not been built.
+    pub(crate) fn up() -> Option<Self> {
+        let hosts = [Host::new()?, Host::new()?];
+        let endpoint = format!("[\"tcp/127.0.0.1:{}\"]", free_port());
+        let start = |number: usize, joins: &str| {
+            let (name, other) = (NAMES[number], NAMES[1 - number]);
+            let config = centre(name, number as u32 + 1, other, &format!("{joins} = {endpoint}"));
+            hosts[number].up(name, &config, &[])
+        };
+        let mut up = [start(0, "listen"), start(1, "connect")];
+        up.iter_mut().for_each(Deployment::until_up);
+        let sensor = |number: usize| {
+            let name = NAMES[number];
+            let root = Root::in_base(hosts[number].shared(), name).unwrap();
+            Publisher::<SensorTrack>::at(&root, &format!("sensor-of-{name}")).unwrap()
+        };
+        Some(Self {
+            sensors: [sensor(0), sensor(1)],
+            readers: [Reader::of(&hosts[0], NAMES[0]), Reader::of(&hosts[1], NAMES[1])],
+            begun: SystemTime::now(),
+            _up: up,
+            hosts,
+        })
+    }
+
+    /// The first of the sensors, so many, say what they see now.
+    pub(crate) fn report(&mut self, reporting: usize) {
+        for (number, sensor) in self.sensors.iter_mut().enumerate().take(reporting) {
+            sensor.publish(&reports(number, self.begun)).unwrap();
+        }
+    }
+
+    /// The sensors report until all targets are seen: by both centres, or in the east by the west alone.
+    pub(crate) fn report_until_seen(&mut self, reporting: usize) {
+        let begun = Instant::now();
+        loop {
+            self.report(reporting);
+            std::thread::sleep(PERIOD);
+            let [of_west, of_east] = &mut self.readers;
+            let is_in_west = reporting == 1 || sees_all(of_west, 1, true);
+            if sees_all(of_east, 2, reporting == 2) && is_in_west {
+                return;
+            }
+            assert!(begun.elapsed() < PATIENCE, "{}", self.status());
+        }
+    }
+
+    pub(crate) fn status(&self) -> String {
+        let of = |number: usize| self.hosts[number].status(NAMES[number]);
+        format!("{}\n{}", of(0), of(1))
+    }
+}
+
 #[test]
 fn each_centre_has_every_target_once_with_what_both_say_and_keeps_it_by_the_other_alone() {
-    let (Some(west), Some(east)) = (Host::new(), Host::new()) else {
-        return;
-    };
-    let endpoint = format!("[\"tcp/127.0.0.1:{}\"]", free_port());
-    let config = centre("west", 1, "east", &format!("listen = {endpoint}"));
-    let mut west_up = west.up("west", &config, &[]);
-    let config = centre("east", 2, "west", &format!("connect = {endpoint}"));
-    let mut east_up = east.up("east", &config, &[]);
-    west_up.until_up();
-    east_up.until_up();
-    let begun = SystemTime::now();
-    let sensor = |host: &Host, name: &str| {
-        let root = Root::in_base(host.shared(), name).unwrap();
-        Publisher::<SensorTrack>::at(&root, &format!("sensor-of-{name}")).unwrap()
-    };
-    let sensors = RefCell::new([sensor(&west, "west"), sensor(&east, "east")]);
-    let readers = RefCell::new([Reader::of(&west, "west"), Reader::of(&east, "east")]);
-    // The sensors that report, until all targets are seen: by both centres, or in the east by the west alone.
-    let report_until = |reporting: usize| {
-        until(
-            || {
-                for (number, sensor) in sensors.borrow_mut().iter_mut().enumerate().take(reporting) {
-                    sensor.publish(&reports(number, begun)).unwrap();
-                }
-                std::thread::sleep(PERIOD);
-                let [of_west, of_east] = &mut *readers.borrow_mut();
-                let is_in_west = reporting == 1 || sees_all(of_west, 1, true);
-                sees_all(of_east, 2, reporting == 2) && is_in_west
-            },
-            || format!("{}\n{}", west.status("west"), east.status("east")),
-        );
-    };
-    report_until(2);
-    let numbers = readers.borrow()[1].numbers();
-    report_until(1);
-    assert_eq!(readers.borrow()[1].numbers(), numbers, "no number has changed");
-    drop((west_up, east_up));
+    let Some(mut centres) = Centres::up() else { return };
+    centres.report_until_seen(2);
+    let numbers = centres.readers[1].numbers();
+    centres.report_until_seen(1);
+    assert_eq!(centres.readers[1].numbers(), numbers, "no number has changed");
 }

@@ -7,8 +7,8 @@
 mod centres;
 mod certificates;
 mod host;
+mod kills;
 mod mirror;
-
 mod refusals;
 mod relay;
 mod remote_sensor;

@@ -43,8 +43,11 @@ impl Reader {
         Some(Self { subscription, tracks })
     }
 
-    pub(crate) fn read(&mut self) {
+    /// Takes what has come; whether there was something.
+    pub(crate) fn read(&mut self) -> bool {
+        let mut came = false;
         while let Some(slice) = self.subscription.next(Duration::ZERO).unwrap() {
+            came = true;
             for state in slice.iter() {
                 match TrackState::from_code(state.state) {
                     Some(TrackState::Terminated) => drop(self.tracks.remove(&state.track_number)),
@@ -52,6 +55,7 @@ impl Reader {
                 }
             }
         }
+        came
     }
 
     pub(crate) fn numbers(&self) -> Vec<u32> {
