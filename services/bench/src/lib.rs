@@ -32,6 +32,7 @@ mod figures;
 mod jitter;
 mod latency;
 mod link;
+mod links;
 mod machine;
 mod measure;
 mod memory;

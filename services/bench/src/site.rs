@@ -14,7 +14,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use bus::{Bus, Held, Root, SharedMemory, Subscriber};
 use configuration::Config;
-use messages::{Health, LifeState, NO_SOURCE, ProcessKind};
+use messages::{Health, LifeState, NO_SOURCE};
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::{Instance, hold_topics};
 use runtime::signals::Stop;
@@ -25,13 +25,13 @@ use crate::progress;
 use crate::settings::Settings;
 
 /// How long a process may take until it says that it runs, to say once more how it is, and to stop.
-const START_PATIENCE: Duration = Duration::from_secs(30);
+pub(crate) const START_PATIENCE: Duration = Duration::from_secs(30);
 const HEALTH_PATIENCE: Duration = Duration::from_secs(5);
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
 /// How the names of the bench's instances begin; its process number follows.
 const INSTANCES: &str = "bench-";
 /// Pause between two looks at a process.
-const PAUSE: Duration = Duration::from_millis(20);
+pub(crate) const PAUSE: Duration = Duration::from_millis(20);
 /// Processes that say how they are: fusion, a monitor, and spare ones.
 const PROCESSES: usize = 4;
 /// Limits of a source's period in a configuration, seconds.
@@ -90,9 +90,20 @@ impl Site {
 
     /// Starts a process of this executable in the instance.
     pub(crate) fn start(&self, name: &'static str, arguments: Vec<OsString>) -> anyhow::Result<Running<'_>> {
-        let child = Command::new(&self.executable)
+        self.start_program(&self.executable, self.root.instance(), name, arguments)
+    }
+
+    /// Starts a process of another program, in an instance that may be another one.
+    pub(crate) fn start_program(
+        &self,
+        program: &Path,
+        instance: &str,
+        name: &'static str,
+        arguments: Vec<OsString>,
+    ) -> anyhow::Result<Running<'_>> {
+        let child = Command::new(program)
             .args(arguments)
-            .args(["--instance", self.root.instance(), "--launcher"])
+            .args(["--instance", instance, "--launcher"])
             .arg(std::process::id().to_string())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -110,18 +121,19 @@ impl Site {
     /// Starts fusion for reports at `rate_per_s`, and waits until it runs.
     pub(crate) fn start_fusion(&self, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Fusion<'_>> {
         let (path, _) = write_config(self.folder.path(), settings, rate_per_s)?;
-        let health = self.bus().subscriber(&messages::health(), || mono_ns() as u64)?;
-        let begun_ns = mono_ns();
+        let running = self.start("fusion", vec!["fusion".into(), "--config".into(), path.clone().into()])?;
         let mut fusion = Fusion {
-            running: self.start("fusion", vec!["fusion".into(), "--config".into(), path.clone().into()])?,
-            health,
+            heard: self.hear(running)?,
             config: path,
-            latest: None,
         };
-        fusion.until(START_PATIENCE, "said that it runs", |whole| {
-            whole.incarnation as i64 >= begun_ns && whole.life() == Some(LifeState::Running)
-        })?;
+        fusion.heard.until_running()?;
         Ok(fusion)
+    }
+
+    /// Listens to what a process of the instance says of itself.
+    pub(crate) fn hear<'a>(&'a self, running: Running<'a>) -> anyhow::Result<Heard<'a>> {
+        let health = self.bus().subscriber(&messages::health(), || mono_ns() as u64)?;
+        Ok(Heard::of(health, None, running))
     }
 }
 
@@ -182,19 +194,92 @@ impl Drop for Running<'_> {
     }
 }
 
-/// The fusion process.
+/// A process that says how it is.
 #[derive(Debug)]
-pub(crate) struct Fusion<'a> {
-    running: Running<'a>,
+pub(crate) struct Heard<'a> {
+    /// Before the process: one with an instance of its own waits for its readers to leave.
     health: Subscriber<SharedMemory, Health>,
-    config: PathBuf,
+    _bus: Option<Bus<SharedMemory>>,
+    running: Running<'a>,
     /// What it said last of itself.
     latest: Option<Health>,
 }
 
-impl Fusion<'_> {
+impl<'a> Heard<'a> {
+    /// `bus` is that of the process's own instance, if it has one.
+    pub(crate) fn of(
+        health: Subscriber<SharedMemory, Health>,
+        bus: Option<Bus<SharedMemory>>,
+        running: Running<'a>,
+    ) -> Self {
+        Self {
+            health,
+            _bus: bus,
+            running,
+            latest: None,
+        }
+    }
+
     pub(crate) fn pid(&self) -> u32 {
         self.running.pid()
+    }
+
+    /// An error if it has ended, or the bench has been told to stop.
+    fn check(&mut self) -> anyhow::Result<()> {
+        let (latest, pid) = (&mut self.latest, self.running.pid());
+        self.health.take(usize::MAX, |_, said| {
+            for health in said {
+                if health.process_id == pid && health.source == NO_SOURCE {
+                    *latest = Some(*health);
+                }
+            }
+        })?;
+        self.running.check()
+    }
+
+    pub(crate) fn until_running(&mut self) -> anyhow::Result<()> {
+        self.until(START_PATIENCE, "said that it runs", |whole| {
+            whole.life() == Some(LifeState::Running)
+        })?;
+        Ok(())
+    }
+
+    /// What it says at `mono_ns` or later.
+    pub(crate) fn said_after(&mut self, mono_ns: i64) -> anyhow::Result<Health> {
+        self.until(HEALTH_PATIENCE, "said how it is", |whole| whole.said_ns > mono_ns)
+    }
+
+    /// What it says as soon as `condition` holds.
+    pub(crate) fn until(
+        &mut self,
+        patience: Duration,
+        what: &str,
+        condition: impl Fn(&Health) -> bool,
+    ) -> anyhow::Result<Health> {
+        let start = instant();
+        loop {
+            self.check()?;
+            if let Some(whole) = self.latest.filter(|whole| condition(whole)) {
+                return Ok(whole);
+            }
+            if instant() - start > patience {
+                bail!("{} has not {what} within {} s", self.running.name, patience.as_secs());
+            }
+            std::thread::sleep(PAUSE);
+        }
+    }
+}
+
+/// The fusion process.
+#[derive(Debug)]
+pub(crate) struct Fusion<'a> {
+    heard: Heard<'a>,
+    config: PathBuf,
+}
+
+impl Fusion<'_> {
+    pub(crate) fn pid(&self) -> u32 {
+        self.heard.pid()
     }
 
     /// Its configuration file.
@@ -204,40 +289,12 @@ impl Fusion<'_> {
 
     /// An error if it has ended, or the bench has been told to stop.
     pub(crate) fn check(&mut self) -> anyhow::Result<()> {
-        self.listen()?;
-        self.running.check()
+        self.heard.check()
     }
 
     /// Its counter for the whole process, as it was at `mono_ns` or later.
     pub(crate) fn counters_after(&mut self, mono_ns: i64) -> anyhow::Result<Health> {
-        self.until(HEALTH_PATIENCE, "said how it is", |whole| whole.said_ns > mono_ns)
-    }
-
-    fn listen(&mut self) -> anyhow::Result<()> {
-        let (latest, pid) = (&mut self.latest, self.running.pid());
-        self.health.take(usize::MAX, |_, said| {
-            for health in said {
-                if health.kind() == Some(ProcessKind::Fusion) && health.process_id == pid && health.source == NO_SOURCE
-                {
-                    *latest = Some(*health);
-                }
-            }
-        })?;
-        Ok(())
-    }
-
-    fn until(&mut self, patience: Duration, what: &str, condition: impl Fn(&Health) -> bool) -> anyhow::Result<Health> {
-        let start = instant();
-        loop {
-            self.check()?;
-            if let Some(whole) = self.latest.filter(|whole| condition(whole)) {
-                return Ok(whole);
-            }
-            if instant() - start > patience {
-                bail!("fusion has not {what} within {} s", patience.as_secs());
-            }
-            std::thread::sleep(PAUSE);
-        }
+        self.heard.said_after(mono_ns)
     }
 }
 

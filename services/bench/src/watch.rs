@@ -13,6 +13,7 @@ use serde::Serialize;
 use telemetry::table::{Align, Table, duration};
 
 use crate::figures::{Figures, Ratio};
+use crate::links::{Carried, Links};
 use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
 use crate::progress::say;
@@ -33,6 +34,8 @@ pub enum Extra {
     StoppedSubscriber,
     /// So many subscribers that read.
     Subscribers(usize),
+    /// A link that sends the system tracks to so many mirrors.
+    Link(usize),
     /// Source 0 sends so many times its share, which is not measured then.
     Flood(u32),
 }
@@ -43,10 +46,24 @@ impl std::fmt::Display for Extra {
             Self::Monitor => f.write_str("the monitor"),
             Self::StoppedSubscriber => f.write_str("a subscriber that has stopped reading"),
             Self::Subscribers(count) => write!(f, "{count} subscribers"),
+            Self::Link(1) => f.write_str("a link and a mirror"),
+            Self::Link(mirrors) => write!(f, "a link and {mirrors} mirrors"),
             Self::Flood(factor) => write!(f, "source 0 at {factor} times its rate"),
         }
     }
 }
+
+/// Columns of what links have carried: processors, and memory of each.
+const CARRIED: [&str; 8] = [
+    "states",
+    "came",
+    "conflated",
+    "lost, counted",
+    "unaccounted",
+    "in",
+    "link's cores",
+    "mirrors' cores",
+];
 
 /// What came of it, as JSON has it.
 #[derive(Debug, Serialize)]
@@ -60,6 +77,9 @@ struct Watched<'a> {
     p50_ratio: Ratio,
     p99_ratio: Ratio,
     p999_ratio: Ratio,
+    /// What links have carried, pair by pair.
+    #[serde(skip_serializing_if = "<[Carried]>::is_empty")]
+    carried: &'a [Carried],
 }
 
 /// Measures `settings.runs` pairs. Returns what is to be shown.
@@ -90,12 +110,13 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
         seconds: settings.seconds,
         detailed: false,
     };
-    let mut pairs = Vec::new();
+    let (mut pairs, mut carried) = (Vec::new(), Vec::new());
     for number in 0..settings.runs {
         let with_first = number % 2 == 1;
         let first = one(&site, settings, plan, with_first.then_some(with))?;
         let second = one(&site, settings, plan, (!with_first).then_some(with))?;
-        let (on, off) = if with_first { (first, second) } else { (second, first) };
+        let ((on, by_link), (off, _)) = if with_first { (first, second) } else { (second, first) };
+        carried.extend(by_link);
         say(&format!(
             "pair {} of {}: p99 {} with, {} without",
             number + 1,
@@ -120,6 +141,7 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
         p99_ratio: ratio(|figures| figures.p99_ns),
         p999_ratio: ratio(|figures| figures.p999_ns),
         pairs: &pairs,
+        carried: &carried,
     };
     if let Some(path) = json {
         std::fs::write(path, serde_json::to_string_pretty(&watched)? + "\n")
@@ -129,21 +151,29 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
 }
 
 /// One measurement of a fresh fusion, with or without.
-fn one(site: &Site, settings: &Settings, plan: Plan, with: Option<Extra>) -> anyhow::Result<Figures> {
+fn one(
+    site: &Site,
+    settings: &Settings,
+    plan: Plan,
+    with: Option<Extra>,
+) -> anyhow::Result<(Figures, Option<Carried>)> {
     let mut settings = settings.clone();
     if let Some(Extra::Flood(factor)) = with {
         settings.flood = Some(flood(factor));
     }
     let settings = &settings;
     let fusion = site.start_fusion(settings, plan.rate_per_s)?;
-    let (_monitor, _subscribers) = match with {
-        None | Some(Extra::Flood(_)) => (None, None),
-        Some(Extra::Monitor) => (Some(monitor(site, &fusion)?), None),
-        Some(Extra::StoppedSubscriber) => (None, Some(Subscribers::start(site, 1, false)?)),
-        Some(Extra::Subscribers(count)) => (None, Some(Subscribers::start(site, count, true)?)),
-    };
+    let (mut _monitor, mut _subscribers, mut links) = (None, None, None);
+    match with {
+        None | Some(Extra::Flood(_)) => {}
+        Some(Extra::Monitor) => _monitor = Some(monitor(site, &fusion)?),
+        Some(Extra::StoppedSubscriber) => _subscribers = Some(Subscribers::start(site, 1, false)?),
+        Some(Extra::Subscribers(count)) => _subscribers = Some(Subscribers::start(site, count, true)?),
+        Some(Extra::Link(mirrors)) => links = Some(Links::start(site, &fusion, mirrors)?),
+    }
     let measured = measure::running_pipeline(site, fusion, settings, plan)?;
-    Ok(Figures::of(measured.recorder.end_to_end(), measured.unanswered()))
+    let figures = Figures::of(measured.recorder.end_to_end(), measured.unanswered());
+    Ok((figures, links.map(Links::carried).transpose()?))
 }
 
 fn flood(factor: u32) -> Flood {
@@ -198,5 +228,22 @@ fn shown(watched: &Watched<'_>) -> String {
         "Unanswered reports of all runs: {} with, {} without.\n",
         on.lost, off.lost
     ));
+    let mut table = Table::new(&CARRIED.map(|name| (name, Align::Right)));
+    for each in watched.carried {
+        table.row([
+            each.states.to_string(),
+            each.came.to_string(),
+            each.conflated.to_string(),
+            each.lost.to_string(),
+            each.unaccounted.to_string(),
+            format!("{:.1} s", each.seconds),
+            format!("{:.2}, {:.0} MB", each.link_cores, each.link_mb),
+            format!("{:.2}, {:.0} MB", each.mirror_cores, each.mirror_mb),
+        ]);
+    }
+    if !watched.carried.is_empty() {
+        text.push_str("\nWhat the link had to send, and what became of it at all mirrors together:\n\n");
+        text.push_str(&table.to_string());
+    }
     text
 }

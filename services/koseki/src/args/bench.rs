@@ -56,6 +56,7 @@ Examples:
   koseki bench watch --with monitor
   koseki bench watch --with stopped-subscriber --runs 21
   koseki bench watch --with subscribers=10 --seconds 5
+  koseki bench watch --with link=10 --rate 50000 --batch 16 the picture to ten other hosts; what of it came, what it took
   koseki bench watch --with flood=100 --rate 4000           one source at 100 times its rate; the others count
 
 Of each pair only the ratio counts. An interval that contains 1 says: no effect that could be told from chance.";
@@ -271,7 +272,7 @@ impl Engine {
 /// `koseki bench watch`.
 #[derive(Debug, Args)]
 pub(crate) struct Watch {
-    /// Subscribers that are added: monitor, stopped-subscriber, subscribers=N, or flood=FACTOR (of source 0)
+    /// Added: monitor, stopped-subscriber, subscribers=N, link=MIRRORS (with koseki-link), flood=FACTOR (of source 0)
     #[arg(long, value_name = "EXTRA", value_parser = extra)]
     with: Extra,
     /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
@@ -439,8 +440,11 @@ fn extra(text: &str) -> Result<Extra, String> {
         ("monitor", None) => Ok(Extra::Monitor),
         ("stopped-subscriber", None) => Ok(Extra::StoppedSubscriber),
         ("subscribers", Some(count @ 1..=20)) => Ok(Extra::Subscribers(count as usize)),
+        ("link", Some(mirrors @ 1..=20)) => Ok(Extra::Link(mirrors as usize)),
         ("flood", Some(factor @ 1..)) => Ok(Extra::Flood(factor)),
-        _ => Err("write monitor, stopped-subscriber, subscribers=N (1 to 20) or flood=FACTOR".to_owned()),
+        _ => Err(
+            "write monitor, stopped-subscriber, subscribers=N or link=MIRRORS (1 to 20), or flood=FACTOR".to_owned(),
+        ),
     }
 }
 
@@ -459,6 +463,7 @@ mod tests {
         );
         assert!(flood("3").is_err() && flood("x=1").is_err());
         assert_eq!(extra("subscribers=10"), Ok(Extra::Subscribers(10)));
+        assert_eq!(extra("link=10"), Ok(Extra::Link(10)));
         assert_eq!(extra("flood=100"), Ok(Extra::Flood(100)));
         assert_eq!(extra("monitor"), Ok(Extra::Monitor));
         for wrong in [
