@@ -53,6 +53,8 @@ struct Case {
     sent: Sent,
     /// Time on the way, shortest and longest, seconds.
     delay_s: [f64; 2],
+    /// Time between two stalls, and how long nothing passes then, seconds.
+    stall_s: [f64; 2],
     /// When nothing is delivered, seconds.
     cut_s: [f64; 2],
     targets: u32,
@@ -235,6 +237,8 @@ fn run(case: &Case) -> Vec<Worth> {
                 for track in sent {
                     let came_s = now_ns as f64 / S as f64 + case.delay_s[0];
                     let came_s = came_s + (case.delay_s[1] - case.delay_s[0]) * random.unit();
+                    let into_stall_s = came_s % case.stall_s[0];
+                    let came_s = came_s + (case.stall_s[1] - into_stall_s).max(0.0);
                     let Some(report) = offered(track, case.sent, number, receiver) else {
                         continue;
                     };
@@ -313,6 +317,7 @@ fn two(shared: bool, sent: Sent) -> Case {
         links: vec![(0, 1), (1, 0)],
         sent,
         delay_s: [0.0; 2],
+        stall_s: [END_S, 0.0],
         cut_s: [0.0; 2],
         targets: 100,
     }
@@ -370,10 +375,11 @@ fn no_track_feeds_itself_round_a_ring_and_without_the_guard_it_does() {
 }
 
 #[test]
-fn a_slow_network_costs_little_and_a_cut_one_leaves_no_duplicates_behind() {
+fn a_slow_network_that_stalls_costs_little_and_a_cut_one_leaves_no_duplicates_behind() {
     let joined = run(&two(true, Sent::Own));
     let slow = run(&Case {
         delay_s: [0.05, 0.15],
+        stall_s: [20.0, 2.0],
         ..two(true, Sent::Own)
     });
     for (slow, joined) in slow.iter().zip(&joined) {
