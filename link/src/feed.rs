@@ -3,8 +3,8 @@
 //! System tracks of another centre become sensor tracks, each with the sources here that share a sensor with it; echoes
 //! of tracks of this deployment are left out.
 //!
-//! Stamps of the other host's monotonic clock are turned into this one's, as far as the clocks have been compared, and
-//! positions into this deployment's frame.
+//! Positions are turned into this deployment's frame. While the hosts' clocks have not been compared, a sample counts
+//! as taken in when it came.
 
 use anyhow::anyhow;
 use bus::Payload;
@@ -107,8 +107,9 @@ impl<R: Payload, T: Outgoing + Payload + Placed> Inlet for Feed<R, T> {
             let origin = (&header, head.origin);
             self.stand_in
                 .publish(arrival.bus, origin, &taken, now, |sample, sequence| {
-                    let here_ns = arrival.offset_ns.map(|offset_ns| sample.ingested_ns() - offset_ns);
-                    sample.came_in(here_ns.unwrap_or(now.mono_ns));
+                    if sample.ingested_ns() == 0 {
+                        sample.came_in(now.mono_ns);
+                    }
                     if let Some(change) = &change {
                         sample.change_frame(change);
                     }

@@ -16,6 +16,7 @@ mod outbound;
 mod outbox;
 mod picture;
 mod session;
+mod stamps;
 mod stand_in;
 mod wire;
 

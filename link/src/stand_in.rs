@@ -10,6 +10,7 @@ use messages::{BatchHeader, Topic};
 use runtime::Now;
 
 use crate::inbound::{Arrival, Counts};
+use crate::stamps;
 use crate::wire::{self, Head, Slice};
 
 /// Place of samples that are told apart from their sequence.
@@ -40,13 +41,14 @@ impl<T: Payload> StandIn<T> {
         }
     }
 
-    /// Reads a message of samples that become those of the topic; `None` if it is none, which is counted.
+    /// Reads a message of samples that become those of the topic, with stamps of this host's clock; `None` if it is
+    /// none, which is counted.
     pub(crate) fn read<R: Payload>(
         &mut self,
         arrival: &Arrival<'_>,
         counts: &mut Counts,
     ) -> Option<(Head, Vec<Slice<R>>)> {
-        let Some((head, slices)) = wire::read::<R>(arrival.message, self.topic.capacity.slice_len) else {
+        let Some((head, mut slices)) = wire::read::<R>(arrival.message, self.topic.capacity.slice_len) else {
             counts.rejected += 1;
             return None;
         };
@@ -54,6 +56,9 @@ impl<T: Payload> StandIn<T> {
             let before = std::mem::replace(&mut self.conflated, head.conflated);
             counts.conflated += head.conflated.saturating_sub(before);
             counts.came += slices.iter().map(|(_, samples)| samples.len() as u64).sum::<u64>();
+        }
+        for sample in slices.iter_mut().flat_map(|(_, samples)| samples) {
+            stamps::bring_here(sample, arrival.offset_ns, arrival.now);
         }
         Some((head, slices))
     }
