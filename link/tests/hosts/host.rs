@@ -15,6 +15,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 pub(crate) struct Host {
     folder: TempDir,
     koseki: PathBuf,
+    /// Process in its namespace, if it has one.
+    inside: Option<u32>,
 }
 
 /// The executable; `None` if it has not been built.
@@ -39,7 +41,31 @@ impl Host {
             return None;
         };
         let folder = TempDir::new().unwrap();
-        Some(Self { folder, koseki })
+        let inside = None;
+        Some(Self { folder, koseki, inside })
+    }
+
+    /// What is started on it enters the namespaces of the process `inside` from now on.
+    pub(crate) fn enters(&mut self, inside: u32) {
+        self.inside = Some(inside);
+    }
+
+    /// A command of `program` on this host.
+    pub(crate) fn command(&self, program: &Path) -> Command {
+        let mut command = match self.inside {
+            Some(inside) => {
+                let mut enter = Command::new("nsenter");
+                enter.args(["--target", &inside.to_string(), "--net", "--time", "--"]);
+                enter.arg(program);
+                enter
+            }
+            None => Command::new(program),
+        };
+        command
+            .env("KOSEKI_ROOT", self.shared())
+            .env("KOSEKI_LINK", env!("CARGO_BIN_EXE_koseki-link"))
+            .current_dir(self.folder.path());
+        command
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -53,12 +79,7 @@ impl Host {
 
     /// A command of Koseki on this host.
     pub(crate) fn koseki(&self) -> Command {
-        let mut command = Command::new(&self.koseki);
-        command
-            .env("KOSEKI_ROOT", self.shared())
-            .env("KOSEKI_LINK", env!("CARGO_BIN_EXE_koseki-link"))
-            .current_dir(self.folder.path());
-        command
+        self.command(&self.koseki)
     }
 
     /// Starts the deployment that `config` describes.

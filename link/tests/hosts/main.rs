@@ -6,9 +6,11 @@
 
 mod centres;
 mod certificates;
+mod clocks;
 mod host;
 mod kills;
 mod mirror;
+mod network;
 mod refusals;
 mod relay;
 mod remote_sensor;

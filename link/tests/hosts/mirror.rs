@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -95,13 +96,10 @@ impl Drop for Mirror {
 pub(crate) fn mirror(host: &Host, config: &str, endpoint: &str, options: &[&str]) -> Mirror {
     let path = host.path("tower.toml");
     std::fs::write(&path, config).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_koseki-link"));
+    let mut command = host.command(Path::new(env!("CARGO_BIN_EXE_koseki-link")));
     command.arg("mirror").arg("--config").arg(path);
     command.args(["--connect", endpoint]).args(options);
-    command
-        .env("KOSEKI_ROOT", host.shared())
-        .stdin(Stdio::null())
-        .stdout(Stdio::null());
+    command.stdin(Stdio::null()).stdout(Stdio::null());
     Mirror(command.spawn().unwrap())
 }
 
