@@ -94,7 +94,7 @@ impl Search<'_> {
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let entry = self.tracks.systems.get(own);
-        let state = entry.filter.at(now_ns, self.sources.turns_of(&entry.filter));
+        let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
         let sources = self.tracks.sources_of(own, now_ns);
         let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
         let reach = self.reach(&state);
@@ -109,7 +109,7 @@ impl Search<'_> {
                 if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
                     return;
                 }
-                let theirs = other.filter.at(now_ns, self.sources.turns_of(&other.filter));
+                let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
                 let heights = entry.filter.has_height && other.filter.has_height;
                 if let Some(d2) = self.compare(&state, &theirs, heights, self.sources.spread_m2(self.settings, None)) {
                     if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
@@ -156,7 +156,7 @@ impl Search<'_> {
         let entry = self.tracks.systems.get(system);
         let mut expected = entry
             .filter
-            .at(report.time_of_measurement_ns, self.sources.turns_of(&entry.filter));
+            .at(report.time_of_measurement_ns, self.sources.motion_of(&entry.filter));
         for axis in 0..2 {
             expected.covariance.upper[Covariance::index(axis, axis)] +=
                 self.sources.spread_m2(self.settings, Some(report.source));
@@ -176,7 +176,7 @@ impl Search<'_> {
             return None;
         }
         let filter = &self.tracks.systems.get(system).filter;
-        let other = filter.at(report.time_of_measurement_ns, self.sources.turns_of(filter));
+        let other = filter.at(report.time_of_measurement_ns, self.sources.motion_of(filter));
         let heights = filter.has_height && report.has(sensor_track_bits::HEIGHT);
         self.compare(
             state,

@@ -34,7 +34,7 @@ pub use kept::{Memory, Refused};
 use crate::settings::Settings;
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 3;
+const FORMAT: u64 = 4;
 /// Most words of a record's contents.
 const RECORD_MAX: usize = 128;
 /// Records that a kill can leave torn.

@@ -563,8 +563,8 @@ impl Engine {
         relative.covariance_m2[0] += referred.variance_m2;
         relative.covariance_m2[3] += referred.variance_m2;
         let filter = &mut self.tracks.systems.get_mut(system).filter;
-        let turns = self.sources.turns_of(filter);
-        let innovation = filter.take(&relative, time_ns, turns, referred.is_usable);
+        let motion = self.sources.motion_of(filter);
+        let innovation = filter.take(&relative, time_ns, motion, referred.is_usable);
         // What is not finite shows in the gain.
         let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
             if !filter.is_sound() {
@@ -585,7 +585,7 @@ impl Engine {
         }
         if self.tracks.systems.get(system).life == TrackState::Confirmed {
             let velocity_mps = [velocity[0], velocity[1], 0.0];
-            self.sources.manoeuvres.learn(velocity_mps, innovation.fit);
+            self.sources.manoeuvres.learn(velocity_mps, &innovation);
         }
         // Every source's share of the estimate decays as this one contributes.
         self.tracks
@@ -670,7 +670,7 @@ impl Engine {
             });
         if due {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
-            let common_m2 = self.sources.registration.common_offset_m2();
+            let common_m2 = self.sources.registration.common_error_m2();
             self.publisher.set_common_error(self.points.spread_m2() + common_m2);
             self.sources.look_at_motion();
             let now_ns = self.schedule.now_ns();

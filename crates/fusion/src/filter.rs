@@ -18,7 +18,7 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
 //! the weighing down.
 
-use estimation::{AxisNoise, Gaussian, NearlyConstantVelocity, Symmetric3};
+use estimation::{AxisNoise, Gaussian, Symmetric3};
 use kept::kept;
 use messages::{
     AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
@@ -27,6 +27,7 @@ use messages::{
 use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Measurement, gaussian_of};
+use crate::motion::Motion;
 use crate::state::State;
 
 /// Normalised innovation squared beyond which a measurement is weighed down.
@@ -35,8 +36,8 @@ const BLUNDER: f64 = 30.0;
 const MODES: usize = 2;
 /// Process noise of steady motion, relative to that of turns.
 const STEADY: f64 = 4e-4;
-/// Mean duration of steady motion and of turns, seconds.
-const DURATION_S: [f64; MODES] = [200.0, 20.0];
+/// Mean duration of turns, seconds.
+const TURN_S: f64 = 15.0;
 /// Probabilities of the models at the start.
 const PRIOR: [f64; MODES] = [0.8, 0.2];
 /// Rate of climb below which a target flies level, m/s.
@@ -58,6 +59,8 @@ pub(crate) struct Filter {
     pub(crate) has_height: bool,
     modes: [Gaussian; MODES],
     probability: [f64; MODES],
+    /// Whether the target was last known to fly straight, not to turn.
+    is_straight: bool,
     /// Change of the estimated velocity over the last seconds, m/s².
     acceleration_mps2: [f64; AXES],
 }
@@ -92,6 +95,10 @@ pub(crate) struct Innovation {
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,
     pub(crate) fit: Fit,
+    /// Time for which the target is expected to have flown straight since the last measurement, s.
+    pub(crate) straight_s: f64,
+    /// Whether the target, which surely flew straight, surely turns.
+    pub(crate) begins_turn: bool,
 }
 
 impl Filter {
@@ -102,6 +109,7 @@ impl Filter {
             has_height,
             modes: [estimate; MODES],
             probability: PRIOR,
+            is_straight: false,
             acceleration_mps2: [0.0; AXES],
         }
     }
@@ -145,22 +153,22 @@ impl Filter {
 
     /// [`Self::at`], as rules and messages know states.
     #[inline]
-    pub(crate) fn state_at(&self, time_ns: i64, turns: &NearlyConstantVelocity) -> State {
+    pub(crate) fn state_at(&self, time_ns: i64, motion: &Motion) -> State {
         if time_ns == self.time_ns {
             return self.state();
         }
-        State::of_estimate(time_ns, &self.at(time_ns, turns), self.has_height)
+        State::of_estimate(time_ns, &self.at(time_ns, motion), self.has_height)
     }
 
     /// The estimate at `time_ns`, later or earlier.
-    pub(crate) fn at(&self, time_ns: i64, turns: &NearlyConstantVelocity) -> Gaussian {
+    pub(crate) fn at(&self, time_ns: i64, motion: &Motion) -> Gaussian {
         let ns = time_ns - self.time_ns;
         if ns == 0 {
             return self.estimate;
         }
         let factor = self.probability[0] * STEADY + self.probability[1];
         let seconds = ns as f64 / NS_PER_S;
-        self.estimate.moved(seconds, noise_over(turns, factor, seconds))
+        self.estimate.moved(seconds, noise_over(motion, factor, seconds))
     }
 
     /// The position of [`Self::at`], metres.
@@ -179,21 +187,21 @@ impl Filter {
     }
 
     /// Brings the models forward to `time_ns`, never back; whether they have moved. The estimate stays behind.
-    fn advance_models(&mut self, time_ns: i64, turns: &NearlyConstantVelocity) -> bool {
+    fn advance_models(&mut self, time_ns: i64, motion: &Motion) -> bool {
         if time_ns <= self.time_ns {
             return false;
         }
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
-        self.mix(seconds);
-        self.modes[0].advance(seconds, noise_over(turns, STEADY, seconds));
-        self.modes[1].advance(seconds, noise_over(turns, 1.0, seconds));
+        self.mix(seconds, motion.steady_s);
+        self.modes[0].advance(seconds, noise_over(motion, STEADY, seconds));
+        self.modes[1].advance(seconds, noise_over(motion, 1.0, seconds));
         self.time_ns = time_ns;
         true
     }
 
     /// Targets may have begun or ended to manoeuvre in `seconds`.
-    fn mix(&mut self, seconds: f64) {
-        let leave = DURATION_S.map(|duration| seconds / (seconds + duration));
+    fn mix(&mut self, seconds: f64, steady_s: f64) {
+        let leave = [steady_s, TURN_S].map(|duration| seconds / (seconds + duration));
         let stay = [1.0 - leave[0], 1.0 - leave[1]];
         let [p, q] = self.probability;
         // Probability of each model afterwards, by where it comes from.
@@ -216,12 +224,12 @@ impl Filter {
         &mut self,
         measurement: &Measurement,
         time_ns: i64,
-        turns: &NearlyConstantVelocity,
+        motion: &Motion,
         use_it: bool,
     ) -> Option<Innovation> {
         let before_mps = self.estimate.velocity_mps();
         let passed_s = (time_ns - self.time_ns).max(0) as f64 / NS_PER_S;
-        let mut behind = self.advance_models(time_ns, turns);
+        let mut behind = self.advance_models(time_ns, motion);
         if behind {
             // All that a measurement is compared with; the rest follows when it has been used.
             self.combine::<AXES>();
@@ -243,13 +251,18 @@ impl Filter {
             }
             self.begin_height(z[2], r[5]);
         }
-        let innovation = if measurement.axes == AXES {
+        let was_straight = self.is_straight;
+        let mut innovation = if measurement.axes == AXES {
             self.update::<AXES>(z, r, use_it)
         } else {
             self.update::<2>(z, r, use_it)
         };
         if behind && !(use_it && innovation.is_some()) {
             self.combine::<STATE_LEN>();
+        }
+        if let Some(innovation) = &mut innovation {
+            innovation.straight_s = passed_s * self.probability[0];
+            innovation.begins_turn = was_straight && !self.is_straight;
         }
         let fading = 1.0 / (1.0 + passed_s / ACCELERATION_S);
         for (axis, acceleration) in self.acceleration_mps2.iter_mut().enumerate() {
@@ -305,6 +318,8 @@ impl Filter {
             covariance_m2: [expected[0] + r[0], expected[1] + r[1], expected[3] + r[3]],
             gain: 0.0,
             fit: Fit::Undecided,
+            straight_s: 0.0,
+            begins_turn: false,
         };
         if !use_it {
             return Some(innovation);
@@ -323,6 +338,12 @@ impl Filter {
         let turn = self.probability[1] * ratio / (self.probability[0] + self.probability[1] * ratio);
         let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
         self.probability = [1.0 - turn, turn];
+        let limit = if self.is_straight {
+            SURELY_TURNING
+        } else {
+            SURELY_STRAIGHT
+        };
+        self.is_straight = turn < limit;
         self.combine::<STATE_LEN>();
         let after = self.estimate.position_covariance();
         innovation.gain = (1.0 - (after[0] + after[3]) / (expected[0] + expected[3])).clamp(0.0, 1.0);
@@ -355,8 +376,9 @@ impl Filter {
 }
 
 /// White noise over `seconds`, `factor` times as strong as `noise`.
-fn noise_over(noise: &NearlyConstantVelocity, factor: f64, seconds: f64) -> [AxisNoise; AXES] {
-    noise
+fn noise_over(motion: &Motion, factor: f64, seconds: f64) -> [AxisNoise; AXES] {
+    motion
+        .turns
         .density_m2ps3
         .map(|density| AxisNoise::white(density * factor, seconds))
 }

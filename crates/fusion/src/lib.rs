@@ -21,6 +21,7 @@ mod association_step;
 pub mod checkpoint;
 mod dependence;
 mod description;
+mod drift;
 mod engine;
 mod engine_counters;
 #[cfg(test)]
@@ -39,6 +40,7 @@ mod manoeuvres;
 mod measurement;
 mod merger;
 mod message;
+mod motion;
 mod number_hasher;
 mod outlet;
 mod places;

@@ -187,7 +187,7 @@ impl Linking<'_> {
     fn part_has_split(&mut self, sensor: SensorSlot) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let filter = &self.tracks.systems.get(entry.system).filter;
-        let estimate = filter.at(entry.latest.time_of_measurement_ns, self.sources.turns_of(filter));
+        let estimate = filter.at(entry.latest.time_of_measurement_ns, self.sources.motion_of(filter));
         let apart = |axis: usize| entry.latest.position_m[axis] - estimate.mean[axis];
         let now_ns = entry.latest.time_of_measurement_ns;
         let is_part = self

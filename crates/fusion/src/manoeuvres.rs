@@ -14,7 +14,8 @@ use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::filter::Fit;
+use crate::filter::{Fit, Innovation};
+use crate::motion::Motion;
 use crate::seeker::Seeker;
 use crate::source_model::CHI2_MEDIAN_2;
 
@@ -29,6 +30,16 @@ const FAST_M2PS3: f64 = 20.0;
 const TURNING: f64 = 2.5;
 const LEAST: f64 = -1.5;
 const MOST: f64 = 0.7;
+/// Mean time of straight flight that is assumed beforehand, s, as if so many turns had been seen.
+const STEADY_S: f64 = 200.0;
+const TURNS: f64 = 4.0;
+/// Number of turns beyond which the older ones count half.
+const TURNS_MAX: f64 = 1000.0;
+/// Limits of the mean time of straight flight, s.
+const STEADY_MIN_S: f64 = 50.0;
+const STEADY_MAX_S: f64 = 1000.0;
+/// Speed from which on a target moves, metres per second.
+const MOVING_MPS: f64 = 3.0;
 /// Relative step of the median of innovations on the straight.
 const STEP: f64 = 0.02;
 
@@ -39,8 +50,10 @@ pub(crate) struct Class {
     assumed: NearlyConstantVelocity,
     /// Factor on that of turns.
     factor: Seeker,
-    /// Process noise of turns.
-    turns: NearlyConstantVelocity,
+    motion: Motion,
+    /// Time for which targets flew straight until they turned, s, and how often they did.
+    straight_s: f64,
+    turns: f64,
     /// Median of the normalised innovations squared on the straight.
     straight: f64,
 }
@@ -48,7 +61,9 @@ pub(crate) struct Class {
 kept!(Class {
     assumed: NearlyConstantVelocity,
     factor: Seeker,
-    turns: NearlyConstantVelocity,
+    motion: Motion,
+    straight_s: f64,
+    turns: f64,
     straight: f64
 });
 
@@ -58,7 +73,12 @@ impl Class {
         let mut class = Self {
             assumed,
             factor: Seeker::default(),
-            turns: assumed,
+            motion: Motion {
+                turns: assumed,
+                steady_s: STEADY_S,
+            },
+            straight_s: STEADY_S * TURNS,
+            turns: TURNS,
             straight: CHI2_MEDIAN_2,
         };
         class.update();
@@ -67,7 +87,7 @@ impl Class {
 
     fn update(&mut self) {
         let factor = TURNING * self.factor.logarithm().exp();
-        self.turns.density_m2ps3 = self.assumed.density_m2ps3.map(|density| density * factor);
+        self.motion.turns.density_m2ps3 = self.assumed.density_m2ps3.map(|density| density * factor);
     }
 }
 
@@ -90,10 +110,10 @@ impl Manoeuvres {
         &mut self.classes
     }
 
-    /// Process noise of turns of a target that flies at `velocity_mps`.
+    /// Motion of a target that flies at `velocity_mps`.
     #[inline]
-    pub(crate) fn turns(&self, velocity_mps: [f64; 3]) -> &NearlyConstantVelocity {
-        &self.classes[class_of(velocity_mps)].turns
+    pub(crate) fn motion(&self, velocity_mps: [f64; 3]) -> &Motion {
+        &self.classes[class_of(velocity_mps)].motion
     }
 
     /// From now on it is known what the sources' own trackers assume of all targets.
@@ -105,9 +125,19 @@ impl Manoeuvres {
     }
 
     /// Learns from how well a measurement of a target that flies at `velocity_mps` was foretold.
-    pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], fit: Fit) {
+    pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], innovation: &Innovation) {
         let class = &mut self.classes[class_of(velocity_mps)];
-        match fit {
+        let [east, north, _] = velocity_mps;
+        // Nothing can be seen of the turns of targets that stand.
+        if east * east + north * north > MOVING_MPS * MOVING_MPS {
+            class.straight_s += innovation.straight_s;
+        }
+        class.turns += f64::from(u8::from(innovation.begins_turn));
+        if class.turns > TURNS_MAX {
+            (class.straight_s, class.turns) = (0.5 * class.straight_s, 0.5 * class.turns);
+        }
+        class.motion.steady_s = (class.straight_s / class.turns).clamp(STEADY_MIN_S, STEADY_MAX_S);
+        match innovation.fit {
             Fit::Straight(squared) => class.straight *= 1.0 + f64::copysign(STEP, squared - class.straight),
             Fit::Turning(squared) => {
                 class.factor.step(squared - class.straight, LEAST, MOST);
@@ -125,6 +155,9 @@ fn class_of([east, north, _]: [f64; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::innovation;
+
+    const FAST: [f64; 3] = [100.0, 0.0, 0.0];
 
     /// The noise of turns of fast targets whose innovations on the straight and in turns have these medians.
     fn learned(straight: f64, turning: f64) -> f64 {
@@ -132,15 +165,15 @@ mod tests {
         let mut random = test_support::Random::new(1);
         for _ in 0..1000 {
             let about = random.between(0.2, 1.8);
-            manoeuvres.learn([100.0, 0.0, 0.0], Fit::Straight(straight * about));
-            manoeuvres.learn([0.0, 100.0, 0.0], Fit::Turning(turning * random.between(0.2, 1.8)));
+            manoeuvres.learn(FAST, &innovation(Fit::Straight(straight * about)));
+            manoeuvres.learn(FAST, &innovation(Fit::Turning(turning * random.between(0.2, 1.8))));
         }
         assert_eq!(
-            manoeuvres.turns([10.0; 3]).density_m2ps3,
+            manoeuvres.motion([10.0; 3]).turns.density_m2ps3,
             [TURNING; 3],
             "slow targets are others"
         );
-        manoeuvres.turns([100.0; 3]).density_m2ps3[0]
+        manoeuvres.motion(FAST).turns.density_m2ps3[0]
     }
 
     #[test]
@@ -151,5 +184,32 @@ mod tests {
             assert!((0.5..1.7).contains(&found[0]), "{found:?}");
             assert!(found[1] > 1.9 && found[2] < 0.3, "{found:?}");
         }
+    }
+
+    #[test]
+    fn how_long_targets_fly_straight_is_learned_and_followed() {
+        let mut manoeuvres = Manoeuvres::new(1.0);
+        let mut fly = |velocity_mps: [f64; 3], straight_s: f64, turns: usize| {
+            for flight in 0..40 * turns {
+                let innovation = Innovation {
+                    straight_s: straight_s / 40.0,
+                    begins_turn: flight % 40 == 39,
+                    ..innovation(Fit::Undecided)
+                };
+                manoeuvres.learn(velocity_mps, &innovation);
+            }
+            manoeuvres.motion(FAST).steady_s
+        };
+        assert_eq!(fly([0.0; 3], 600.0, 0), STEADY_S, "nothing was seen");
+        let airway_s = fly(FAST, 600.0, 100);
+        assert!((airway_s - 600.0).abs() < 30.0, "{airway_s}");
+        let airport_s = fly(FAST, 80.0, 3000);
+        assert!((airport_s - 80.0).abs() < 30.0, "{airport_s}");
+        assert_eq!(fly(FAST, 1.0, 5000), STEADY_MIN_S);
+        assert_eq!(
+            fly([1.0, 0.0, 0.0], 600.0, 100),
+            STEADY_MIN_S,
+            "those that stand are others"
+        );
     }
 }

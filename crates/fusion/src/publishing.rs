@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use messages::{
-    Contribution, Counter, Covariance, Decision, DecisionKind, SensorTrack, SystemTrack, TrackState, sensor_track_bits,
+    AXES, Contribution, Counter, Covariance, Decision, DecisionKind, SensorTrack, SystemTrack, TrackState,
+    sensor_track_bits,
 };
 
 use crate::accuracy::Accuracies;
@@ -184,12 +185,16 @@ impl Publisher {
         entry.description = description;
     }
 
-    /// Makes the estimate of the target's filter its state.
+    /// Makes the estimate of the target's filter its state, less sure by what no innovation shows.
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
-        entry.state = entry.filter.state_at(reference_ns, sources.turns_of(&entry.filter));
+        let motion = sources.motion_of(&entry.filter);
+        entry.state = entry.filter.state_at(reference_ns, motion);
         for axis in 0..2 {
-            entry.state.covariance.upper[Covariance::index(axis, axis)] += self.common_error_m2;
+            let velocity = axis + AXES;
+            let variances = &mut entry.state.covariance.upper;
+            variances[Covariance::index(axis, axis)] += self.common_error_m2;
+            variances[Covariance::index(velocity, velocity)] += motion.unnoticed_m2ps2();
         }
     }
 
@@ -248,7 +253,7 @@ impl Publisher {
             let latest = Filter::of_report(&centre.latest);
             let candidate = Candidate {
                 source: centre.source,
-                state: latest.state_at(reference_ns, sources.turns_of(&latest)),
+                state: latest.state_at(reference_ns, sources.motion_of(&latest)),
                 ..Candidate::default()
             };
             let knows = centre.latest.has(sensor_track_bits::CONTRIBUTORS);

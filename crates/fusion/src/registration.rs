@@ -9,7 +9,12 @@
 //!
 //! For every pair of sources the normal equations of this are summed up, with slow forgetting; at every tick a few
 //! sweeps of block Gauss–Seidel solve them for all sources together. Only differences can be seen: either a named
-//! reference source is taken as true, or the mean of all sources is.
+//! reference source is taken as true, or the middle of all sources is. That is their geometric median: of three of
+//! which two agree it is the third that is off.
+//!
+//! Errors may change. Where the latest differences show that the estimate lags behind, those of the last seconds alone
+//! count, until it has caught up. What they still leave over goes into the published covariances, as do offsets that
+//! are not removed, and the error of the middle itself, which nobody can see.
 //!
 //! Sixty-four sources that all see the same targets make four thousand pairs, a millisecond's work, and no report shall
 //! wait that long. So a solution is worked out in steps of bounded work, and what is known of the sources changes when
@@ -27,10 +32,14 @@
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
+use std::ops::Range;
+
 use kept::kept;
 use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
+
+use crate::drift::{DRIFT_S, Rest};
 
 /// Number of systematic errors per source.
 pub const ERRORS: usize = 6;
@@ -154,6 +163,18 @@ impl SourceErrors {
         }
     }
 
+    /// Mean square of the horizontal offset per axis, less what chance explains, m².
+    fn excess_m2(&self) -> f64 {
+        let excess = |axis: usize| self.errors[axis] * self.errors[axis] - self.variances[axis];
+        0.5 * (excess(0) + excess(1))
+    }
+
+    /// Weight in the geometric median of all sources: inverse of the distance from it, as far as that is known.
+    fn closeness(&self, rows: Range<usize>) -> f64 {
+        let squared = |row: usize| self.errors[row] * self.errors[row] + self.variances[row];
+        1.0 / rows.map(squared).sum::<f64>().sqrt()
+    }
+
     /// Whether a source can have these errors; none that are not a number.
     fn are_possible(&self) -> bool {
         let limits = PRIOR_SIGMA.iter().map(|sigma| ERROR_MAX_SIGMA * sigma);
@@ -184,8 +205,11 @@ pub(crate) struct Registration {
     /// Share of each source's latest differences that its estimate does not explain.
     contradicted: Vec<f64>,
     reference: Option<u16>,
-    /// Share of the sums that is left after one tick.
+    /// Latest differences of each source that the estimates leave over.
+    rests: Vec<Rest>,
+    /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
+    keep_drifting: f64,
     solution: Solution,
 }
 
@@ -208,8 +232,10 @@ impl Registration {
             pairs: vec![EMPTY; sources * sources],
             partners: vec![0; sources],
             contradicted: vec![0.0; sources],
+            rests: vec![Rest::default(); sources],
             reference,
             keep: (-tick_s / memory_s).exp(),
+            keep_drifting: (-tick_s / DRIFT_S.min(memory_s)).exp(),
             solution: Solution {
                 next: None,
                 sources: vec![unknown; sources],
@@ -273,20 +299,41 @@ impl Registration {
         std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
     }
 
+    /// Variance per axis of what systematic errors do to a state that all sources contribute to, m²: of what their
+    /// horizontal offsets have in common, and of what is not removed.
+    pub(crate) fn common_error_m2(&self) -> f64 {
+        self.common_offset_m2() + self.left_over_m2()
+    }
+
     /// Variance per axis of what the horizontal offsets of all sources have in common, m²: it shows in no difference,
-    /// but where the offsets lie far apart their mean is hardly 0. None where a source is taken as true. Few offsets
+    /// but where the offsets lie far apart their middle is hardly 0. None where a source is taken as true. Few offsets
     /// tell badly how far they lie apart: beforehand, as much is known of it as two more would tell.
-    pub(crate) fn common_offset_m2(&self) -> f64 {
-        let known = self.sources.iter().filter(|known| known.samples >= SAMPLES_MIN);
-        let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), known| {
-            let excess = |axis: usize| known.errors[axis] * known.errors[axis] - known.variances[axis];
-            (sum + 0.5 * (excess(0) + excess(1)), count + 1.0)
-        });
+    fn common_offset_m2(&self) -> f64 {
+        let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
+        for known in self.sources.iter().filter(|known| known.samples >= SAMPLES_MIN) {
+            let weight = known.closeness(0..2);
+            sum += weight * weight * known.excess_m2();
+            total += weight;
+            count += 1.0;
+        }
         if self.reference.is_some() || count < 2.0 {
             return 0.0;
         }
-        let spread_m2 = sum_m2 / (count - 1.0);
-        ((count + 1.0) / (count - 1.0) * spread_m2 / count).max(0.0)
+        let few = (count + 1.0) * count / ((count - 1.0) * (count - 1.0));
+        (few * sum / (total * total)).max(0.0)
+    }
+
+    /// Mean square per axis of what is not removed of the sources' horizontal offsets, m²: it is not significant yet,
+    /// or has drifted away from the estimate.
+    fn left_over_m2(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (known, rest) in self.sources.iter().zip(&self.rests) {
+            if known.samples >= SAMPLES_MIN {
+                sum += if known.removed[0] { 0.0 } else { known.excess_m2() } + rest.drift_m2();
+                count += 1.0;
+            }
+        }
+        if count < 2.0 { 0.0 } else { (sum / count).max(0.0) }
     }
 
     /// Learns from two views of one target at one time, of which the sources see points that lie apart with this
@@ -347,6 +394,8 @@ impl Registration {
             return;
         }
         let weight = weight * SAMPLE_WEIGHT;
+        self.rests[usize::from(a.source)].add(&weight, [rest[0], rest[1]]);
+        self.rests[usize::from(b.source)].add(&weight, [-rest[0], -rest[1]]);
         self.add(
             a.source,
             b.source,
@@ -393,6 +442,9 @@ impl Registration {
             for _ in 0..SWEEPS {
                 source.samples *= keep;
             }
+        }
+        for rest in &mut self.rests {
+            rest.look(self.keep_drifting);
         }
         self.solution.sources.copy_from_slice(&self.sources);
         self.solution.next = Some((0, 0));
@@ -449,6 +501,7 @@ impl Registration {
         }
         self.partners[own] = 0;
         self.contradicted[own] = 0.0;
+        self.rests[own] = Rest::default();
         self.sources[own] = SourceErrors::unknown();
     }
 
@@ -458,9 +511,11 @@ impl Registration {
         let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
-            pair.own *= self.keep;
-            pair.cross *= self.keep;
-            pair.right *= self.keep;
+            let drifts = self.rests[own].is_drift() || self.rests[other].is_drift();
+            let keep = if drifts { self.keep_drifting } else { self.keep };
+            pair.own *= keep;
+            pair.cross *= keep;
+            pair.right *= keep;
             normal += pair.own;
         }
         let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
@@ -485,25 +540,29 @@ impl Registration {
         self.solution.sources[own].errors = factor.solve(&right);
     }
 
-    /// Without a reference the mean of all sources that are compared is taken as true.
+    /// Without a reference the middle of all sources that are compared is taken as true: their geometric median, which
+    /// a single one that is far off hardly moves. A step towards it (Weiszfeld) is made at every sweep.
     fn fix_gauge(&mut self) {
         if self.reference.is_some() {
             return;
         }
-        let sources = &mut self.solution.sources;
-        let compared = |source: &&mut SourceErrors| source.samples > 0.0;
-        let count = sources.iter().filter(|source| source.samples > 0.0).count();
-        if count == 0 {
-            return;
-        }
-        let mut mean = Errors::zeros();
-        for source in sources.iter() {
-            mean += source.errors / count as f64;
-        }
         // Range and azimuth biases are seen absolutely, from different places.
-        (mean[4], mean[5]) = (0.0, 0.0);
-        for source in sources.iter_mut().filter(compared) {
-            source.errors -= mean;
+        for rows in [0..2, 2..3, 3..4] {
+            let compared = self.solution.sources.iter().filter(|source| source.samples > 0.0);
+            let mut total = 0.0;
+            let mut middle = Errors::zeros();
+            for source in compared {
+                let weight = source.closeness(rows.clone());
+                total += weight;
+                middle += source.errors * weight;
+            }
+            if total > 0.0 {
+                for source in self.solution.sources.iter_mut().filter(|source| source.samples > 0.0) {
+                    for row in rows.clone() {
+                        source.errors[row] -= middle[row] / total;
+                    }
+                }
+            }
         }
     }
 
@@ -557,135 +616,5 @@ fn partners(mut bits: u64) -> impl Iterator<Item = usize> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A deterministic stand-in for noise.
-    fn noise(index: u32, scale: f64) -> f64 {
-        let mixed = index.wrapping_mul(2_654_435_761) ^ (index >> 3).wrapping_mul(0x9e37_79b9);
-        (f64::from(mixed % 10_007) / 10_007.0 - 0.5) * 3.46 * scale
-    }
-
-    fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> View {
-        let place = |axis: usize| {
-            truth[axis] + offset.get(axis).copied().unwrap_or(0.0) - late_s * velocity[axis]
-                + noise(index * 31 + u32::from(source) * 7 + axis as u32, 20.0)
-        };
-        View {
-            source,
-            position_m: std::array::from_fn(place),
-            covariance_m2: estimation::Matrix3::identity() * 400.0,
-            velocity_mps: velocity,
-            has_height: true,
-            place_m: None,
-        }
-    }
-
-    fn registered(reference: Option<u16>, offsets: [[f64; 2]; 3], late_s: [f64; 3]) -> Registration {
-        let mut registration = Registration::new(3, reference, 300.0, 1.0);
-        for second in 0..100u32 {
-            for target in 0..20u32 {
-                let heading = f64::from(target) * 0.7;
-                let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
-                let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
-                let of = |source: u16| {
-                    let index = usize::from(source);
-                    view(
-                        source,
-                        truth,
-                        velocity,
-                        offsets[index],
-                        late_s[index],
-                        second * 20 + target,
-                    )
-                };
-                registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
-            }
-            registration.begin();
-            while !registration.step(|_| {}) {}
-            registration.decide(|_| true, 0.0, 20, false);
-        }
-        registration
-    }
-
-    #[test]
-    fn offsets_relative_to_their_mean_are_found() {
-        let registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
-        for (source, expected) in [[-30.0, -17.3], [30.0, -17.3], [0.0, 34.7]].into_iter().enumerate() {
-            let known = registration.of(source as u16);
-            for (axis, expected) in expected.into_iter().enumerate() {
-                assert!((known.errors[axis] - expected).abs() < 3.0, "{source}: {known:?}");
-                assert!(known.removed[axis], "{source}: {known:?}");
-            }
-            assert!(!known.removed[3], "no clock is wrong: {known:?}");
-        }
-    }
-
-    #[test]
-    fn a_named_reference_is_true() {
-        let registration = registered(Some(1), [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
-        assert_eq!(registration.of(1).errors, Errors::zeros());
-        assert!((registration.of(0).errors[0] + 60.0).abs() < 3.0);
-        assert!((registration.of(2).errors[1] - 52.0).abs() < 3.0);
-    }
-
-    #[test]
-    fn what_all_offsets_have_in_common_is_as_uncertain_as_they_differ() {
-        let offsets = [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]];
-        // Each lies 34.6 m from their mean: 900 m² per axis of one, a third of that of the mean of three, and twice as
-        // much since it is known from three.
-        let common_m2 = registered(None, offsets, [0.0; 3]).common_offset_m2();
-        assert!((common_m2 - 600.0).abs() < 80.0, "{common_m2}");
-        assert_eq!(registered(Some(1), offsets, [0.0; 3]).common_offset_m2(), 0.0);
-        let none_m2 = registered(None, [[0.0; 2]; 3], [0.0; 3]).common_offset_m2();
-        assert!(none_m2 < 8.0, "{none_m2}");
-    }
-
-    #[test]
-    fn a_late_clock_is_found() {
-        let registration = registered(Some(0), [[0.0; 2]; 3], [0.0, 0.0, 0.5]);
-        assert!((registration.of(2).errors[3] - 0.5).abs() < 0.05);
-        assert!(registration.of(2).removed[3] && !registration.of(1).removed[3]);
-        let shift = registration.shift(2, [0.0; 3], [100.0, 0.0, 0.0], None);
-        assert!((shift[0] + 50.0).abs() < 5.0, "{shift:?}");
-    }
-
-    #[test]
-    fn many_sources_are_solved_for_in_steps_and_change_together() {
-        const SOURCES: u16 = 40;
-        let mut registration = Registration::new(usize::from(SOURCES), Some(0), 300.0, 1.0);
-        for index in 0..20_000u32 {
-            let (a, b) = ((index % 40) as u16, (index / 40 % 39) as u16);
-            let b = if b < a { b } else { b + 1 };
-            let heading = f64::from(index) * 0.7;
-            let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
-            let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
-            registration.learn(&of(a), &of(b), 0.0);
-        }
-        registration.begin();
-        assert!(!registration.step(|_| {}) && registration.is_solving());
-        assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
-        for _ in 0..30 {
-            registration.begin();
-            while !registration.step(|_| {}) {}
-        }
-        assert!(!registration.is_solving() && !registration.step(|_| {}));
-        for source in 1..SOURCES {
-            let east_m = registration.of(source).errors[0];
-            assert!((east_m - f64::from(source)).abs() < 3.0, "{source}: {east_m}");
-        }
-    }
-
-    #[test]
-    fn sources_that_agree_are_left_alone() {
-        let registration = registered(None, [[0.0; 2]; 3], [0.0; 3]);
-        for source in 0..3 {
-            assert_eq!(
-                registration.of(source).removed,
-                [false; ERRORS],
-                "{:?}",
-                registration.of(source)
-            );
-        }
-    }
-}
+#[path = "registration_tests.rs"]
+mod tests;

@@ -132,7 +132,7 @@ settings::settings! {
         /// They are estimated and removed.
         enabled: bool = true;
         /// Name of the source that is taken as true.
-        reference_source: Option<SourceRef> = None, usually "the mean of all sources";
+        reference_source: Option<SourceRef> = None, usually "the middle of all sources";
         /// Time constant with which old comparisons are forgotten.
         memory_s: f64 = 600.0, in [1, 1e6];
         /// Gross errors of azimuth, range, time or place, of which a source's tracks join none, are taken off where a

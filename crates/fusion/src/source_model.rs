@@ -37,6 +37,8 @@ const INFLATION_MIN: f64 = 1.3;
 const LOG_INFLATION_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
 const INFLATION_MAX: f64 = 1000.0;
+/// Weight of a new sample in the mean over all sensor tracks.
+const COMMON_GAIN: f64 = 1.0 / 64.0;
 /// Samples of detection points before their spread is believed.
 const SPREAD_SAMPLES_MIN: u32 = 30;
 
@@ -83,7 +85,9 @@ kept! {
         looked_at: u32,
         process_noise: Option<NearlyConstantVelocity>,
         inflation: Seeker,
-        /// Squared mean innovation over a sensor track, relative to what noise explains.
+        /// Mean innovation over all sensor tracks: what is left of the source's own errors, metres.
+        mean_offset_m: [f64; 2],
+        /// Squared mean innovation over a sensor track, less that, relative to what noise explains.
         spread_ratio: Median,
         /// Part of that which noise explains, m² per axis.
         spread_noise_m2: Median,
@@ -105,6 +109,7 @@ impl Default for SourceModel {
             looked_at: 0,
             process_noise: None,
             inflation: Seeker::default(),
+            mean_offset_m: [0.0; 2],
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
@@ -164,9 +169,15 @@ impl SourceModel {
             .step(normalised_squared - CHI2_MEDIAN_2, 0.0, INFLATION_MAX.ln());
     }
 
-    /// Learns from the mean innovation over one sensor track, `squared_m2`, of which noise explains `noise_m2` (both
-    /// summed over two axes), and the variance per axis of the measurement.
-    pub(crate) fn learn_spread(&mut self, squared_m2: f64, noise_m2: f64, measured_m2: f64) {
+    /// Learns from the mean innovation over one sensor track, east and north, of which noise explains a variance of
+    /// `noise_m2` (summed over both axes), and the variance per axis of the measurement. An error that all tracks have
+    /// in common is none of points.
+    pub(crate) fn learn_spread(&mut self, offset_m: [f64; 2], noise_m2: f64, measured_m2: f64) {
+        let mut squared_m2 = 0.0;
+        for (mean, offset) in self.mean_offset_m.iter_mut().zip(offset_m) {
+            squared_m2 += (offset - *mean) * (offset - *mean);
+            *mean += COMMON_GAIN * (offset - *mean);
+        }
         self.spread_ratio.add(squared_m2 / noise_m2);
         self.spread_noise_m2.add(0.5 * noise_m2);
         self.measured_m2.add(measured_m2);
@@ -246,16 +257,19 @@ mod tests {
 
     #[test]
     fn detection_points_apart_are_told_from_noise() {
-        let learned = |apart_m2: f64| {
+        let learned = |apart_m2: f64, off_m: f64| {
             let mut model = SourceModel::default();
-            for squared in innovations(1.0).take(1000) {
-                // The mean of two axes of noise, and of points that lie so far apart.
-                model.learn_spread(0.5 * squared * (2.0 * 9.0 + 2.0 * apart_m2), 2.0 * 9.0, 25.0);
+            for (target, squared) in (0..1000).zip(innovations(1.0)) {
+                // The mean of two axes of noise, and of points that lie so far apart; all off by as much.
+                let offset_m = (0.5 * squared * (2.0 * 9.0 + 2.0 * apart_m2)).sqrt();
+                let (sin, cos) = (f64::from(target) * 2.4).sin_cos();
+                model.learn_spread([off_m + offset_m * sin, offset_m * cos], 2.0 * 9.0, 25.0);
             }
             model
         };
-        assert_eq!(learned(0.0).spread_m2(), 0.0);
-        let model = learned(400.0);
+        assert_eq!(learned(0.0, 0.0).spread_m2(), 0.0);
+        assert_eq!(learned(0.0, 50.0).spread_m2(), 0.0, "an error of the source");
+        let model = learned(400.0, 50.0);
         assert!((300.0..520.0).contains(&model.spread_m2()), "{}", model.spread_m2());
         assert!(model.sees_points(2.0) && !model.sees_points(10.0));
     }

@@ -9,6 +9,7 @@ use crate::alignment::Alignment;
 use crate::filter::{Filter, Innovation};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
+use crate::motion::Motion;
 use crate::registration::{Registration, View};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
@@ -56,8 +57,8 @@ impl Sources {
 
     /// Process noise of turns of the target that `filter` follows.
     #[inline]
-    pub(crate) fn turns_of(&self, filter: &Filter) -> &NearlyConstantVelocity {
-        self.manoeuvres.turns(filter.estimate.velocity_mps())
+    pub(crate) fn motion_of(&self, filter: &Filter) -> &Motion {
+        self.manoeuvres.motion(filter.estimate.velocity_mps())
     }
 
     /// Looks for gross errors in a valid report, which came at `now_ns`: the report without that of its source, if one
@@ -178,8 +179,7 @@ impl Sources {
             && tracks.systems.get(system).life == TrackState::Confirmed
             && let Some((offset, noise_m2)) = self.offset(tracks, sensor)
         {
-            let squared = offset[0] * offset[0] + offset[1] * offset[1];
-            self.models[source].learn_spread(squared, 2.0 * noise_m2, measurement.variance_m2());
+            self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2());
         }
     }
 
@@ -275,7 +275,8 @@ impl Sources {
         let mut state = entry.as_reported();
         let noise = self
             .manoeuvres
-            .turns(entry.latest.velocity_mps)
+            .motion(entry.latest.velocity_mps)
+            .turns
             .density_m2ps3
             .map(|density| AxisNoise::white(density, seconds));
         state.advance(seconds, noise);

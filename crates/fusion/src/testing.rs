@@ -1,5 +1,6 @@
-//! Settings for tests.
+//! Settings and inputs for tests.
 
+use crate::filter::{Fit, Innovation};
 use crate::settings::{
     Accuracy, AccuracyBase, AssociationSettings, Capacity, ExistenceSettings, LifeSettings, RegistrationSettings,
     ReportLimits, RuleName, RuleSettings, Settings, SourceSettings,
@@ -53,5 +54,17 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         refresh_s: None,
         exchange: false,
         refresh_delay_s: settings::Seconds::default(),
+    }
+}
+
+/// An innovation of 0, that fits so.
+pub(crate) fn innovation(fit: Fit) -> Innovation {
+    Innovation {
+        residual_m: [0.0; 2],
+        covariance_m2: [1.0, 0.0, 1.0],
+        gain: 0.5,
+        fit,
+        straight_s: 0.0,
+        begins_turn: false,
     }
 }

@@ -11,6 +11,7 @@ use messages::{GrossError, GrossKind};
 use super::*;
 use crate::checkpoint::{Clock, Memory, Refused, Snapshot};
 use crate::filter::Fit;
+use crate::testing::innovation;
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]
@@ -250,7 +251,10 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let engine = &mut harness.engine;
     let fast_mps = [100.0, 0.0, 0.0];
     for _ in 0..100 {
-        engine.sources.manoeuvres.learn(fast_mps, Fit::Turning(50.0));
+        engine
+            .sources
+            .manoeuvres
+            .learn(fast_mps, &innovation(Fit::Turning(50.0)));
     }
     engine
         .sources
@@ -264,7 +268,7 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let known = |harness: &Harness| {
         let (sources, tracks) = (&harness.engine.sources, &harness.engine.tracks);
         (
-            sources.manoeuvres.turns(fast_mps).density_m2ps3,
+            sources.manoeuvres.motion(fast_mps).turns.density_m2ps3,
             sources.alignment.kept(2),
             [0, 1, 2].map(|source| tracks.dependence.group_of(source)),
         )

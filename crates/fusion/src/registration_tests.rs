@@ -1,0 +1,170 @@
+//! Systematic errors that are known, and are found.
+
+use super::*;
+
+/// A deterministic stand-in for noise.
+fn noise(index: u32, scale: f64) -> f64 {
+    let mixed = index.wrapping_mul(2_654_435_761) ^ (index >> 3).wrapping_mul(0x9e37_79b9);
+    (f64::from(mixed % 10_007) / 10_007.0 - 0.5) * 3.46 * scale
+}
+
+fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> View {
+    let place = |axis: usize| {
+        truth[axis] + offset.get(axis).copied().unwrap_or(0.0) - late_s * velocity[axis]
+            + noise(index * 31 + u32::from(source) * 7 + axis as u32, 20.0)
+    };
+    View {
+        source,
+        position_m: std::array::from_fn(place),
+        covariance_m2: estimation::Matrix3::identity() * 400.0,
+        velocity_mps: velocity,
+        has_height: true,
+        place_m: None,
+    }
+}
+
+fn registered(reference: Option<u16>, offsets: [[f64; 2]; 3], late_s: [f64; 3]) -> Registration {
+    registered_while(reference, 100, late_s, |source, _| offsets[usize::from(source)])
+}
+
+/// Registration after so many seconds, with the offset of each source at each second.
+fn registered_while(
+    reference: Option<u16>,
+    seconds: u32,
+    late_s: [f64; 3],
+    offset_m: impl Fn(u16, u32) -> [f64; 2],
+) -> Registration {
+    let mut registration = Registration::new(3, reference, 300.0, 1.0);
+    for second in 0..seconds {
+        for target in 0..20u32 {
+            let heading = f64::from(target) * 0.7;
+            let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+            let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
+            let of = |source: u16| {
+                let (offset_m, late_s) = (offset_m(source, second), late_s[usize::from(source)]);
+                view(source, truth, velocity, offset_m, late_s, second * 20 + target)
+            };
+            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
+        }
+        registration.begin();
+        while !registration.step(|_| {}) {}
+        registration.decide(|_| true, 0.0, 20, false);
+    }
+    registration
+}
+
+#[test]
+fn offsets_relative_to_their_mean_are_found() {
+    let registration = registered(None, [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+    for (source, expected) in [[-30.0, -17.3], [30.0, -17.3], [0.0, 34.7]].into_iter().enumerate() {
+        let known = registration.of(source as u16);
+        for (axis, expected) in expected.into_iter().enumerate() {
+            assert!((known.errors[axis] - expected).abs() < 3.0, "{source}: {known:?}");
+            assert!(known.removed[axis], "{source}: {known:?}");
+        }
+        assert!(!known.removed[3], "no clock is wrong: {known:?}");
+    }
+}
+
+#[test]
+fn one_that_is_far_off_among_several_is_the_one() {
+    let registration = registered(None, [[0.0, 0.0], [300.0, 0.0], [5.0, 0.0]], [0.0; 3]);
+    assert!(
+        (registration.of(1).errors[0] - 297.0).abs() < 5.0,
+        "{:?}",
+        registration.of(1)
+    );
+    assert!(
+        [0, 2]
+            .into_iter()
+            .all(|source| registration.of(source).errors[0].abs() < 8.0)
+    );
+    assert!(registration.common_offset_m2() < 60.0, "the others agree");
+}
+
+#[test]
+fn an_error_that_drifts_is_followed_and_what_it_is_behind_is_known() {
+    let drift_mps = 2.0;
+    let at_end = registered_while(None, 300, [0.0; 3], |source, second| {
+        let east_m = if source == 1 {
+            drift_mps * f64::from(second)
+        } else {
+            0.0
+        };
+        [east_m, 0.0]
+    });
+    let behind_m = drift_mps * 300.0 - (at_end.of(1).errors[0] - at_end.of(0).errors[0]);
+    assert!((0.0..40.0).contains(&behind_m), "{behind_m}");
+    let left_m = at_end.left_over_m2().sqrt();
+    assert!((0.2 * behind_m..behind_m).contains(&left_m), "{left_m} of {behind_m}");
+    let steady = registered_while(None, 300, [0.0; 3], |source, _| [f64::from(source) * 20.0, 0.0]);
+    assert_eq!(steady.left_over_m2(), 0.0);
+}
+
+#[test]
+fn a_named_reference_is_true() {
+    let registration = registered(Some(1), [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
+    assert_eq!(registration.of(1).errors, Errors::zeros());
+    assert!((registration.of(0).errors[0] + 60.0).abs() < 3.0);
+    assert!((registration.of(2).errors[1] - 52.0).abs() < 3.0);
+}
+
+#[test]
+fn what_all_offsets_have_in_common_is_as_uncertain_as_they_differ() {
+    let offsets = [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]];
+    // Each lies 34.6 m from their mean: 900 m² per axis of one, a third of that of the mean of three, and twice as
+    // much since it is known from three.
+    let common_m2 = registered(None, offsets, [0.0; 3]).common_offset_m2();
+    assert!((common_m2 - 600.0).abs() < 80.0, "{common_m2}");
+    assert_eq!(registered(Some(1), offsets, [0.0; 3]).common_offset_m2(), 0.0);
+    let none_m2 = registered(None, [[0.0; 2]; 3], [0.0; 3]).common_offset_m2();
+    assert!(none_m2 < 8.0, "{none_m2}");
+}
+
+#[test]
+fn a_late_clock_is_found() {
+    let registration = registered(Some(0), [[0.0; 2]; 3], [0.0, 0.0, 0.5]);
+    assert!((registration.of(2).errors[3] - 0.5).abs() < 0.05);
+    assert!(registration.of(2).removed[3] && !registration.of(1).removed[3]);
+    let shift = registration.shift(2, [0.0; 3], [100.0, 0.0, 0.0], None);
+    assert!((shift[0] + 50.0).abs() < 5.0, "{shift:?}");
+}
+
+#[test]
+fn many_sources_are_solved_for_in_steps_and_change_together() {
+    const SOURCES: u16 = 40;
+    let mut registration = Registration::new(usize::from(SOURCES), Some(0), 300.0, 1.0);
+    for index in 0..20_000u32 {
+        let (a, b) = ((index % 40) as u16, (index / 40 % 39) as u16);
+        let b = if b < a { b } else { b + 1 };
+        let heading = f64::from(index) * 0.7;
+        let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+        let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
+        registration.learn(&of(a), &of(b), 0.0);
+    }
+    registration.begin();
+    assert!(!registration.step(|_| {}) && registration.is_solving());
+    assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
+    for _ in 0..30 {
+        registration.begin();
+        while !registration.step(|_| {}) {}
+    }
+    assert!(!registration.is_solving() && !registration.step(|_| {}));
+    for source in 1..SOURCES {
+        let east_m = registration.of(source).errors[0];
+        assert!((east_m - f64::from(source)).abs() < 3.0, "{source}: {east_m}");
+    }
+}
+
+#[test]
+fn sources_that_agree_are_left_alone() {
+    let registration = registered(None, [[0.0; 2]; 3], [0.0; 3]);
+    for source in 0..3 {
+        assert_eq!(
+            registration.of(source).removed,
+            [false; ERRORS],
+            "{:?}",
+            registration.of(source)
+        );
+    }
+}
