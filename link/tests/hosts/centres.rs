@@ -50,7 +50,7 @@ into = "sensor/{other}/tracks"
 }
 
 /// What a sensor says of all targets now. Sensors are off by some metres, each by others.
-fn reports(sensor: usize, begun: SystemTime) -> Vec<SensorTrack> {
+pub(crate) fn reports(sensor: usize, begun: SystemTime) -> Vec<SensorTrack> {
     let now = SystemTime::now();
     let flown_s = now.duration_since(begun).unwrap().as_secs_f64();
     let now_ns = now.duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64;
