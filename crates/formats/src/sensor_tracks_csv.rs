@@ -2,7 +2,8 @@
 //!
 //! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state.
 //! Who the target says it is, the method, the trace, and whether height and velocity were observed may follow; where
-//! those last two columns are missing, both were. So may what the track follows (`kind`: `single`, or `group` with its
+//! those last two columns are missing, both were. A source that gives no covariance but its trace leaves those columns
+//! empty, or out (TI-1). So may what the track follows (`kind`: `single`, or `group` with its
 //! `members`) and the target's `type` with its `type_confidence`. A column `truth_id` is never read: fusion must not
 //! see it.
 
@@ -34,7 +35,8 @@ pub struct SensorTrackColumns<F> {
     sensor: Column,
     number: Column,
     kinematics: [Column; STATE_LEN],
-    covariance: [Column; COVARIANCE_COLUMNS.len()],
+    /// `None` where the trace alone is given.
+    covariance: Option<[Column; COVARIANCE_COLUMNS.len()]>,
     state: Column,
     address: Option<Column>,
     mode_3a: Option<Column>,
@@ -57,6 +59,8 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64, source_of: F) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
+        let trace = table.optional("trace")?;
+        let is_trace_alone = trace.is_some() && table.optional(COVARIANCE_COLUMNS[0])?.is_none();
         let columns = SensorTrackColumns {
             first_day_ns,
             source_of,
@@ -64,13 +68,16 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             sensor: table.required("sensor_id")?,
             number: table.required("sensor_track_id")?,
             kinematics: table.all(KINEMATICS)?,
-            covariance: table.all(COVARIANCE_COLUMNS)?,
+            covariance: match is_trace_alone {
+                true => None,
+                false => Some(table.all(COVARIANCE_COLUMNS)?),
+            },
             state: table.required("state")?,
             address: table.optional("address")?,
             mode_3a: table.optional("mode_3a")?,
             callsign: table.optional("callsign")?,
             method: table.optional("method")?,
-            trace: table.optional("trace")?,
+            trace,
             height_valid: table.optional("height_valid")?,
             velocity_valid: table.optional("velocity_valid")?,
             kind: table.optional("kind")?,
@@ -93,16 +100,17 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
         })?;
         let [x, y, z, vx, vy, vz] = self.kinematics.map(|column| row.number(column));
         let trace_m2 = self.trace(row)?;
+        let covariance = self.covariance(row, trace_m2)?;
         let (kind, members) = self.kind(row)?;
         Ok(SensorTrack {
             time_of_measurement_ns: row.time_ns(self.time)?.saturating_add(self.first_day_ns),
             track_number: row.whole(self.number)?,
             source,
-            valid: self.valid(row, trace_m2.is_some())?,
+            valid: self.valid(row, covariance.is_some(), trace_m2.is_some())?,
             identity: self.identity(row)?,
             position_m: [x?, y?, z?],
             velocity_mps: [vx?, vy?, vz?],
-            covariance: self.covariance(row)?,
+            covariance: covariance.unwrap_or_default(),
             trace_m2: trace_m2.unwrap_or_default(),
             state: self.state(row)? as u8,
             method: self.method(row)?,
@@ -123,25 +131,32 @@ impl<F> SensorTrackColumns<F> {
         })
     }
 
-    fn valid(&self, row: Cells<'_>, trace: bool) -> Result<u16, CsvError> {
+    fn valid(&self, row: Cells<'_>, covariance: bool, trace: bool) -> Result<u16, CsvError> {
         let height = flag(row, self.height_valid)?;
         let velocity = flag(row, self.velocity_valid)?;
         let bit = |set: bool, bit: u16| if set { bit } else { 0 };
-        Ok(bits::OWN_COVARIANCE
+        Ok(bit(covariance, bits::OWN_COVARIANCE)
             | bit(height, bits::HEIGHT)
             | bit(velocity, bits::VELOCITY)
             | bit(height && velocity, bits::VERTICAL_RATE)
             | bit(trace, bits::TRACE))
     }
 
-    fn covariance(&self, row: Cells<'_>) -> Result<Covariance, CsvError> {
+    /// The covariance; `None` if the row has its trace instead.
+    fn covariance(&self, row: Cells<'_>, trace_m2: Option<f64>) -> Result<Option<Covariance>, CsvError> {
+        let columns = match (self.covariance, self.trace, trace_m2) {
+            (None, Some(column), None) => return Err(row.error(column, "is empty, and there are no covariances")),
+            (None, ..) => return Ok(None),
+            (Some(columns), _, Some(_)) if row.text(columns[0])?.is_none() => return Ok(None),
+            (Some(columns), ..) => columns,
+        };
         let mut covariance = Covariance::default();
-        for (place, column) in covariance.upper.iter_mut().zip(self.covariance) {
+        for (place, column) in covariance.upper.iter_mut().zip(columns) {
             *place = row.number(column)?;
         }
         for line in 0..STATE_LEN {
             if covariance.get(line, line) < 0.0 {
-                let column = self.covariance[Covariance::index(line, line)];
+                let column = columns[Covariance::index(line, line)];
                 return Err(row.error(column, "is negative, which no variance is"));
             }
         }
@@ -149,13 +164,13 @@ impl<F> SensorTrackColumns<F> {
             for other in line + 1..STATE_LEN {
                 let limit = (covariance.get(line, line) * covariance.get(other, other)).sqrt() + ROUNDING;
                 if covariance.get(line, other).abs() > limit {
-                    let column = self.covariance[Covariance::index(line, other)];
+                    let column = columns[Covariance::index(line, other)];
                     let reason = format!("is beyond the product of its standard deviations, {limit:.4}");
                     return Err(row.error(column, reason));
                 }
             }
         }
-        Ok(covariance)
+        Ok(Some(covariance))
     }
 
     fn trace(&self, row: Cells<'_>) -> Result<Option<f64>, CsvError> {
@@ -321,6 +336,34 @@ mod tests {
         let track = read(columns, &row(",,,,,,"))[0].clone().unwrap();
         assert_eq!((track.identity, track.method), (Identity::default(), 0));
         assert!(track.has(bits::HEIGHT | bits::VELOCITY) && !track.has(bits::TRACE));
+    }
+
+    #[test]
+    fn a_row_may_have_the_trace_in_place_of_the_covariance() {
+        let none = ",".repeat(COVARIANCE_COLUMNS.len() - 1);
+        let row = |covariance: &str, trace: &str| format!("0,1,1,7,0,0,9,0,0,{covariance},confirmed,{trace}\n");
+        let track = read(",trace", &row(&none, "200"))[0].clone().unwrap();
+        assert_eq!((track.trace_m2, track.covariance), (200.0, Covariance::default()));
+        assert!(track.has(bits::TRACE) && !track.has(bits::OWN_COVARIANCE));
+        let error = read(",trace", &row(&none, "")).remove(0).unwrap_err();
+        assert!(error.contains("P00"), "{error}");
+
+        let header = "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,state,trace";
+        let text = format!("{header}\n0,1,1,7,0,0,9,0,0,confirmed,200\n1,1,1,7,0,0,9,0,0,confirmed,\n");
+        let reader = SensorTrackReader::new(text.as_bytes(), 0, |_| Some(101)).unwrap();
+        let [whole, short] = &reader.collect::<Vec<_>>()[..] else {
+            panic!("two rows")
+        };
+        assert_eq!(
+            whole.as_ref().unwrap(),
+            &SensorTrack {
+                time_of_measurement_ns: 0,
+                ..track
+            }
+        );
+        assert!(short.as_ref().unwrap_err().to_string().contains("column trace"));
+        let missing = SensorTrackReader::new(&header.as_bytes()[..header.len() - 6], 0, |_| Some(101));
+        assert!(missing.err().is_some_and(|error| error.to_string().contains("P00")));
     }
 
     #[test]

@@ -212,6 +212,8 @@ impl Engine {
     /// One older than its own sensor track's latest is rejected; one whose time nobody should believe is kept out of
     /// the tracks.
     pub fn take_at(&mut self, report: &SensorTrack, now_ns: i64, sink: &mut impl Sink) {
+        let completed = inlet::completed(report, &self.settings.sources);
+        let report = completed.as_ref().unwrap_or(report);
         if !inlet::is_valid(report, &self.settings.sources) {
             self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;

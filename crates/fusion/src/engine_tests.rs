@@ -111,6 +111,51 @@ fn more_sources_than_a_message_can_list_are_counted() {
 }
 
 #[test]
+fn a_source_that_gives_its_trace_alone_counts_as_much_as_its_trace_says() {
+    for rule in [messages::FusionRule::Auto, messages::FusionRule::InverseTrace] {
+        let run = |trace_alone: bool| {
+            let mut settings = test_settings(2);
+            settings.rule.name.0 = rule;
+            let (mut harness, mut noise) = (Harness::new(settings), random(5));
+            for step in 0..20 {
+                let time_s = f64::from(step);
+                let mut place = |sigma_m: f64| [0, 1].map(|_| 3.5 * sigma_m * noise());
+                harness.take(&report(0, 1, time_s, place(10.0), [20.0, 0.0]));
+                let mut coarse = report(1, 1, time_s + 0.5, place(30.0), [20.0, 0.0]);
+                coarse.covariance = if trace_alone {
+                    Covariance::default()
+                } else {
+                    Covariance::diagonal([30.0; 3], [std::f64::consts::SQRT_2 * 30.0; 3])
+                };
+                (coarse.valid, coarse.trace_m2) = (coarse.valid | sensor_track_bits::TRACE, 1800.0);
+                harness.take(&coarse);
+            }
+            assert_eq!(harness.count(Counter::RejectedInvalid), 0);
+            harness.published
+        };
+        let [published, whole] = [true, false].map(run);
+        assert_eq!(published.len(), whole.len());
+        for (track, whole) in published.iter().zip(&whole) {
+            assert_eq!(
+                (track.position_m, track.covariance),
+                (whole.position_m, whole.covariance),
+                "{rule:?}"
+            );
+        }
+        let [fine, coarse] = [0, 1].map(|place| published.last().unwrap().contributions()[place].weight);
+        assert!(coarse > 0.0 && fine > 2.0 * coarse, "{rule:?}: {fine} {coarse}");
+    }
+    let mut harness = Harness::new(test_settings(1));
+    for trace_m2 in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        let mut wrong = report(0, 1, 0.0, [0.0; 2], [20.0, 0.0]);
+        (wrong.covariance, wrong.trace_m2) = (Covariance::default(), trace_m2);
+        wrong.valid |= sensor_track_bits::TRACE;
+        assert_eq!(harness.take(&wrong), None);
+    }
+    assert_eq!(harness.count(Counter::RejectedInvalid), 4);
+}
+
+#[test]
 fn accuracy_values_tell_the_steady_source_under_every_rule_that_is_asked_for_them() {
     for rule in [messages::FusionRule::Auto, messages::FusionRule::SystemFilter] {
         for wanted in [false, true] {

@@ -1,6 +1,6 @@
 //! Checks of a report before it is believed.
 
-use messages::{AXES, Counter, Covariance, Identity, STATE_LEN, SensorTrack, TrackState};
+use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::settings::{ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
@@ -13,6 +13,8 @@ const COVARIANCE_MAX: f64 = 1e14;
 /// Smallest variances that are believed, of position (m²) and velocity (m²/s²): to a millimetre and a tenth of a
 /// millimetre per second nothing is known.
 const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
+/// Standard deviation of a velocity that a report does not give, metres per second.
+const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
 /// Times farther from 1970 than this are none, nanoseconds: 146 years. Of any two others, and of any time span that can
 /// be configured, sums and differences can be told in 64 bits.
 const TIME_MAX_NS: i64 = 1 << 62;
@@ -42,6 +44,22 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool
         && within(&report.covariance.upper, COVARIANCE_MAX)
         && (0..STATE_LEN).all(|index| report.covariance.get(index, index) >= 0.0)
         && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
+}
+
+/// A report that has the trace of its covariance in place of the covariance, with one: positions as uncertain on each
+/// axis as the trace says, velocities as if they were of two such positions a period apart. `None` for any other.
+pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Option<SensorTrack> {
+    if report.covariance.upper[0] != 0.0 || !report.has(sensor_track_bits::TRACE) {
+        return None;
+    }
+    let period_s = sources.get(usize::from(report.source))?.period_ns as f64 / NS_PER_S;
+    let sigma_m = (0.5 * report.trace_m2).sqrt();
+    let sigma_mps = match report.has(sensor_track_bits::VELOCITY) {
+        true => std::f64::consts::SQRT_2 * sigma_m / period_s,
+        false => UNKNOWN_VELOCITY_SIGMA_MPS,
+    };
+    let covariance = Covariance::diagonal([sigma_m; AXES], [sigma_mps; AXES]);
+    Some(SensorTrack { covariance, ..*report })
 }
 
 /// Whether no variance says more than can be known, and all of them together are positive definite.

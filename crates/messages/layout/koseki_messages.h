@@ -265,7 +265,7 @@ typedef struct KosekiSensorTrack {
     KosekiIdentity identity; /* Identity of the target, as far as it is known. */
     double position_m[3]; /* Position east, north, up, metres. */
     double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
-    KosekiCovariance covariance; /* Covariance of position and velocity. */
+    KosekiCovariance covariance; /* Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead. */
     double measured_m[3]; /* Measured position, before the source's own filter, metres. */
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */

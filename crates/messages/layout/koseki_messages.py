@@ -325,7 +325,7 @@ class SensorTrack(ctypes.Structure):
         ("identity", Identity),  # Identity of the target, as far as it is known.
         ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
         ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
-        ("covariance", Covariance),  # Covariance of position and velocity.
+        ("covariance", Covariance),  # Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
         ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres.
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.

@@ -73,7 +73,7 @@ sample! {
         position_m: [f64; 3],
         /// Velocity east, north, up, metres per second.
         velocity_mps: [f64; 3],
-        /// Covariance of position and velocity.
+        /// Covariance of position and velocity; all 0 where the source gives its `trace_m2` instead.
         covariance: Covariance,
         /// Measured position, before the source's own filter, metres.
         measured_m: [f64; 3],

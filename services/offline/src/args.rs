@@ -118,8 +118,9 @@ Examples:
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
          and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and of what `koseki track`
          knows of targets kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the
-         covariance row by row; state is tentative, confirmed, coasted or terminated. A file may hold several sensors;
-         several files are merged by time. Rows that cannot be used are left out and counted.
+         covariance row by row, or in its place only its trace over east and north; state is tentative, confirmed,
+         coasted or terminated. A file may hold several sensors; several files are merged by time. Rows that cannot be
+         used are left out and counted.
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
          and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
          coasted. Several values in a column are joined with |.
