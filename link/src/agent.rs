@@ -1,5 +1,6 @@
 //! The duty cycle of a link.
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -209,34 +210,45 @@ impl Agent for LinkAgent {
             entry.counters.add(Counter::Unsent, counts.unsent);
             entry.counters.add(Counter::Conflated, counts.conflated);
         }
-        let came = self.inbound.counts();
-        entry.set(Counter::Published, came.published);
-        entry.set(Counter::LostOnTheWay, came.lost());
-        entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
+        self.inbound.report(&mut entry);
         entry.set(Counter::SendFailures, self.outbox.failures());
-        peers(&mut entry, &self.clocks.present(Now::read()), &self.expected);
-        entries.push(entry);
+        peers(entries, entry, &self.clocks.present(Now::read()), &self.expected);
     }
 }
 
-/// Says who is there, how far away and how their clocks differ; and who of those expected is missing.
-pub(crate) fn peers(entry: &mut HealthEntry, present: &[(String, String, Comparison)], expected: &[String]) {
+/// Says in `entry`, which becomes one of the `entries`, who of those expected is missing, and who is there, how far
+/// away and how their clocks differ. What finds no room in one note is in others, an entry for each peer.
+pub(crate) fn peers(
+    entries: &mut Vec<HealthEntry>,
+    mut entry: HealthEntry,
+    present: &[(String, String, Comparison)],
+    expected: &[String],
+) {
     let ms = |ns: i64| ns as f64 / 1e6;
-    let there = present.iter().map(|(deployment, _, comparison)| {
+    let is_missing = |name: &&String| !present.iter().any(|(there, ..)| there == *name);
+    let missing: Vec<&String> = expected.iter().filter(is_missing).collect();
+    entry.set(Counter::MissingPeers, missing.len() as u64);
+    let off_ns = present
+        .iter()
+        .map(|(.., comparison)| comparison.certain_offset_ns())
+        .max();
+    entry.set(Counter::HostClockOffUs, (off_ns.unwrap_or(0) / 1_000) as u64);
+    let mut there: Vec<&(String, String, Comparison)> = present.iter().collect();
+    there.sort_by_key(|(.., comparison)| Reverse(comparison.certain_offset_ns()));
+    let there = there.into_iter().map(|(deployment, _, comparison)| {
         let (away, offset) = (ms(comparison.round_trip_ns), ms(comparison.utc_offset_ns));
         format!(
             "{deployment} {away:.1} ms away, its UTC {offset:+.1} ± {:.1} ms",
             away / 2.0
         )
     });
-    let is_missing = |name: &&String| !present.iter().any(|(there, ..)| there == *name);
-    let missing = expected.iter().filter(is_missing);
-    entry.set(Counter::MissingPeers, missing.clone().count() as u64);
-    let off_ns = present
-        .iter()
-        .map(|(.., comparison)| comparison.certain_offset_ns())
-        .max();
-    entry.set(Counter::HostClockOffUs, (off_ns.unwrap_or(0) / 1_000) as u64);
-    let missing = missing.map(|name| format!("{name} is not there"));
-    entry.note = there.chain(missing).collect::<Vec<_>>().join(", ");
+    let missing = missing.into_iter().map(|name| format!("{name} is not there"));
+    let notes: Vec<String> = missing.chain(there).collect();
+    entry.note = notes.join(", ");
+    entries.push(entry);
+    entries.extend(notes.into_iter().zip(0..).map(|(note, source)| HealthEntry {
+        source,
+        note,
+        ..HealthEntry::default()
+    }));
 }

@@ -11,7 +11,8 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use bus::{Bus, Root, SharedMemory};
-use runtime::Now;
+use messages::Counter;
+use runtime::{HealthEntry, Now};
 use zenoh::pubsub::Subscriber;
 use zenoh::query::Reply;
 use zenoh::sample::Sample;
@@ -38,8 +39,10 @@ const ASK_MAX_NS: i64 = 8_000_000_000;
 pub(crate) struct Counts {
     /// Messages that were received.
     pub(crate) messages: u64,
-    /// Messages that could not be read, were of another layout, or repeated others.
+    /// Messages that could not be read, or repeated others.
     pub(crate) rejected: u64,
+    /// Messages of another layout.
+    pub(crate) schema_mismatch: u64,
     /// Samples that came, but for whole pictures.
     pub(crate) came: u64,
     /// Samples that were published.
@@ -145,8 +148,17 @@ impl Inbound {
         *lock(&self.counts)
     }
 
+    /// Counts what came in, as links and mirrors do alike.
+    pub(crate) fn report(&self, entry: &mut HealthEntry) {
+        let came = self.counts();
+        entry.set(Counter::Published, came.published);
+        entry.set(Counter::LostOnTheWay, came.lost());
+        entry.set(Counter::MessagesRejected, came.rejected + self.overrun());
+        entry.counters.add(Counter::RejectedSchema, came.schema_mismatch);
+    }
+
     /// Messages that were dropped because they came faster than they could be published.
-    pub(crate) fn overrun(&self) -> u64 {
+    fn overrun(&self) -> u64 {
         self.overrun.load(Ordering::Relaxed)
     }
 

@@ -267,12 +267,9 @@ impl Agent for MirrorAgent {
         let came = self.inbound.counts();
         let mut entry = HealthEntry::default();
         entry.set(Counter::Taken, came.came);
-        entry.set(Counter::Published, came.published);
-        entry.set(Counter::LostOnTheWay, came.lost());
         entry.set(Counter::Conflated, came.conflated);
-        entry.set(Counter::MessagesRejected, came.rejected + self.inbound.overrun());
+        self.inbound.report(&mut entry);
         let expected = std::slice::from_ref(&*self.deployment);
-        agent::peers(&mut entry, &self.clocks.present(Now::read()), expected);
-        entries.push(entry);
+        agent::peers(entries, entry, &self.clocks.present(Now::read()), expected);
     }
 }

@@ -49,7 +49,10 @@ impl<T: Payload> StandIn<T> {
         counts: &mut Counts,
     ) -> Option<(Head, Vec<Slice<R>>)> {
         let Some((head, mut slices)) = wire::read::<R>(arrival.message, self.topic.capacity.slice_len) else {
-            counts.rejected += 1;
+            match wire::is_of_another_layout::<R>(arrival.message) {
+                true => counts.schema_mismatch += 1,
+                false => counts.rejected += 1,
+            }
             return None;
         };
         if !head.is_picture {

@@ -128,6 +128,13 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
     Some((head, slices))
 }
 
+/// Whether the first slice of a message that could not be read says that it is of another layout than `T`.
+pub(crate) fn is_of_another_layout<T: Sample>(octets: &[u8]) -> bool {
+    let header = octets.get(HEAD..HEAD + size_of::<BatchHeader>());
+    let schema = header.and_then(BatchHeader::of_octets).map(|header| header.schema);
+    word(octets.get(..8).unwrap_or_default()) == MAGIC && schema.is_some_and(|schema| schema != T::SCHEMA)
+}
+
 fn word(octets: &[u8]) -> u64 {
     octets.try_into().map_or(0, u64::from_le_bytes)
 }
@@ -181,6 +188,8 @@ mod tests {
         let good = message();
         assert!(read::<SystemTrack>(&good, 64).is_none(), "another layout");
         assert!(read::<SensorTrack>(&good, 1).is_none(), "longer than a slice");
+        assert!(is_of_another_layout::<SystemTrack>(&good) && !is_of_another_layout::<SensorTrack>(&good));
+        assert!(!is_of_another_layout::<SensorTrack>(&good[..HEAD + 3]) && !is_of_another_layout::<SensorTrack>(&[]));
         let whole: Vec<usize> = (0..=good.len())
             .filter(|cut| read::<SensorTrack>(&good[..*cut], 64).is_some())
             .collect();

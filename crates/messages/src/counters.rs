@@ -354,7 +354,7 @@ counters! {
     Conflated = "conflated", Process by [Link],
         "States that were not sent to other hosts because a newer one of the same track took their place.";
     MessagesRejected = "messages_rejected", Process by [Link],
-        "Messages of other hosts that were rejected: malformed, of another layout, repeated, or too many at a time.";
+        "Messages of other hosts that were rejected: malformed, repeated, or too many at a time.";
     LostOnTheWay = "lost_on_the_way", Process by [Link],
         "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
     Unsent = "unsent", Process by [Link],

@@ -188,11 +188,22 @@ impl AlarmStatus {
 }
 
 /// First and last message of one process, or of the launcher about it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Heard {
     first: Health,
     last: Health,
+    /// What a link says of each of its peers.
+    peers: BTreeMap<u16, String>,
 }
+
+/// Losses of links, in a few words.
+const LOSSES: [(Counter, &str); 5] = [
+    (Counter::LostOnTheWay, "lost on the way"),
+    (Counter::Unsent, "unsent"),
+    (Counter::Conflated, "conflated"),
+    (Counter::MessagesRejected, "rejected"),
+    (Counter::RejectedSchema, "of another layout"),
+];
 
 /// Everything that is said while listening, and who has joined the instance.
 struct Listened {
@@ -225,7 +236,7 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
         subscriber.take(usize::MAX, |_, said| {
             for health in said {
                 let whole = health.source == NO_SOURCE || is_launcher(health);
-                if whole {
+                if whole || health.kind() == Some(ProcessKind::Link) {
                     note(&mut speakers, health);
                 } else if health.registration.comparisons > 0.0 {
                     registrations.insert(health.source, health.registration);
@@ -252,11 +263,18 @@ fn note(heard: &mut Vec<Heard>, health: &Health) {
         (other.kind, other.name) == (health.kind, health.name)
             && (is_launcher(health) || other.process_id == health.process_id)
     };
+    let is_of_a_peer = !is_launcher(health) && health.source != NO_SOURCE;
     match heard.iter_mut().find(same) {
-        Some(known) => known.last = *health,
+        Some(known) if is_of_a_peer => drop(known.peers.insert(health.source, health.note().to_owned())),
+        Some(known) => {
+            known.last = *health;
+            known.peers.clear();
+        }
+        None if is_of_a_peer => {}
         None => heard.push(Heard {
             first: *health,
             last: *health,
+            peers: BTreeMap::new(),
         }),
     }
 }
@@ -380,7 +398,10 @@ impl Row {
             restarts: None,
             taken_per_s: heard.per_s(taken),
             published_per_s: heard.per_s(published),
-            note: last.note().to_owned(),
+            note: match heard.peers.is_empty() {
+                true => last.note().to_owned(),
+                false => heard.of_peers(),
+            },
         }
     }
 }
@@ -390,6 +411,20 @@ fn state(health: &Health) -> &'static str {
 }
 
 impl Heard {
+    /// What a link says of its peers, and of what was lost between them.
+    fn of_peers(&self) -> String {
+        let losses = LOSSES.iter().filter_map(|(counter, what)| {
+            let count = Some(self.last.counters[*counter]).filter(|count| *count > 0)?;
+            Some(format!("{count} {what}"))
+        });
+        self.peers
+            .values()
+            .cloned()
+            .chain(losses)
+            .collect::<Vec<_>>()
+            .join(", ")
+    }
+
     /// How fast a counter grew; `None` if it stands at 0, or only one message was heard.
     fn per_s(&self, counter: Counter) -> Option<f64> {
         let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
@@ -441,6 +476,24 @@ mod tests {
         assert!(table.contains(child), "{table}");
         assert_eq!(lines[3][..2], ["second", "9"]);
         assert_eq!(lines[4][..2], ["subscribe", "10"]);
+    }
+
+    #[test]
+    fn a_link_tells_of_all_its_peers_and_of_losses() {
+        let mut heard = Vec::new();
+        let mut link = said(ProcessKind::Link, "in", 5, 0, 0).with_note("north is not there");
+        link.counters[Counter::LostOnTheWay] = 12;
+        let peer = |source: u16, note: &str| Health {
+            source,
+            ..said(ProcessKind::Link, "in", 5, 0, 0).with_note(note)
+        };
+        for _ in 0..2 {
+            note(&mut heard, &link);
+            note(&mut heard, &peer(0, "north is not there"));
+            note(&mut heard, &peer(1, "west 1.0 ms away"));
+        }
+        let notes: Vec<String> = rows(&heard, &[]).into_iter().map(|row| row.note).collect();
+        assert_eq!(notes, ["north is not there, west 1.0 ms away, 12 lost on the way"]);
     }
 
     #[test]
