@@ -4,6 +4,7 @@
 //! The executable of Koseki is taken from `$KOSEKI`, or from the workspace's target folder; without it the tests say
 //! `skipped`, unless `$KOSEKI_REQUIRE_DATA` is set.
 
+mod alarms;
 mod arrival;
 mod centres;
 mod certificates;

@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use koseki_client::messages::{Counter, Health, health};
+use koseki_client::messages::layout::Sample as _;
+use koseki_client::messages::{BatchHeader, Counter, Health, NO_SOURCE, health};
 use koseki_client::{Root, Subscription};
 use zenoh::Wait as _;
 
@@ -92,29 +93,28 @@ fn who_is_no_user_or_has_no_password_learns_nothing() {
     only_the_first_sees(&there, (&host, &display), &refused, "users");
 }
 
-/// A message with no slice of the present layout.
-fn forged(schema_is_other: bool) -> Vec<u8> {
+/// A message with no slice, and an octet too many.
+fn cut_off() -> Vec<u8> {
     let mut message = b"KOSEKI/1".to_vec();
-    message.resize(72, 0);
-    if schema_is_other {
-        message.resize(72 + 256, 0xA5);
-    }
-    message.push(7);
+    message.resize(72 + 1, 0);
     message
 }
 
-#[test]
-fn messages_that_are_none_are_counted_and_do_no_harm() {
-    let (Some(there), Some(here)) = (Host::new(), Host::new()) else {
-        return;
+/// A message with an empty slice of the layout that `schema` stands for.
+pub(crate) fn of_layout(schema: u64) -> Vec<u8> {
+    let mut message = cut_off();
+    message.pop();
+    let header = BatchHeader {
+        schema,
+        ..BatchHeader::default()
     };
-    let (port, door) = (free_port(), free_port());
-    let endpoint = format!("tcp/127.0.0.1:{port}");
-    let mut deployment = there.up("tower", &tower(&endpoint, ""), &[]);
-    deployment.until_up();
-    let door = format!("tcp/127.0.0.1:{door}");
-    let _mirror = mirror(&here, &tower(&endpoint, ""), &endpoint, &["--listen", &door]);
-    let mut seen = Reader::until_there(&here, "tower");
+    message.extend_from_slice(BatchHeader::octets(&[header]));
+    message.extend_from_slice(&[0; 8]);
+    message
+}
+
+/// Somebody who has found a link's endpoint.
+pub(crate) fn intruder(door: &str, said: impl Fn() -> String) -> zenoh::Session {
     let mut config = zenoh::Config::default();
     for (key, value) in [
         ("mode", "\"client\"".to_owned()),
@@ -129,25 +129,44 @@ fn messages_that_are_none_are_counted_and_do_no_harm() {
             intruder = zenoh::open(config.clone()).wait().ok();
             intruder.is_some()
         },
-        || here.status("tower"),
+        said,
     );
-    let intruder = intruder.unwrap();
+    intruder.unwrap()
+}
+
+#[test]
+fn messages_that_are_none_are_counted_and_do_no_harm() {
+    let (Some(there), Some(here)) = (Host::new(), Host::new()) else {
+        return;
+    };
+    let (port, door) = (free_port(), free_port());
+    let endpoint = format!("tcp/127.0.0.1:{port}");
+    let mut deployment = there.up("tower", &tower(&endpoint, ""), &[]);
+    deployment.until_up();
+    let door = format!("tcp/127.0.0.1:{door}");
+    let _mirror = mirror(&here, &tower(&endpoint, ""), &endpoint, &["--listen", &door]);
+    let mut seen = Reader::until_there(&here, "tower");
+    let intruder = intruder(&door, || here.status("tower"));
     let root = Root::in_base(here.shared(), "tower").unwrap();
     let mut health: Subscription<Health> = Subscription::at(&root, &health()).unwrap();
-    let mut rejected = 0;
-    let messages = [Vec::new(), vec![0xFF; 5000], forged(false), forged(true)];
+    let (mut rejected, mut of_others) = (0, 0);
+    let malformed = [Vec::new(), vec![0xFF; 5000], cut_off()];
     until(
         || {
-            for message in &messages {
+            for message in malformed.iter().chain([&of_layout(7)]) {
                 let key = "koseki/0123456789abcdef/tower/system/tracks";
                 intruder.put(key, message.clone()).wait().unwrap();
             }
             while let Some(slice) = health.next(Duration::ZERO).unwrap() {
-                for entry in slice.iter().filter(|entry| entry.name() == "mirror") {
+                for entry in slice
+                    .iter()
+                    .filter(|entry| entry.name() == "mirror" && entry.source == NO_SOURCE)
+                {
                     rejected = entry.counters[Counter::MessagesRejected];
+                    of_others = entry.counters[Counter::RejectedSchema];
                 }
             }
-            rejected >= messages.len() as u64
+            rejected >= malformed.len() as u64 && of_others > 0
         },
         || here.status("tower"),
     );
