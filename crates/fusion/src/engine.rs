@@ -555,7 +555,9 @@ impl Engine {
     /// Updates the system filter with a measurement, and learns from what was not expected of it.
     fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let out = &mut self.outbox.to(sink);
-        let referred = self.points.refer(&mut self.tracks, sensor, measurement, out);
+        let referred = self
+            .points
+            .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         let mut relative = *measurement;

@@ -5,6 +5,7 @@ mod dependent_sources;
 mod hostile_sources;
 mod image;
 mod innovations;
+mod large_targets;
 mod passing_time;
 mod resumption;
 mod slow_sources;
@@ -355,7 +356,8 @@ fn a_wrong_join_is_split_and_a_target_started_twice_is_merged() {
         leaving.velocity_mps[1] = if step < 4 { 0.0 } else { 15.0 };
         harness.take(&leaving);
     }
-    assert_eq!(harness.count(Counter::ContributionsSplit), 1);
+    // Near by it may be tried once more: the two could be points of one large target.
+    assert!((1..=2).contains(&harness.count(Counter::ContributionsSplit)));
     assert_eq!(harness.live(), 2);
     let numbers: Vec<u32> = harness.published.iter().map(|track| track.track_number).collect();
     // It comes back and stays: one target again, under the older number.

@@ -177,6 +177,15 @@ impl Filter {
         std::array::from_fn(|axis| self.estimate.mean[axis] + seconds * self.estimate.mean[axis + AXES])
     }
 
+    /// Follows a point of the target from now on that lies so far, east and north, from the one before, metres.
+    pub(crate) fn shift(&mut self, by_m: [f64; 2]) {
+        for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
+            for (position, by) in estimate.mean.iter_mut().zip(by_m) {
+                *position += by;
+            }
+        }
+    }
+
     /// Whether its position is known better than the other's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
         let trace = |filter: &Self| {

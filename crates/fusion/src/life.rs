@@ -95,7 +95,7 @@ impl Life {
             return (true, f64::from(established));
         }
         let entry = tracks.systems.get(system);
-        let (filter, age_ns) = (&entry.filter, now_ns - entry.first_seen.0);
+        let (filter, age_ns) = (&entry.filter, now_ns - entry.first_seen_ns);
         let groups = |bits: u64, source: u16| bits | 1 << tracks.dependence.group_of(source);
         let heard = (0..settings.sources.len() as u16)
             .filter(|source| sources & (1 << source) != 0)

@@ -272,14 +272,15 @@ impl Linking<'_> {
         let (into, from) = if rank(a) < rank(b) { (a, b) } else { (b, a) };
         let SystemEntry {
             reports,
-            first_seen,
+            point_source,
             filter,
             is_foreign,
             contributors,
             number: ended,
             ..
         } = *self.tracks.systems.get(from);
-        let reanchor = first_seen < self.tracks.systems.get(into).first_seen;
+        let kept_source = self.tracks.systems.get(into).point_source;
+        let reanchor = self.settings.comes_before(point_source, kept_source);
         while let Some(member) = self.tracks.systems.get(from).members {
             let role = self.tracks.sensors.get(member).role;
             self.tracks.unlink(member);
@@ -290,8 +291,7 @@ impl Linking<'_> {
             }
         }
         if reanchor {
-            // The sources that have followed the target longest have only now come together: the reference point is
-            // chosen anew.
+            // The filter follows the point of another source than that which now comes first: it is chosen anew.
             self.tracks
                 .for_members(into, |member| member.point = DetectionPoint::default());
         }

@@ -1,9 +1,11 @@
 //! One point per target, where the sources see different points of large targets.
 //!
 //! Each sensor sees its own antenna, edge or echo centre, and mixing them makes the fused position creep as the mixture
-//! changes. Then one point is kept per target: that of the source which has followed it longest. The others' points are
-//! estimated relative to it, in a frame that turns with the target's course, and taken off their measurements; so all
-//! of them go on improving the position, and when the first source falls silent the point stays where it was.
+//! changes. Then one point is kept per target: that of the source which comes first by its priority, so that all
+//! targets show the same point, if they can. The others' points are estimated relative to it, in a frame that turns
+//! with the target's course, and taken off their measurements; so all of them go on improving the position, and when
+//! the first source falls silent the point stays where it was. When one that comes before it has followed the target
+//! for a while, its point is taken instead.
 
 use messages::DecisionKind;
 use serde::{Deserialize, Serialize};
@@ -12,7 +14,8 @@ use crate::explanation::Sink;
 use crate::filter::Innovation;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
-use crate::sensor_tracks::{DetectionPoint, SensorSlot};
+use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};
+use crate::settings::Settings;
 use crate::source_model::SourceModel;
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
@@ -20,6 +23,8 @@ use crate::tracks::Tracks;
 
 /// Innovations before a detection point is known well enough to be taken off.
 const REPORTS_MIN: u32 = 4;
+/// Innovations before the filter may go over to a detection point.
+const CHANGE_REPORTS_MIN: u32 = 12;
 /// Smallest weight of a new innovation in the estimate of a detection point.
 const GAIN_MIN: f64 = 0.05;
 
@@ -87,9 +92,9 @@ impl ReferencePoints {
     /// Where the detection point of a sensor track lies. Chooses the target's reference point where it has none.
     pub(crate) fn refer<S: Sink>(
         &self,
+        settings: &Settings,
         tracks: &mut Tracks,
-        sensor: SensorSlot,
-        measurement: &Measurement,
+        (sensor, measurement): (SensorSlot, &Measurement),
         out: &mut Outlet<'_, S>,
     ) -> Referred {
         if !self.keeps_points {
@@ -101,18 +106,24 @@ impl ReferencePoints {
         }
         let (system, now_ns) = (entry.system, entry.time_ns);
         if !self.is_anchored(tracks, system, now_ns)
-            && let Some(senior) = senior(tracks, system, now_ns)
+            && let Some(foremost) = foremost(settings, tracks, system, now_ns)
         {
-            tracks.sensors.get_mut(senior).point = DetectionPoint {
+            tracks.sensors.get_mut(foremost).point = DetectionPoint {
                 is_reference: true,
                 ..self.unknown()
             };
             // What the filter was before is a mixture of points.
-            tracks.restart_filter(senior);
-            out.decision(&tracks.decision(senior, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
+            tracks.restart_filter(foremost);
+            tracks.systems.get_mut(system).point_source = tracks.sensors.get(foremost).source;
+            out.decision(&tracks.decision(foremost, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
         }
         let point = tracks.sensors.get(sensor).point;
         if point.is_reference {
+            return Referred::ITSELF;
+        }
+        if point.reports >= CHANGE_REPORTS_MIN && comes_first(settings, tracks, sensor) {
+            change_to(tracks, sensor);
+            out.decision(&tracks.decision(sensor, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
             return Referred::ITSELF;
         }
         if point.reports < REPORTS_MIN {
@@ -163,13 +174,42 @@ impl ReferencePoints {
     }
 }
 
-/// The contributing sensor track of the source that has followed the target longest.
-fn senior(tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
-    let (_, first_source) = tracks.systems.get(system).first_seen;
+/// The contributing sensor track of the source that comes first.
+fn foremost(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Option<SensorSlot> {
     tracks.contributing(system, now_ns).min_by_key(|member| {
         let entry = tracks.sensors.get(*member);
-        (entry.source != first_source, entry.started_ns, entry.source)
+        (settings.rank(entry.source), entry.started_ns)
     })
+}
+
+/// Whether the source of a sensor track comes before the one whose point its target's filter follows.
+fn comes_first(settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> bool {
+    let entry = tracks.sensors.get(sensor);
+    settings.comes_before(entry.source, tracks.systems.get(entry.system).point_source)
+}
+
+/// Makes the detection point of a sensor track the reference point of its target.
+fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
+    let SensorEntry {
+        system, source, point, ..
+    } = *tracks.sensors.get(sensor);
+    let entry = tracks.systems.get_mut(system);
+    entry.filter.shift(from_body(point.offset_m, entry.course));
+    entry.point_source = source;
+    tracks.for_members(system, |member| {
+        let other = &mut member.point;
+        for (offset, by) in other.offset_m.iter_mut().zip(point.offset_m) {
+            *offset -= by;
+        }
+        if other.is_reference {
+            (other.is_reference, other.reports) = (false, point.reports);
+        }
+    });
+    tracks.sensors.get_mut(sensor).point = DetectionPoint {
+        offset_m: [0.0; 2],
+        is_reference: true,
+        ..point
+    };
 }
 
 /// A horizontal vector in the frame of a course: along, across to the right.

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use messages::{FusionRule, NS_PER_S};
+use messages::{FusionRule, NO_SOURCE, NS_PER_S};
 use serde::{Deserialize, Serialize};
 use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
 
@@ -797,6 +797,18 @@ impl Settings {
     pub fn conditions(&self) -> impl Iterator<Item = &str> {
         let of_sources = self.sources.iter().flat_map(|source| &source.accuracy.conditions);
         std::iter::once("normal").chain(of_sources.map(|(name, _)| name.as_str()))
+    }
+
+    /// Rank of a source where one has to come first, the least being the first: the reference source, then by priority.
+    pub(crate) fn rank(&self, source: u16) -> (bool, u32, u16) {
+        let reference = self.registration.reference_source.as_ref();
+        let is_reference = reference.is_some_and(|reference| reference.number == source);
+        (!is_reference, self.sources[usize::from(source)].priority, source)
+    }
+
+    /// Whether one source comes before another, if there are both.
+    pub(crate) fn comes_before(&self, source: u16, other: u16) -> bool {
+        source != NO_SOURCE && other != NO_SOURCE && self.rank(source) < self.rank(other)
     }
 
     /// The settings for these sources, with the numbers of those that keys name.

@@ -41,6 +41,8 @@ const INFLATION_MAX: f64 = 1000.0;
 const COMMON_GAIN: f64 = 1.0 / 64.0;
 /// Samples of detection points before their spread is believed.
 const SPREAD_SAMPLES_MIN: u32 = 30;
+/// Variance per axis of where detection points lie on a target before that, m².
+const SPREAD_PRIOR_M2: f64 = 6.0 * 6.0;
 
 kept! {
     /// A median that follows its samples by steps of the logarithm.
@@ -197,6 +199,15 @@ impl SourceModel {
     /// Variance per axis of where this source's detection points lie on targets, m².
     pub(crate) fn spread_m2(&self) -> f64 {
         self.spread_m2
+    }
+
+    /// [`Self::spread_m2`]; until it is known, that of a large aircraft.
+    pub(crate) fn possible_spread_m2(&self) -> f64 {
+        if self.knows_spread() {
+            self.spread_m2
+        } else {
+            SPREAD_PRIOR_M2
+        }
     }
 
     fn learned_spread_m2(&self) -> f64 {

@@ -77,14 +77,18 @@ impl Sources {
         corrected
     }
 
-    /// Variance per axis of where detection points lie on a target, m²: configured, or learned of `source` (of all
+    /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all
     /// sources if `None`) if that is more.
     pub(crate) fn spread_m2(&self, settings: &Settings, source: Option<u16>) -> f64 {
         let extent_m = settings.association.extent_sigma_m;
         let configured = extent_m * extent_m;
         match source {
-            Some(source) => configured.max(self.models[usize::from(source)].spread_m2()),
-            None => self.learned_spread_m2(configured),
+            Some(source) => configured.max(self.models[usize::from(source)].possible_spread_m2()),
+            None => self
+                .models
+                .iter()
+                .map(SourceModel::possible_spread_m2)
+                .fold(configured, f64::max),
         }
     }
 
@@ -265,7 +269,8 @@ impl Sources {
     fn target_points_m2(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot) -> f64 {
         let sources = settings.sources.len() as f64;
         let times = 1.0 + f64::from(tracks.systems.get(system).reports) / sources;
-        self.spread_m2(settings, None) * times
+        let extent_m = settings.association.extent_sigma_m;
+        self.learned_spread_m2(extent_m * extent_m) * times
     }
 
     /// A sensor track as its source gives it, at `time_ns`.

@@ -40,8 +40,10 @@ pub(crate) struct SystemEntry {
     pub(crate) absence: f64,
     /// Normalised innovation squared of its latest report, in the plane; 0 if that was not compared with the filter.
     pub(crate) nis: f32,
-    /// When a sensor track that joined began, earliest, and its source: the one that has followed the target longest.
-    pub(crate) first_seen: (i64, u16),
+    /// When a sensor track that joined began, earliest.
+    pub(crate) first_seen_ns: i64,
+    /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
+    pub(crate) point_source: u16,
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
     /// Whether the filter repeats what another centre says, since no source here follows the target.
@@ -95,7 +97,7 @@ kept! {
         state_ns: i64,
         last_report_ns: i64,
         fresh_until_ns: i64,
-        first_seen: (i64, u16),
+        first_seen_ns: i64,
         absence: f64,
         course: [f64; 2],
         identity: Identity,
@@ -138,7 +140,7 @@ impl SystemEntry {
             state_ns: self.state.time_ns,
             last_report_ns: self.last_report_ns,
             fresh_until_ns: self.fresh_until_ns,
-            first_seen: self.first_seen,
+            first_seen_ns: self.first_seen_ns,
             absence: self.absence,
             course: self.course,
             identity: self.identity,
@@ -155,7 +157,8 @@ impl SystemEntry {
             course: kept.course,
             absence: kept.absence,
             nis: 0.0,
-            first_seen: kept.first_seen,
+            first_seen_ns: kept.first_seen_ns,
+            point_source: NO_SOURCE,
             was_shown: kept.was_shown,
             contributors: u64::MAX,
             reports: kept.reports,
@@ -181,7 +184,8 @@ impl SystemEntry {
             course: [0.0, 1.0],
             absence: 0.0,
             nis: 0.0,
-            first_seen: (i64::MAX, NO_SOURCE),
+            first_seen_ns: i64::MAX,
+            point_source: NO_SOURCE,
             was_shown: false,
             is_foreign: false,
             contributors: 0,

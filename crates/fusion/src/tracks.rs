@@ -237,10 +237,10 @@ impl Tracks {
         entry.next = Link::to(first.replace(sensor));
         entry.role = Role::Duplicate;
         entry.forget_target();
-        let (identity, seen) = (entry.latest.identity, (entry.started_ns, entry.source));
+        let (identity, started_ns) = (entry.latest.identity, entry.started_ns);
         self.systems.identify(system, &identity);
-        let first_seen = &mut self.systems.get_mut(system).first_seen;
-        *first_seen = seen.min(*first_seen);
+        let first_seen_ns = &mut self.systems.get_mut(system).first_seen_ns;
+        *first_seen_ns = started_ns.min(*first_seen_ns);
         self.keep_member(sensor);
     }
 
