@@ -242,6 +242,7 @@ fn check_source(
                 (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
                 (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
             },
+            method: sender.map(|sender| sender.method).unwrap_or_default(),
             positions: sender.map(|sender| sender.positions).unwrap_or_default(),
             frame: SensorFrame::new(system, origin, sensor_place.north_offset_deg.rad()),
             system: *system,

@@ -7,6 +7,7 @@ use asterix::{Category, Edition, Mode, registry};
 use formats::sbs::SbsSettings;
 use net::{ReceiverSettings, SenderSettings};
 use outgoing::Technology;
+use reception::Method;
 use scenario::SensorKind;
 
 use settings::SettingsError;
@@ -205,15 +206,20 @@ impl Network {
                 );
                 return Err(SettingsError::new(key, what));
             }
-            let mut senders = BTreeSet::new();
-            for source in &behind {
-                if !senders.insert(source.model.sac_sic) {
+            for (place, source) in behind.iter().enumerate() {
+                let is_same = |other: &&&Source| {
+                    let (own, other) = (&source.model, &other.model);
+                    let are_apart = own.method != other.method && ![own.method, other.method].contains(&Method::Any);
+                    own.sac_sic == other.sac_sic && !are_apart
+                };
+                if behind[..place].iter().any(|other| is_same(&other)) {
                     let sender = source.model.sac_sic.map_or_else(
                         || "no sac and sic".to_owned(),
                         |(sac, sic)| format!("sac = {sac} and sic = {sic}"),
                     );
                     let what = format!(
-                        "two sources with receiver = \"{name}\" have {sender}; reports could not be told apart"
+                        "two sources with receiver = \"{name}\" have {sender}; reports could not be told apart \
+                         unless one has method = \"primary\" and the other method = \"secondary\""
                     );
                     return Err(SettingsError::new(format!("source[{}].live", source.number), what));
                 }

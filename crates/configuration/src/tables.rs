@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
 use outgoing::{HeightReference, Technology};
-use reception::{CovarianceModel, Limits, PositionForm, STANDARD_PRESSURE_HPA};
+use reception::{CovarianceModel, Limits, Method, PositionForm, STANDARD_PRESSURE_HPA};
 use settings::{Degrees, Seconds, SettingsError};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
@@ -166,6 +166,9 @@ settings::settings! {
     pub struct SenderTable with identity: SacSicTable, reading: AsterixTable {
         /// Position item that is used, of a report that carries several.
         positions: PositionForm = PositionForm::Any;
+        /// Reports of a radar that are taken, by how they were observed (TI-2): a radar with a primary and a secondary
+        /// antenna is two sources of one SAC/SIC.
+        method: Method = Method::Any;
     }
 
     /// Identity of a sender.

@@ -1,5 +1,7 @@
 //! Configurations that must be read, and mistakes that must be named.
 
+use reception::Method;
+
 use super::*;
 
 fn barcelona() -> String {
@@ -455,6 +457,19 @@ fn mistakes_in_networks_are_named_with_line_value_and_remedy() {
         assert!(message.starts_with("test.toml:"), "{message}");
         assert!(message.contains(expected), "{message}");
     }
+    // One sensor is two sources where each takes other reports of it.
+    let north = |method: &str| live().replacen("sic = 2\n", &format!("sic = 1\nmethod = \"{method}\"\n"), 1);
+    assert!(refused(&north("primary")).contains("could not be told apart"));
+    let both = north("primary").replacen("sic = 1\n", "sic = 1\nmethod = \"secondary\"\n", 1);
+    let config = Config::parse(Path::new("test.toml"), &both, &[]).unwrap();
+    let methods = |method| {
+        config
+            .sources
+            .iter()
+            .filter(|source| source.model.method == method)
+            .count()
+    };
+    assert_eq!([Method::Primary, Method::Secondary].map(methods), [1, 1]);
     let timed = format!("{}\n[time]\norder = \"time\"\n", live());
     assert!(refused(&timed).contains("use \"arrival\""));
 }

@@ -213,6 +213,7 @@ fn check_tracks(
         model: SourceModel {
             number: 0,
             sac_sic: raw.identity.sac_sic(),
+            method: Default::default(),
             positions: Default::default(),
             frame: SensorFrame::new(system, stands, place_table.north_offset_deg.rad()),
             system: *system,

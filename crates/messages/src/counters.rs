@@ -204,7 +204,7 @@ counters! {
     RejectedQuality = "rejected_quality", Rejection by [Adapter],
         "Reports whose own quality figure says that the position cannot be used.";
     RejectedSource = "rejected_source", Rejection by [Adapter],
-        "Reports of another SAC/SIC than the one configured.";
+        "Reports of another SAC/SIC, or observed by another method, than configured.";
     TracksEnded = "tracks_ended", AdapterRemark by [Adapter],
         "Sensor tracks that their source declared ended.";
     TracksDropped = "tracks_dropped", Rejection by [Adapter],

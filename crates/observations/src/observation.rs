@@ -20,6 +20,9 @@ pub struct Observation {
     /// Time of measurement, nanoseconds since the last whole [`TRUNCATION_NS`] after midnight UTC, of
     /// a source that sends no more of it.
     pub truncated_time_ns: Option<i64>,
+    /// Whether a transponder's reply has contributed, or else the echo of a primary radar alone; `None` if the report
+    /// comes from no detection, or does not say.
+    pub secondary: Option<bool>,
     /// Whether it reports a fixed transponder that only monitors the system.
     pub field_monitor: bool,
     /// Whether it is simulated or a test.

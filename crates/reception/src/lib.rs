@@ -32,6 +32,8 @@ pub struct SourceModel {
     pub number: u16,
     /// Only reports of this SAC/SIC are taken, where given.
     pub sac_sic: Option<(u8, u8)>,
+    /// Reports that are taken, by how they were observed.
+    pub method: Method,
     /// Position item that is used, where there are several.
     pub positions: PositionForm,
     /// The frame it measures in.
@@ -51,6 +53,17 @@ pub struct SourceModel {
     pub limits: Limits,
     /// How accurate they are.
     pub covariance: CovarianceModel,
+}
+
+impl Method {
+    /// Whether a report that says so of a transponder's reply is taken, or may be.
+    pub fn admits(self, secondary: Option<bool>) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Primary => secondary != Some(true),
+            Self::Secondary => secondary != Some(false),
+        }
+    }
 }
 
 settings::settings! {
@@ -99,6 +112,17 @@ settings::settings! {
 }
 
 settings::words! {
+    /// Reports of a radar that are taken, by how they were observed: one with a primary and a secondary antenna is two
+    /// sources (TI-2).
+    pub enum Method {
+        /// All of them.
+        Any = "any",
+        /// Echoes of the primary antenna alone.
+        Primary = "primary",
+        /// Replies of transponders, with an echo or without.
+        Secondary = "secondary",
+    }
+
     /// Position item that is used, of a report that carries several.
     pub enum PositionForm {
         /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where

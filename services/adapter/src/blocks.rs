@@ -9,6 +9,7 @@ use anyhow::Context as _;
 use asterix::{Decoder, blocks};
 use configuration::{Asterix, Input, Process, Source};
 use messages::Counter;
+use reception::Method;
 use reception::observation::{self, Reading};
 use runtime::{HealthEntry, Now};
 
@@ -22,6 +23,8 @@ use crate::receiver::{Datagrams, Received};
 pub(crate) struct Blocks {
     /// For each source its SAC and SIC; `None` takes what no other source has.
     senders: Vec<Option<(u8, u8)>>,
+    /// For each source which reports of its sender it takes.
+    methods: Vec<Method>,
     decoders: Vec<Decoder>,
     channels: Vec<Channel>,
     misfits: Vec<Misfits>,
@@ -34,6 +37,7 @@ impl Blocks {
     pub(crate) fn new(process: &Process, sources: &[&Source]) -> anyhow::Result<Self> {
         let mut all = Self {
             senders: Vec::new(),
+            methods: Vec::new(),
             decoders: Vec::new(),
             channels: Vec::new(),
             misfits: Vec::new(),
@@ -44,6 +48,7 @@ impl Blocks {
         for source in sources {
             let asterix = asterix(source).context("a source of datagrams is live or simulated")?;
             all.senders.push(source.model.sac_sic);
+            all.methods.push(source.model.method);
             all.decoders.push(asterix.decoder());
             all.misfits.push(Misfits::new(asterix));
             all.channels.push(Channel::open(process, source)?);
@@ -56,6 +61,11 @@ impl Blocks {
 fn find(senders: &[Option<(u8, u8)>], sender: Option<(u8, u8)>) -> Option<usize> {
     let of = |wanted| senders.iter().position(|sender| *sender == wanted);
     sender.and_then(|sender| of(Some(sender))).or_else(|| of(None))
+}
+
+/// The sources of the same sender as the one in this place, which is the first: each takes other reports of it.
+fn of_sender(senders: &[Option<(u8, u8)>], first: usize) -> impl Iterator<Item = usize> {
+    (first..senders.len()).filter(move |place| senders[*place] == senders[first])
 }
 
 fn asterix(source: &Source) -> Option<&Asterix> {
@@ -88,17 +98,27 @@ impl Datagrams for Blocks {
                     continue;
                 };
                 match observation::read(&record) {
-                    Reading::Target(observed) if observed.sac_sic == sender => {
-                        self.channels[index].take(&observed, received.mono_ns)?;
-                    }
                     Reading::Target(observed) => {
                         // A block may hold reports of several sensors. That of a stranger goes to the block's own
                         // source, which rejects and counts it.
-                        let own = find(&self.senders, observed.sac_sic).unwrap_or(index);
-                        self.channels[own].received(received.utc_ns)?;
-                        self.channels[own].take(&observed, received.mono_ns)?;
+                        let is_own = observed.sac_sic == sender;
+                        let other = || find(&self.senders, observed.sac_sic).unwrap_or(index);
+                        let first = if is_own { index } else { other() };
+                        let admits = |place: &usize| self.methods[*place].admits(observed.secondary);
+                        let mut places = of_sender(&self.senders, first).filter(admits).peekable();
+                        if places.peek().is_none() {
+                            self.channels[first].take(&observed, received.mono_ns)?;
+                        }
+                        for place in places {
+                            self.channels[place].received(received.utc_ns)?;
+                            self.channels[place].take(&observed, received.mono_ns)?;
+                        }
                     }
-                    Reading::Service(service) => self.channels[index].service(&service, received.mono_ns)?,
+                    Reading::Service(service) => {
+                        for place in of_sender(&self.senders, index) {
+                            self.channels[place].service(&service, received.mono_ns)?;
+                        }
+                    }
                     Reading::Other => {}
                 }
             }

@@ -15,7 +15,7 @@ use super::atmosphere::altitude_correction_m;
 use super::placing::{Height, Placed, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
-use super::{PositionForm, SourceModel};
+use super::{Method, PositionForm, SourceModel};
 use observations::{Axes, Observation, Position};
 
 /// A track's last height is used for so long where its reports have none, nanoseconds.
@@ -187,7 +187,14 @@ impl Converter {
         if self.model.sac_sic.is_some() && self.sender != self.model.sac_sic {
             return Err(Counter::RejectedSource);
         }
-        Ok(())
+        // A track that the radar goes on with unseen is of the method by which it was seen before.
+        let is_known = |number: &u32| self.tracks.contains_key(number);
+        let is_meant = match (self.model.method, observation.secondary) {
+            (Method::Any, _) => true,
+            (method, None) => method.admits(None) && observation.track_number.as_ref().is_some_and(is_known),
+            (method, secondary) => method.admits(secondary),
+        };
+        if is_meant { Ok(()) } else { Err(Counter::RejectedSource) }
     }
 
     /// UTC of the measurement, checked.

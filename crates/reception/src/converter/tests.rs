@@ -16,6 +16,7 @@ fn converter() -> Converter {
     let model = SourceModel {
         number: 1,
         sac_sic: Some((0, 107)),
+        method: Default::default(),
         positions: PositionForm::Any,
         frame: SensorFrame::new(&system, place, 0.0),
         system,
@@ -124,6 +125,25 @@ fn live_stamps_are_judged_by_the_time_of_receipt() {
     }
     converter.received(midnight + 61 * S);
     assert!(converter.convert(&observation(61.0), 0).is_some());
+}
+
+#[test]
+fn a_source_of_one_method_takes_what_was_observed_so_and_goes_on_with_its_own_tracks() {
+    let seen = |time_s: f64, number: u32, secondary| Observation {
+        track_number: Some(number),
+        secondary,
+        ..observation(time_s)
+    };
+    for (method, own, other) in [(Method::Primary, false, true), (Method::Secondary, true, false)] {
+        let mut converter = converter();
+        converter.model.method = method;
+        let mut takes = |observation| converter.convert(&observation, 0).is_some();
+        assert!(takes(seen(100.0, 7, Some(own))));
+        assert!(!takes(seen(101.0, 8, Some(other))));
+        assert!(takes(seen(104.0, 7, None)), "unseen in this turn");
+        assert!(!takes(seen(105.0, 8, None)), "the other source's");
+        assert_eq!(converter.counters()[Counter::RejectedSource], 2);
+    }
 }
 
 #[test]

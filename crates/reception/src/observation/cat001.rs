@@ -68,6 +68,7 @@ fn observation(record: &Record<'_>) -> Observation {
     Observation {
         sac_sic: record.sender(),
         truncated_time_ns: items.time.number(record).map(|ticks| ticks as i64 * NS_PER_S / 128),
+        secondary: secondary(SSRPSR.code(descriptor)),
         field_monitor: RAB.is_set(descriptor),
         test: SIM.is_set(descriptor) || TST.is_set(descriptor),
         track_number: track

@@ -62,6 +62,7 @@ fn observation(record: &Record<'_>) -> Observation {
     Observation {
         sac_sic: record.sender(),
         time_of_day_ns: time_of_day_ns(record, &TIME),
+        secondary: secondary(TYP.code(descriptor)),
         field_monitor: RAB.is_set(descriptor),
         test: SIM.is_set(descriptor) || TST.is_set(descriptor),
         track_number: track_number.or(address).map(|number| number as u32),

@@ -155,3 +155,11 @@ pub(super) fn alerts_of_advisory(register: &[u8]) -> u8 {
     let active = !TERMINATED.is_set(register) && (is_advised || MULTIPLE_THREATS.is_set(register));
     when(active, alert_bits::RESOLUTION_ADVISORY)
 }
+
+/// Whether a radar's report has a transponder's reply in it, by the kind of detection: 0 none, 1 primary, else one with
+/// a reply.
+pub(super) fn secondary(detection: Option<u8>) -> Option<bool> {
+    detection
+        .filter(|detection| *detection != 0)
+        .map(|detection| detection != 1)
+}

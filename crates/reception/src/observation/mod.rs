@@ -20,7 +20,7 @@ use observations::{Axes, Observation, Plane, Quality, Service};
 
 use items::{
     Reply, alerts_of_advisory, alerts_of_emergency, callsign, components, covariance, flight_status, identity,
-    nanoseconds, service, state, time_of_day_ns, when,
+    nanoseconds, secondary, service, state, time_of_day_ns, when,
 };
 
 /// Meaning of a record to the pipeline.

@@ -119,6 +119,9 @@ fn a_radar_says_what_became_of_a_track() {
     assert_eq!(state(SEEN, &[0x01, 0x80]), TrackState::Terminated);
     assert_eq!(state(&[0x00], &[0x00]), TrackState::Coasted, "not seen in this turn");
     assert_eq!(radar_track(SEEN, &[0x00], &[]).plane, Plane::Slant, "not corrected");
+    let secondary = |descriptor: u8| radar_track(&[descriptor], &[0x00], &[]).secondary;
+    let detections = [0x00, 0x20, 0x40, 0x60, 0xA0].map(secondary);
+    assert_eq!(detections, [None, Some(false), Some(true), Some(true), Some(true)]);
     let beyond = radar_track(&[0xA1, 0x40], &[0x00], &[]);
     assert_eq!(beyond.slant_polar, None, "the range does not fit its item");
     assert!(radar_track(&[0xA1, 0x80], &[0x00], &[]).test && radar_track(&[0xB0], &[0x00], &[]).test);

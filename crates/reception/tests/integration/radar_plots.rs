@@ -30,6 +30,7 @@ fn model() -> SourceModel {
     SourceModel {
         number: 0,
         sac_sic: Some((23, 2)),
+        method: Default::default(),
         positions: PositionForm::Any,
         frame: SensorFrame::new(&system, place, 0.0),
         system,

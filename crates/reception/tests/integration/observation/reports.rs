@@ -21,6 +21,7 @@ fn model(polar: bool, form: PositionForm) -> SourceModel {
     SourceModel {
         number: 3,
         sac_sic: None,
+        method: Default::default(),
         positions: form,
         frame: SensorFrame::new(&system, place, 0.1),
         system,
