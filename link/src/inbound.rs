@@ -20,6 +20,7 @@ use zenoh::{Session, Wait as _};
 
 use crate::clocks::Clocks;
 use crate::keys;
+use crate::refused;
 use crate::session::MESSAGE_MAX;
 
 /// Messages that wait to be published at most.
@@ -148,13 +149,14 @@ impl Inbound {
         *lock(&self.counts)
     }
 
-    /// Counts what came in, as links and mirrors do alike.
+    /// Counts what came in, and what was turned away, as links and mirrors do alike.
     pub(crate) fn report(&self, entry: &mut HealthEntry) {
         let came = self.counts();
         entry.set(Counter::Published, came.published);
         entry.set(Counter::LostOnTheWay, came.lost());
         entry.set(Counter::MessagesRejected, came.rejected + self.overrun());
         entry.counters.add(Counter::RejectedSchema, came.schema_mismatch);
+        entry.set(Counter::RequestsRejected, refused::so_far());
     }
 
     /// Messages that were dropped because they came faster than they could be published.

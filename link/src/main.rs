@@ -15,6 +15,7 @@ mod mirror;
 mod outbound;
 mod outbox;
 mod picture;
+mod refused;
 mod session;
 mod stamps;
 mod stand_in;

@@ -5,7 +5,7 @@ use configuration::Link;
 use serde_json::json;
 use zenoh::{Config, Session, Wait as _};
 
-use crate::access;
+use crate::{access, refused};
 
 /// Octets of a message at most: a picture of some ten thousand tracks.
 pub(crate) const MESSAGE_MAX: usize = 16 << 20;
@@ -15,6 +15,7 @@ pub(crate) const MESSAGE_MAX: usize = 16 << 20;
 /// # Errors
 /// If an endpoint cannot be listened at, or a file for TLS, users or the password cannot be read.
 pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
+    refused::count();
     let mut config = Config::default();
     let mut set = |key: &str, value: serde_json::Value| {
         let refused = |error| anyhow!("{key} = {value}: {error}");

@@ -349,8 +349,8 @@ counters! {
         "Pictures sent to pages that look on.";
     PicturesSkipped = "pictures_skipped", Process by [Display],
         "Pictures that were not made because the page that they were for was still behind.";
-    RequestsRejected = "requests_rejected", Process by [Display],
-        "Requests and connections of browsers and scripts that were turned away.";
+    RequestsRejected = "requests_rejected", Process by [Display, Link],
+        "Requests and connections of browsers, scripts and other hosts that were turned away.";
     Conflated = "conflated", Process by [Link],
         "States that were not sent to other hosts because a newer one of the same track took their place.";
     MessagesRejected = "messages_rejected", Process by [Link],

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use koseki_client::messages::layout::Sample as _;
-use koseki_client::messages::{BatchHeader, Counter, Health, NO_SOURCE, health};
+use koseki_client::messages::{BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, health};
 use koseki_client::{Root, Subscription};
 use zenoh::Wait as _;
 
@@ -13,6 +13,27 @@ use crate::mirror::{Mirror, Reader, mirror, tower};
 
 /// Options with which a mirror shows who it is.
 const IDENTIFIED: [&str; 1] = ["--certificates"];
+
+/// Waits until the link of `there` has turned away so many connections.
+fn until_refused(there: &Host, count: u64) {
+    let root = Root::in_base(there.shared(), "tower").unwrap();
+    let mut health: Subscription<Health> = Subscription::at(&root, &health()).unwrap();
+    let mut refused = 0;
+    until(
+        || {
+            while let Some(slice) = health.next(Duration::ZERO).unwrap() {
+                for link in slice
+                    .iter()
+                    .filter(|said| said.kind() == Some(ProcessKind::Link) && said.source == NO_SOURCE)
+                {
+                    refused = link.counters[Counter::RequestsRejected];
+                }
+            }
+            refused >= count
+        },
+        || there.status("tower"),
+    );
+}
 
 /// A mirror that the others are compared with, and one that must learn nothing.
 fn only_the_first_sees(there: &Host, allowed: (&Host, &Mirror), refused: &[(Host, Mirror)], from: &str) {
@@ -60,6 +81,8 @@ fn who_has_no_certificate_of_the_authority_or_is_not_named_learns_nothing() {
     let refused = [join("display", &forger), join("stranger", &authority)];
     let (host, display) = join("display", &authority);
     only_the_first_sees(&there, (&host, &display), &refused, "certificates");
+    // It tries again and again.
+    until_refused(&there, 2);
 }
 
 #[test]
@@ -91,6 +114,7 @@ fn who_is_no_user_or_has_no_password_learns_nothing() {
     ];
     let (host, display) = join("display", "one");
     only_the_first_sees(&there, (&host, &display), &refused, "users");
+    until_refused(&there, 2);
 }
 
 /// A message with no slice, and an octet too many.

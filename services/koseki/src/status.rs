@@ -196,13 +196,14 @@ struct Heard {
     peers: BTreeMap<u16, String>,
 }
 
-/// Losses of links, in a few words.
-const LOSSES: [(Counter, &str); 5] = [
+/// Losses and refusals of links, in a few words.
+const LOSSES: [(Counter, &str); 6] = [
     (Counter::LostOnTheWay, "lost on the way"),
     (Counter::Unsent, "unsent"),
     (Counter::Conflated, "conflated"),
     (Counter::MessagesRejected, "rejected"),
     (Counter::RejectedSchema, "of another layout"),
+    (Counter::RequestsRejected, "connections refused"),
 ];
 
 /// Everything that is said while listening, and who has joined the instance.
@@ -411,7 +412,7 @@ fn state(health: &Health) -> &'static str {
 }
 
 impl Heard {
-    /// What a link says of its peers, and of what was lost between them.
+    /// What a link says of its peers, and of what was lost and refused.
     fn of_peers(&self) -> String {
         let losses = LOSSES.iter().filter_map(|(counter, what)| {
             let count = Some(self.last.counters[*counter]).filter(|count| *count > 0)?;
