@@ -12,7 +12,7 @@
 //! spread of these points is added, as configured or as learned.
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
-use messages::{Covariance, SensorTrack, sensor_track_bits};
+use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
@@ -30,6 +30,10 @@ const RESUMPTION: f64 = 4.0;
 /// Variance added to a difference of heights, m²: pressure altitude comes in steps of 100 ft, and drifts with the
 /// weather.
 const HEIGHT_FLOOR_M2: f64 = 900.0;
+
+/// Variance per axis of where detection points may lie on a target while a second track beside it waits, m²: more than
+/// what tracks are joined by, since waiting costs less than a wrong join.
+const DOUBTED_SPREAD_M2: f64 = 15.0 * 15.0;
 
 /// A search for the system tracks that fit.
 pub(crate) struct Search<'a> {
@@ -93,11 +97,41 @@ impl Search<'_> {
     /// their states agree, and no further one comes near to agreeing.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
+        let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
+        let spread_m2 = self.sources.spread_m2(self.settings, None);
+        self.alike(own, now_ns, spread_m2, |system, d2| {
+            if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
+                second = best.map_or(f64::INFINITY, |(least, _)| least);
+                best = Some((d2, system));
+            } else {
+                second = second.min(d2);
+            }
+        });
+        best.filter(|(d2, _)| second > d2 + MARGIN)
+            .map(|(d2, system)| (system, d2))
+    }
+
+    /// Whether a target that is shown already may be that of the system track `own`: none of its sources follows both,
+    /// and the two agree, if need be as two points of one large target.
+    pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
+        let learned_m2 = self.sources.spread_m2(self.settings, None);
+        let mut is_shown = false;
+        self.alike(own, now_ns, learned_m2.max(DOUBTED_SPREAD_M2), |system, _| {
+            is_shown |= matches!(
+                self.tracks.systems.get(system).life,
+                TrackState::Confirmed | TrackState::Coasted
+            );
+        });
+        is_shown
+    }
+
+    /// Calls `visit` with every system track that has no source in common with `own` and agrees with it, and their d²;
+    /// detection points on one target are spread by `spread_m2` per axis.
+    fn alike(&self, own: SystemSlot, now_ns: i64, spread_m2: f64, mut visit: impl FnMut(SystemSlot, f64)) {
         let entry = self.tracks.systems.get(own);
         let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
         let sources = self.tracks.sources_of(own, now_ns);
-        let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
-        let reach = self.reach(&state);
+        let reach = self.reach(&state, spread_m2);
         self.tracks
             .systems
             .grid
@@ -111,22 +145,15 @@ impl Search<'_> {
                 }
                 let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
                 let heights = entry.filter.has_height && other.filter.has_height;
-                if let Some(d2) = self.compare(&state, &theirs, heights, self.sources.spread_m2(self.settings, None)) {
-                    if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
-                        second = best.map_or(f64::INFINITY, |(least, _)| least);
-                        best = Some((d2, system));
-                    } else {
-                        second = second.min(d2);
-                    }
+                if let Some(d2) = self.compare(&state, &theirs, heights, spread_m2) {
+                    visit(system, d2);
                 }
             });
-        best.filter(|(d2, _)| second > d2 + MARGIN)
-            .map(|(d2, system)| (system, d2))
     }
 
     /// Calls `visit` with every system track near a report.
     fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
-        let reach = self.reach(state);
+        let reach = self.reach(state, self.sources.spread_m2(self.settings, None));
         self.tracks.systems.grid.near(
             report.position_m[0],
             report.position_m[1],
@@ -136,12 +163,13 @@ impl Search<'_> {
         );
     }
 
-    /// How far from `state` a system track of the same target can have been placed.
-    fn reach(&self, state: &Gaussian) -> f64 {
+    /// How far from `state` a system track of the same target can have been placed; detection points on one target are
+    /// spread by `spread_m2` per axis.
+    fn reach(&self, state: &Gaussian, spread_m2: f64) -> f64 {
         let settings = &self.settings.association;
         let [xx, xy, _, yy, ..] = state.position_covariance();
         let sigma = association::distance::largest_sigma2([xx, xy, yy]);
-        let sigma = sigma.hypot(self.sources.spread_m2(self.settings, None).sqrt());
+        let sigma = sigma.hypot(spread_m2.sqrt());
         let speed = state.mean[3].hypot(state.mean[4]);
         // The system track was placed at its latest report; its own uncertainty is covered by half a cell.
         let moved = speed * self.settings.longest_period_s();

@@ -533,7 +533,8 @@ impl Engine {
         self.sources.compare(&self.settings, &self.tracks, sensor);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
-        self.life.update_existence(&self.settings, &mut self.tracks, cause, out);
+        self.life
+            .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
     }

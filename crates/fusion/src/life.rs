@@ -1,8 +1,9 @@
 //! The life of a system track: tentative, confirmed, coasted, terminated (QF-8), by evidence where there is any.
 
-use messages::{Counter, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
+use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackState};
 use serde::{Deserialize, Serialize};
 
+use crate::association_step::Search;
 use crate::existence::{Claim, Coverage};
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
@@ -20,6 +21,8 @@ const COVERAGE_CELL_M: f64 = 5000.0;
 
 /// Periods that a source needs to find a target: its silence before says nothing.
 const CHANCE_PERIODS: i64 = 3;
+/// Longest periods of all sources for which a second track beside a target waits to be told from another point of it.
+const PATIENCE_PERIODS: f64 = 30.0;
 /// A source that follows fewer targets than this here need not be waited for.
 const FOLLOWS_SELDOM: f64 = 0.1;
 
@@ -52,6 +55,7 @@ impl Life {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
+        sources: &Sources,
         (system, report): (SystemSlot, &SensorTrack),
         out: &mut Outlet<'_, S>,
     ) {
@@ -61,7 +65,7 @@ impl Life {
             TrackState::Coasted => tracks.systems.set_life(system, TrackState::Confirmed),
             TrackState::Tentative => {
                 let (believed, worth) = self.evidence(settings, tracks, system, now_ns);
-                if believed {
+                if believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
                     tracks.systems.set_life(system, TrackState::Confirmed);
                     let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
                     if first {
@@ -163,6 +167,27 @@ impl Life {
         };
         looked_ns.saturating_add(whole_ns).saturating_add(step_ns)
     }
+}
+
+/// Whether the target of a tentative track may be one that is shown already, which the other sources see at another
+/// point: nobody knows yet whether the two will come together.
+fn may_be_another(
+    settings: &Settings,
+    tracks: &Tracks,
+    sources: &Sources,
+    (system, now_ns): (SystemSlot, i64),
+) -> bool {
+    let entry = tracks.systems.get(system);
+    let patience_s = PATIENCE_PERIODS * settings.longest_period_s();
+    let search = Search {
+        settings,
+        tracks,
+        sources,
+    };
+    (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S
+        && entry.identity.unique_number().is_none()
+        && !entry.is_foreign
+        && search.is_shown_already(system, now_ns)
 }
 
 /// Lets a system track whose deadline has come up coast or end, unless it is too early. When the next one is due;

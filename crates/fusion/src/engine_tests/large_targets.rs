@@ -7,13 +7,13 @@ use messages::FusionRule;
 use super::*;
 use crate::settings::RuleName;
 
-/// Where the sources see a target: along its course and to the right of it, metres.
-const POINTS_M: [[f64; 2]; 3] = [[0.0, 0.0], [20.0, 0.0], [10.0, 17.0]];
+/// Where the sources see a target, in parts of its size: along its course and to the right of it.
+const POINTS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.85]];
 const TARGETS: u32 = 8;
 
-/// Fusion of targets that all go their ways, from `begins_s` of each source on; the errors of source 0's point, largest
-/// of all targets at each second, m.
-fn followed(begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>) {
+/// Fusion of targets of size `size_m` that all go their ways, from `begins_s` of each source on; the errors of source
+/// 0's point, largest of all targets at each second, m.
+fn followed(size_m: f64, begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>) {
     let mut settings = test_settings(3);
     settings.rule.name = RuleName(FusionRule::Auto);
     let mut harness = Harness::new(settings);
@@ -26,7 +26,7 @@ fn followed(begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>) {
                 // A point that lies ahead is told from a clock that is fast by targets of several speeds.
                 let speed_mps = 4.0 + 2.0 * f64::from(target);
                 let (sin, cos) = f64::from(target).sin_cos();
-                let [along, right] = POINTS_M[usize::from(source)];
+                let [along, right] = POINTS[usize::from(source)].map(|part| part * size_m);
                 let from = [3000.0 * f64::from(target), 0.0];
                 let seen = [from[0] + along * sin + right * cos, from[1] + along * cos - right * sin];
                 let seen = SensorTrack {
@@ -48,17 +48,19 @@ fn followed(begins_s: [f64; 3], seconds: u32) -> (Harness, Vec<f64>) {
 
 #[test]
 fn each_is_one_system_track_from_the_first_report_on() {
-    let (harness, _) = followed([0.0; 3], 20);
-    let shown = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
-    let published = harness.published.iter().filter(shown);
-    let numbers: BTreeSet<u32> = published.map(|track| track.track_number).collect();
-    assert_eq!(numbers.len(), TARGETS as usize, "{numbers:?}");
+    for size_m in [20.0, 40.0] {
+        let (harness, _) = followed(size_m, [0.0; 3], 30);
+        let shown = |track: &&SystemTrack| track.state == TrackState::Confirmed as u8;
+        let published = harness.published.iter().filter(shown);
+        let numbers: BTreeSet<u32> = published.map(|track| track.track_number).collect();
+        assert_eq!(numbers.len(), TARGETS as usize, "{size_m} m: {numbers:?}");
+    }
 }
 
 #[test]
 fn all_show_the_point_of_the_first_source_also_where_it_comes_last() {
     for begins_s in [[0.0; 3], [40.0, 0.0, 0.0]] {
-        let (_, errors_m) = followed(begins_s, 100);
+        let (_, errors_m) = followed(20.0, begins_s, 100);
         let last_m = errors_m[80..].iter().copied().fold(0.0, f64::max);
         assert!(last_m < 2.0, "{begins_s:?}: {errors_m:.1?}");
     }
