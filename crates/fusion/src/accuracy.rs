@@ -1,7 +1,7 @@
 //! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
 
 use crate::settings::{AccuracyBase, Settings};
-use crate::state::State;
+use messages::Covariance;
 use serde::{Deserialize, Serialize};
 
 /// The sensor accuracies of all sources under the present condition.
@@ -59,11 +59,17 @@ impl Accuracies {
         *mean += (square - *mean) / memory;
     }
 
-    /// alpha of `source` for a target in `state` (TI-8), of which it states a horizontal sigma of `reported_m`.
-    pub(crate) fn alpha(&self, settings: &Settings, source: u16, state: &State, reported_m: f64) -> f64 {
-        let (position_m, speed_mps) = (state.position_m, state.speed_mps());
+    /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which it states
+    /// this covariance.
+    pub(crate) fn alpha(
+        &self,
+        settings: &Settings,
+        source: u16,
+        target: ([f64; 3], [f64; 3]),
+        reported: &Covariance,
+    ) -> f64 {
         let alpha = |source: u16| {
-            let s = self.s(settings, source, position_m, speed_mps, reported_m);
+            let s = self.s(settings, source, target, reported);
             settings.sources[usize::from(source)].adjustment * s
         };
         match settings.rule.reference_source.as_ref().map(|source| source.number) {
@@ -74,7 +80,13 @@ impl Accuracies {
     }
 
     /// s of `source` (TI-7).
-    fn s(&self, settings: &Settings, source: u16, position_m: [f64; 3], speed_mps: f64, reported_m: f64) -> f64 {
+    fn s(
+        &self,
+        settings: &Settings,
+        source: u16,
+        (position_m, velocity_mps): ([f64; 3], [f64; 3]),
+        reported: &Covariance,
+    ) -> f64 {
         let index = usize::from(source);
         let accuracy = &settings.sources[index].accuracy;
         let base = match accuracy.base {
@@ -87,10 +99,14 @@ impl Accuracies {
                 let range = (position_m[0] - place_m[0]).hypot(position_m[1] - place_m[1]);
                 range_sigma_m.hypot(azimuth_sigma_rad * range)
             }
-            AccuracyBase::Reported => reported_m,
+            AccuracyBase::Reported => (0.5 * (reported.get(0, 0) + reported.get(1, 1))).sqrt(),
             AccuracyBase::Estimated { initial_m, .. } => self.mean_squares[index].map_or(initial_m, f64::sqrt),
         };
-        (base + accuracy.per_speed_s * speed_mps) * self.factors[index]
+        let by_speed = match accuracy.per_speed_s {
+            0.0 => 0.0,
+            per_speed_s => per_speed_s * velocity_mps[0].hypot(velocity_mps[1]),
+        };
+        (base + by_speed) * self.factors[index]
     }
 }
 
@@ -98,15 +114,12 @@ impl Accuracies {
 mod tests {
     use super::*;
     use crate::testing::test_settings;
+    use messages::COVARIANCE_LEN;
 
-    /// A target at `position_m` that flies east.
-    fn target(position_m: [f64; 3], speed_mps: f64) -> State {
-        State {
-            position_m,
-            velocity_mps: [speed_mps, 0.0, 0.0],
-            ..State::default()
-        }
-    }
+    /// What a source that says nothing of its accuracy states.
+    const STATED: Covariance = Covariance {
+        upper: [0.0; COVARIANCE_LEN],
+    };
 
     #[test]
     fn a_polar_sensor_is_less_accurate_far_away() {
@@ -117,7 +130,7 @@ mod tests {
             range_sigma_m: 30.0,
             azimuth_sigma_rad: 0.001,
         };
-        let alpha = |position| Accuracies::new(1).alpha(&settings, 0, &target(position, 0.0), 0.0);
+        let alpha = |position| Accuracies::new(1).alpha(&settings, 0, (position, [0.0, 0.0, 0.0]), &STATED);
         assert!((alpha([1000.0, 0.0, 0.0]) - 60.0).abs() < 1e-9);
         assert!(
             (alpha([1000.0, 40_000.0, 0.0]) - 100.0).abs() < 1e-9,
@@ -131,10 +144,10 @@ mod tests {
         settings.rule.reference_source = Some(1.into());
         settings.sources[1].accuracy.conditions = vec![("calm".to_owned(), 0.0)];
         let mut accuracies = Accuracies::new(2);
-        let here = target([0.0; 3], 0.0);
-        assert_eq!(accuracies.alpha(&settings, 0, &here, 0.0), 1.0);
+        let here = ([0.0; 3], [0.0; 3]);
+        assert_eq!(accuracies.alpha(&settings, 0, here, &STATED), 1.0);
         assert!(accuracies.set_condition(&settings, "calm"));
-        let alphas = [0, 1].map(|source| accuracies.alpha(&settings, source, &here, 0.0));
+        let alphas = [0, 1].map(|source| accuracies.alpha(&settings, source, here, &STATED));
         assert_eq!(alphas, [10.0, 0.0]);
     }
 
@@ -144,20 +157,20 @@ mod tests {
         settings.sources[0].accuracy.per_speed_s = 0.1;
         settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 3.0)];
         let mut accuracies = Accuracies::new(2);
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 15.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 15.0).abs() < 1e-9);
         assert!(accuracies.set_condition(&settings, "rain"));
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 45.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 45.0).abs() < 1e-9);
         assert!(
-            (accuracies.alpha(&settings, 1, &target([0.0; 3], 50.0), 0.0) - 10.0).abs() < 1e-9,
+            (accuracies.alpha(&settings, 1, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 10.0).abs() < 1e-9,
             "not named: factor 1"
         );
         assert!(
             !accuracies.set_condition(&settings, "ran"),
             "a slip of the pen changes nothing"
         );
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 45.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 45.0).abs() < 1e-9);
         assert!(accuracies.set_condition(&settings, "normal"));
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 50.0), 0.0) - 15.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 15.0).abs() < 1e-9);
     }
 
     #[test]
@@ -168,12 +181,12 @@ mod tests {
             memory: 20.0,
         };
         let mut accuracies = Accuracies::new(1);
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 7.0).abs() < 1e-9);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 7.0).abs() < 1e-9);
         for step in 0..200 {
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
             accuracies.learn(&settings, 0, [30.0 * sign, -30.0 * sign, 0.0]);
         }
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 30.0).abs() < 1e-6);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 30.0).abs() < 1e-6);
     }
 
     #[test]
@@ -182,8 +195,8 @@ mod tests {
         settings.sources[1].accuracy.base = AccuracyBase::Constant { sigma_m: 25.0 };
         settings.rule.reference_source = Some(0.into());
         let accuracies = Accuracies::new(2);
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 0.0) - 1.0).abs() < 1e-12);
-        assert!((accuracies.alpha(&settings, 1, &target([0.0; 3], 0.0), 0.0) - 2.5).abs() < 1e-12);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 1.0).abs() < 1e-12);
+        assert!((accuracies.alpha(&settings, 1, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 2.5).abs() < 1e-12);
         settings.sources[0].adjustment = 0.0;
         assert!(settings.check().unwrap_err().to_string().contains("reference_source"));
     }
@@ -194,7 +207,8 @@ mod tests {
         settings.sources[0].accuracy.base = AccuracyBase::Reported;
         settings.sources[0].adjustment = 2.0;
         let accuracies = Accuracies::new(2);
-        assert!((accuracies.alpha(&settings, 0, &target([0.0; 3], 0.0), 35.0) - 70.0).abs() < 1e-9);
+        let stated = Covariance::diagonal([35.0; 3], [1.0; 3]);
+        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0; 3]), &stated) - 70.0).abs() < 1e-9);
         settings.rule.reference_source = Some(0.into());
         assert!(settings.check().unwrap_err().to_string().contains("what it reports"));
     }

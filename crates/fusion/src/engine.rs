@@ -15,6 +15,7 @@ use crate::association_step::Search;
 use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
+use crate::history::Histories;
 use crate::inlet;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
@@ -66,14 +67,13 @@ impl Engine {
         // Rules that take their state from the filter do not look back, and remember nothing.
         let rule = rules::entry(settings.rule.name.0);
         let remembers = !rule.is_from_filter();
-        let looks_back = remembers || settings.rule.accuracy_values;
+        let histories = (remembers || settings.accuracy_values()).then(|| {
+            let length = capacity.stored_reports + 1;
+            Histories::new(capacity.sensor_tracks(), length, settings.rule.recency)
+        });
         Ok(Self {
             tracks: Tracks::new(
-                SensorTracks::new(
-                    capacity.sensor_tracks(),
-                    sources,
-                    looks_back.then_some(capacity.stored_reports),
-                ),
+                SensorTracks::new(capacity.sensor_tracks(), sources, histories, remembers),
                 SystemTracks::new(
                     capacity.system_tracks(),
                     sources,

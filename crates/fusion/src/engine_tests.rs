@@ -157,12 +157,18 @@ fn a_source_that_gives_its_trace_alone_counts_as_much_as_its_trace_says() {
 }
 
 #[test]
-fn accuracy_values_tell_the_steady_source_under_every_rule_that_is_asked_for_them() {
+fn accuracy_values_tell_the_steady_source_under_rules_that_need_none_too() {
     for rule in [messages::FusionRule::Auto, messages::FusionRule::SystemFilter] {
-        for wanted in [false, true] {
+        for (stated, refresh_s, wanted) in [
+            (None, None, false),
+            (Some(true), None, true),
+            (None, Some(1.0), true),
+            (Some(false), Some(1.0), false),
+        ] {
             let mut settings = test_settings(2);
             settings.rule.name.0 = rule;
-            settings.rule.accuracy_values = wanted;
+            settings.rule.accuracy_values = stated;
+            settings.refresh_s = refresh_s.map(Seconds::of);
             let (mut harness, mut noise) = (Harness::new(settings), random(3));
             for step in 0..20 {
                 let time_s = f64::from(step);

@@ -48,6 +48,8 @@ pub(crate) struct Histories {
     stored: Vec<Stored>,
     heads: Vec<Head>,
     length: usize,
+    /// Weight of an earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
+    recency: f64,
 }
 
 /// Octets that a ring of `length` reports takes.
@@ -63,14 +65,18 @@ struct Head {
     count: usize,
     /// Measured minus predicted position of the newest report, where there was a measurement.
     innovation: Option<[f64; 3]>,
+    /// First minus mean second position at the newest report's time, metres, and by how much that grows, metres per
+    /// second: worked out once for all reference times. `None` without an earlier report.
+    apart: Option<([f64; 3], [f64; 3])>,
 }
 
 impl Histories {
-    pub(crate) fn new(slots: usize, length: usize) -> Self {
+    pub(crate) fn new(slots: usize, length: usize, recency: f64) -> Self {
         Self {
             stored: vec![Stored::default(); slots * length],
             heads: vec![Head::default(); slots],
             length,
+            recency,
         }
     }
 
@@ -93,6 +99,31 @@ impl Histories {
             position_m: report.position_m,
             velocity_mps: report.velocity_mps,
         };
+        self.heads[slot].apart = self.apart(slot);
+    }
+
+    /// See [`Head::apart`].
+    fn apart(&self, slot: usize) -> Option<([f64; 3], [f64; 3])> {
+        let first = self.nth(slot, 0)?;
+        let (mut places, mut velocities, mut total, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 1.0);
+        let mut back = 1;
+        while let Some(earlier) = self.nth(slot, back) {
+            let second = earlier.position_at(first.time_ns);
+            for axis in 0..3 {
+                places[axis] += weight * second[axis];
+                velocities[axis] += weight * earlier.velocity_mps[axis];
+            }
+            total += weight;
+            weight *= self.recency;
+            back += 1;
+        }
+        let minus_mean = |first: [f64; 3], sum: [f64; 3]| std::array::from_fn(|axis| first[axis] - sum[axis] / total);
+        (back > 1).then(|| {
+            (
+                minus_mean(first.position_m, places),
+                minus_mean(first.velocity_mps, velocities),
+            )
+        })
     }
 
     /// Measured minus predicted: the prediction is the previous report's, along its velocity.
@@ -132,31 +163,18 @@ impl Histories {
     }
 
     /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
-    ///
-    /// `recency` weighs each earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
-    pub(crate) fn residual(&self, slot: usize, kind: Residual, recency: f64, reference_ns: i64) -> Option<[f64; 3]> {
-        if kind == Residual::Innovation
-            && let Some(innovation) = self.heads[slot].innovation
-        {
-            return Some(innovation);
-        }
-        let value = |stored: &Stored| match kind {
-            Residual::Velocity => stored.velocity_mps,
-            Residual::Position | Residual::PerAxis | Residual::Innovation => stored.position_at(reference_ns),
+    pub(crate) fn residual(&self, slot: usize, kind: Residual, reference_ns: i64) -> Option<[f64; 3]> {
+        let head = &self.heads[slot];
+        let (apart_m, apart_mps) = head.apart?;
+        let position = || {
+            let newest_ns = self.stored[slot * self.length + head.newest].time_ns;
+            moved(apart_m, apart_mps, reference_ns - newest_ns)
         };
-        let first = value(self.nth(slot, 0)?);
-        let (mut sum, mut total, mut weight) = ([0.0; 3], 0.0, 1.0);
-        let mut back = 1;
-        while let Some(earlier) = self.nth(slot, back) {
-            let second = value(earlier);
-            for axis in 0..3 {
-                sum[axis] += weight * second[axis];
-            }
-            total += weight;
-            weight *= recency;
-            back += 1;
-        }
-        (back > 1).then(|| std::array::from_fn(|axis| first[axis] - sum[axis] / total))
+        Some(match kind {
+            Residual::Innovation => head.innovation.unwrap_or_else(position),
+            Residual::Velocity => apart_mps,
+            Residual::Position | Residual::PerAxis => position(),
+        })
     }
 }
 
@@ -176,45 +194,44 @@ mod tests {
 
     #[test]
     fn a_track_that_predicts_itself_has_no_residual() {
-        let mut histories = Histories::new(2, 4);
+        let mut histories = Histories::new(2, 4, 1.0);
         for time in 0..10 {
             histories.push(1, &report(time, 10.0 * time as f64, 10.0));
         }
-        let v = histories.residual(1, Residual::Position, 1.0, 12 * S).unwrap();
+        let v = histories.residual(1, Residual::Position, 12 * S).unwrap();
         assert!(v[0].abs() < 1e-9);
-        assert_eq!(histories.residual(0, Residual::Position, 1.0, 12 * S), None);
+        assert_eq!(histories.residual(0, Residual::Position, 12 * S), None);
     }
 
     #[test]
     fn the_residual_is_first_minus_mean_of_second_positions() {
-        let mut histories = Histories::new(1, 3);
+        let mut histories = Histories::new(1, 3, 1.0);
+        let mut newer_count_more = Histories::new(1, 3, 0.5);
         // Moved to t = 4: 0 + 4·1 = 4 (dropped: only three are kept), 6 + 3·2 = 12, 10 + 2·0 = 10, first 20 + 1·5 = 25.
         for (time, x, vx) in [(0, 0.0, 1.0), (1, 6.0, 2.0), (2, 10.0, 0.0), (3, 20.0, 5.0)] {
             histories.push(0, &report(time, x, vx));
+            newer_count_more.push(0, &report(time, x, vx));
         }
-        let plain = histories.residual(0, Residual::Position, 1.0, 4 * S).unwrap();
+        let plain = histories.residual(0, Residual::Position, 4 * S).unwrap();
         assert!((plain[0] - (25.0 - 11.0)).abs() < 1e-12);
         // Newer ones count more: weights 1 and 1/2 on 10 and 12.
-        let weighted = histories.residual(0, Residual::Position, 0.5, 4 * S).unwrap();
+        let weighted = newer_count_more.residual(0, Residual::Position, 4 * S).unwrap();
         assert!((weighted[0] - (25.0 - (10.0 + 0.5 * 12.0) / 1.5)).abs() < 1e-12);
-        let velocity = histories.residual(0, Residual::Velocity, 1.0, 4 * S).unwrap();
+        let velocity = histories.residual(0, Residual::Velocity, 4 * S).unwrap();
         assert!((velocity[0] - (5.0 - 1.0)).abs() < 1e-12);
     }
 
     #[test]
     fn an_innovation_needs_a_measurement() {
-        let mut histories = Histories::new(1, 3);
+        let mut histories = Histories::new(1, 3, 1.0);
         histories.push(0, &report(0, 0.0, 10.0));
         let mut second = report(1, 11.0, 10.0);
         second.valid |= sensor_track_bits::MEASURED;
         second.measured_m = [13.0, 0.0, 0.0];
         histories.push(0, &second);
-        assert_eq!(
-            histories.residual(0, Residual::Innovation, 1.0, S),
-            Some([3.0, 0.0, 0.0])
-        );
+        assert_eq!(histories.residual(0, Residual::Innovation, S), Some([3.0, 0.0, 0.0]));
         histories.push(0, &report(2, 21.0, 10.0));
-        let v = histories.residual(0, Residual::Innovation, 1.0, 2 * S).unwrap();
+        let v = histories.residual(0, Residual::Innovation, 2 * S).unwrap();
         assert!(
             (v[0] - (21.0 - 20.5)).abs() < 1e-12,
             "falls back to the position residual"
@@ -223,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_time_between_two_reports_is_interpolated_and_no_other() {
-        let mut histories = Histories::new(1, 3);
+        let mut histories = Histories::new(1, 3, 1.0);
         for (time, x, vx) in [(0, 0.0, 1.0), (4, 8.0, 3.0), (8, 40.0, 5.0)] {
             histories.push(0, &report(time, x, vx));
         }

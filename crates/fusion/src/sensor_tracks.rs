@@ -219,16 +219,17 @@ pub(crate) struct SensorTracks {
     /// table ends.
     swept: usize,
     part_end: usize,
-    /// Whether the following are kept.
+    /// Whether histories are kept, and whether quality indices are.
     looks_back: bool,
+    scores: bool,
     pub(crate) histories: Histories,
     pub(crate) qualities: Qualities,
 }
 
 impl SensorTracks {
-    /// With room for `capacity` sensor tracks of `sources` sources. Of each as many as `stored_reports` earlier reports
-    /// are kept, and which scans confirmed it; nothing but the latest report if `None`.
-    pub(crate) fn new(capacity: usize, sources: usize, stored_reports: Option<usize>) -> Self {
+    /// With room for `capacity` sensor tracks of `sources` sources, the histories that are wanted, and what their last
+    /// scans were if a rule `scores` by it.
+    pub(crate) fn new(capacity: usize, sources: usize, histories: Option<Histories>, scores: bool) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));
         Self {
@@ -238,9 +239,10 @@ impl SensorTracks {
             by_number,
             swept: 0,
             part_end: 0,
-            looks_back: stored_reports.is_some(),
-            histories: stored_reports.map_or(Histories::new(0, 0), |stored| Histories::new(capacity, stored + 1)),
-            qualities: Qualities::new(stored_reports.map_or(0, |_| capacity)),
+            looks_back: histories.is_some(),
+            scores,
+            histories: histories.unwrap_or(Histories::new(0, 0, 1.0)),
+            qualities: Qualities::new(if scores { capacity } else { 0 }),
         }
     }
 
@@ -255,6 +257,8 @@ impl SensorTracks {
         self.by_number.insert((report.source, report.track_number), slot);
         if self.looks_back {
             self.histories.clear(slot as usize);
+        }
+        if self.scores {
             self.qualities.clear(slot as usize);
         }
         self.entries[slot as usize] = SensorEntry {
@@ -275,9 +279,11 @@ impl SensorTracks {
         }
         let latest = &self.entries[slot as usize].latest;
         self.histories.push(slot as usize, latest);
-        let confirmed = latest.state == TrackState::Confirmed as u8;
-        self.qualities
-            .push(slot as usize, latest.time_of_measurement_ns, period_ns, confirmed);
+        if self.scores {
+            let confirmed = latest.state == TrackState::Confirmed as u8;
+            self.qualities
+                .push(slot as usize, latest.time_of_measurement_ns, period_ns, confirmed);
+        }
     }
 
     /// Frees `slot`, which no system track may link to any more.

@@ -154,8 +154,9 @@ settings::settings! {
         /// Name of the source whose alpha is normalised to 1 (TI-8).
         reference_source: Option<SourceRef> = None;
         /// Accuracy values lambda (TI-9) are given also by rules that need none, whose states are those of the target's
-        /// filter: of each sensor track the last reports are then kept.
-        accuracy_values: bool = false;
+        /// filter: of each sensor track the last reports are then kept. Where each report gives a state, that makes the
+        /// engine's work 7 % more.
+        accuracy_values: Option<bool> = None, usually "true with refresh_s, else false";
         /// Decision between equal accuracy values (TI-11): the source chosen last time, then priority; or priority
         /// alone.
         tie: Tie = Tie::LastThenPriority;
@@ -872,6 +873,11 @@ impl Settings {
     pub fn check(&self) -> Result<(), SettingsError> {
         settings::check(self)?;
         self.check_sources()
+    }
+
+    /// Whether all rules give accuracy values (TI-9).
+    pub(crate) fn accuracy_values(&self) -> bool {
+        self.rule.accuracy_values.unwrap_or(self.refresh_s.is_some())
     }
 
     /// Time between two states of a system track, nanoseconds; `None`: whenever a report has changed a system track.

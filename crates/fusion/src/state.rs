@@ -57,10 +57,6 @@ impl State {
     pub(crate) fn horizontal_trace_m2(&self) -> f64 {
         self.covariance.get(0, 0) + self.covariance.get(1, 1)
     }
-
-    pub(crate) fn speed_mps(&self) -> f64 {
-        self.velocity_mps[0].hypot(self.velocity_mps[1])
-    }
 }
 
 #[cfg(test)]

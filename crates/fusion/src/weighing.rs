@@ -5,9 +5,10 @@
 //! gives each its share and the state they yield together. Rules that take the state from the target's filter need
 //! nothing of the contributions but their share in it.
 
-use messages::{CONTRIBUTIONS_MAX, TrackState, sensor_track_bits};
+use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
+use crate::history::moved;
 use crate::rules::{self, Candidate, Fuse, Memory, Method, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::settings::{DropOut, Settings};
@@ -192,16 +193,20 @@ impl Weigher<'_> {
             weighed.len += 1;
         }
         for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
-            if self.settings.rule.accuracy_values {
-                *candidate = self.candidate(*member, reference_ns);
-                continue;
-            }
             let entry = sensors.get(*member);
             candidate.source = entry.source;
             candidate.filter_share = entry.share;
             candidate.lambda = f64::INFINITY;
+            if self.settings.accuracy_values() {
+                let latest = &entry.latest;
+                let later_ns = reference_ns - latest.time_of_measurement_ns;
+                let place_m = moved(latest.position_m, latest.velocity_mps, later_ns);
+                candidate.alpha = self.alpha(latest, place_m, latest.velocity_mps);
+                candidate.residual = self.residual(*member, reference_ns);
+                candidate.state.has_height = latest.has(sensor_track_bits::HEIGHT);
+            }
         }
-        if self.settings.rule.accuracy_values {
+        if self.settings.accuracy_values() {
             weighed.value();
         }
     }
@@ -258,6 +263,25 @@ impl Weigher<'_> {
         reported.at(reference_ns, self.settings.process_noise_m2ps3)
     }
 
+    /// Observation error coefficient (TI-8) of the source of this report for its target, which is at this place and has
+    /// this velocity at the reference time.
+    fn alpha(&self, report: &SensorTrack, position_m: [f64; 3], velocity_mps: [f64; 3]) -> f64 {
+        let target = (position_m, velocity_mps);
+        self.accuracies
+            .alpha(self.settings, report.source, target, &report.covariance)
+    }
+
+    /// V of `member` (TI-6). A track that its source does not believe yet is scored like one with a single report
+    /// (TI-10): its velocity is a guess.
+    fn residual(&self, member: SensorSlot, reference_ns: i64) -> Option<[f64; 3]> {
+        let sensors = &self.tracks.sensors;
+        let is_believed = sensors.get(member).latest.state != TrackState::Tentative as u8;
+        let kind = self.settings.rule.residual;
+        is_believed
+            .then(|| sensors.histories.residual(member as usize, kind, reference_ns))
+            .flatten()
+    }
+
     fn candidate(&self, member: SensorSlot, reference_ns: i64) -> Candidate {
         let (settings, sensors) = (self.settings, &self.tracks.sensors);
         let entry = sensors.get(member);
@@ -266,20 +290,12 @@ impl Weigher<'_> {
         let reported = State::of_report(latest);
         let state = self.state(member, &reported, reference_ns);
         let life = TrackState::from_code(latest.state).unwrap_or(TrackState::Tentative);
-        // A track that its source does not believe yet is scored like one with a single report (TI-10): its velocity
-        // is a guess.
-        let residual = || {
-            sensors
-                .histories
-                .residual(member as usize, rule.residual, rule.recency, reference_ns)
-        };
         let age_ns = (reference_ns - latest.time_of_measurement_ns).max(0);
-        let reported_m = (0.5 * reported.horizontal_trace_m2()).sqrt();
         Candidate {
             source: latest.source,
             priority: source.priority,
-            alpha: self.accuracies.alpha(settings, latest.source, &state, reported_m),
-            residual: (life != TrackState::Tentative).then(residual).flatten(),
+            alpha: self.alpha(latest, state.position_m, state.velocity_mps),
+            residual: self.residual(member, reference_ns),
             lambda: f64::INFINITY,
             age_ns,
             period_ns: source.period_ns,
