@@ -11,8 +11,8 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fusion::Engine;
 use fusion::checkpoint::Position;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, ExistenceSettings, LifeSettings, RegistrationSettings,
-    ReportLimits, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, BorderSettings, Capacity, ExistenceSettings, LifeSettings,
+    RegistrationSettings, ReportLimits, RuleSettings, Settings, SourceSettings,
 };
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use test_support::S;
@@ -61,6 +61,7 @@ fn settings(targets: usize) -> Settings {
         consistency: true,
         refresh_s: None,
         exchange: false,
+        border: BorderSettings::default(),
         refresh_delay_s: settings::Seconds::default(),
     }
 }

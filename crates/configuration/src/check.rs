@@ -17,6 +17,7 @@ use super::check_display::check_display;
 use super::check_link::check_hosts;
 use super::check_monitor::check_monitor;
 use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
+use super::check_region::check_regions;
 use super::tables::{
     CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable,
     WaitWord,
@@ -107,7 +108,8 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         ));
     }
     let durable = durable(&raw.checkpoint)?;
-    let fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
+    let mut fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
+    fusion.settings.border.regions = check_regions(&raw.regions, (raw.origin, fusion.settings.exchange), &frame)?;
     let own = messages::own_tracks().name;
     let sends_own = |link: &super::Link| link.send.iter().any(|topic| topic == own.as_str());
     if let Some(index) = links.iter().position(sends_own)

@@ -10,6 +10,7 @@ mod check_display;
 mod check_link;
 mod check_monitor;
 mod check_network;
+mod check_region;
 mod deployment;
 mod link;
 mod locating;

@@ -34,6 +34,8 @@ settings::settings! {
         gateways as "gateway": Vec<GatewayTable> = Vec::new();
         /// Link to deployments on other hosts: one process, `koseki-link`.
         links as "link": Vec<LinkTable> = Vec::new();
+        /// Region of a centre: it owns the targets in it.
+        regions as "region": Vec<RegionTable> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.
@@ -48,6 +50,16 @@ settings::settings! {
         display: DisplayTable = DisplayTable::default();
         /// The launcher, which starts and watches the others.
         launcher: LauncherTable = LauncherTable::default();
+    }
+
+    /// A region of a centre that exchanges tracks with others.
+    pub struct RegionTable {
+        /// Name.
+        name: String;
+        /// `origin` of the deployment whose it is.
+        origin: u32, in [1, u32::MAX];
+        /// Corners in turn, latitude and longitude (WGS-84), degrees. Sides are straight in the system frame.
+        corners_deg: Vec<[f64; 2]>;
     }
 
     /// A place on the Earth (WGS-84).

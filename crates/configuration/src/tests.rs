@@ -118,6 +118,50 @@ fn a_link_that_others_can_reach_says_who_they_are() {
 }
 
 #[test]
+fn regions_lie_in_the_system_frame_and_mistakes_in_them_are_named() {
+    let region = |name: &str, origin: u32, east: [f64; 2]| {
+        let [west, east] = east;
+        format!(
+            "[[region]]\nname = \"{name}\"\norigin = {origin}\n\
+             corners_deg = [[41.0, {west}], [41.0, {east}], [42.0, {east}], [42.0, {west}]]\n"
+        )
+    };
+    let read = |regions: &str, overrides: &[&str]| {
+        let text = format!("{}\n{regions}", barcelona());
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Config::parse(Path::new("barcelona.toml"), &text, &overrides).map_err(|error| error.to_string())
+    };
+    let exchange = ["origin=1", "fusion.exchange=true"];
+    let (west, east) = (region("west", 1, [1.0, 2.0]), region("east", 2, [2.0, 3.0]));
+    let found = read(&format!("{west}{east}"), &exchange).unwrap();
+    let regions = &found.fusion.settings.border.regions;
+    assert_eq!([regions[0].is_own, regions[1].is_own], [true, false]);
+    // The airport lies near 2.08 degrees east.
+    assert!(regions[1].contains([0.0, 0.0]) && !regions[0].contains([0.0, 0.0]));
+    assert!((regions[0].distance_m([0.0, 0.0]) - 6_600.0).abs() < 600.0);
+    let cases = [
+        (format!("{west}{east}"), &exchange[..1], "needs fusion.exchange = true"),
+        (
+            format!("{west}{}", region("east", 2, [1.9, 3.0])),
+            &exchange,
+            "overlaps \"west\"",
+        ),
+        (
+            format!("{west}{}", region("west", 2, [2.0, 3.0])),
+            &exchange,
+            "earlier region",
+        ),
+        (east, &exchange, "would own no target"),
+        (west.replace("[41.0, 1], [41.0, 2], ", ""), &exchange, "2 corners"),
+        (west.replace("42.0", "142.0"), &exchange, "not between -90"),
+    ];
+    for (regions, overrides, said) in cases {
+        let error = read(&regions, overrides).unwrap_err();
+        assert!(error.contains(said), "{regions}: {error}");
+    }
+}
+
+#[test]
 fn sensors_and_deployments_have_an_identity() {
     let named = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     let radar = named.source("radar").unwrap();

@@ -18,6 +18,7 @@
 mod accuracy;
 mod alignment;
 mod association_step;
+mod border;
 pub mod checkpoint;
 mod dependence;
 mod description;
@@ -48,6 +49,7 @@ mod publishing;
 pub mod quality;
 mod quota;
 mod reference_point;
+pub mod region;
 pub mod registration;
 mod restore;
 pub mod rules;

@@ -80,6 +80,7 @@ pub(crate) fn write(
     message.rule = settings.rule.name.0.code();
     message.alerts = entry.alerts;
     message.merged_into = entry.merged_into;
+    entry.ownership.write(message);
     message.on_ground = u8::from(entry.on_ground);
     message.kind = entry.description.kind as u8;
     message.members = entry.description.members;

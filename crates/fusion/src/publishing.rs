@@ -15,7 +15,7 @@ use crate::message::{weight, write};
 use crate::outlet::Outlet;
 use crate::rules::{self, Candidate, Fuse, Method, RuleEntry};
 use crate::sensor_tracks::SensorSlot;
-use crate::settings::{AccuracyBase, Settings};
+use crate::settings::{AccuracyBase, BorderSettings, Settings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -139,7 +139,7 @@ impl Publisher {
             }
             Method::Candidates(rule) => self.fuse(settings, tracks, rule, (system, reference_ns), out),
         };
-        if is_usable && settings.exchange {
+        if is_usable && settings.exchange && Self::is_exchanged(settings, tracks, system) {
             let weighed = Some(&*self.weighed);
             out.own_track(|message| {
                 write(message, settings, tracks, system, cause, weighed);
@@ -147,6 +147,9 @@ impl Publisher {
             });
         }
         let is_usable = self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
+        if !settings.border.regions.is_empty() {
+            self.find_owner(&settings.border, tracks, system);
+        }
         self.describe(tracks, system);
         if !is_usable {
             let entry = tracks.systems.get_mut(system);
@@ -160,6 +163,25 @@ impl Publisher {
             restart(tracks, system);
         }
         tracks.keep(system);
+    }
+
+    /// Whether other centres are told of a system track.
+    fn is_exchanged(settings: &Settings, tracks: &Tracks, system: SystemSlot) -> bool {
+        let [east, north, _] = tracks.systems.get(system).state.position_m;
+        settings.border.is_in_strip([east, north])
+    }
+
+    /// Decides which centre owns the target.
+    fn find_owner(&self, settings: &BorderSettings, tracks: &mut Tracks, system: SystemSlot) {
+        let entry = tracks.systems.get(system);
+        let [east, north, _] = entry.state.position_m;
+        let mut ownership = entry.ownership;
+        ownership.look(settings, [east, north], entry.state.time_ns);
+        for member in self.weighed.members() {
+            let latest = &tracks.sensors.get(*member).latest;
+            ownership.hear(latest.origin, latest.track_number);
+        }
+        tracks.systems.get_mut(system).ownership = ownership;
     }
 
     /// Notes what the contributions say that the target is.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
 
 use crate::quality::SCANS_MAX;
+use crate::region::Region;
 
 /// Most stored reports per source and target.
 pub const STORED_REPORTS_MAX: usize = 64;
@@ -33,6 +34,8 @@ settings::settings! {
         refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
         /// States by the sources here alone are published for other centres, beside those with what they say.
         exchange: bool = false;
+        /// Borders with other centres.
+        border: BorderSettings = BorderSettings::default();
         /// Sizes of the tables.
         capacity: Capacity = Capacity::default();
         /// Association of reports with system tracks (TI-3).
@@ -45,6 +48,16 @@ settings::settings! {
         registration: RegistrationSettings = RegistrationSettings::default();
         /// Weighing of the sources.
         rule: RuleSettings = RuleSettings::default();
+    }
+
+    /// Borders with other centres, where there are regions: `[[region]]`.
+    pub struct BorderSettings beside [regions: Vec<Region>] {
+        /// Distance from another centre's region within which it is told of targets.
+        strip_m: f64 = 20e3, in [0, 1e6];
+        /// Distance beyond its owner's region, and time spent there, after which a target changes hands.
+        hand_over_m: f64 = 500.0, in [0, 1e5];
+        /// See `hand_over_m`.
+        hand_over_s: Seconds = Seconds::of(10.0), in [0, 3600];
     }
 
     /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A

@@ -9,6 +9,7 @@ use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
 use serde::{Deserialize, Serialize};
 
+use crate::border::Ownership;
 use crate::description::Description;
 use crate::filter::{Filter, KeptFilter};
 use crate::number_hasher::{NumberHasher, table};
@@ -44,6 +45,8 @@ pub(crate) struct SystemEntry {
     pub(crate) first_seen_ns: i64,
     /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
     pub(crate) point_source: u16,
+    /// Centre that owns the target.
+    pub(crate) ownership: Ownership,
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
     /// Whether the filter repeats what another centre says, since no source here follows the target.
@@ -186,6 +189,7 @@ impl SystemEntry {
             nis: 0.0,
             first_seen_ns: i64::MAX,
             point_source: NO_SOURCE,
+            ownership: Ownership::default(),
             was_shown: false,
             is_foreign: false,
             contributors: 0,

@@ -2,8 +2,8 @@
 
 use crate::filter::{Fit, Innovation};
 use crate::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, ExistenceSettings, LifeSettings, RegistrationSettings,
-    ReportLimits, RuleName, RuleSettings, Settings, SourceSettings,
+    Accuracy, AccuracyBase, AssociationSettings, BorderSettings, Capacity, ExistenceSettings, LifeSettings,
+    RegistrationSettings, ReportLimits, RuleName, RuleSettings, Settings, SourceSettings,
 };
 
 /// Settings for `sources` like sources, in small tables.
@@ -53,6 +53,7 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
         process_noise_m2ps3: 1.0,
         refresh_s: None,
         exchange: false,
+        border: BorderSettings::default(),
         refresh_delay_s: settings::Seconds::default(),
     }
 }

@@ -56,6 +56,7 @@ fn settings() -> Settings {
         consistency: true,
         process_noise_m2ps3: 1.0,
         exchange: false,
+        border: fusion::settings::BorderSettings::default(),
         refresh_s: None,
         refresh_delay_s: settings::Seconds::default(),
     }

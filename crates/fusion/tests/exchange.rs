@@ -7,6 +7,7 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
+use fusion::region::Region;
 use fusion::settings::{AccuracyTable, Settings, Shares, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
 use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
@@ -58,6 +59,8 @@ struct Case {
     /// When nothing is delivered, seconds.
     cut_s: [f64; 2],
     targets: u32,
+    /// Whether the first centre owns the targets west of the middle, and the second those east of it.
+    has_regions: bool,
 }
 
 /// What one centre's states in the strip are worth.
@@ -73,6 +76,10 @@ struct Worth {
     doubled_s: Vec<f64>,
     /// Numbers of the tracks of each target, by its address.
     numbers: BTreeMap<u32, BTreeSet<u32>>,
+    /// Number of the track and that at the owner, where another centre is, by address and second.
+    owners: BTreeMap<u32, BTreeMap<i64, (u32, u32)>>,
+    /// States that were sent.
+    sent: u32,
 }
 
 impl Worth {
@@ -143,6 +150,10 @@ fn centre(case: &Case, number: usize) -> Centre {
         ..Settings::default()
     };
     settings.rule.name.0 = FusionRule::Auto;
+    if case.has_regions {
+        settings.border.strip_m = STRIP_M;
+        settings.border.regions = (0..2).map(|owner| half(owner, owner as usize == number)).collect();
+    }
     // Tracks find each other by their motion; addresses tell here which target they are of.
     settings.association.use_identity = false;
     let settings = settings.with_sources(own.chain(foreign).collect()).unwrap();
@@ -150,6 +161,16 @@ fn centre(case: &Case, number: usize) -> Centre {
         engine: Engine::new(settings).unwrap(),
         radars,
         centres,
+    }
+}
+
+/// The western or the eastern half of the world.
+fn half(owner: u32, is_own: bool) -> Region {
+    let far_m = 400e3 * if owner == 0 { -1.0 } else { 1.0 };
+    Region {
+        origin: owner + 1,
+        is_own,
+        corners_m: vec![[0.0, -400e3], [0.0, 400e3], [far_m, 400e3], [far_m, -400e3]],
     }
 }
 
@@ -232,6 +253,7 @@ fn run(case: &Case) -> Vec<Worth> {
                 Sent::Own | Sent::Unnamed => &out.own,
                 Sent::Unguarded => &out.tracks,
             };
+            worth[number].sent += sent.len() as u32;
             for (_, to) in case.links.iter().filter(|(from, _)| *from == number) {
                 let receiver = &centres[*to];
                 for track in sent {
@@ -295,6 +317,8 @@ fn judge(truth: &Truth, tracks: &[SystemTrack], worth: &mut Worth) {
         };
         *found.entry(address).or_default() += 1;
         worth.numbers.entry(address).or_default().insert(track.track_number);
+        let owners = worth.owners.entry(address).or_default();
+        owners.insert(time_s as i64, (track.track_number, track.owner_track_number));
         let [x, y] = [0, 1].map(|axis| track.position_m[axis] - target.position_m[axis]);
         let p = &track.covariance;
         let p = [p.get(0, 0), p.get(0, 1), p.get(1, 1)];
@@ -320,6 +344,7 @@ fn two(shared: bool, sent: Sent) -> Case {
         stall_s: [END_S, 0.0],
         cut_s: [0.0; 2],
         targets: 100,
+        has_regions: false,
     }
 }
 
@@ -398,4 +423,54 @@ fn a_slow_network_that_stalls_costs_little_and_a_cut_one_leaves_no_duplicates_be
         );
         assert_eq!(centre.numbers, before.numbers, "numbers changed");
     }
+}
+
+/// A target that crosses the border is owned by one centre at a time, changes hands once, and is known by its number at
+/// the owner on the other side.
+#[test]
+fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() {
+    let with = |has_regions| Case {
+        has_regions,
+        ..two(true, Sent::Own)
+    };
+    let (everywhere, joined) = (run(&with(false)), run(&with(true)));
+    let [west, east] = &joined[..] else {
+        panic!("two centres")
+    };
+    for (joined, everywhere) in joined.iter().zip(&everywhere) {
+        assert!(
+            5 * joined.sent < 4 * everywhere.sent,
+            "{} of {}",
+            joined.sent,
+            everywhere.sent
+        );
+        assert!(joined.rmse_m() <= 1.01 * everywhere.rmse_m(), "{} m", joined.rmse_m());
+        assert!((0.8..=1.3).contains(&joined.nees()), "{}", joined.nees());
+        assert!(joined.single >= 0.99 * joined.all);
+        for claims in joined.owners.values() {
+            let owned: Vec<bool> = claims.values().map(|(_, at_owner)| *at_owner == 0).collect();
+            let changes = owned.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            assert!(changes <= 1, "{claims:?}");
+        }
+    }
+    let (mut seconds, mut agreed, mut crossed) = (0, 0, 0);
+    for (address, in_west) in &west.owners {
+        let Some(in_east) = east.owners.get(address) else {
+            continue;
+        };
+        let mut owners = BTreeSet::new();
+        for (second, (west_number, at_east)) in in_west {
+            let Some((east_number, at_west)) = in_east.get(second) else {
+                continue;
+            };
+            seconds += 1;
+            let is_west = *at_east == 0 && at_west == west_number;
+            let is_east = *at_west == 0 && at_east == east_number;
+            agreed += u32::from(is_west != is_east);
+            owners.extend((is_west != is_east).then_some(is_west));
+        }
+        crossed += u32::from(owners.len() == 2);
+    }
+    assert!(crossed >= 3, "{crossed} have changed hands");
+    assert!(f64::from(agreed) >= 0.97 * f64::from(seconds), "{agreed} of {seconds}");
 }

@@ -1,0 +1,138 @@
+//! Borders: who owns which target where centres have regions of their own.
+//!
+//! Each centre has regions of the ground, polygons. The centre in whose region a target is owns it. A target that flies
+//! along a border must not change hands at every turn: it is handed over when it has been beyond the border, by some
+//! distance, for some time. Both centres decide so, each by its own picture of the target, which is nearly the same.
+//!
+//! Whoever owns it, a target keeps its number at each centre; where another centre owns it, the track says its number
+//! there. So both numbers are known on both sides all the time that it is near the border.
+//!
+//! Other centres are told of the targets in a strip along the border: those that are in the region of another, or no
+//! further from it than the strip is wide.
+
+use messages::SystemTrack;
+use serde::{Deserialize, Serialize};
+
+use crate::region::Region;
+use crate::settings::BorderSettings;
+
+impl BorderSettings {
+    /// Whether other centres are told of a target at this place, east and north, metres. Without regions, of all.
+    pub(crate) fn is_in_strip(&self, place: [f64; 2]) -> bool {
+        let mut others = self.regions.iter().filter(|region| !region.is_own);
+        self.regions.is_empty() || others.any(|region| region.distance_m(place) <= self.strip_m)
+    }
+}
+
+/// Centre that owns a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Ownership {
+    /// `origin` of that centre, if it is another one; else 0.
+    other: u32,
+    /// Number of the track there; 0 while it is unknown.
+    number: u32,
+    /// Whether it was ever decided.
+    is_known: bool,
+    /// Since when the target has been in the region of another centre than that which owns it, ns.
+    since_ns: Option<i64>,
+}
+
+impl Ownership {
+    /// Decides by where the target is at `now_ns`, east and north, metres.
+    pub(crate) fn look(&mut self, settings: &BorderSettings, place: [f64; 2], now_ns: i64) {
+        let here = settings.regions.iter().find(|region| region.contains(place));
+        let Some(here) = here.filter(|region| !self.is_known || self.other != other(region)) else {
+            self.since_ns = None;
+            return;
+        };
+        let mut owned = settings.regions.iter().filter(|region| other(region) == self.other);
+        let is_far = !owned.any(|region| region.distance_m(place) < settings.hand_over_m);
+        if !is_far && self.is_known {
+            self.since_ns = None;
+            return;
+        }
+        let since_ns = *self.since_ns.get_or_insert(now_ns);
+        if !self.is_known || now_ns - since_ns >= settings.hand_over_s.ns() {
+            *self = Self {
+                other: other(here),
+                is_known: true,
+                ..Self::default()
+            };
+        }
+    }
+
+    /// Takes notice of what a centre says of the target: its number there.
+    pub(crate) fn hear(&mut self, origin: u32, number: u32) {
+        if self.other == origin && origin != 0 {
+            self.number = number;
+        }
+    }
+
+    /// Writes who owns the target.
+    pub(crate) fn write(&self, message: &mut SystemTrack) {
+        message.owner_track_number = if self.other == 0 { 0 } else { self.number };
+    }
+}
+
+/// Origin of a region of another centre; 0 for one of the own.
+fn other(region: &Region) -> u32 {
+    if region.is_own { 0 } else { region.origin }
+}
+
+#[cfg(test)]
+mod tests {
+    use settings::Seconds;
+
+    use super::*;
+
+    /// East of 0 is the other centre's, of which the west knows a rectangle.
+    fn settings() -> BorderSettings {
+        let region = |origin, is_own, east: [f64; 2]| Region {
+            origin,
+            is_own,
+            corners_m: vec![[east[0], -1e5], [east[1], -1e5], [east[1], 1e5], [east[0], 1e5]],
+        };
+        BorderSettings {
+            regions: vec![region(1, true, [-1e5, 0.0]), region(2, false, [0.0, 1e5])],
+            strip_m: 20e3,
+            hand_over_m: 500.0,
+            hand_over_s: Seconds::of(10.0),
+        }
+    }
+
+    #[test]
+    fn a_target_changes_hands_once_when_it_has_gone_over() {
+        let settings = settings();
+        let mut owner = Ownership::default();
+        let mut changes = Vec::new();
+        for second in 0..200i64 {
+            // Along the border first, on both sides of it, then over it.
+            let east_m = if second < 100 {
+                400.0 * (second as f64).sin()
+            } else {
+                100.0 * (second - 100) as f64
+            };
+            let before = owner;
+            owner.look(&settings, [east_m - 300.0, 0.0], second * 1_000_000_000);
+            owner.hear(2, 77);
+            owner.hear(3, 99);
+            if (before.other, before.is_known) != (owner.other, owner.is_known) {
+                changes.push((second, owner.other));
+            }
+        }
+        // 500 m beyond at 108 s, and 10 s more.
+        assert_eq!(changes, [(0, 0), (118, 2)]);
+        let mut message = SystemTrack::default();
+        owner.write(&mut message);
+        assert_eq!(message.owner_track_number, 77);
+    }
+
+    #[test]
+    fn others_are_told_of_targets_in_the_strip() {
+        let mut settings = settings();
+        let told = [-50e3, -20_001.0, -19_999.0, 30e3].map(|east_m| settings.is_in_strip([east_m, 0.0]));
+        assert_eq!(told, [false, false, true, true]);
+        settings.regions.clear();
+        assert!(settings.is_in_strip([-50e3, 0.0]), "without regions, of all");
+    }
+}
