@@ -22,7 +22,7 @@ use crate::keys;
 use crate::outbound::{self, Outbound, Sender, SharedPicture, Stream, Tracks};
 use crate::outbox::Outbox;
 use crate::session;
-use crate::wire::{Head, Message};
+use crate::wire::{Head, Part};
 
 /// Time between two comparisons of clocks, nanoseconds.
 const COMPARE_NS: i64 = 1_000_000_000;
@@ -162,16 +162,16 @@ fn tell_picture(
     let of_answers = key.clone();
     let answer = move |query: Query| {
         let now = Now::read();
-        let mut message = Message::new();
-        outbound::lock(&picture).tell(&mut message);
-        // Whoever asked is gone if it fails.
-        let head = Head {
-            is_picture: true,
-            ..sender.head(now, 0)
-        };
-        let _ = query
-            .reply(of_answers.as_str(), ZBytes::from(message.finish(head)))
-            .wait();
+        let parts = outbound::lock(&picture).tell();
+        let of = parts.len() as u32;
+        for (index, part) in (0..).zip(parts) {
+            let head = Head {
+                part: Some(Part { index, of }),
+                ..sender.head(now, 0)
+            };
+            // Whoever asked is gone if it fails.
+            let _ = query.reply(of_answers.as_str(), ZBytes::from(part.finish(head))).wait();
+        }
     };
     session.declare_queryable(key).callback(answer).wait()
 }

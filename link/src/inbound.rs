@@ -14,7 +14,7 @@ use bus::{Bus, Root, SharedMemory};
 use messages::Counter;
 use runtime::{HealthEntry, Now};
 use zenoh::pubsub::Subscriber;
-use zenoh::query::Reply;
+use zenoh::query::{ConsolidationMode, Reply};
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
@@ -234,7 +234,8 @@ impl Work {
                         }
                     };
                     // Without anybody there is no answer, and it is asked again.
-                    let _ = self.session.get(key).callback(take).wait();
+                    let question = self.session.get(key).consolidation(ConsolidationMode::None);
+                    let _ = question.callback(take).wait();
                 }
             }
         }

@@ -24,6 +24,7 @@ use crate::clocks::Clocks;
 use crate::inbound::{Arrival, Counts, Inbound, Inlet, Wanted};
 use crate::picture::Picture;
 use crate::stand_in::{StandIn, UNNUMBERED};
+use crate::wire::{Part, Slice};
 use crate::{agent, keys, session};
 
 /// Processes for which there is room.
@@ -120,6 +121,7 @@ impl Visitor for Reflect<'_> {
                     picture: Picture::default(),
                     lacks: true,
                     reaches: 0,
+                    parts: Parts::default(),
                 }),
                 None => Box::new(Copied(StandIn::new(topic))),
             }
@@ -163,6 +165,39 @@ struct Tracks {
     lacks: bool,
     /// Number of the state that would come next after the last whole picture.
     reaches: u64,
+    parts: Parts,
+}
+
+/// Parts of an answer that have come, in their order.
+#[derive(Debug, Default)]
+struct Parts {
+    sent_mono_ns: i64,
+    next: u32,
+    slices: Vec<Slice<SystemTrack>>,
+}
+
+impl Parts {
+    /// Adds a part of the answer that was sent at that time; all of them when it is the last. The first part of an
+    /// answer begins anew; another one that is not next is of an answer that is not whole.
+    fn add(
+        &mut self,
+        sent_mono_ns: i64,
+        part: Part,
+        slices: Vec<Slice<SystemTrack>>,
+    ) -> Option<Vec<Slice<SystemTrack>>> {
+        if part.index == 0 {
+            *self = Self {
+                sent_mono_ns,
+                ..Self::default()
+            };
+        }
+        if (sent_mono_ns, part.index) != (self.sent_mono_ns, self.next) {
+            return None;
+        }
+        self.next += 1;
+        self.slices.extend(slices);
+        (self.next == part.of).then(|| std::mem::take(self).slices)
+    }
 }
 
 impl Inlet for Tracks {
@@ -170,7 +205,10 @@ impl Inlet for Tracks {
         let Some((head, slices)) = self.stand_in.read::<SystemTrack>(&arrival, counts) else {
             return Ok(());
         };
-        if head.is_picture {
+        if let Some(part) = head.part {
+            let Some(slices) = self.parts.add(head.sent_mono_ns, part, slices) else {
+                return Ok(());
+            };
             return self.complete(&arrival, head.origin, &slices, counts);
         }
         for (header, states) in slices {
@@ -271,5 +309,25 @@ impl Agent for MirrorAgent {
         self.inbound.report(&mut entry);
         let expected = std::slice::from_ref(&*self.deployment);
         agent::peers(entries, entry, &self.clocks.present(Now::read()), expected);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_answer_is_whole_when_all_its_parts_have_come_in_order() {
+        let mut parts = Parts::default();
+        let slice = || vec![(BatchHeader::default(), Vec::new())];
+        let mut add = |sent_ns, index, of| parts.add(sent_ns, Part { index, of }, slice()).map(|all| all.len());
+        assert_eq!([add(5, 0, 3), add(5, 1, 3), add(5, 2, 3)], [None, None, Some(3)]);
+        assert_eq!([add(6, 1, 3), add(6, 0, 3), add(6, 2, 3)], [None; 3], "one is missing");
+        assert_eq!(
+            [add(7, 0, 2), add(8, 0, 2), add(7, 1, 2), add(8, 1, 2)],
+            [None, None, None, Some(2)],
+            "of two"
+        );
+        assert_eq!(add(9, 0, 1), Some(1));
     }
 }

@@ -65,7 +65,7 @@ impl Sender {
             sent_mono_ns: now.mono_ns,
             frame: self.frame,
             origin: self.origin,
-            is_picture: false,
+            part: None,
         }
     }
 }

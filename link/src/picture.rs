@@ -17,6 +17,9 @@ pub(crate) struct Picture {
     header: BatchHeader,
 }
 
+/// Octets after which a part of the picture is full.
+const PART_OCTETS: usize = 4_000_000;
+
 /// Tracks that have ended of which it is remembered.
 const ENDED_MAX: usize = 4096;
 
@@ -64,20 +67,30 @@ impl Picture {
         self.states.get(&number)
     }
 
-    /// All of it: each state as a slice under its own sequence number, and an empty one that says how far it reaches.
-    pub(crate) fn tell(&self, message: &mut Message) {
+    /// All of it, in parts: each state as a slice under its own sequence number, and at the end an empty one that says
+    /// how far it reaches.
+    pub(crate) fn tell(&self) -> Vec<Message> {
+        let mut parts = vec![Message::new()];
         for state in self.states.values() {
+            if parts.last().is_none_or(|part| part.octets() >= PART_OCTETS) {
+                parts.push(Message::new());
+            }
             let header = BatchHeader {
                 first_sequence: state.sequence,
                 ..self.header
             };
-            message.add(&header, std::slice::from_ref(state));
+            if let Some(part) = parts.last_mut() {
+                part.add(&header, std::slice::from_ref(state));
+            }
         }
         let header = BatchHeader {
             schema: SystemTrack::SCHEMA,
             ..self.header
         };
-        message.add::<SystemTrack>(&header, &[]);
+        if let Some(part) = parts.last_mut() {
+            part.add::<SystemTrack>(&header, &[]);
+        }
+        parts
     }
 }
 
@@ -123,10 +136,32 @@ mod tests {
             ..BatchHeader::default()
         };
         picture.hear(&header, &[state(1, 7, TrackState::Terminated)]);
-        let mut message = Message::new();
-        picture.tell(&mut message);
-        let (_, told) = wire::read::<SystemTrack>(&message.finish(Head::default()), 1).unwrap();
+        let [message] = &picture.tell()[..] else {
+            panic!("in one part")
+        };
+        let (_, told) = wire::read::<SystemTrack>(&message.clone().finish(Head::default()), 1).unwrap();
         assert_eq!(told.len(), 1);
         assert_eq!((told[0].0.first_sequence, told[0].1.len()), (8, 0));
+    }
+
+    #[test]
+    fn what_is_much_is_told_in_parts() {
+        let mut picture = Picture::default();
+        let header = BatchHeader {
+            schema: SystemTrack::SCHEMA,
+            ..BatchHeader::default()
+        };
+        let states: Vec<SystemTrack> = (0..8_000)
+            .map(|number| state(number, u64::from(number), TrackState::Confirmed))
+            .collect();
+        picture.hear(&header, &states);
+        let read = |part: Message| wire::read::<SystemTrack>(&part.finish(Head::default()), 1).unwrap().1;
+        let parts: Vec<usize> = picture.tell().into_iter().map(|part| read(part).len()).collect();
+        assert_eq!(parts.len(), 3);
+        assert_eq!(
+            parts.iter().sum::<usize>(),
+            8_000 + 1,
+            "each state, and how far it reaches"
+        );
     }
 }

@@ -55,7 +55,7 @@ impl<T: Payload> StandIn<T> {
             }
             return None;
         };
-        if !head.is_picture {
+        if head.part.is_none() {
             let before = std::mem::replace(&mut self.conflated, head.conflated);
             counts.conflated += head.conflated.saturating_sub(before);
             counts.came += slices.iter().map(|(_, samples)| samples.len() as u64).sum::<u64>();

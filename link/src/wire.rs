@@ -27,8 +27,36 @@ pub(crate) struct Head {
     pub(crate) frame: FrameOrigin,
     /// Number of the deployment that sent it; 0: it has none.
     pub(crate) origin: u32,
-    /// Whether it is the whole picture, for who asked, not what comes next.
-    pub(crate) is_picture: bool,
+    /// Which part it is of the whole picture, for who asked; `None`: it is what comes next.
+    pub(crate) part: Option<Part>,
+}
+
+/// Part of an answer that is too large for one message. All parts say that they were sent at the same time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Its place, from 0.
+    pub(crate) index: u32,
+    /// Number of all parts.
+    pub(crate) of: u32,
+}
+
+/// Parts of an answer at most.
+const PARTS_MAX: u32 = 64;
+
+impl Part {
+    /// 0 is none.
+    fn word(part: Option<Self>) -> u64 {
+        part.map_or(0, |part| u64::from(part.of) << 32 | u64::from(part.index + 1))
+    }
+
+    /// `None` if there is no such part.
+    fn of_word(word: u64) -> Option<Option<Self>> {
+        let Some(index) = (word as u32).checked_sub(1) else {
+            return (word == 0).then_some(None);
+        };
+        let of = (word >> 32) as u32;
+        (index < of && of <= PARTS_MAX).then_some(Some(Self { index, of }))
+    }
 }
 
 /// A message that is being written.
@@ -79,7 +107,7 @@ impl Message {
             head.frame.longitude_deg.to_bits(),
             head.frame.height_m.to_bits(),
             u64::from(head.origin),
-            u64::from(head.is_picture),
+            Part::word(head.part),
         ];
         for (place, word) in self.octets.chunks_exact_mut(8).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
@@ -109,7 +137,7 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
             height_m: f64::from_bits(words.next()?),
         },
         origin: u32::try_from(words.next()?).ok()?,
-        is_picture: words.next()? == 1,
+        part: Part::of_word(words.next()?)?,
     };
     let mut slices = Vec::new();
     while !rest.is_empty() {
@@ -155,7 +183,7 @@ mod tests {
             height_m: 7.0,
         },
         origin: 5,
-        is_picture: true,
+        part: Some(Part { index: 2, of: 3 }),
     };
 
     fn message() -> Vec<u8> {
@@ -181,6 +209,17 @@ mod tests {
         assert_eq!(slices.len(), 2);
         assert_eq!((slices[0].0.first_sequence, slices[0].1[1].track_number), (7, 3));
         assert!(slices[1].1.is_empty());
+    }
+
+    #[test]
+    fn a_part_is_one_of_those_that_there_are() {
+        let words = [None, Some(Part { index: 0, of: 1 }), Some(Part { index: 63, of: 64 })];
+        assert!(words.iter().all(|part| Part::of_word(Part::word(*part)) == Some(*part)));
+        assert!(
+            [1 << 32, 1 << 32 | 2, 65 << 32 | 1]
+                .iter()
+                .all(|word| Part::of_word(*word).is_none())
+        );
     }
 
     #[test]
