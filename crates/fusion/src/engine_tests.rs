@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod dependent_sources;
+mod filter_rules;
 mod hostile_sources;
 mod image;
 mod innovations;

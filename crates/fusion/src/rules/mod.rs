@@ -290,8 +290,7 @@ pub(crate) mod testing {
         }
     }
 
-    /// What `rule` with default options and no memory makes of `candidates`. A filter is taken to have heard of all of
-    /// them equally often.
+    /// What `rule`, one that makes its states from candidates, makes of these with default options and no memory.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             name: crate::settings::RuleName(rule.code),
@@ -306,10 +305,7 @@ pub(crate) mod testing {
                 &mut Memory::default(),
                 &mut shares,
             ),
-            Method::Filter => {
-                share_out(candidates, &mut shares);
-                Some(combination::combine(candidates, &shares))
-            }
+            Method::Filter => unreachable!("its states are the engine's"),
         };
         (state, shares)
     }
