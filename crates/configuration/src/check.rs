@@ -110,6 +110,13 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     let durable = durable(&raw.checkpoint)?;
     let mut fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
     fusion.settings.border.regions = check_regions(&raw.regions, (raw.origin, fusion.settings.exchange), &frame)?;
+    let sends_own = |gateway: &super::Gateway| gateway.content == super::GatewayContent::OwnTracks;
+    if let Some(index) = gateways.iter().position(sends_own)
+        && !fusion.settings.exchange
+    {
+        let what = "needs fusion.exchange = true, which says what the sensors here know";
+        return Err(SettingsError::new(format!("gateway[{index}].own"), what));
+    }
     let own = messages::own_tracks().name;
     let sends_own = |link: &super::Link| link.send.iter().any(|topic| topic == own.as_str());
     if let Some(index) = links.iter().position(sends_own)

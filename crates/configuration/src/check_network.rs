@@ -358,6 +358,11 @@ fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[S
         .check()
         .map_err(|error| SettingsError::new(key("send_to"), error.to_string()))?;
     let (content, category) = match (&raw.source, raw.category) {
+        (Some(_), _) if raw.own => {
+            let what = "is about the fused picture; a source's sensor tracks are its own: leave one of the two out";
+            return Err(SettingsError::new(key("own"), what));
+        }
+        (None, None | Some(SYSTEM_CATEGORY)) if raw.own => (GatewayContent::OwnTracks, SYSTEM_CATEGORY),
         (None, None | Some(SYSTEM_CATEGORY)) => (GatewayContent::SystemTracks, SYSTEM_CATEGORY),
         (None, Some(other)) => {
             let what = format!("{other}: the fused picture goes out in category 62; for sensor tracks give a source");

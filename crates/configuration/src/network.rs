@@ -113,6 +113,8 @@ pub struct Gateway {
 pub enum GatewayContent {
     /// The fused picture.
     SystemTracks,
+    /// The fused picture as the sensors here know it.
+    OwnTracks,
     /// The sensor tracks of one source, by number.
     SensorTracks(u16),
 }

@@ -290,6 +290,9 @@ settings::settings! {
         ttl: Option<u8> = None, usually "the machine's choice";
         /// Source whose sensor tracks are sent.
         source: Option<String> = None, usually "none: the fused picture is sent";
+        /// The fused picture is sent as the sensors here know it, without what other centres say: for another centre,
+        /// which must not get back what it has told. Needs `fusion.exchange`.
+        own: bool = false;
         /// ASTERIX category: 62 for the fused picture; 10, 20, 21 or 48 for sensor tracks.
         category: Option<u8> = None, usually "62 for the fused picture";
         /// Edition of the category.

@@ -392,6 +392,21 @@ fn sensors_behind_one_socket_share_an_adapter() {
 }
 
 #[test]
+fn a_gateway_to_another_centre_needs_what_the_sensors_here_know() {
+    let read = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Config::parse(Path::new("live.toml"), &live(), &overrides).map_err(|error| error.to_string())
+    };
+    let own = "gateway[0].own=true";
+    let config = read(&[own, "fusion.exchange=true"]).unwrap();
+    assert_eq!(config.gateways[0].content, GatewayContent::OwnTracks);
+    assert!(read(&[own]).unwrap_err().contains("needs fusion.exchange = true"));
+    let source = ["gateway[0].source=\"radar-north\"", "gateway[0].category=48"];
+    let both = read(&[own, "fusion.exchange=true", source[0], source[1]]).unwrap_err();
+    assert!(both.contains("leave one of the two out"), "{both}");
+}
+
+#[test]
 fn a_gateway_may_send_a_part_of_the_picture() {
     let with = |lines: &str| {
         let text = live().replace("refresh_s = 1.0 ", &format!("{lines}\nrefresh_s = 1.0 "));

@@ -91,11 +91,14 @@ impl<S: Transport> GatewayAgent<S> {
         let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
         let user = (gateway.refresh_ns, Selection::new(gateway, config.frame));
         let content = match gateway.content {
-            GatewayContent::SystemTracks => {
+            GatewayContent::SystemTracks | GatewayContent::OwnTracks => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
                 let reports = SystemReports::new(gateway.table, sac, sic, config.frame, &sources, block_bytes)?
                     .with_height(gateway.heights);
-                let topic = messages::system_tracks();
+                let topic = match gateway.content {
+                    GatewayContent::OwnTracks => messages::own_tracks(),
+                    _ => messages::system_tracks(),
+                };
                 waiter.watch(bus, &topic)?;
                 let capacity = config.fusion.settings.capacity.system_tracks();
                 let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;

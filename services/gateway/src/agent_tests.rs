@@ -22,7 +22,7 @@ struct Bench {
     now_ns: i64,
     health: Publisher<InProcess, Health>,
     bus: Bus<InProcess>,
-    _held: (Held, Held, Held),
+    _held: (Held, Held, Held, Held),
     _folder: TempDir,
 }
 
@@ -31,6 +31,12 @@ type Got = Vec<String>;
 
 impl Bench {
     fn new() -> Self {
+        Self::with(&[])
+    }
+
+    /// With keys that are set.
+    fn with(overrides: &[&str]) -> Self {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
         let folder = tempfile::tempdir().unwrap();
         let user = UdpSocket::bind("127.0.0.1:0").unwrap();
         user.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
@@ -42,11 +48,12 @@ impl Bench {
             .replace("refresh_s = 0.0", "refresh_s = 1.0");
         let path = folder.path().join("gateway.toml");
         std::fs::write(&path, text).unwrap();
-        let config = Config::read(&path, &[]).unwrap();
+        let config = Config::read(&path, &overrides).unwrap();
         let root = Root::in_base(folder.path(), "test").unwrap();
         let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
         let held = (
             bus.hold(&messages::system_tracks()).unwrap(),
+            bus.hold(&messages::own_tracks()).unwrap(),
             bus.hold(&messages::health()).unwrap(),
             bus.hold(&messages::alarms()).unwrap(),
         );
@@ -162,6 +169,19 @@ fn tracks_go_on_over_a_change_of_fusions_and_those_that_are_told_ended_or_never_
     assert_eq!(bench.pass(1), [""; 0]);
     assert_eq!(bench.counted(Counter::RejectedEpoch), 2);
     assert_eq!(bench.pass(40), ["3 ends"]);
+}
+
+#[test]
+fn another_centre_gets_what_the_sensors_here_know_and_nothing_that_it_has_told() {
+    let mut bench = Bench::with(&["gateway[0].own=true", "fusion.exchange=true"]);
+    let mut fused = bench.fusion(5);
+    let own = bench.bus.publisher(&messages::own_tracks(), 5).unwrap();
+    let mut own = own.with_epoch(5);
+    bench.show(&mut fused, &[(1, SHOWN), (2, SHOWN)]);
+    bench.show(&mut own, &[(2, SHOWN)]);
+    assert_eq!(bench.pass(1), ["2 begins"]);
+    bench.show(&mut own, &[(2, TrackState::Terminated)]);
+    assert_eq!(bench.pass(1), ["2 ends"]);
 }
 
 #[test]
