@@ -11,10 +11,12 @@
 //!     + what the claim's persistence is worth: false tracks end, with a probability of about a fifth per scan
 //!     + what an address is worth: noise does not answer interrogations.
 //!
-//! Two sources that agree are enough by themselves. But while a target that is shown already may be the same one, seen
-//! by other sources at another point of it, a second track waits: the sources are not silent then. A track that was
-//! confirmed stays so until its sources *say* that they no longer see it: each miss since the last report of any of
-//! them adds ln(1 − its probability of detection).
+//! Three sources that agree are enough by themselves, and so are two where few tracks are false. Where many are, two of
+//! them lie side by side by chance now and then, and their agreement is worth so much less that the silence of the
+//! others, and persistence, count there too. While a target that is shown already may be the same one, seen by other
+//! sources at another point of it, a second track waits: the sources are not silent then. A track that was confirmed
+//! stays so until its sources *say* that they no longer see it: each miss since the last report of any of them adds
+//! ln(1 − its probability of detection).
 
 use kept::{Get, Kept as _, Put, kept};
 use serde::{Deserialize, Serialize};

@@ -23,6 +23,10 @@ const COVERAGE_CELL_M: f64 = 5000.0;
 const CHANCE_PERIODS: i64 = 3;
 /// Longest periods of all sources for which a second track beside a target waits to be told from another point of it.
 const PATIENCE_PERIODS: f64 = 30.0;
+/// Worth of two sources that agree where as many tracks are tentative as are shown, and the power of their ratio with
+/// which it falls on the way there: so steeply that a few tentative tracks cost no target any time.
+const AGREEMENT: f64 = 2.0;
+const AGREEMENT_FALLS: f64 = 5.0;
 /// A source that follows fewer targets than this here need not be waited for.
 const FOLLOWS_SELDOM: f64 = 0.1;
 
@@ -95,7 +99,7 @@ impl Life {
         if reports < settings.life.confirm_reports {
             return (false, f64::NAN);
         }
-        if established >= 2 {
+        if established >= 3 {
             return (true, f64::from(established));
         }
         let entry = tracks.systems.get(system);
@@ -119,6 +123,10 @@ impl Life {
             reports,
             has_address: entry.identity.unique_number().is_some(),
         };
+        if established >= 2 {
+            let worth = claim.worth(&settings.existence) + worth_of_agreement(tracks);
+            return (worth > settings.existence.believed, f64::from(established));
+        }
         (
             claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address),
             claim.worth(&settings.existence),
@@ -167,6 +175,15 @@ impl Life {
         };
         looked_ns.saturating_add(whole_ns).saturating_add(step_ns)
     }
+}
+
+/// The worth of two sources that agree: the more tracks there are that nobody confirms, beside those that are shown,
+/// the more often two of them lie side by side by chance.
+fn worth_of_agreement(tracks: &Tracks) -> f64 {
+    let count = |state| tracks.systems.count_in_state(state) as f64;
+    let others = count(TrackState::Tentative) - 1.0;
+    let share = others / (count(TrackState::Confirmed) + count(TrackState::Coasted)).max(1.0);
+    AGREEMENT - AGREEMENT_FALLS * share.clamp(0.01, 1.0).ln()
 }
 
 /// Whether the target of a tentative track may be one that is shown already, which the other sources see at another
