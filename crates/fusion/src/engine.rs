@@ -131,6 +131,15 @@ impl Engine {
             .flatten()
     }
 
+    /// The first of the sources with which `source` counts as one, since they are known or found to say the same;
+    /// `None` if it is the first itself, counts by itself, or does not exist.
+    pub fn counts_with(&self, source: u16) -> Option<u16> {
+        let is_known = usize::from(source) < self.settings.sources.len();
+        is_known
+            .then(|| self.tracks.dependence.group_of(source))
+            .filter(|first| *first != source)
+    }
+
     /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do
     /// not, `None` if there is no such source.
     pub fn inflation(&self, source: u16) -> Option<f64> {

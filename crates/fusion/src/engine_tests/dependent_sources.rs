@@ -90,6 +90,12 @@ fn run(settings: Settings, copied: Copied) -> (bool, bool) {
         let sources = sources_of(track);
         sources.contains(&0) && sources.contains(&1)
     });
+    assert_eq!(
+        harness.engine.counts_with(1),
+        if both { None } else { Some(0) },
+        "{copied:?}"
+    );
+    assert_eq!([0, 2, 3].map(|source| harness.engine.counts_with(source)), [None; 3]);
     (is_believed, both)
 }
 

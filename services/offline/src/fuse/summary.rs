@@ -73,6 +73,10 @@ impl Summary<'_> {
                     });
                     sensor.insert("gross_error".to_owned(), told);
                 }
+                if let Some(first) = self.engine.counts_with(source) {
+                    let first = self.setup.sensor_ids[usize::from(first)];
+                    sensor.insert("counts_with".to_owned(), first.into());
+                }
                 Value::Object(sensor)
             })
             .collect();
@@ -126,6 +130,16 @@ impl Summary<'_> {
                 writeln!(
                     text,
                     "sensor {id:<6} is off by {error}, against sensor {partner}{verdict}"
+                )?;
+            }
+        }
+        for (source, id) in (0u16..).zip(&self.setup.sensor_ids) {
+            if let Some(first) = self.engine.counts_with(source) {
+                let first = self.setup.sensor_ids[usize::from(first)];
+                writeln!(
+                    text,
+                    "sensor {id:<6} counts as one with sensor {first}, whose errors it has; if it measures by itself, say \
+                     independent_of"
                 )?;
             }
         }
