@@ -45,6 +45,25 @@ enum Sent {
     Unguarded,
 }
 
+/// Targets and radars of a case.
+#[derive(Clone, Copy, Debug)]
+struct World {
+    seed: u64,
+    /// Share of the targets that fly holding patterns.
+    holding_share: f64,
+    /// By how much the radars' errors and their periods are greater than usual.
+    noise: f64,
+    slowness: f64,
+}
+
+/// The usual one.
+const WORLD: World = World {
+    seed: 7,
+    holding_share: 0.0,
+    noise: 1.0,
+    slowness: 1.0,
+};
+
 /// Centres and what joins them.
 struct Case {
     /// Radars that each hears.
@@ -59,6 +78,7 @@ struct Case {
     /// When nothing is delivered, seconds.
     cut_s: [f64; 2],
     targets: u32,
+    world: World,
     /// Whether the first centre owns the targets west of the middle, and the second those east of it.
     has_regions: bool,
 }
@@ -133,7 +153,7 @@ fn centre(case: &Case, number: usize) -> Centre {
         ..source(
             format!("radar-{radar}"),
             Weighing::default(),
-            PERIODS_S[*radar],
+            case.world.slowness * PERIODS_S[*radar],
             PLACES_M[*radar],
         )
     });
@@ -174,29 +194,31 @@ fn half(owner: u32, is_own: bool) -> Region {
     }
 }
 
-fn world(targets: u32) -> Truth {
+fn world(case: &Case) -> Truth {
     let settings = ScenarioSettings {
-        targets,
+        targets: case.targets,
         terminal_share: 0.0,
-        holding_share: 0.0,
+        holding_share: case.world.holding_share,
         surface_share: 0.0,
         ..ScenarioSettings::default()
     };
-    Truth::new(&settings, 7).unwrap()
+    Truth::new(&settings, case.world.seed).unwrap()
 }
 
 /// Reports of all radars in the order of their times.
-fn reports(truth: &Truth) -> Vec<(i64, usize, SensorTrack)> {
+fn reports(truth: &Truth, world: World) -> Vec<(i64, usize, SensorTrack)> {
     let mut all = Vec::new();
     for (radar, place_m) in PLACES_M.iter().enumerate() {
         let settings = SensorSettings {
             position_m: Some([place_m[0], place_m[1], 0.0]),
-            period_s: Some(PERIODS_S[radar]),
+            period_s: Some(world.slowness * PERIODS_S[radar]),
+            range_sigma_m: Some(50.0 * world.noise),
+            azimuth_sigma_rad: Some(0.0012 * world.noise),
             identity: Some(SensorIdentity::Address),
             height_sigma_m: Some(50.0),
             ..SensorSettings::new(SensorKind::Radar)
         };
-        let mut sensor = SimulatedSensor::new(&settings, 7, radar as u16, 0).unwrap();
+        let mut sensor = SimulatedSensor::new(&settings, world.seed, radar as u16, 0).unwrap();
         let mut found = Vec::new();
         while sensor.next_scan_time_s() < END_S {
             sensor.scan(truth, &mut found);
@@ -213,7 +235,7 @@ fn reports(truth: &Truth) -> Vec<(i64, usize, SensorTrack)> {
 
 /// Lets the centres work until the end; what their states in the strip are worth.
 fn run(case: &Case) -> Vec<Worth> {
-    let truth = world(case.targets);
+    let truth = world(case);
     let mut random = Random::new(3);
     let mut centres: Vec<Centre> = (0..case.radars.len()).map(|number| centre(case, number)).collect();
     let mut worth = vec![Worth::default(); centres.len()];
@@ -221,7 +243,7 @@ fn run(case: &Case) -> Vec<Worth> {
     let mut on_the_way = BinaryHeap::new();
     let mut waiting: BTreeMap<u64, (usize, SensorTrack)> = BTreeMap::new();
     let mut next = 0;
-    let reports = reports(&truth);
+    let reports = reports(&truth, case.world);
     let mut reports = reports.iter().peekable();
     loop {
         let report_ns = reports.peek().map_or(i64::MAX, |(time_ns, ..)| *time_ns);
@@ -247,7 +269,12 @@ fn run(case: &Case) -> Vec<Worth> {
         for (number, report) in work {
             let mut out = HandedOut::default();
             centres[number].engine.take_at(&report, now_ns, &mut out);
-            judge(&truth, &out.tracks, &mut worth[number]);
+            for states in out
+                .tracks
+                .chunk_by(|one, next| one.reference_time_ns == next.reference_time_ns)
+            {
+                judge(&truth, states, &mut worth[number]);
+            }
             let sent = match case.sent {
                 Sent::Nothing => continue,
                 Sent::Own | Sent::Unnamed => &out.own,
@@ -344,6 +371,7 @@ fn two(shared: bool, sent: Sent) -> Case {
         stall_s: [END_S, 0.0],
         cut_s: [0.0; 2],
         targets: 100,
+        world: WORLD,
         has_regions: false,
     }
 }
@@ -376,6 +404,66 @@ fn each_of_two_knows_more_than_the_better_one_alone_and_is_as_sure_as_it_may_be(
             assert!((0.8..=1.3).contains(&nees), "{shared}: {nees}");
             assert!(joined.single >= 0.99 * joined.all, "{shared}: {joined:?}");
         }
+    }
+}
+
+/// How far the errors of two centres that share no sensor are correlated depends on what flies, how exactly and how
+/// often radars see it; one assumption must do for all of these worlds.
+#[test]
+fn centres_without_a_common_sensor_are_as_sure_as_they_may_be_in_other_worlds_too() {
+    for world in [
+        World { seed: 8, ..WORLD },
+        World {
+            holding_share: 0.6,
+            ..WORLD
+        },
+        World { noise: 0.4, ..WORLD },
+        World { noise: 3.0, ..WORLD },
+        World { slowness: 0.4, ..WORLD },
+        World { slowness: 2.0, ..WORLD },
+    ] {
+        let with = |sent| Case {
+            targets: 60,
+            world,
+            ..two(false, sent)
+        };
+        let alone = run(&with(Sent::Nothing));
+        let better_m = better_m(&alone);
+        // Where a centre alone is surer than it may be, what it says cannot make others honest.
+        let least_honest = alone.iter().map(Worth::nees).fold(0.0, f64::max);
+        let most = f64::max(1.3, 1.15 * least_honest);
+        for joined in run(&with(Sent::Own)) {
+            let (rmse_m, nees) = (joined.rmse_m(), joined.nees());
+            assert!(rmse_m <= better_m, "{world:?}: {rmse_m} m, alone {better_m} m");
+            assert!((0.8..=most).contains(&nees), "{world:?}: {nees}, at most {most}");
+        }
+    }
+}
+
+/// While the centres cannot hear each other, and after it.
+#[test]
+fn a_cut_border_heals_without_duplicates_and_with_the_owners_that_there_were() {
+    let with = |cut_s| Case {
+        cut_s,
+        has_regions: true,
+        ..two(true, Sent::Own)
+    };
+    let (whole, healed) = (run(&with([0.0; 2])), run(&with([90.0, 120.0])));
+    for (centre, before) in healed.iter().zip(&whole) {
+        assert!(
+            centre.doubled_s.iter().all(|time_s| *time_s <= 122.0),
+            "{:?}",
+            centre.doubled_s
+        );
+        assert_eq!(centre.numbers, before.numbers, "numbers changed");
+        let (mut same, mut all) = (0, 0);
+        for (address, owners) in &before.owners {
+            for (second, owner) in owners.range(123..) {
+                all += 1;
+                same += u32::from(centre.owners.get(address).and_then(|owners| owners.get(second)) == Some(owner));
+            }
+        }
+        assert!(f64::from(same) >= 0.98 * f64::from(all), "{same} of {all}");
     }
 }
 
