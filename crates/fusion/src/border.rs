@@ -10,10 +10,12 @@
 //! Other centres are told of the targets in a strip along the border: those that are in the region of another, or no
 //! further from it than the strip is wide.
 
+use std::fmt;
+
 use messages::SystemTrack;
 use serde::{Deserialize, Serialize};
 
-use crate::region::Region;
+use crate::region::{Region, TOUCH_M};
 use crate::settings::BorderSettings;
 
 impl BorderSettings {
@@ -21,6 +23,46 @@ impl BorderSettings {
     pub(crate) fn is_in_strip(&self, place: [f64; 2]) -> bool {
         let mut others = self.regions.iter().filter(|region| !region.is_own);
         self.regions.is_empty() || others.any(|region| region.distance_m(place) <= self.strip_m)
+    }
+
+    /// The widest gap of each region to its neighbour, where it has a corner that lies at no other region and less than
+    /// the strip from one of another centre.
+    pub fn gaps(&self) -> Vec<Gap> {
+        let widest = |one: usize| {
+            let region = &self.regions[one];
+            let others = || (0..self.regions.len()).filter(move |other| *other != one);
+            let gaps = region.corners_m.iter().filter_map(|corner| {
+                let to = |other: usize| (self.regions[other].distance_m(*corner), other);
+                let (width_m, other) = others().map(to).min_by(|a, b| a.0.total_cmp(&b.0))?;
+                let is_gap = width_m > TOUCH_M && width_m <= self.strip_m;
+                (is_gap && self.regions[other].origin != region.origin).then_some(Gap {
+                    regions: [one, other],
+                    width_m,
+                })
+            });
+            gaps.max_by(|a, b| a.width_m.total_cmp(&b.width_m))
+        };
+        (0..self.regions.len()).filter_map(widest).collect()
+    }
+}
+
+/// Regions that nearly meet: targets between them belong to nobody.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Places of both regions in the configuration, from 0.
+    pub regions: [usize; 2],
+    /// Distance between them at a corner, metres.
+    pub width_m: f64,
+}
+
+impl fmt::Display for Gap {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ([one, other], width_m) = (self.regions, self.width_m);
+        write!(
+            f,
+            "region[{one}] and region[{other}] leave a gap of {width_m:.0} m: each centre takes targets in it for its own; let \
+             them meet at a line"
+        )
     }
 }
 
@@ -125,6 +167,19 @@ mod tests {
         let mut message = SystemTrack::default();
         owner.write(&mut message);
         assert_eq!(message.owner_track_number, 77);
+    }
+
+    #[test]
+    fn regions_that_nearly_meet_leave_a_gap() {
+        for (east_m, expected) in [(0.0, 0), (0.5, 0), (300.0, 2), (30e3, 0)] {
+            let mut settings = settings();
+            for corner in &mut settings.regions[1].corners_m {
+                corner[0] += east_m;
+            }
+            let gaps = settings.gaps();
+            assert_eq!(gaps.len(), expected, "{gaps:?}");
+            assert!(gaps.iter().all(|gap| (gap.width_m - east_m).abs() < 1e-6), "{gaps:?}");
+        }
     }
 
     #[test]

@@ -2,6 +2,8 @@
 
 /// Most corners of a region.
 pub const CORNERS_MAX: usize = 256;
+/// Distance within which borders are taken for the same, metres: rounding decides nothing.
+pub(crate) const TOUCH_M: f64 = 1.0;
 /// Most regions.
 pub const REGIONS_MAX: usize = 64;
 
@@ -38,7 +40,6 @@ impl Region {
     /// Whether it has more than a line in common with another. Where sides meet, rounding decides nothing: a metre is
     /// allowed.
     pub fn overlaps(&self, other: &Self) -> bool {
-        const TOUCH_M: f64 = 1.0;
         let crosses = self
             .sides()
             .any(|one| other.sides().any(|two| cross(one, two, TOUCH_M)));

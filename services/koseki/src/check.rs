@@ -67,6 +67,7 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
         Some((stage.key(), deadline_ns as f64 / 1e3))
     };
     let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
+    let warnings = warnings.chain(settings.border.gaps().into_iter().map(|gap| gap.to_string()));
     json!({
         "sound": true,
         "warnings": warnings.collect::<Vec<_>>(),
@@ -146,8 +147,20 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     }
     let recorder = if config.recorder { "on" } else { "off" };
     row("recorder", recorder.to_owned());
+    let regions = &settings.border.regions;
+    if !regions.is_empty() {
+        let own = regions.iter().filter(|region| region.is_own).count();
+        let others = regions.len() - own;
+        row(
+            "regions",
+            format!("{own} of this deployment, {others} of other centres"),
+        );
+    }
     for doubt in settings.doubtful_lifetimes() {
         row("warning", doubt.to_string());
+    }
+    for gap in settings.border.gaps() {
+        row("warning", gap.to_string());
     }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
     let needed = size(launcher::needed_bytes(config));
@@ -350,6 +363,31 @@ mod tests {
         assert!(text.contains(warning), "{text}");
         assert_eq!(json(path, &config, &[], None)["warnings"].as_array().unwrap().len(), 1);
         assert!(!summary(path, &Config::read(path, &[]).unwrap(), &[], None).contains("warning"));
+    }
+
+    #[test]
+    fn regions_are_counted_and_gaps_between_them_warned_of() {
+        let region = |origin: u32, [west, east]: [f64; 2]| {
+            format!(
+                "[[region]]\nname = \"of-{origin}\"\norigin = {origin}\n\
+                 corners_deg = [[41.0, {west}], [41.0, {east}], [42.0, {east}], [42.0, {west}]]\n"
+            )
+        };
+        let check = |east_of: f64| {
+            let regions = [region(1, [1.0, 2.0]), region(2, [east_of, 3.0])].concat();
+            let overrides = ["origin=1", "fusion.exchange=true"].map(str::to_owned);
+            let text = format!("{}\n{regions}", configuration::DEMO);
+            let path = Path::new("regions.toml");
+            let config = Config::parse(path, &text, &overrides).unwrap();
+            let warnings = json(path, &config, &[], None)["warnings"].as_array().unwrap().len();
+            (summary(path, &config, &[], None), warnings)
+        };
+        let (text, warnings) = check(2.01);
+        let counted = "regions      1 of this deployment, 1 of other centres";
+        assert!(text.contains(counted), "{text}");
+        assert!(text.contains("region[0] and region[1] leave a gap of 8"), "{text}");
+        assert_eq!(warnings, 2);
+        assert_eq!(check(2.0).1, 0);
     }
 
     #[test]
