@@ -5,7 +5,8 @@
 //! distance, for some time. Both centres decide so, each by its own picture of the target, which is nearly the same.
 //!
 //! Whoever owns it, a target keeps its number at each centre; where another centre owns it, the track says its number
-//! there. So both numbers are known on both sides all the time that it is near the border.
+//! there. So both numbers are known on both sides all the time that it is near the border. An owner that is silent
+//! gives no number: then a track is the own one, until the owner is heard again.
 //!
 //! Other centres are told of the targets in a strip along the border: those that are in the region of another, or no
 //! further from it than the strip is wide.
@@ -71,7 +72,7 @@ impl fmt::Display for Gap {
 pub(crate) struct Ownership {
     /// `origin` of that centre, if it is another one; else 0.
     other: u32,
-    /// Number of the track there; 0 while it is unknown.
+    /// Number of the track there; 0 while that centre does not contribute.
     number: u32,
     /// Whether it was ever decided.
     is_known: bool,
@@ -82,6 +83,8 @@ pub(crate) struct Ownership {
 impl Ownership {
     /// Decides by where the target is at `now_ns`, east and north, metres.
     pub(crate) fn look(&mut self, settings: &BorderSettings, place: [f64; 2], now_ns: i64) {
+        // An owner that is silent owns nothing that anybody could ask for: it must be heard anew.
+        self.number = 0;
         let here = settings.regions.iter().find(|region| region.contains(place));
         let Some(here) = here.filter(|region| !self.is_known || self.other != other(region)) else {
             self.since_ns = None;

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use fusion::region::Region;
 use fusion::settings::{AccuracyTable, Settings, Shares, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
-use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
+use messages::{Contribution, FusionRule, SensorTrack, SystemTrack, TrackState};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
 use settings::Seconds;
 use test_support::{Random, S};
@@ -344,6 +344,9 @@ fn judge(truth: &Truth, tracks: &[SystemTrack], worth: &mut Worth) {
         };
         *found.entry(address).or_default() += 1;
         worth.numbers.entry(address).or_default().insert(track.track_number);
+        let is_owners = |of: &Contribution| of.origin != 0 && of.track_number == track.owner_track_number;
+        let is_told = track.owner_track_number == 0 || track.contributions().iter().any(is_owners);
+        assert!(is_told, "nobody can tell whose number it is");
         let owners = worth.owners.entry(address).or_default();
         owners.insert(time_s as i64, (track.track_number, track.owner_track_number));
         let [x, y] = [0, 1].map(|axis| track.position_m[axis] - target.position_m[axis]);
@@ -456,6 +459,11 @@ fn a_cut_border_heals_without_duplicates_and_with_the_owners_that_there_were() {
             centre.doubled_s
         );
         assert_eq!(centre.numbers, before.numbers, "numbers changed");
+        let mut alone = centre.owners.values().flat_map(|owners| owners.range(95..120));
+        assert!(
+            alone.all(|(_, (_, at_owner))| *at_owner == 0),
+            "an owner that is silent"
+        );
         let (mut same, mut all) = (0, 0);
         for (address, owners) in &before.owners {
             for (second, owner) in owners.range(123..) {
