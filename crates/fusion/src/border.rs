@@ -61,8 +61,8 @@ impl fmt::Display for Gap {
         let ([one, other], width_m) = (self.regions, self.width_m);
         write!(
             f,
-            "region[{one}] and region[{other}] leave a gap of {width_m:.0} m: each centre takes targets in it for its own; let \
-             them meet at a line"
+            "region[{one}] and region[{other}] leave a gap of {width_m:.0} m: each centre takes targets in it for its own; \
+             let them meet at a line"
         )
     }
 }
