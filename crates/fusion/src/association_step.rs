@@ -152,7 +152,7 @@ impl Search<'_> {
     }
 
     /// Calls `visit` with every system track near a report.
-    fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
+    pub(crate) fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
         let reach = self.reach(state, self.sources.spread_m2(self.settings, None));
         self.tracks.systems.grid.near(
             report.position_m[0],
@@ -244,7 +244,7 @@ impl Search<'_> {
     }
 
     /// Whether neither identity nor height forbids that the report belongs to the system track.
-    fn is_compatible(&self, report: &SensorTrack, system: SystemSlot) -> bool {
+    pub(crate) fn is_compatible(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.tracks.systems.get(system);
         let identity = !self.settings.association.use_identity || !report.identity.contradicts(&entry.identity);
         identity && self.can_be_seen_together(report, system)

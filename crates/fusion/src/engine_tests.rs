@@ -4,6 +4,7 @@ mod bad_input;
 mod clutter;
 mod dependent_sources;
 mod filter_rules;
+mod formations;
 mod hostile_sources;
 mod image;
 mod innovations;

@@ -3,6 +3,7 @@
 //! A sensor track stays with its system track, and leaves it only when
 //! - its identity says so: an address belongs to exactly one system track, and the other way round;
 //! - its innovations keep missing the others' to one side (a wrong association, or the sensor has swapped targets);
+//! - it keeps looking crossed with another one of its source, on a target beside its own ([`crossing`]);
 //! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
 //!   that was started twice).
 
@@ -11,6 +12,7 @@ use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackSta
 use estimation::{ComparedComponents, statistical_distance};
 
 use crate::association_step::Search;
+use crate::crossing::{self, CROSSED};
 use crate::explanation::Sink;
 use crate::filter::Filter;
 use crate::measurement::gaussian_of;
@@ -151,11 +153,42 @@ impl Linking<'_> {
         if self.tracks.is_alone(sensor, now_ns) {
             return Next::Wait;
         }
+        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.uncross(sensor, out) {
+            return Next::Done;
+        }
         if mine.is_none() && self.has_split(sensor, out) {
             out.count(report.source, Counter::ContributionsSplit);
             return self.leave(sensor, out);
         }
         self.look_for_duplicate(system, now_ns, out)
+    }
+
+    /// Lets sensor tracks change places that keep looking crossed with those of another system track; whether any did.
+    fn uncross<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
+        let found = self.search().crossing(sensor).map(|crossing| {
+            let number = self.tracks.systems.get(crossing.there).number;
+            let before = self.tracks.sensors.get(sensor).crossed;
+            let sum = before.filter(|(last, _)| *last == number).map_or(0.0, |(_, sum)| sum);
+            (crossing, number, (sum + crossing.ratio).max(0.0))
+        });
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.crossed = found.map(|(_, number, sum)| (number, sum));
+        let here = entry.system;
+        let Some((crossing, _, sum)) = found.filter(|(_, _, sum)| *sum >= CROSSED) else {
+            return false;
+        };
+        for (mine, theirs) in crossing.crossed() {
+            for (moved, to) in [(mine, crossing.there), (theirs, here)] {
+                self.tracks.unlink(moved);
+                self.tracks.join(moved, to);
+                out.decision(&self.tracks.decision(moved, DecisionKind::Uncrossed, sum, CROSSED));
+            }
+        }
+        for (mine, theirs) in crossing.crossed() {
+            self.tracks.assign_role(mine);
+            self.tracks.assign_role(theirs);
+        }
+        true
     }
 
     /// Takes a sensor track out of its system track; it goes where its scan, or its address, says.

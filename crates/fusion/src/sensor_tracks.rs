@@ -82,6 +82,8 @@ pub(crate) struct SensorEntry {
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) competing: Option<(u32, u32)>,
+    /// Number of the system track that it may be crossed with, and the sum of log-likelihood ratios for it.
+    pub(crate) crossed: Option<(u32, f64)>,
     /// How often the correction of gross errors of its source had changed before: `Alignment::epoch_of`.
     pub(crate) epoch: u8,
     /// Whether this place of the table is taken.
@@ -130,6 +132,7 @@ impl Default for SensorEntry {
             repaired: false,
             misfits: 0,
             competing: None,
+            crossed: None,
             epoch: 0,
             live: false,
             waits: false,
@@ -188,6 +191,7 @@ impl SensorEntry {
     pub(crate) fn forget_target(&mut self) {
         self.misfits = 0;
         self.competing = None;
+        self.crossed = None;
         self.share = 0.0;
         self.residuals = 0;
         self.residual_mean_m = [0.0; 2];

@@ -156,6 +156,7 @@
 #define KOSEKI_DECISION_KIND_ENDED UINT64_C(0xb) /* A system track has ended. */
 #define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new one's accuracy value, limit the old one's. */
 #define KOSEKI_DECISION_KIND_REFERENCE_POINT UINT64_C(0xd) /* The target's reference point is now that of this source. */
+#define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */

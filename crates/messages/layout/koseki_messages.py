@@ -158,6 +158,7 @@ DECISION_KIND_COASTED = 0xa  # Nothing fresh contributes any more.
 DECISION_KIND_ENDED = 0xb  # A system track has ended.
 DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new one's accuracy value, limit the old one's.
 DECISION_KIND_REFERENCE_POINT = 0xd  # The target's reference point is now that of this source.
+DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
 
 
 class StageTimes(ctypes.Structure):

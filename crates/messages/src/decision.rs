@@ -36,6 +36,8 @@ codes! {
         HandOver = 12, "hand_over";
         /// The target's reference point is now that of this source.
         ReferencePoint = 13, "reference_point";
+        /// A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
+        Uncrossed = 14, "uncrossed";
     }
 }
 
