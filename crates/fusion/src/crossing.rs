@@ -83,7 +83,7 @@ impl Search<'_> {
         let (here, now_ns) = (entry.system, entry.time_ns);
         self.tracks.primary_of(there, entry.source, own, now_ns)?;
         let mut pairs = Pairs::default();
-        let (mut information, mut pulls) = (Matrix2::zeros(), [Vector2::zeros(); COMPARED_MAX]);
+        let (mut information, mut seen) = (Matrix2::zeros(), [Seen::default(); COMPARED_MAX]);
         let both = self.tracks.contributing_here(here, now_ns).filter_map(|mine| {
             let source = self.tracks.sensors.get(mine).source;
             Some((mine, self.tracks.primary_of(there, source, mine, now_ns)?))
@@ -98,14 +98,18 @@ impl Search<'_> {
             let (from, to) = (horizontal(a, now_ns), horizontal(b, now_ns));
             let inverse = (from.covariance + to.covariance + Matrix2::identity() * points_m2).try_inverse()?;
             information += inverse;
-            pulls[count] = inverse * (to.mean - from.mean);
+            let shares = [mine, theirs].map(|sensor| self.tracks.sensors.get(sensor).share);
+            seen[count] = Seen {
+                pull: inverse * (to.mean - from.mean),
+                share: shares[0] + shares[1],
+            };
             pairs[count] = (mine, theirs);
             if mine == own {
                 own_bit = 1 << count;
             }
             count += 1;
         }
-        let (ratio, crossed) = most_likely(&pulls[..count], &information.try_inverse()?, own_bit)?;
+        let (ratio, crossed) = most_likely(&seen[..count], &information.try_inverse()?, own_bit)?;
         Some(Crossing {
             there,
             ratio,
@@ -115,28 +119,37 @@ impl Search<'_> {
     }
 }
 
+/// What a source's tracks of two targets say.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    /// Sₛ⁻¹·dₛ.
+    pull: Vector2<f64>,
+    /// Its share in the two system tracks together.
+    share: f64,
+}
+
 /// The most likely set of crossed sources that has the one of `own_bit` in it, as bits, and its log-likelihood ratio to
-/// the most likely one that has not, given Sₛ⁻¹·dₛ of all sources and Λ⁻¹. It is never more than half of them: then it
-/// is the others.
-fn most_likely(pulls: &[Vector2<f64>], covariance: &Matrix2<f64>, own_bit: u32) -> Option<(f64, u32)> {
-    let log_likelihood = |crossed: u32| {
-        let signed = |(index, pull): (usize, &Vector2<f64>)| if crossed & 1 << index == 0 { *pull } else { -pull };
-        let pull: Vector2<f64> = pulls.iter().enumerate().map(signed).sum();
-        0.5 * pull.dot(&(covariance * pull))
-    };
+/// the most likely one that has not, given Λ⁻¹. A set never has more than half of the shares: then it is the others
+/// that are crossed. So the two states change least by it, and numbers stay with their targets.
+fn most_likely(seen: &[Seen], covariance: &Matrix2<f64>, own_bit: u32) -> Option<(f64, u32)> {
+    let sign = |crossed: u32, index: usize| if crossed & 1 << index == 0 { 1.0 } else { -1.0 };
     let (mut with, mut without) = (None, f64::NEG_INFINITY);
-    for crossed in 0..1_u32 << pulls.len() {
+    for crossed in 0..1_u32 << seen.len() {
+        let (mut pull, mut majority) = (Vector2::zeros(), 0.0);
+        for (index, seen) in seen.iter().enumerate() {
+            pull += sign(crossed, index) * seen.pull;
+            majority += sign(crossed, index) * seen.share;
+        }
         let has_own = crossed & own_bit != 0;
-        let twice = 2 * crossed.count_ones() as usize;
         // Of two halves it is the one that asks.
-        if twice > pulls.len() || (twice == pulls.len() && !has_own) {
+        if majority < 0.0 || (majority == 0.0 && !has_own) {
             continue;
         }
-        let value = log_likelihood(crossed);
+        let log_likelihood = 0.5 * pull.dot(&(covariance * pull));
         if !has_own {
-            without = f64::max(without, value);
-        } else if with.is_none_or(|(most, _)| value > most) {
-            with = Some((value, crossed));
+            without = f64::max(without, log_likelihood);
+        } else if with.is_none_or(|(most, _)| log_likelihood > most) {
+            with = Some((log_likelihood, crossed));
         }
     }
     with.map(|(value, crossed)| (NEW_SHARE * (value - without), crossed))
@@ -160,15 +173,18 @@ mod tests {
     /// [`most_likely`] of differences with standard deviations along each axis, asked by the first source.
     fn asked(seen: &[([f64; 2], [f64; 2])]) -> (f64, u32) {
         let mut information = Matrix2::zeros();
-        let pulls: Vec<_> = seen
+        let seen: Vec<_> = seen
             .iter()
             .map(|(apart_m, sigma_m)| {
                 let inverse = Matrix2::from_diagonal(&Vector2::from(sigma_m.map(|sigma| 1.0 / (sigma * sigma))));
                 information += inverse;
-                inverse * Vector2::from(*apart_m)
+                Seen {
+                    pull: inverse * Vector2::from(*apart_m),
+                    share: 1.0,
+                }
             })
             .collect();
-        most_likely(&pulls, &information.try_inverse().unwrap(), 1).unwrap()
+        most_likely(&seen, &information.try_inverse().unwrap(), 1).unwrap()
     }
 
     #[test]
