@@ -4,6 +4,8 @@
 //! others as sensor tracks, some time later. States are compared with the truth at whole seconds: positions by their
 //! error, covariances by the normalised estimation error squared (NEES), over its two degrees of freedom.
 
+mod foreign;
+
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -14,6 +16,8 @@ use messages::{Contribution, FusionRule, SensorTrack, SystemTrack, TrackState};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
 use settings::Seconds;
 use test_support::{Random, S};
+
+use crate::foreign::Line;
 
 /// Radars: east and north, metres. The one in the middle may be heard by all.
 const PLACES_M: [[f64; 2]; 7] = [
@@ -41,6 +45,10 @@ enum Sent {
     Own,
     /// The same, without the sensors.
     Unnamed,
+    /// The same as CAT062.
+    Asterix,
+    /// The whole picture as CAT062, which is how centres that know no better tell each other.
+    WholeAsterix,
     /// The whole picture, as if it were of sensors that nobody else hears: no guard.
     Unguarded,
 }
@@ -117,6 +125,8 @@ struct Centre {
     /// Radars, then centres, in the order of the sources.
     radars: Vec<usize>,
     centres: Vec<usize>,
+    /// Ways from those centres by CAT062.
+    lines: Vec<Line>,
 }
 
 /// What an engine has handed out.
@@ -177,8 +187,10 @@ fn centre(case: &Case, number: usize) -> Centre {
     // Tracks find each other by their motion; addresses tell here which target they are of.
     settings.association.use_identity = false;
     let settings = settings.with_sources(own.chain(foreign).collect()).unwrap();
+    let lines = (0..centres.len()).map(|index| Line::new((radars.len() + index) as u16));
     Centre {
         engine: Engine::new(settings).unwrap(),
+        lines: lines.collect(),
         radars,
         centres,
     }
@@ -277,12 +289,12 @@ fn run(case: &Case) -> Vec<Worth> {
             }
             let sent = match case.sent {
                 Sent::Nothing => continue,
-                Sent::Own | Sent::Unnamed => &out.own,
-                Sent::Unguarded => &out.tracks,
+                Sent::Own | Sent::Unnamed | Sent::Asterix => &out.own,
+                Sent::Unguarded | Sent::WholeAsterix => &out.tracks,
             };
             worth[number].sent += sent.len() as u32;
             for (_, to) in case.links.iter().filter(|(from, _)| *from == number) {
-                let receiver = &centres[*to];
+                let receiver = &mut centres[*to];
                 for track in sent {
                     let came_s = now_ns as f64 / S as f64 + case.delay_s[0];
                     let came_s = came_s + (case.delay_s[1] - case.delay_s[0]) * random.unit();
@@ -304,7 +316,11 @@ fn run(case: &Case) -> Vec<Worth> {
 }
 
 /// A state of centre `from` as its reader takes it.
-fn offered(track: &SystemTrack, sent: Sent, from: usize, to: &Centre) -> Option<SensorTrack> {
+fn offered(track: &SystemTrack, sent: Sent, from: usize, to: &mut Centre) -> Option<SensorTrack> {
+    let place = to.centres.iter().position(|centre| *centre == from)?;
+    if matches!(sent, Sent::Asterix | Sent::WholeAsterix) {
+        return to.lines[place].carry(track);
+    }
     let mut track = *track;
     track.origin = from as u32 + 1;
     if sent == Sent::Unnamed {
@@ -318,8 +334,7 @@ fn offered(track: &SystemTrack, sent: Sent, from: usize, to: &Centre) -> Option<
         track.contribution_count = 0;
         track.source_count = 0;
     }
-    let source = to.radars.len() + to.centres.iter().position(|centre| *centre == from)?;
-    SensorTrack::of_centre(&track, source as u16, 0, &uids)
+    SensorTrack::of_centre(&track, (to.radars.len() + place) as u16, 0, &uids)
 }
 
 fn judge(truth: &Truth, tracks: &[SystemTrack], worth: &mut Worth) {
@@ -569,4 +584,22 @@ fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() 
     }
     assert!(crossed >= 3, "{crossed} have changed hands");
     assert!(f64::from(agreed) >= 0.97 * f64::from(seconds), "{agreed} of {seconds}");
+}
+
+/// What centres tell each other by CAT062 is worth something and counted once. If each told what it has heard, too,
+/// they would believe their own words. Without cross terms an intersection may lose a little.
+#[test]
+fn nothing_is_counted_twice_by_way_of_asterix_and_of_whole_pictures_it_is() {
+    for shared in [true, false] {
+        let alone = run(&two(shared, Sent::Nothing));
+        for (joined, alone) in run(&two(shared, Sent::Asterix)).iter().zip(&alone) {
+            let (rmse_m, alone_m) = (joined.rmse_m(), alone.rmse_m());
+            assert!(rmse_m <= 1.02 * alone_m, "{shared}: {rmse_m} m, alone {alone_m} m");
+            assert!((0.8..=1.3).contains(&joined.nees()), "{shared}: {}", joined.nees());
+            assert!(joined.single >= 0.99 * joined.all, "{shared}: {joined:?}");
+        }
+        for centre in run(&two(shared, Sent::WholeAsterix)) {
+            assert!(centre.nees() > 1.3, "{shared}: {}", centre.nees());
+        }
+    }
 }
