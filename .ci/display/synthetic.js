@@ -132,6 +132,7 @@ function picture() {
         track: 100 + number,
         weight,
         fresh: true,
+        centre: false,
         accuracy: 10 * weight,
         east: track.east + 400 * (source - 1),
         north: track.north + 300,

@@ -1,6 +1,7 @@
 //! The engine as its caller sees it.
 
 mod bad_input;
+mod centres;
 mod clutter;
 mod dependent_sources;
 mod filter_rules;

@@ -97,7 +97,9 @@ pub(crate) fn write(
             time_of_measurement_ns: member.time_ns,
             track_number: member.track_number,
             source: member.source,
-            flags: flag(is_fresh, contribution_bits::FRESH) | flag(is_scored, contribution_bits::SCORED),
+            flags: flag(is_fresh, contribution_bits::FRESH)
+                | flag(is_scored, contribution_bits::SCORED)
+                | flag(member.is_foreign, contribution_bits::CENTRE),
             weight,
             accuracy: if is_scored { share.accuracy } else { f64::NAN },
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
@@ -110,6 +112,34 @@ pub(crate) fn write(
     }
     let left_over = members.len()..usize::from(listed_before).max(members.len());
     message.contributions[left_over].fill(Contribution::default());
+}
+
+/// Lists, after the contributions, other centres that told of the target and have fallen silent.
+pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
+    for member in tracks.members(slot) {
+        let centre = tracks.sensors.get(member);
+        let is_new = || {
+            message
+                .contributions()
+                .iter()
+                .all(|listed| listed.source != centre.source)
+        };
+        if centre.is_foreign
+            && is_new()
+            && let Some(place) = message.contributions.get_mut(usize::from(message.contribution_count))
+        {
+            *place = Contribution {
+                time_of_measurement_ns: centre.time_ns,
+                track_number: centre.track_number,
+                source: centre.source,
+                flags: contribution_bits::CENTRE,
+                accuracy: f64::NAN,
+                origin: centre.latest.origin,
+                ..Contribution::default()
+            };
+            message.contribution_count += 1;
+        }
+    }
 }
 
 /// The mean over the axes of a contribution's weight.

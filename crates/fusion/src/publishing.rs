@@ -11,7 +11,7 @@ use crate::accuracy::Accuracies;
 use crate::description::Description;
 use crate::explanation::Sink;
 use crate::filter::Filter;
-use crate::message::{weight, write};
+use crate::message::{list_silent_centres, weight, write};
 use crate::outlet::Outlet;
 use crate::rules::{self, Candidate, Fuse, Method, RuleEntry};
 use crate::sensor_tracks::SensorSlot;
@@ -159,7 +159,11 @@ impl Publisher {
             }
         }
         let weighed = Some(&*self.weighed);
-        if !out.track(|message| write(message, settings, tracks, system, cause, weighed)) {
+        let is_published = out.track(|message| {
+            write(message, settings, tracks, system, cause, weighed);
+            list_silent_centres(message, tracks, system);
+        });
+        if !is_published {
             restart(tracks, system);
         }
         tracks.keep(system);

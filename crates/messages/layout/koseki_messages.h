@@ -54,6 +54,7 @@
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
+#define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* It is a system track of another centre. Not fresh, it is listed for a while without weight. */
 #define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
 #define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */

@@ -56,6 +56,7 @@ PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
+CONTRIBUTION_CENTRE = 0x4  # It is a system track of another centre. Not fresh, it is listed for a while without weight.
 CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
 ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.

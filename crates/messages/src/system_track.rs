@@ -14,6 +14,8 @@ bits! {
         FRESH = 1;
         /// The accuracy value exists: the source has delivered more than one report.
         SCORED = 1 << 1;
+        /// It is a system track of another centre. Not fresh, it is listed for a while without weight.
+        CENTRE = 1 << 2;
     }
 }
 

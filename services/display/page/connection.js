@@ -213,6 +213,7 @@ export class Connection {
       weight: share.weight,
       accuracy: share.accuracy ?? NaN,
       fresh: share.fresh,
+      centre: share.centre,
       east: share.position_m?.[0] ?? NaN,
       north: share.position_m?.[1] ?? NaN,
     }));
@@ -222,6 +223,9 @@ export class Connection {
     for (const key of ["rule", "epoch", "sequence"]) if (track[key] != null) facts.push([key, String(track[key])]);
     if (track.identity?.mmsi) facts.push(["MMSI", String(track.identity.mmsi)]);
     if (track.identity?.name) facts.push(["name", track.identity.name]);
+    const owner = shares.find((/** @type {any} */ share) => share.centre && share.track === track.owner_track_number);
+    if (track.owner_track_number)
+      facts.push(["owned by", `${owner?.name ?? "another centre"}, its ${track.owner_track_number}`]);
     if (track.merged_into) facts.push(["merged into", String(track.merged_into)]);
     app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, facts, track.decisions ?? []);
   }

@@ -31,6 +31,7 @@ const SYMBOL_SIZE = 20;
  * @property {number} track Number of the sensor track at its source.
  * @property {number} weight @property {number} accuracy NaN: the rule has none.
  * @property {boolean} fresh The source has reported lately.
+ * @property {boolean} centre It is a system track of another centre.
  * @property {number} east @property {number} north Where its sensor track is, metres; NaN: unknown.
  */
 

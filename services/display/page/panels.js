@@ -151,7 +151,12 @@ export class TrackPanel {
               "data-track": share.track,
               "data-accuracy": share.accuracy,
             },
-            h("td", {}, share.name),
+            h(
+              "td",
+              {},
+              share.name,
+              share.centre ? h("span.soft", {}, share.fresh ? " centre" : " centre, silent") : "",
+            ),
             h("td.num", {}, share.track),
             h("td", {}, h("span.bar", {}, bar)),
             h("td.num", {}, share.weight.toFixed(3)),

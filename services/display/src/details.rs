@@ -2,11 +2,13 @@
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_valid`, `on_ground`, `merged_into`, `nis`, `covariance` (the 21 elements of the upper triangle), `identity`
-//! {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`, `type_confidence`}, `decisions` [{`time_s`, `kind`,
-//! `text`}] and `contributions`, each with `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`,
-//! `time_s`, `time_of_measurement_ns` and `position_m`, where the sensor track was last. Of the past, there are no
-//! `covariance`, `sequence`, `epoch`, `rule` and `decisions`.
+//! `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
+//! (the 21 elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
+//! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`, each with `source`, `name`,
+//! `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another centre), `origin`
+//! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns` and `position_m`, where the sensor track
+//! was last. Of the past, there are no `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
+//! `decisions`.
 //!
 //! **A row of a history** is `[time_s, east, north, up, speed, state, nis, [[source, weight], …]]`, the oldest first;
 //! `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
@@ -71,6 +73,7 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "height_valid": track.height_valid != 0,
         "on_ground": track.on_ground != 0,
         "merged_into": track.merged_into,
+        "owner_track_number": track.owner_track_number,
         "nis": nis(track.nis),
         "covariance": track.covariance.upper,
         "identity": identity(&track.identity, &track.target_type),
@@ -138,6 +141,8 @@ fn contribution(world: &World, part: &Contribution) -> Value {
         "accuracy": Some(part.accuracy).filter(|accuracy| accuracy.is_finite()),
         "fresh": part.flags & contribution_bits::FRESH != 0,
         "scored": part.flags & contribution_bits::SCORED != 0,
+        "centre": part.flags & contribution_bits::CENTRE != 0,
+        "origin": Some(part.origin).filter(|origin| *origin != 0),
         "time_s": seconds(part.time_of_measurement_ns),
         "time_of_measurement_ns": part.time_of_measurement_ns.to_string(),
         "position_m": position,

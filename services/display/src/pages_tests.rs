@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use messages::layout::Sample as _;
 use messages::picture::{PictureHeader, PictureTrack, picture_bits};
-use messages::{BatchHeader, Contribution, FrameOrigin, Identity, SystemTrack, TrackState};
+use messages::{BatchHeader, Contribution, FrameOrigin, Identity, SystemTrack, TrackState, contribution_bits};
 use serde_json::{Value, json};
 use web::{Guard, Server};
 
@@ -77,6 +77,8 @@ fn track(number: u32, east_m: f64) -> SystemTrack {
         weight: 1.0,
         accuracy: 0.1 + 0.2,
         track_number: 3,
+        origin: 7,
+        flags: contribution_bits::CENTRE,
         time_of_measurement_ns: now().utc_ns - 250_000_000,
         ..Contribution::default()
     };
@@ -229,6 +231,10 @@ fn a_page_gets_all_tracks_then_what_has_changed_once_it_has_acknowledged() {
     assert_eq!(
         (&part["weight"], &part["accuracy"], &part["name"]),
         (&json!(1.0), &json!(0.1 + 0.2), &json!("radar"))
+    );
+    assert_eq!(
+        (&part["centre"], &part["origin"], &part["fresh"]),
+        (&json!(true), &json!(7), &json!(false))
     );
     let ended = SystemTrack {
         state: TrackState::Terminated as u8,

@@ -27,6 +27,7 @@ const HELP: &[&str] = &[
     "late       stages of reports that took longer than their deadlines",
     "age        from measurement to publication of the fused state, median",
     "FL, knots  height in hundreds of feet, speed over the ground",
+    "2@ (3@)    source 2 is another centre; 3 was one too, and has fallen silent",
     "",
     "Red: something is wrong. Yellow: worth a look. Narrow: columns are left out.",
 ];

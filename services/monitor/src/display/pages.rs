@@ -280,7 +280,10 @@ fn tracks(overview: &Overview, width: usize) -> Lines {
                 format!("{:0width$.5}{letter}", value.abs(), width = digits + 6)
             })
         };
-        let sources: Vec<String> = track.sources.iter().map(u32::to_string).collect();
+        let mark = |number: &u32| if track.centres.contains(number) { "@" } else { "" };
+        let sources = track.sources.iter().map(|number| format!("{number}{}", mark(number)));
+        let silent = track.silent_centres.iter().map(|number| format!("({number}@)"));
+        let sources: Vec<String> = sources.chain(silent).collect();
         rows.row(
             tone,
             [

@@ -86,6 +86,8 @@ pub(crate) fn overview() -> Overview {
                 flight_level: Some(87.4),
                 speed_mps: 128.6,
                 sources: vec![1, 4],
+                centres: vec![4],
+                silent_centres: vec![5],
                 age_s: Some(0.34),
             },
             TrackRow {

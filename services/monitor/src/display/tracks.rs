@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use frames::SystemFrame;
-use messages::{SystemTrack, TrackState};
+use messages::{SystemTrack, TrackState, contribution_bits};
 use serde::Serialize;
 
 /// One hour, nanoseconds: data that are older than this are a recording's.
@@ -73,6 +73,9 @@ pub(crate) struct TrackRow {
     pub(crate) speed_mps: f64,
     /// Numbers of the contributing sources, as in files from 1.
     pub(crate) sources: Vec<u32>,
+    /// Those of them that are other centres, and those that were and have fallen silent.
+    pub(crate) centres: Vec<u32>,
+    pub(crate) silent_centres: Vec<u32>,
     /// Time since the latest report that contributes, seconds; `None` if none does.
     pub(crate) age_s: Option<f64>,
 }
@@ -83,6 +86,14 @@ impl TrackRow {
         let [east, north, _] = track.velocity_mps;
         let parts = track.contributions();
         let latest_ns = parts.iter().map(|part| part.time_of_measurement_ns).max();
+        // In files, sources count from 1.
+        let numbers = |wanted: &dyn Fn(u16) -> bool| -> Vec<u32> {
+            let parts = parts.iter().filter(|part| wanted(part.flags));
+            parts.map(|part| u32::from(part.source) + 1).collect()
+        };
+        let is_silent =
+            |flags: u16| flags & (contribution_bits::CENTRE | contribution_bits::FRESH) == contribution_bits::CENTRE;
+        let is_centre = |flags: u16| flags & contribution_bits::CENTRE != 0;
         Self {
             number: track.track_number,
             identity: identity(track),
@@ -93,7 +104,9 @@ impl TrackRow {
                 .filter(|_| track.height_valid == 1)
                 .map(|place| place.flight_level()),
             speed_mps: east.hypot(north),
-            sources: parts.iter().map(|part| u32::from(part.source) + 1).collect(),
+            sources: numbers(&|flags| !is_silent(flags)),
+            centres: numbers(&|flags| is_centre(flags) && !is_silent(flags)),
+            silent_centres: numbers(&is_silent),
             age_s: latest_ns.map(|latest_ns| frames::time::seconds(now_ns.saturating_sub(latest_ns))),
         }
     }
@@ -146,14 +159,19 @@ mod tests {
             velocity_mps: [3.0, 4.0, 9.0],
             height_valid: 1,
             identity: Identity::default().with_address(0x3444cf).with_callsign(*b"VLG20M  "),
-            contribution_count: 2,
+            contribution_count: 3,
             reference_time_ns: 100 * S,
             ..track(7, TrackState::Coasted)
         };
-        for (index, time_s) in [98, 97].into_iter().enumerate() {
+        let (centre, fresh) = (contribution_bits::CENTRE, contribution_bits::FRESH);
+        for (index, (time_s, flags)) in [(98, fresh), (97, centre | fresh), (95, centre)]
+            .into_iter()
+            .enumerate()
+        {
             state.contributions[index] = Contribution {
                 source: index as u16,
                 time_of_measurement_ns: time_s * S,
+                flags,
                 ..Contribution::default()
             };
         }
@@ -172,6 +190,7 @@ mod tests {
             "{at_once:?}"
         );
         assert_eq!((at_once.sources, at_once.age_s), (vec![1, 2], Some(3.0)));
+        assert_eq!((at_once.centres, at_once.silent_centres), (vec![2], vec![3]));
         assert_eq!(row(9_000 * S).age_s, Some(2.0), "a recording: to its latest state");
         let unknown = &states.rows(None, 101 * S)[0];
         assert_eq!((unknown.latitude_deg, unknown.flight_level), (None, None));
