@@ -200,6 +200,9 @@ impl<S: Transport> AllTopics<S> {
         for (id, name) in config.streams() {
             opening.open_stream(id.stream, name)?;
         }
+        if config.fusion.settings.exchange {
+            opening.open(&messages::own_tracks())?;
+        }
         // Talk between processes can wait for the next look.
         opening.waiter = None;
         opening.open(&messages::health())?;

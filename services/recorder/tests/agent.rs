@@ -281,6 +281,25 @@ mod all_topics {
     }
 
     #[test]
+    fn what_other_centres_are_told_is_recorded() {
+        let mut bench = bench();
+        let topic = messages::own_tracks();
+        bench._held.push(bench.bus.hold(&topic).unwrap());
+        let out = bench.folder.path().join("out");
+        let mut recorder = recorder_of(&bench, &out, &["fusion.exchange=true"]);
+        let mut own = bench.bus.publisher(&topic, 2).unwrap();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns: 1,
+            end: false,
+        };
+        own.send(mark, 3, |_, _| SystemTrack::default()).unwrap();
+        recorder.turn(at(1.0)).unwrap();
+        recorder.close(at(1.1)).unwrap();
+        assert_eq!(survey(&out).topics[topic.name.as_str()].samples, 3);
+    }
+
+    #[test]
     fn recorded_inputs_need_no_rows() {
         let mut bench = bench();
         let out = bench.folder.path().join("out");
