@@ -1,5 +1,6 @@
 //! Two centres that exchange what their own sensors say.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use koseki_client::messages::{Covariance, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
@@ -11,6 +12,8 @@ use crate::mirror::Reader;
 pub(crate) const TARGETS: u32 = 20;
 /// Time between two reports of a target.
 const PERIOD: Duration = Duration::from_millis(200);
+/// Speed of the targets, metres per second.
+const SPEED_MPS: f64 = 100.0;
 /// Number of the tracks of target 0 at each centre's sensor.
 const FIRST: [u32; 2] = [100, 700];
 
@@ -49,17 +52,20 @@ into = "sensor/{other}/tracks"
     )
 }
 
-/// What a sensor says of all targets now. Sensors are off by some metres, each by others.
+/// What a sensor says of all targets now, which stand still and fly east from `begun` on. Sensors are off by some
+/// metres, each by others.
 pub(crate) fn reports(sensor: usize, begun: SystemTime) -> Vec<SensorTrack> {
     let now = SystemTime::now();
-    let flown_s = now.duration_since(begun).unwrap().as_secs_f64();
+    let flown = now.duration_since(begun).ok();
+    let flown_s = flown.map_or(0.0, |flown| flown.as_secs_f64());
+    let speed_mps = if flown.is_some() { SPEED_MPS } else { 0.0 };
     let now_ns = now.duration_since(UNIX_EPOCH).unwrap().as_nanos() as i64;
     let report = |target: u32| SensorTrack {
         time_of_measurement_ns: now_ns,
         track_number: FIRST[sensor] + target,
         valid: sensor_track_bits::HEIGHT | sensor_track_bits::VELOCITY | sensor_track_bits::OWN_COVARIANCE,
-        position_m: [100.0 * flown_s + 5.0 * sensor as f64, 4e3 * f64::from(target), 5e3],
-        velocity_mps: [100.0, 0.0, 0.0],
+        position_m: [SPEED_MPS * flown_s + 5.0 * sensor as f64, 4e3 * f64::from(target), 5e3],
+        velocity_mps: [speed_mps, 0.0, 0.0],
         covariance: Covariance::diagonal([30.0; 3], [3.0; 3]),
         state: TrackState::Confirmed as u8,
         ..SensorTrack::default()
@@ -92,11 +98,16 @@ pub(crate) struct Centres {
 impl Centres {
     /// Starts both. `None` where Koseki has not been built.
     pub(crate) fn up() -> Option<Self> {
+        Self::up_with("")
+    }
+
+    /// Starts both, with `more` in the configuration of each.
+    fn up_with(more: &str) -> Option<Self> {
         let hosts = [Host::new()?, Host::new()?];
         let endpoint = format!("[\"tcp/127.0.0.1:{}\"]", free_port());
         let start = |number: usize, joins: &str| {
             let (name, other) = (NAMES[number], NAMES[1 - number]);
-            let config = centre(name, number as u32 + 1, other, &format!("{joins} = {endpoint}"));
+            let config = centre(name, number as u32 + 1, other, &format!("{joins} = {endpoint}")) + more;
             hosts[number].up(name, &config, &[])
         };
         let mut up = [start(0, "listen"), start(1, "connect")];
@@ -137,6 +148,32 @@ impl Centres {
         }
     }
 
+    /// The sensors report until both centres say that the one with the number `owner` here owns every target: at the
+    /// other one, each track says its number there.
+    fn report_until_owned(&mut self, owner: usize) {
+        let begun = Instant::now();
+        loop {
+            self.report(2);
+            std::thread::sleep(PERIOD);
+            for reader in &mut self.readers {
+                reader.read();
+            }
+            let [there, here] = [owner, 1 - owner].map(|number| &self.readers[number].tracks);
+            let is_own = |track: &SystemTrack| track.owner_track_number == 0;
+            let says_number = |track: &SystemTrack| {
+                let mut parts = track.contributions().iter();
+                let part = parts.find(|part| part.track_number == track.owner_track_number);
+                let origin = owner as u32 + 1;
+                part.is_some_and(|part| part.origin == origin) && there.contains_key(&track.owner_track_number)
+            };
+            let all = |tracks: &BTreeMap<u32, SystemTrack>| tracks.len() == TARGETS as usize;
+            if all(there) && there.values().all(is_own) && all(here) && here.values().all(says_number) {
+                return;
+            }
+            assert!(begun.elapsed() < PATIENCE, "{}", self.status());
+        }
+    }
+
     pub(crate) fn status(&self) -> String {
         let of = |number: usize| self.hosts[number].status(NAMES[number]);
         format!("{}\n{}", of(0), of(1))
@@ -152,4 +189,34 @@ fn each_centre_has_every_target_once_with_what_both_say_and_keeps_it_by_the_othe
     assert_eq!(centres.readers[1].numbers(), numbers, "no number has changed");
     let status = centres.status();
     assert!(!status.contains("refused"), "{status}");
+}
+
+/// The border runs 300 m east of where the targets begin.
+const REGIONS: &str = "
+[[region]]
+name = \"west\"
+origin = 1
+corners_deg = [[40.0, 0.0], [43.0, 0.0], [43.0, 2.1036], [40.0, 2.1036]]
+[[region]]
+name = \"east\"
+origin = 2
+corners_deg = [[40.0, 2.1036], [43.0, 2.1036], [43.0, 4.0], [40.0, 4.0]]
+[fusion.border]
+strip_m = 20000
+hand_over_m = 50
+hand_over_s = 1
+";
+
+#[test]
+fn targets_that_fly_over_the_border_change_hands_and_both_centres_know_the_owners_number() {
+    let Some(mut centres) = Centres::up_with(REGIONS) else {
+        return;
+    };
+    // They wait in the west.
+    centres.begun = SystemTime::now() + 2 * PATIENCE;
+    centres.report_until_owned(0);
+    let numbers = [0, 1].map(|number: usize| centres.readers[number].numbers());
+    centres.begun = SystemTime::now();
+    centres.report_until_owned(1);
+    assert_eq!([0, 1].map(|number: usize| centres.readers[number].numbers()), numbers);
 }
