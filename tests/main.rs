@@ -35,6 +35,7 @@ mod deployment;
 mod kills;
 mod live_asterix;
 mod live_bearings;
+mod live_centres;
 mod live_counts;
 mod live_plots;
 mod recording;
