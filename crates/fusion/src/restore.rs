@@ -102,7 +102,7 @@ impl Engine {
             let found = numbers.binary_search_by_key(&number, |(number, _)| *number).ok()?;
             Some(numbers[found].1)
         };
-        let kinds = [Kind::Remembered, Kind::Members];
+        let kinds = [Kind::Members, Kind::Remembered];
         let members: Vec<(Member, SystemSlot)> = kinds
             .into_iter()
             .flat_map(|kind| snapshot.all::<Member>(kind))

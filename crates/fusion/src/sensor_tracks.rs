@@ -250,6 +250,11 @@ impl SensorTracks {
         }
     }
 
+    /// Most sensor tracks that there can be.
+    pub(crate) fn capacity(&self) -> usize {
+        self.entries.len()
+    }
+
     pub(crate) fn find(&self, source: u16, number: u32) -> Option<SensorSlot> {
         self.by_number.get(&(source, number)).copied()
     }

@@ -67,13 +67,19 @@ impl Tracks {
         }
     }
 
-    /// Remembers members of system tracks that have just been taken in again.
+    /// Remembers members of system tracks that have just been taken in again, the newest first, as many as there can
+    /// be: of one that found its way back by its address, there is an older word too.
     pub(crate) fn remember(&mut self, members: Vec<(Member, SystemSlot)>) {
         let capacity = 2 * members.len();
         self.remembered = HashMap::with_capacity_and_hasher(capacity, NumberHasher::new(capacity));
-        for (place, (member, system)) in members.into_iter().enumerate() {
+        for (member, system) in members {
+            let place = self.remembered.len();
+            if place == self.sensors.capacity() {
+                break;
+            }
             let value = (system, member.system_track, place);
-            self.remembered.insert((member.source, member.track_number), value);
+            let key = (member.source, member.track_number);
+            self.remembered.entry(key).or_insert(value);
         }
     }
 

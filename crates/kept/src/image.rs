@@ -126,6 +126,7 @@ impl Area {
     /// Writes `contents` as the record of `place` for the `times`-th time, counted from 1.
     #[inline]
     pub fn write(&self, memory: &[AtomicU64], place: usize, times: u64, contents: &[u64]) {
+        debug_assert!(place < self.places, "record {place} of {}", self.places);
         let start = self.copy_at(place, (times & 1) as usize);
         let Some(copy) = memory.get(start..start + FRONT + contents.len()) else {
             return;

@@ -91,6 +91,27 @@ fn shown(tracks: &[SystemTrack], into: &mut BTreeMap<u32, Vec<u32>>) {
 }
 
 #[test]
+fn targets_with_addresses_in_a_nearly_full_table_survive_one_kill_after_the_other() {
+    let mut settings = test_settings(usize::from(SOURCES));
+    let tracks = TARGETS as usize * usize::from(SOURCES);
+    settings.capacity.sensor_tracks = Some(tracks + 4);
+    let (mut harness, mut memory) = kept(Harness::new(settings));
+    let mut numbers = BTreeMap::new();
+    for scan in 0..40 {
+        for source in 0..SOURCES {
+            for target in 0..TARGETS {
+                harness.take(&with_address(traffic(scan, source, target), 1 + target));
+            }
+        }
+        shown(&harness.published, &mut numbers);
+        if scan % 8 == 7 {
+            (harness, memory) = successor(harness, &memory, false);
+        }
+    }
+    assert!(numbers.values().all(|numbers| numbers.len() == 1), "{numbers:?}");
+}
+
+#[test]
 fn numbers_survive_kills_after_any_report() {
     for rule in [messages::FusionRule::BestSource, messages::FusionRule::SystemFilter] {
         let mut settings = test_settings(usize::from(SOURCES));
