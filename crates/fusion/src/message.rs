@@ -118,14 +118,9 @@ pub(crate) fn write(
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {
         let centre = tracks.sensors.get(member);
-        let is_new = || {
-            message
-                .contributions()
-                .iter()
-                .all(|listed| listed.source != centre.source)
-        };
+        let age_ns = message.reference_time_ns - centre.time_ns;
         if centre.is_foreign
-            && is_new()
+            && age_ns > tracks.lifetimes.fresh_ns(centre.source)
             && let Some(place) = message.contributions.get_mut(usize::from(message.contribution_count))
         {
             *place = Contribution {

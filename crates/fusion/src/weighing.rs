@@ -228,7 +228,7 @@ impl Weigher<'_> {
         for member in self.tracks.members(system) {
             let entry = sensors.get(member);
             let source = entry.latest.source;
-            let wanted = entry.role == Role::Primary && memory.holds(source);
+            let wanted = entry.role == Role::Primary && !entry.is_foreign && memory.holds(source);
             let known = weighed.candidates().iter().any(|candidate| candidate.source == source);
             if wanted && !known && weighed.len < CONTRIBUTIONS_MAX {
                 let candidate = Candidate {

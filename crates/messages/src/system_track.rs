@@ -147,8 +147,43 @@ sample! {
 }
 
 impl SystemTrack {
-    /// The contributions that hold something.
+    /// The contributions that led to the state.
     pub fn contributions(&self) -> &[Contribution] {
+        let listed = self.listed();
+        let last = listed.iter().rposition(|part| !part.is_of_silent_centre());
+        &listed[..last.map_or(0, |last| last + 1)]
+    }
+
+    /// The same, and after them those of other centres that told of the target and have fallen silent.
+    pub fn listed(&self) -> &[Contribution] {
         &self.contributions[..usize::from(self.contribution_count).min(CONTRIBUTIONS_MAX)]
+    }
+}
+
+impl Contribution {
+    /// Whether it is another centre's that has fallen silent: it has no part in the state.
+    pub fn is_of_silent_centre(&self) -> bool {
+        self.flags & (contribution_bits::CENTRE | contribution_bits::FRESH) == contribution_bits::CENTRE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_silent_centre_is_listed_and_has_no_part_in_the_state() {
+        let mut track = SystemTrack {
+            contribution_count: 3,
+            ..SystemTrack::default()
+        };
+        let (fresh, centre) = (contribution_bits::FRESH, contribution_bits::CENTRE);
+        for (part, flags) in track.contributions.iter_mut().zip([0, centre | fresh, centre]) {
+            part.flags = flags;
+        }
+        assert_eq!((track.contributions().len(), track.listed().len()), (2, 3));
+        let silent = track.contributions[2];
+        track.contributions[..2].fill(silent);
+        assert_eq!((track.contributions().len(), track.listed().len()), (0, 3));
     }
 }

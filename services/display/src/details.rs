@@ -48,11 +48,7 @@ pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
 fn live(world: &World, number: u32) -> Option<Value> {
     let known = world.tracks.get(&number)?;
     let track = &known.track;
-    let parts: Vec<Value> = track
-        .contributions()
-        .iter()
-        .map(|part| contribution(world, part))
-        .collect();
+    let parts: Vec<Value> = track.listed().iter().map(|part| contribution(world, part)).collect();
     let about = |decision: &&Decision| decision.system_track == number || decision.other_system_track == number;
     let decisions = world.decisions.iter().rev().filter(about).take(DECISIONS_MAX);
     let decisions: Vec<Value> = decisions.filter_map(|decision| decided(world, decision)).collect();

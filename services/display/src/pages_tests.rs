@@ -78,7 +78,7 @@ fn track(number: u32, east_m: f64) -> SystemTrack {
         accuracy: 0.1 + 0.2,
         track_number: 3,
         origin: 7,
-        flags: contribution_bits::CENTRE,
+        flags: contribution_bits::CENTRE | contribution_bits::FRESH,
         time_of_measurement_ns: now().utc_ns - 250_000_000,
         ..Contribution::default()
     };
@@ -234,7 +234,7 @@ fn a_page_gets_all_tracks_then_what_has_changed_once_it_has_acknowledged() {
     );
     assert_eq!(
         (&part["centre"], &part["origin"], &part["fresh"]),
-        (&json!(true), &json!(7), &json!(false))
+        (&json!(true), &json!(7), &json!(true))
     );
     let ended = SystemTrack {
         state: TrackState::Terminated as u8,

@@ -19,7 +19,7 @@ fn listed(until_s: u32) -> Vec<u16> {
         last = harness.take(&report(0, 1, time_s + 0.5, [0.0; 2], [50.0, 0.0]));
     }
     let track = last.unwrap();
-    let mut parts = track.contributions().to_vec();
+    let mut parts = track.listed().to_vec();
     parts.sort_by_key(|part| part.source);
     let is_fresh = |part: &&Contribution| part.flags & contribution_bits::FRESH != 0;
     assert_eq!(usize::from(track.source_count), parts.iter().filter(is_fresh).count());

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use frames::SystemFrame;
-use messages::{SystemTrack, TrackState, contribution_bits};
+use messages::{Contribution, SystemTrack, TrackState, contribution_bits};
 use serde::Serialize;
 
 /// One hour, nanoseconds: data that are older than this are a recording's.
@@ -87,13 +87,8 @@ impl TrackRow {
         let parts = track.contributions();
         let latest_ns = parts.iter().map(|part| part.time_of_measurement_ns).max();
         // In files, sources count from 1.
-        let numbers = |wanted: &dyn Fn(u16) -> bool| -> Vec<u32> {
-            let parts = parts.iter().filter(|part| wanted(part.flags));
-            parts.map(|part| u32::from(part.source) + 1).collect()
-        };
-        let is_silent =
-            |flags: u16| flags & (contribution_bits::CENTRE | contribution_bits::FRESH) == contribution_bits::CENTRE;
-        let is_centre = |flags: u16| flags & contribution_bits::CENTRE != 0;
+        let number = |part: &Contribution| u32::from(part.source) + 1;
+        let centres = parts.iter().filter(|part| part.flags & contribution_bits::CENTRE != 0);
         Self {
             number: track.track_number,
             identity: identity(track),
@@ -104,9 +99,9 @@ impl TrackRow {
                 .filter(|_| track.height_valid == 1)
                 .map(|place| place.flight_level()),
             speed_mps: east.hypot(north),
-            sources: numbers(&|flags| !is_silent(flags)),
-            centres: numbers(&|flags| is_centre(flags) && !is_silent(flags)),
-            silent_centres: numbers(&is_silent),
+            sources: parts.iter().map(number).collect(),
+            centres: centres.map(number).collect(),
+            silent_centres: track.listed()[parts.len()..].iter().map(number).collect(),
             age_s: latest_ns.map(|latest_ns| frames::time::seconds(now_ns.saturating_sub(latest_ns))),
         }
     }
@@ -124,7 +119,7 @@ fn identity(track: &SystemTrack) -> String {
 #[cfg(test)]
 mod tests {
     use frames::Geodetic;
-    use messages::{Contribution, Identity};
+    use messages::Identity;
     use test_support::S;
 
     use super::*;
