@@ -542,6 +542,7 @@ fn a_slow_network_that_stalls_costs_little_and_a_cut_one_leaves_no_duplicates_be
 fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() {
     let with = |has_regions| Case {
         has_regions,
+        targets: 400,
         ..two(true, Sent::Own)
     };
     let (everywhere, joined) = (run(&with(false)), run(&with(true)));
@@ -559,9 +560,12 @@ fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() 
         assert!((0.8..=1.3).contains(&joined.nees()), "{}", joined.nees());
         assert!(joined.single >= 0.99 * joined.all);
         for claims in joined.owners.values() {
-            let owned: Vec<bool> = claims.values().map(|(_, at_owner)| *at_owner == 0).collect();
-            let changes = owned.windows(2).filter(|pair| pair[0] != pair[1]).count();
-            assert!(changes <= 1, "{claims:?}");
+            let mut owners: Vec<u32> = claims.values().map(|(_, at_owner)| *at_owner).collect();
+            owners.dedup();
+            // An owner that is silent for a while, and heard again, has not handed it over.
+            let is_gap = |at: usize| owners[at] == 0 && at > 0 && owners.get(at + 1) == owners.get(at - 1);
+            let gaps = (0..owners.len()).filter(|at| is_gap(*at)).count();
+            assert!(owners.len() - 2 * gaps <= 2, "{owners:?}");
         }
     }
     let (mut seconds, mut agreed, mut crossed) = (0, 0, 0);
@@ -582,8 +586,8 @@ fn targets_change_hands_once_at_the_border_and_only_those_near_it_are_told_of() 
         }
         crossed += u32::from(owners.len() == 2);
     }
-    assert!(crossed >= 3, "{crossed} have changed hands");
-    assert!(f64::from(agreed) >= 0.97 * f64::from(seconds), "{agreed} of {seconds}");
+    assert!(crossed >= 10, "{crossed} have changed hands");
+    assert!(f64::from(agreed) >= 0.99 * f64::from(seconds), "{agreed} of {seconds}");
 }
 
 /// What centres tell each other by CAT062 is worth something and counted once. If each told what it has heard, too,
