@@ -159,6 +159,12 @@ alarms! {
     HostClockOff = 25, "host-clock-off", Major, raise 3 s, clear 30 s,
         "The clock of another host is {offset} off by the comparison of {process}: {note}.",
         "Synchronise the clocks of both hosts (NTP, PTP): reports are used by the time that they state.";
+    MachineClockOff = 30, "machine-clock-off", Critical, raise 1 s, clear 30 s,
+        "This machine's clock is {offset} off: the clocks of {sources} agree with each other, and not with it.",
+        "Set this machine's clock (NTP, PTP). Fusion goes on meanwhile, in the time of the sources.";
+    ClocksDiffer = 31, "clocks-differ", Major, raise 1 s, clear 30 s,
+        "The clocks of {source} and of this machine are {offset} apart, and no other source shows which one is wrong.",
+        "Compare both with a third clock, and set the wrong one. Fusion goes on meanwhile, in the time of the source.";
 }
 
 #[cfg(test)]

@@ -92,6 +92,11 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self.header.flags |= BatchHeader::GOES_ON;
     }
 
+    /// States in every slice from now on the offset of the source's clock: see [`BatchHeader::clock_offset_ms`].
+    pub fn set_clock_offset(&mut self, offset_ms: i32) {
+        self.header.clock_offset_ms = offset_ms;
+    }
+
     /// The start-up number of fusion that this publisher states; 0 if it is none.
     pub fn epoch(&self) -> u64 {
         self.header.epoch

@@ -2,7 +2,9 @@
 //!
 //! Each report claims a time of measurement. Received, it is a little older than it says: the time it took to measure,
 //! work out and send. A clock that is wrong shows as an offset beyond that. A small steady one is no harm, and can be
-//! corrected; far from the time of receipt, or with jumps, nothing that a report says of its time is to be believed.
+//! corrected. The time of a report is not to be believed where the clock jumps, or where it lies far from the clock that
+//! the caller compares it with. Whether that clock is right is not decided here: a steady offset that several sources
+//! share is the receiver's own.
 //!
 //! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
 //! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
@@ -24,7 +26,7 @@ const WILD_UNTIL: f64 = 0.05;
 /// What is known of one source's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceClock {
-    /// Greatest offset that is believed; half of it is a jump.
+    /// Greatest distance from another clock that is believed; half of it is a jump.
     step_s: f64,
     offset_s: f64,
     variance_s2: f64,
@@ -37,7 +39,7 @@ pub struct SourceClock {
 }
 
 impl SourceClock {
-    /// Nothing is known yet; an offset beyond `step_s` will not be believed.
+    /// Nothing is known yet; jumps beyond half of `step_s` (seconds) will not be believed.
     pub fn new(step_s: f64) -> Self {
         Self {
             step_s,
@@ -51,12 +53,17 @@ impl SourceClock {
     }
 
     /// Whether the time of a report may be believed that claims to be of `time_ns` and was received at `received_ns`,
-    /// both UTC in nanoseconds, whatever they are.
-    pub fn believes(&mut self, time_ns: i64, received_ns: i64) -> bool {
+    /// both UTC in nanoseconds, whatever they are. With `common_s`, the offset (seconds) that sound clocks have against
+    /// times of receipt, it may not be farther from that than the greatest distance. Without `common_s` only jumps count,
+    /// and, until the offset is known, that distance from the time of receipt.
+    pub fn believes(&mut self, time_ns: i64, received_ns: i64, common_s: Option<f64>) -> bool {
         let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
-        let jumps = self.reports >= AGREEING && !self.is_near(offset_s, self.offset_s);
+        let is_known = self.reports >= AGREEING;
+        let jumps = is_known && !self.is_near(offset_s, self.offset_s);
         self.follow(offset_s);
-        let is_odd = offset_s.abs() > self.step_s || jumps;
+        let common_s = common_s.or((!is_known).then_some(0.0));
+        let is_far = common_s.is_some_and(|common_s| (offset_s - common_s).abs() > self.step_s);
+        let is_odd = is_far || jumps;
         self.wild_share += SHARE_GAIN * (f64::from(u8::from(is_odd)) - self.wild_share);
         self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
         !is_odd && !self.is_wild
@@ -116,7 +123,11 @@ mod tests {
     fn believed(clock: &mut SourceClock, offset_s: impl Fn(i64) -> f64) -> usize {
         let report = |step: &i64| {
             let received_ns = NOW + step * S / 10;
-            clock.believes(received_ns + (offset_s(*step) * S as f64) as i64, received_ns)
+            clock.believes(
+                received_ns + (offset_s(*step) * S as f64) as i64,
+                received_ns,
+                Some(0.0),
+            )
         };
         (0..100).filter(report).count()
     }
@@ -172,12 +183,28 @@ mod tests {
         assert!((clock.offset().unwrap().0 - 3.0).abs() < 0.1);
     }
 
+    #[test]
+    fn a_steady_offset_is_far_from_one_clock_and_near_to_another() {
+        for (common_s, least, most) in [(Some(0.0), 0, 0), (Some(28.0), 100, 100), (None, 40, 70)] {
+            let mut clock = SourceClock::new(5.0);
+            let believed = (0..100)
+                .filter(|step| clock.believes(NOW + (step + 30) * S, NOW + step * S, common_s))
+                .count();
+            assert!((least..=most).contains(&believed), "{common_s:?}: {believed}");
+        }
+        let mut clock = SourceClock::new(5.0);
+        let jumping = (0..100)
+            .filter(|step| clock.believes(NOW + (step + 50 * (step % 2)) * S, NOW + step * S, None))
+            .count();
+        assert!(jumping < 10, "{jumping}");
+    }
+
     proptest! {
         #[test]
         fn any_times_are_judged(times in prop::collection::vec((any::<i64>(), any::<i64>()), 0..200)) {
             let mut clock = SourceClock::new(5.0);
             for (time_ns, received_ns) in times {
-                let believed = clock.believes(time_ns, received_ns);
+                let believed = clock.believes(time_ns, received_ns, Some(0.0));
                 let apart = i128::from(time_ns) - i128::from(received_ns);
                 prop_assert!(!believed || apart.abs() <= 5 * i128::from(S));
                 prop_assert!(clock.offset().is_none_or(|(offset_s, sigma_s)| offset_s.is_finite() && sigma_s >= 0.0));

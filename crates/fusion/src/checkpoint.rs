@@ -34,7 +34,7 @@ pub use kept::{Memory, Refused};
 use crate::settings::Settings;
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 4;
+const FORMAT: u64 = 5;
 /// Most words of a record's contents.
 const RECORD_MAX: usize = 128;
 /// Records that a kill can leave torn.
@@ -80,8 +80,12 @@ kept! {
         pub turn_ns: i64,
         /// UTC of its latest turn, nanoseconds since 1970.
         pub utc_ns: i64,
-        /// UTC up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
+        /// Time up to which time had passed in the engine, nanoseconds; `i64::MIN` before the first report.
         pub passed_ns: i64,
+        /// How far the engine's time was ahead of the machine's UTC, nanoseconds.
+        pub ahead_ns: i64,
+        /// How far the sources' time was ahead of the engine's, nanoseconds.
+        pub host_offset_ns: i64,
     }
 }
 

@@ -16,6 +16,7 @@ use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::history::Histories;
+use crate::host_clock::HostClock;
 use crate::inlet;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
@@ -52,6 +53,7 @@ pub struct Engine {
     pub(crate) life: Life,
     pub(crate) publisher: Publisher,
     pub(crate) schedule: Schedule,
+    pub(crate) host_clock: HostClock,
     pub(crate) outbox: Outbox,
 }
 
@@ -89,6 +91,7 @@ impl Engine {
             life: Life::new(&settings),
             publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
+            host_clock: HostClock::default(),
             outbox: Outbox::new(sources),
             settings,
         })
@@ -109,7 +112,7 @@ impl Engine {
         &mut self.outbox.counts
     }
 
-    /// Time up to which time has passed, UTC, nanoseconds; `i64::MIN` at the start.
+    /// Time up to which time has passed, the engine's, nanoseconds; `i64::MIN` at the start.
     pub fn now_ns(&self) -> i64 {
         self.schedule.now_ns()
     }
@@ -160,13 +163,29 @@ impl Engine {
         self.publisher.accuracies.set_condition(&self.settings, name)
     }
 
-    /// Lets time pass up to `now_ns` (UTC): no report measured before that will follow. System tracks whose
+    /// Sets the host offset: how far the sources' time is ahead of the engine's from now on, nanoseconds; 0 at the start.
+    /// It is taken off the times of reports, and put on those of states and decisions.
+    pub fn set_host_offset(&mut self, offset_ns: i64) {
+        self.host_clock.offset_ns = offset_ns;
+    }
+
+    /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if it
+    /// is not known.
+    pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
+        self.sources.set_clock(source, offset_s);
+    }
+
+    /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks whose
     /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time
     /// set, so is the state of every system track at each whole multiple of it.
     ///
     /// What happens, happens at times that reports have set, in the order of these times; how often and in how large
     /// steps time passes changes nothing.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
+        self.pass_time(now_ns, &mut self.host_clock.outward(sink));
+    }
+
+    fn pass_time(&mut self, now_ns: i64, sink: &mut impl Sink) {
         loop {
             let refresh_ns = self.schedule.next_refresh(|| self.tracks.systems.is_empty());
             let scan_ns = self.scans.due_ns();
@@ -215,19 +234,22 @@ impl Engine {
         self.take_at(report, report.time_of_measurement_ns, sink);
     }
 
-    /// Takes one report, come at `now_ns` (UTC), up to which time passes: not by what the report claims. Every
-    /// system-track state that it changes is handed to `sink`.
+    /// Takes one report, come at `now_ns` (the engine's time), up to which time passes: not by what the report claims.
+    /// Every system-track state that it changes is handed to `sink`.
     ///
     /// One older than its own sensor track's latest is rejected; one whose time nobody should believe is kept out of
     /// the tracks.
     pub fn take_at(&mut self, report: &SensorTrack, now_ns: i64, sink: &mut impl Sink) {
+        let sink = &mut self.host_clock.outward(sink);
+        let inward = self.host_clock.inward(report);
+        let report = inward.as_ref().unwrap_or(report);
         let completed = inlet::completed(report, &self.settings.sources);
         let report = completed.as_ref().unwrap_or(report);
         if !inlet::is_valid(report, &self.settings.sources) {
             self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
-        self.advance(now_ns, sink);
+        self.pass_time(now_ns, sink);
         // While no time has passed, nothing is known of the present.
         let now_ns = self.schedule.now_ns();
         let aligned = self.sources.align(&self.settings, report, now_ns);

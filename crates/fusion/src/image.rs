@@ -20,6 +20,7 @@ impl Engine {
             life,
             publisher,
             schedule,
+            host_clock,
             outbox: _,
         } = self;
         let periods: Vec<_> = settings
@@ -28,7 +29,9 @@ impl Engine {
             .map(|source| (source.period_ns, source.fresh_ns))
             .collect();
         let of = self.checkpoint_layout().fingerprint();
-        let parts = (of, periods, tracks, sources, points, scans, life, publisher, schedule);
+        let parts = (
+            of, periods, tracks, sources, points, scans, life, publisher, schedule, host_clock,
+        );
         // Into memory, where there is always room, and all of it is of a known length.
         postcard::to_stdvec(&parts).unwrap_or_default()
     }
@@ -54,6 +57,7 @@ impl Engine {
             self.life,
             self.publisher,
             self.schedule,
+            self.host_clock,
         ) = parts;
         self.tracks.checkpoint = checkpoint;
         for (source, period) in self.settings.sources.iter_mut().zip(periods) {

@@ -33,6 +33,7 @@ mod explanation;
 mod filter;
 mod gross;
 mod history;
+mod host_clock;
 mod image;
 mod inlet;
 mod life;

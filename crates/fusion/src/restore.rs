@@ -74,6 +74,8 @@ impl Engine {
     /// before, since nobody may have been told.
     pub fn resume(&mut self, snapshot: &Snapshot, ends: bool, sink: &mut impl Sink) {
         let passed_ns = snapshot.clock().map_or(i64::MIN, |clock| clock.passed_ns);
+        self.host_clock.offset_ns = snapshot.clock().map_or(0, |clock| clock.host_offset_ns);
+        let sink = &mut self.host_clock.outward(sink);
         self.schedule.pass(passed_ns);
         self.resume_learned(snapshot);
         let mut numbers: Vec<(u32, SystemSlot)> = Vec::new();
@@ -149,11 +151,16 @@ impl Engine {
         }
     }
 
-    /// Notes that the process lives; how far time has passed is filled in.
+    /// Notes that the process lives; how far time has passed, and the host offset, are filled in.
     pub fn keep_clock(&mut self, clock: Clock) {
-        let passed_ns = self.schedule.now_ns();
+        let (passed_ns, host_offset_ns) = (self.schedule.now_ns(), self.host_clock.offset_ns);
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
-            checkpoint.write(Kind::Clock, 0, &Clock { passed_ns, ..clock });
+            let clock = Clock {
+                passed_ns,
+                host_offset_ns,
+                ..clock
+            };
+            checkpoint.write(Kind::Clock, 0, &clock);
         }
     }
 

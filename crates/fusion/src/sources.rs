@@ -35,6 +35,8 @@ pub(crate) struct Sources {
     pub(crate) alignment: Alignment,
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
+    /// Offset of each source's clock against sound clocks, as times of receipt show it, seconds.
+    clocks_s: Vec<Option<f64>>,
 }
 
 impl Sources {
@@ -52,6 +54,14 @@ impl Sources {
                 tick_s,
             ),
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
+            clocks_s: vec![None; count],
+        }
+    }
+
+    /// Sets the offset of a source's clock against sound clocks, seconds; `None` if it is not known.
+    pub(crate) fn set_clock(&mut self, source: u16, offset_s: Option<f64>) {
+        if let Some(clock) = self.clocks_s.get_mut(usize::from(source)) {
+            *clock = offset_s;
         }
     }
 

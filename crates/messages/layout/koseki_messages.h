@@ -6,22 +6,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x245b5aca26e15eee) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x3f3924826fb216c0) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x2e86ce3ebba8ca15) /* BatchHeader.schema of its slices. */
-#define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x9adee01cc67eb8ad) /* BatchHeader.schema of its slices. */
-#define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x2dfda4c3dd95c740) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CUE_SCHEMA UINT64_C(0x533817797a6d4cd1) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x5b07ebf82321f055) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0xcf4b0ce1093881cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_ALARM_SCHEMA UINT64_C(0xab4755e97ccac702) /* BatchHeader.schema of its slices. */
-#define KOSEKI_DECISION_SCHEMA UINT64_C(0x9ef5cf0ad91fb702) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x71203606d5bc0566) /* BatchHeader.schema of its slices. */
-#define KOSEKI_PROGRESS_SCHEMA UINT64_C(0xd685ec79c1f207d) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CONTROL_SCHEMA UINT64_C(0xb124b2ef9c9a3290) /* BatchHeader.schema of its slices. */
-#define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x655d541113faae18) /* BatchHeader.schema of its slices. */
-#define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x3121f747a9fcf9a4) /* BatchHeader.schema of its slices. */
-#define KOSEKI_RESTORED_SCHEMA UINT64_C(0xe3fd053b3fd27971) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0xec549254cc7ca99) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x4b4a969577bc444f) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
+#define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x2ca48047a066afaa) /* BatchHeader.schema of its slices. */
+#define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x33a411b18550e532) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0x5e4828dfca2a303d) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
+#define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xcda95bd688c5c5e5) /* BatchHeader.schema of its slices. */
+#define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
+#define KOSEKI_CONTROL_SCHEMA UINT64_C(0x4ed91c35735096bb) /* BatchHeader.schema of its slices. */
+#define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
+#define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x44541240a46ea825) /* BatchHeader.schema of its slices. */
+#define KOSEKI_RESTORED_SCHEMA UINT64_C(0xb57ebe5154fb4a98) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
 #define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x80) /* Length of Counters.values. */
@@ -124,6 +124,8 @@
 #define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says. */
 #define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`: nobody knows which were given before. */
 #define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`. */
+#define KOSEKI_STEP_HOST_OFFSET UINT64_C(0x9) /* The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset. */
+#define KOSEKI_STEP_SOURCE_CLOCK UINT64_C(0xa) /* The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -243,7 +245,7 @@ typedef struct KosekiBatchHeader {
     uint32_t flags; /* Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
     uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
-    uint32_t reserved; /* Reserved, 0. */
+    int32_t clock_offset_ms; /* Offset of the source's clock against the publisher's UTC, by the times at which its data are received, */
 } KosekiBatchHeader;
 static_assert(sizeof(KosekiBatchHeader) == 64, "size");
 static_assert(offsetof(KosekiBatchHeader, schema) == 0, "offset");
@@ -255,7 +257,7 @@ static_assert(offsetof(KosekiBatchHeader, epoch) == 40, "offset");
 static_assert(offsetof(KosekiBatchHeader, flags) == 48, "offset");
 static_assert(offsetof(KosekiBatchHeader, sensor_uid) == 52, "offset");
 static_assert(offsetof(KosekiBatchHeader, origin) == 56, "offset");
-static_assert(offsetof(KosekiBatchHeader, reserved) == 60, "offset");
+static_assert(offsetof(KosekiBatchHeader, clock_offset_ms) == 60, "offset");
 
 typedef struct KosekiSensorTrack {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -726,7 +728,7 @@ static_assert(offsetof(KosekiFrameOrigin, longitude_deg) == 8, "offset");
 static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
 
 typedef struct KosekiWorkStep {
-    int64_t time_ns; /* Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see */
+    int64_t time_ns; /* Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see */
     uint32_t sequence; /* Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own */
     uint16_t source; /* Number of the source; 65535 if the step is of none. */
     uint8_t kind; /* Kind of step: a `StepKind` code. */

@@ -8,22 +8,22 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SENSOR_TRACK_SCHEMA = 0x245b5aca26e15eee  # BatchHeader.schema of its slices.
-SENSOR_DETECTION_SCHEMA = 0x3f3924826fb216c0  # BatchHeader.schema of its slices.
-SENSOR_BEARING_SCHEMA = 0x2e86ce3ebba8ca15  # BatchHeader.schema of its slices.
-PLATFORM_STATE_SCHEMA = 0x9adee01cc67eb8ad  # BatchHeader.schema of its slices.
-WIDE_AREA_SCHEMA = 0x2dfda4c3dd95c740  # BatchHeader.schema of its slices.
-CUE_SCHEMA = 0x533817797a6d4cd1  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x5b07ebf82321f055  # BatchHeader.schema of its slices.
-CONTRIBUTOR_SET_SCHEMA = 0xcf4b0ce1093881cc  # BatchHeader.schema of its slices.
-ALARM_SCHEMA = 0xab4755e97ccac702  # BatchHeader.schema of its slices.
-DECISION_SCHEMA = 0x9ef5cf0ad91fb702  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0x71203606d5bc0566  # BatchHeader.schema of its slices.
-PROGRESS_SCHEMA = 0xd685ec79c1f207d  # BatchHeader.schema of its slices.
-CONTROL_SCHEMA = 0xb124b2ef9c9a3290  # BatchHeader.schema of its slices.
-FRAME_ORIGIN_SCHEMA = 0x655d541113faae18  # BatchHeader.schema of its slices.
-WORK_STEP_SCHEMA = 0x3121f747a9fcf9a4  # BatchHeader.schema of its slices.
-RESTORED_SCHEMA = 0xe3fd053b3fd27971  # BatchHeader.schema of its slices.
+SENSOR_TRACK_SCHEMA = 0xec549254cc7ca99  # BatchHeader.schema of its slices.
+SENSOR_DETECTION_SCHEMA = 0x4b4a969577bc444f  # BatchHeader.schema of its slices.
+SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
+PLATFORM_STATE_SCHEMA = 0x2ca48047a066afaa  # BatchHeader.schema of its slices.
+WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
+CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x33a411b18550e532  # BatchHeader.schema of its slices.
+CONTRIBUTOR_SET_SCHEMA = 0x5e4828dfca2a303d  # BatchHeader.schema of its slices.
+ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
+DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xcda95bd688c5c5e5  # BatchHeader.schema of its slices.
+PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
+CONTROL_SCHEMA = 0x4ed91c35735096bb  # BatchHeader.schema of its slices.
+FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
+WORK_STEP_SCHEMA = 0x44541240a46ea825  # BatchHeader.schema of its slices.
+RESTORED_SCHEMA = 0xb57ebe5154fb4a98  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
 CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
 COUNTERS_MAX = 0x80  # Length of Counters.values.
@@ -126,6 +126,8 @@ STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on,
 STEP_RESTORED = 0x6  # Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
 STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows which were given before.
 STEP_IMAGE = 0x8  # An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
+STEP_HOST_OFFSET = 0x9  # The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
+STEP_SOURCE_CLOCK = 0xa  # The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -295,7 +297,7 @@ class BatchHeader(ctypes.Structure):
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("clock_offset_ms", ctypes.c_int32),  # Offset of the source's clock against the publisher's UTC, by the times at which its data are received,
     ]
 
     @staticmethod
@@ -313,7 +315,7 @@ assert BatchHeader.epoch.offset == 40
 assert BatchHeader.flags.offset == 48
 assert BatchHeader.sensor_uid.offset == 52
 assert BatchHeader.origin.offset == 56
-assert BatchHeader.reserved.offset == 60
+assert BatchHeader.clock_offset_ms.offset == 60
 
 
 class SensorTrack(ctypes.Structure):
@@ -922,7 +924,7 @@ assert FrameOrigin.height_m.offset == 16
 
 class WorkStep(ctypes.Structure):
     _fields_ = [
-        ("time_ns", ctypes.c_int64),  # Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see
+        ("time_ns", ctypes.c_int64),  # Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see
         ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
         ("source", ctypes.c_uint16),  # Number of the source; 65535 if the step is of none.
         ("kind", ctypes.c_uint8),  # Kind of step: a `StepKind` code.

@@ -25,8 +25,9 @@ sample! {
         sensor_uid: u32,
         /// Deployment that the samples come from, where not the one at hand; 0: the one at hand.
         origin: u32,
-        /// Reserved, 0.
-        reserved: u32,
+        /// Offset of the source's clock against the publisher's UTC, by the times at which its data are received,
+        /// milliseconds; positive if the clock is ahead, 0 if it is not known.
+        clock_offset_ms: i32,
     }
 }
 

@@ -23,6 +23,10 @@ codes! {
         Numbers = 7, "numbers";
         /// An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
         Image = 8, "image";
+        /// The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
+        HostOffset = 9, "host_offset";
+        /// The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
+        SourceClock = 10, "source_clock";
     }
 }
 
@@ -37,7 +41,7 @@ bits! {
 sample! {
     /// Step of fusion's work: with the reports, all steps since a beginning give the same system tracks again.
     WorkStep, size 16 {
-        /// Time up to which time has passed with this step, UTC, nanoseconds; i64::MIN: unknown. Other meanings: see
+        /// Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see
         /// `StepKind`.
         time_ns: i64,
         /// Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
@@ -49,5 +53,16 @@ sample! {
         kind: u8,
         /// Flags: see `work_step_bits`.
         flags: u8,
+    }
+}
+
+impl WorkStep {
+    /// Offset of a source's clock that is not known, in the place of milliseconds.
+    pub const CLOCK_UNKNOWN: i32 = i32::MIN;
+
+    /// The offset, seconds, that a step of kind [`StepKind::SourceClock`] states; `None` if it is not known.
+    pub fn clock_offset_s(&self) -> Option<f64> {
+        let offset_ms = self.sequence.cast_signed();
+        (offset_ms != Self::CLOCK_UNKNOWN).then(|| 1e-3 * f64::from(offset_ms))
     }
 }

@@ -27,6 +27,41 @@ impl Now {
     }
 }
 
+/// UTC as the machine had it at one moment, and carried on by the monotonic clock: a later change of the machine's UTC
+/// is none of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SteadyClock {
+    /// UTC less monotonic time, nanoseconds.
+    ahead_ns: i64,
+}
+
+impl SteadyClock {
+    /// That which agrees with the machine's UTC at `now`.
+    pub fn of(now: Now) -> Self {
+        Self {
+            ahead_ns: now.utc_ns.saturating_sub(now.mono_ns),
+        }
+    }
+
+    /// Its UTC at a monotonic time, nanoseconds.
+    pub fn utc_ns(self, mono_ns: i64) -> i64 {
+        mono_ns.saturating_add(self.ahead_ns)
+    }
+
+    /// How far it is ahead of the machine's UTC at `now`, nanoseconds.
+    pub fn ahead_of(self, now: Now) -> i64 {
+        self.utc_ns(now.mono_ns).saturating_sub(now.utc_ns)
+    }
+
+    /// The same clock, moved ahead by `by_ns`.
+    #[must_use]
+    pub fn moved(self, by_ns: i64) -> Self {
+        Self {
+            ahead_ns: self.ahead_ns.saturating_add(by_ns),
+        }
+    }
+}
+
 /// Reads the monotonic clock, nanoseconds.
 pub fn mono_ns() -> i64 {
     read(ClockId::Monotonic)

@@ -6,6 +6,7 @@
 
 use std::sync::atomic::AtomicU64;
 
+use estimation::SourceClock;
 use kept::{Memory, Refused};
 use locating::settings::Settings;
 use locating::{EmitterMemory, LeftEmitters, Locator};
@@ -26,6 +27,8 @@ pub struct BearingLocator {
     locator: Locator,
     /// UTC at which the latest bearings were received, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
+    /// The finder's clock against that.
+    clock: SourceClock,
     rejected: Rejected,
     newest_ns: i64,
     /// Time of the latest state of the platform.
@@ -53,6 +56,7 @@ impl BearingLocator {
             limits,
             locator: Locator::new(*settings)?,
             received_ns: None,
+            clock: SourceClock::new(limits.clock_step().s()),
             rejected: Rejected::default(),
             newest_ns: i64::MIN,
             platform_ns: i64::MIN,
@@ -61,23 +65,22 @@ impl BearingLocator {
         })
     }
 
-    /// Says when the bearings that follow were received, UTC, nanoseconds.
+    /// The finder's clock, as far as times of receipt tell.
+    pub fn clock(&self) -> &SourceClock {
+        &self.clock
+    }
+
+    /// Sets the time at which the bearings that follow were received, by a UTC that is not set while the process runs,
+    /// nanoseconds.
     pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
     }
 
     /// Takes a bearing that came in at `ingested_ns` (monotonic, nanoseconds).
     pub fn take(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
-        let apart_ns = |received_ns: i64| {
-            bearing
-                .time_of_measurement_ns
-                .saturating_sub(received_ns)
-                .saturating_abs()
-        };
-        if self
-            .received_ns
-            .is_some_and(|received_ns| apart_ns(received_ns) > self.limits.clock_step().ns())
-        {
+        let time_ns = bearing.time_of_measurement_ns;
+        let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
+        if self.received_ns.is_some_and(is_wild) {
             self.rejected.time += 1;
             return;
         }

@@ -95,11 +95,11 @@ impl Pipeline {
         })
     }
 
-    /// Says when the data that follow were received, UTC, nanoseconds.
-    pub fn received(&mut self, received_ns: i64) {
-        self.converter.received(received_ns);
+    /// Sets the time at which the data that follow were received, nanoseconds: see [`Converter::received`].
+    pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
+        self.converter.received(utc_ns, steady_ns);
         if let Maker::Locator(locator) = &mut self.maker {
-            locator.received(received_ns);
+            locator.received(steady_ns);
         }
     }
 
@@ -223,7 +223,10 @@ impl Pipeline {
     /// Offset of the source's clock against times of receipt and its standard deviation from report to report, seconds;
     /// `None` while it is not known.
     pub fn clock_offset(&self) -> Option<(f64, f64)> {
-        self.converter.clock().offset()
+        match &self.maker {
+            Maker::None | Maker::Tracker(_) => self.converter.clock().offset(),
+            Maker::Locator(locator) => locator.clock().offset(),
+        }
     }
 
     /// Everything that has been counted.

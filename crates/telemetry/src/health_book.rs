@@ -242,6 +242,16 @@ impl HealthBook {
         known
     }
 
+    /// How far the sources' time is ahead of the machine's UTC, nanoseconds, as fusion has found; 0 where they agree.
+    pub fn host_offset_ns(&self) -> i64 {
+        let kind = ProcessKind::Fusion;
+        let said = self.said(kind, kind.word(), NO_SOURCE);
+        // `as` saturates.
+        said.map_or(0, |said| {
+            (said.0.latest.registration.clock_offset_s * messages::NS_PER_S) as i64
+        })
+    }
+
     /// The `expected` processes, and others that were heard from.
     pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
         let mut names: Vec<(ProcessKind, HealthName)> =

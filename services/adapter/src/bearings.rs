@@ -29,7 +29,7 @@ impl Bearings {
 
 impl Datagrams for Bearings {
     fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
-        self.channel.received(received.utc_ns)?;
+        self.channel.received(received)?;
         for mut bearing in self.tables.rows(bytes, BearingReader::new) {
             bearing.time_of_measurement_ns = utc_ns(received.utc_ns, bearing.time_of_measurement_ns);
             self.channel.bearing(&bearing, received.mono_ns)?;

@@ -90,7 +90,7 @@ impl Datagrams for Blocks {
                 self.strangers.hear(sender);
                 continue;
             };
-            self.channels[index].received(received.utc_ns)?;
+            self.channels[index].received(received)?;
             for record in self.decoders[index].records(block.bytes) {
                 let Ok(record) = record else {
                     // The rest of the block is passed over with it.
@@ -110,7 +110,7 @@ impl Datagrams for Blocks {
                             self.channels[first].take(&observed, received.mono_ns)?;
                         }
                         for place in places {
-                            self.channels[place].received(received.utc_ns)?;
+                            self.channels[place].received(received)?;
                             self.channels[place].take(&observed, received.mono_ns)?;
                         }
                     }

@@ -2,15 +2,18 @@
 
 use bus::{BusError, Mark, SharedMemory, Subscriber};
 use configuration::{Process, Source};
-use messages::{Counter, Counters, Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea};
+use messages::{
+    Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
+};
 use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
-use runtime::clock::mono_ns;
+use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now};
 use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::continuity;
 use crate::outlet::Outlet;
+use crate::receiver::Received;
 
 /// Reports that are gathered before they are published, at most: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
@@ -29,6 +32,8 @@ pub(crate) struct Channel {
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     gathered: Samples,
     outlets: Outlets,
+    /// Clock by which the pipeline's offset of the source's clock is measured.
+    steady: Option<SteadyClock>,
 }
 
 /// Topics of a source.
@@ -90,14 +95,27 @@ impl Channel {
                 ..Samples::default()
             },
             outlets: Outlets::open(process, source)?,
+            steady: None,
         })
     }
 
-    /// Gets ready for data that were received at `received_ns` (UTC, nanoseconds): to be called before each piece of
-    /// them, so that no report of a wide-area sensor that has come waits for the scan after the one that it is for.
-    pub(crate) fn received(&mut self, received_ns: i64) -> anyhow::Result<()> {
-        self.pipeline.received(received_ns);
+    /// Gets ready for data that were `received` then: to be called before each piece of them, so that no report of a
+    /// wide-area sensor that has come waits for the scan after the one that it is for.
+    pub(crate) fn received(&mut self, received: Received) -> anyhow::Result<()> {
+        self.pipeline.received(received.utc_ns, received.steady_ns);
+        self.steady = Some(SteadyClock::of(Now {
+            mono_ns: received.mono_ns,
+            utc_ns: received.steady_ns,
+        }));
         self.listen()
+    }
+
+    /// Offset of the source's clock against the machine's UTC at `now` and its standard deviation, seconds.
+    fn clock_offset(&self, now: Now) -> Option<(f64, f64)> {
+        let ahead_s = self.steady?.ahead_of(now) as f64 / NS_PER_S;
+        self.pipeline
+            .clock_offset()
+            .map(|(offset_s, sigma_s)| (offset_s + ahead_s, sigma_s))
     }
 
     /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
@@ -121,7 +139,11 @@ impl Channel {
     /// Publishes what has been gathered.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;
-        self.pipeline.keep(Now::read().utc_ns);
+        let now = Now::read();
+        self.pipeline.keep(now.utc_ns);
+        if let Some((offset_s, _)) = self.clock_offset(now) {
+            self.outlets.tracks.set_clock_offset(offset_s);
+        }
         let mark = Mark {
             progress_ns: self.pipeline.progress_ns(),
             sent_ns: mono_ns(),
@@ -140,7 +162,7 @@ impl Channel {
             note: self.name.clone(),
             ..HealthEntry::default()
         };
-        entry.registration.set_clock_offset(self.pipeline.clock_offset());
+        entry.registration.set_clock_offset(self.clock_offset(Now::read()));
         entry.counters += decoded;
         entry.set(Counter::Published, self.outlets.tracks.sent());
         let lost = self.counts.iter().map(|sensor| sensor.counts());

@@ -11,11 +11,13 @@ use configuration::{Process, Source};
 use formats::sbs::{Merger, SbsSettings};
 use messages::Counter;
 use net::{LinesSettings, TcpLines};
+use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::capture::Capture;
 use crate::channel::Channel;
 use crate::counted::merged;
+use crate::receiver::Received;
 
 /// Longest wait for a line in one turn: health messages must be said, and a stop be heard.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -28,6 +30,7 @@ pub(crate) struct Lines {
     merger: Merger,
     channel: Channel,
     server: SocketAddr,
+    steady: SteadyClock,
 }
 
 impl Lines {
@@ -54,6 +57,7 @@ impl Lines {
             merger: Merger::new(settings),
             channel: Channel::open(process, source)?,
             server,
+            steady: SteadyClock::of(Now::read()),
         })
     }
 }
@@ -61,17 +65,18 @@ impl Lines {
 impl Agent for Lines {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let (merger, channel) = (&mut self.merger, &mut self.channel);
-        let (capture, server) = (&mut self.capture, self.server);
+        let (capture, server, steady) = (&mut self.capture, self.server, self.steady);
         let mut failed = Ok(());
         self.client.poll(now.mono_ns, PATIENCE, |line| {
             let read = Now::read();
+            let received = Received::of(read.utc_ns, read, steady);
             if let Some(capture) = capture {
                 capture.take(server, read.utc_ns, line);
             }
             // A line that was rejected has been counted by reason.
             if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
                 let taken = channel
-                    .received(read.utc_ns)
+                    .received(received)
                     .and_then(|()| channel.take(&observed, read.mono_ns));
                 if failed.is_ok() {
                     failed = taken;

@@ -35,6 +35,15 @@ impl<T: Outgoing> Outlet<T> {
         Ok(())
     }
 
+    /// States in every slice from now on the offset of the source's clock, seconds: of one that is known, even 0.
+    pub(crate) fn set_clock_offset(&mut self, offset_s: f64) {
+        if let Some(publisher) = &mut self.0 {
+            // `as` saturates.
+            let offset_ms = (1e3 * offset_s).round() as i32;
+            publisher.set_clock_offset(if offset_ms == 0 { 1 } else { offset_ms });
+        }
+    }
+
     /// Number of samples that have been published.
     pub(crate) fn sent(&self) -> u64 {
         self.0.as_ref().map_or(0, |publisher| publisher.counts().samples)

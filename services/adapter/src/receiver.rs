@@ -12,12 +12,16 @@ use std::time::Duration;
 use configuration::{Process, Transport};
 use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
+use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::capture::Capture;
 
 /// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
 const PATIENCE: Duration = Duration::from_millis(50);
+/// Longest time for which a datagram waits in the kernel, nanoseconds; a stamp farther from the present is of a UTC that
+/// has been set since.
+const WAITED_MAX_NS: i64 = 10_000_000_000;
 
 /// Reads datagrams and publishes what is in them.
 pub(crate) trait Datagrams: Debug {
@@ -31,13 +35,29 @@ pub(crate) trait Datagrams: Debug {
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
 }
 
-/// Time at which a datagram was received.
+/// Time at which a datagram was received, nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Received {
-    /// UTC, nanoseconds.
+    /// UTC of the machine.
     pub(crate) utc_ns: i64,
-    /// Monotonic, nanoseconds.
+    /// Monotonic.
     pub(crate) mono_ns: i64,
+    /// UTC that is not set while the process runs.
+    pub(crate) steady_ns: i64,
+}
+
+impl Received {
+    /// Time of receipt at `utc_ns` of the machine's clock, which stands at `now`.
+    pub(crate) fn of(utc_ns: i64, now: Now, steady: SteadyClock) -> Self {
+        let waited_ns = now.utc_ns.saturating_sub(utc_ns);
+        let is_possible = (-WAITED_MAX_NS..=WAITED_MAX_NS).contains(&waited_ns);
+        let mono_ns = now.mono_ns - if is_possible { waited_ns } else { 0 };
+        Self {
+            utc_ns,
+            mono_ns,
+            steady_ns: steady.utc_ns(mono_ns),
+        }
+    }
 }
 
 /// The agent of a receiver of datagrams.
@@ -46,6 +66,7 @@ pub(crate) struct Receiver<D> {
     socket: UdpReceiver,
     capture: Option<Capture>,
     reader: D,
+    steady: SteadyClock,
 }
 
 impl<D: Datagrams> Receiver<D> {
@@ -62,6 +83,7 @@ impl<D: Datagrams> Receiver<D> {
             socket,
             capture,
             reader,
+            steady: SteadyClock::of(Now::read()),
         })
     }
 }
@@ -69,15 +91,14 @@ impl<D: Datagrams> Receiver<D> {
 impl<D: Datagrams> Agent for Receiver<D> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let (socket, capture, reader) = (&mut self.socket, &mut self.capture, &mut self.reader);
-        let to_mono_ns = now.mono_ns - now.utc_ns;
+        let steady = self.steady;
         let mut failed = Ok(());
         let count = socket.receive(PATIENCE, |datagram| {
             let utc_ns = datagram.received_utc_ns;
-            let mono_ns = utc_ns + to_mono_ns;
             if let Some(capture) = capture {
                 capture.take(datagram.sender, utc_ns, datagram.bytes);
             }
-            let taken = reader.take(datagram.bytes, Received { utc_ns, mono_ns });
+            let taken = reader.take(datagram.bytes, Received::of(utc_ns, now, steady));
             if failed.is_ok() {
                 failed = taken;
             }

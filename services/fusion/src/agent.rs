@@ -15,11 +15,12 @@ use runtime::flow::Reached;
 use runtime::housekeeping::{Queues, Whole};
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
+use crate::clocks::Clocks;
 use crate::continuity::{Keeping, Start, TakeOver};
 use crate::inputs::{Input, Taken};
 use crate::order::OrderOfWork;
 use crate::output::Output;
-use crate::source_time::SourceTime;
+use crate::source_time::{Common, SourceTime};
 
 /// Reports worked off in one turn, so that a flood does not delay everything else.
 const REPORTS_PER_TURN: usize = 256;
@@ -29,6 +30,8 @@ const LOOKS_PER_ROUND: usize = 2;
 const SENT_TOGETHER: usize = 16;
 /// Order `time`: slices taken from one source before the next one's turn.
 const SLICES_PER_SOURCE: usize = 4;
+/// Change of a source's clock offset of which the engine is told, milliseconds.
+const CLOCK_CHANGES_MS: u32 = 100;
 
 /// Fusion as an agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
@@ -52,6 +55,11 @@ pub struct FusionAgent<S: Transport> {
     /// Keeps what must outlast the process.
     keeping: Option<Keeping>,
     take_over: TakeOver,
+    /// Order `arrival`: whose clock is right.
+    clocks: Clocks,
+    common: Common,
+    /// What the engine was told of each source's clock, milliseconds.
+    told_ms: Vec<Option<i32>>,
 }
 
 /// Fusion that has everything to begin, and publishes nothing yet.
@@ -136,6 +144,9 @@ impl<S: Transport> FusionAgent<S> {
             order: OrderOfWork::begin(bus, epoch, inputs.len())?,
             keeping: None,
             take_over: TakeOver::default(),
+            clocks: Clocks::default(),
+            common: Common::default(),
+            told_ms: vec![None; inputs.len()],
             queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
@@ -155,6 +166,8 @@ impl<S: Transport> FusionAgent<S> {
     /// If it cannot be published.
     pub(crate) fn resume(&mut self, start: Start, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
         self.take_over = take_over;
+        let (ahead_ns, host_offset_ns) = start.clocks();
+        self.clocks.resume(now, ahead_ns, host_offset_ns);
         if start.goes_on() {
             self.output.go_on();
         }
@@ -209,10 +222,43 @@ impl<S: Transport> FusionAgent<S> {
         self.queues.restored.push(whole).is_ok()
     }
 
+    /// Order `arrival`: looks whose clock is right, and tells the engine what has changed.
+    #[cold]
+    fn look_at_clocks(&mut self, now: Now) {
+        let ahead_ns = self.clocks.ahead_ns(now);
+        let ahead_s = ahead_ns as f64 / messages::NS_PER_S;
+        let known = self.inputs.iter().map(|input| input.known_clock(now, ahead_s));
+        let passed_ns = self.engine.now_ns();
+        if let Some(host_offset_ns) = self.clocks.look(known.clone().flatten(), now) {
+            self.order.host_offset(host_offset_ns);
+            self.engine.set_host_offset(host_offset_ns);
+        }
+        let host_offset_s = self.clocks.host_offset_s();
+        self.common = Common { host_offset_s, ahead_s };
+        for ((input, known), told_ms) in self.inputs.iter().zip(known).zip(&mut self.told_ms) {
+            let offset_ms = known.map(|known| (1e3 * (known.offset_s - host_offset_s)) as i32);
+            let is_same = match (offset_ms, *told_ms) {
+                (Some(offset_ms), Some(told_ms)) => offset_ms.abs_diff(told_ms) < CLOCK_CHANGES_MS,
+                (offset_ms, told_ms) => offset_ms == told_ms,
+            };
+            if !is_same {
+                *told_ms = offset_ms;
+                self.order.source_clock(input.source, offset_ms, passed_ns);
+                let offset_s = offset_ms.map(|offset_ms| 1e-3 * f64::from(offset_ms));
+                self.engine.set_source_clock(input.source, offset_s);
+            }
+        }
+    }
+
     /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that
     /// has some, the source first whose slice was sent first. So a source that floods costs each of the others one
     /// report's time, and what it has no turn for waits in its own queue.
     fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
+        let machine = now;
+        let now = self.clocks.engine_time(machine);
+        if self.reached.is_none() && self.clocks.is_due(machine) {
+            self.look_at_clocks(machine);
+        }
         let mut worked = 0;
         while worked < REPORTS_PER_TURN && self.begin_round()? {
             worked += self.round.len();
@@ -229,7 +275,7 @@ impl<S: Transport> FusionAgent<S> {
         Ok(worked > 0)
     }
 
-    /// Order `arrival`: UTC up to which time has passed.
+    /// Order `arrival`: time up to which time has passed; `now` has the engine's.
     fn passed_ns(&self, now: Now) -> i64 {
         if self.reached.is_none() {
             return now.utc_ns;
@@ -284,7 +330,7 @@ impl<S: Transport> FusionAgent<S> {
 
     /// Works off the next report of one source.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
-        let Some(Taken { report, number, last }) = self.inputs[index].next_report(now) else {
+        let Some(Taken { report, number, last }) = self.inputs[index].next_report(now, self.common) else {
             return Ok(());
         };
         let passed_ns = self.passed_ns(now);
@@ -391,7 +437,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.obey(now);
         if let Some(keeping) = &mut self.keeping {
-            keeping.tend(&mut self.engine, now);
+            keeping.tend(&mut self.engine, now, self.clocks.ahead_ns(now));
         }
         let worked = match self.merger.take() {
             Some(mut merger) => {
@@ -446,6 +492,11 @@ impl<S: Transport> Agent for FusionAgent<S> {
         whole.set(Counter::CoastedTracks, level(TrackState::Coasted));
         whole.set(Counter::TakeOvers, u64::from(self.take_over.from_another));
         whole.set(Counter::TakeOversFromStill, u64::from(self.take_over.stood_still));
+        if self.merger.is_none() && self.reached.is_none() {
+            // Of no source: that of sound clocks against the machine's.
+            let host_offset_s = self.common.host_offset_s + self.common.ahead_s;
+            whole.registration.set_clock_offset(Some((host_offset_s, 0.0)));
+        }
         self.output.count(&mut whole.counters);
         for input in &self.inputs {
             input.count(&mut whole.counters);
@@ -459,7 +510,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
                     .source(input.source)
                     .copied()
                     .unwrap_or(messages::Counters::default()),
-                registration: registration(&self.engine, input),
+                registration: registration(&self.engine, input, self.common),
                 ..HealthEntry::default()
             };
             input.count(&mut entry.counters);
@@ -472,10 +523,10 @@ impl<S: Transport> Agent for FusionAgent<S> {
 }
 
 /// Knowledge of a source's systematic errors, as health messages carry it.
-fn registration<S: Transport>(engine: &Engine, input: &Input<S>) -> Registration {
+fn registration<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> Registration {
     let mut registration = errors(engine, input.source);
     registration.set_gross_error(engine.gross_error(input.source));
-    registration.set_clock_offset(input.time.clock_offset());
+    registration.set_clock_offset(input.time.clock_offset(common.ahead_s));
     registration
 }
 

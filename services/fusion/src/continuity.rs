@@ -87,6 +87,16 @@ impl Start {
         }
     }
 
+    /// How far the engine's time was ahead of the machine's UTC, and the sources' time of the engine's, nanoseconds.
+    pub(crate) fn clocks(&self) -> (i64, i64) {
+        match &self.found {
+            Found::Tracks { snapshot, .. } => snapshot
+                .clock()
+                .map_or((0, 0), |clock| (clock.ahead_ns, clock.host_offset_ns)),
+            _ => (0, 0),
+        }
+    }
+
     /// Whether anything is known of the tracks before.
     pub(crate) fn goes_on(&self) -> bool {
         matches!(self.found, Found::Tracks { .. })
@@ -145,6 +155,7 @@ impl Start {
             }
         }
         let mut keeping = Keeping::new(self.epoch, now);
+        keeping.clock.ahead_ns = self.clocks().0;
         let kept = self
             .root
             .make_outlasting(CHECKPOINT, self.layout.len())
@@ -215,8 +226,9 @@ impl Keeping {
 
     /// Does what is due.
     #[inline]
-    pub(crate) fn tend(&mut self, engine: &mut Engine, now: Now) {
+    pub(crate) fn tend(&mut self, engine: &mut Engine, now: Now, ahead_ns: i64) {
         if now.mono_ns.saturating_sub(self.noted_ns) >= NOTE_NS {
+            self.clock.ahead_ns = ahead_ns;
             self.note(engine, now);
             self.go_round(engine, now);
         }

@@ -8,9 +8,12 @@ use fusion::checkpoint::Position;
 use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
 use runtime::{Now, Speed};
 
+use crate::clocks::Known;
 use crate::order::Numbered;
-use crate::source_time::SourceTime;
+use crate::source_time::{Common, SourceTime};
 
+/// A source that has sent nothing for so long has no vote on whose clock is right, nanoseconds.
+const HEARD_NS: i64 = 60_000_000_000;
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
 const PASSED_OVER_MAX: usize = 16;
 
@@ -27,6 +30,8 @@ pub(crate) struct Input<S: Transport> {
     in_hand: Option<InHand<S>>,
     /// Order `arrival`: by what its clock is judged.
     pub(crate) time: SourceTime,
+    /// Monotonic time of the latest slice, nanoseconds.
+    heard_ns: i64,
     /// Whether it has said that nothing follows.
     pub(crate) has_ended: bool,
     /// Order `arrival`, recordings: slices that were worked off, and the number that follows; until somebody is told.
@@ -82,6 +87,7 @@ impl<S: Transport> Input<S> {
                 progress_ns: i64::MIN,
                 in_hand: None,
                 time: SourceTime::of(source, speed),
+                heard_ns: i64::MIN,
                 has_ended: false,
                 passed: Vec::new(),
                 next_number: 0,
@@ -106,6 +112,8 @@ impl<S: Transport> Input<S> {
                 Received::Rejected | Received::OfOlderEpoch => {}
                 Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
                 Received::Slice(slice) => {
+                    self.heard_ns = slice.header().sent_ns;
+                    self.time.state(slice.header().clock_offset_ms);
                     let next = self.count_done(slice.header(), slice.samples().len());
                     if next == slice.samples().len() {
                         self.pass(slice.header());
@@ -165,9 +173,15 @@ impl<S: Transport> Input<S> {
         self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
     }
 
-    /// The next report of the slice in hand, stamped, and marked if its time is not believed. With the last one the
-    /// slice is given back, and its mark holds.
-    pub(crate) fn next_report(&mut self, now: Now) -> Option<Taken> {
+    /// The source's clock, if it has been heard lately; the engine's time is `ahead_s` ahead of the machine's UTC.
+    pub(crate) fn known_clock(&self, now: Now, ahead_s: f64) -> Option<Known> {
+        let is_heard = now.mono_ns.saturating_sub(self.heard_ns) <= HEARD_NS;
+        self.time.known(ahead_s).filter(|_| is_heard)
+    }
+
+    /// The next report of the slice in hand, stamped, and marked if its time is not believed; `now` has the engine's
+    /// time. With the last one the slice is given back, and its mark holds.
+    pub(crate) fn next_report(&mut self, now: Now, clocks: Common) -> Option<Taken> {
         let hand = self.in_hand.as_mut()?;
         let (header, reports) = (hand.slice.header(), hand.slice.samples());
         let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
@@ -177,7 +191,7 @@ impl<S: Transport> Input<S> {
         hand.next += 1;
         let last = hand.next == reports.len();
         self.time.begin(report.time_of_measurement_ns, sent_ns);
-        let is_wild = !self.time.believes(report.time_of_measurement_ns, sent_ns, now);
+        let is_wild = !self.time.believes(report.time_of_measurement_ns, sent_ns, now, clocks);
         if is_wild {
             report.valid |= sensor_track_bits::WILD_CLOCK;
         }

@@ -13,6 +13,7 @@
 //! no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
 
 mod agent;
+mod clocks;
 mod continuity;
 mod inputs;
 mod order;

@@ -63,6 +63,17 @@ impl OrderOfWork {
         self.write(StepKind::Condition, NO_SOURCE, number, passed_ns);
     }
 
+    /// The sources' time is ahead of the engine's by `offset_ns` from now on.
+    pub(crate) fn host_offset(&mut self, offset_ns: i64) {
+        self.write(StepKind::HostOffset, NO_SOURCE, 0, offset_ns);
+    }
+
+    /// The clock of `source` is off by `offset_ms` from now on, when time has passed up to `passed_ns`.
+    pub(crate) fn source_clock(&mut self, source: u16, offset_ms: Option<i32>, passed_ns: i64) {
+        let offset_ms = offset_ms.unwrap_or(WorkStep::CLOCK_UNKNOWN);
+        self.write(StepKind::SourceClock, source, offset_ms.cast_unsigned(), passed_ns);
+    }
+
     /// The engine goes on from what was said to be restored.
     pub(crate) fn restored(&mut self) {
         self.write(StepKind::Restored, NO_SOURCE, 0, 0);

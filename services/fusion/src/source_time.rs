@@ -1,8 +1,9 @@
 //! Time in order `arrival`: by what each source's clock is judged, and how far time has passed.
 //!
-//! Time passes by the machine's clock, never by what a report claims. A live source is judged by when its reports are
-//! received: by its adapter, which has the kernel's stamps, or here, where a process of somebody's own publishes the
-//! topic. A recording that is replayed is of another day, and has a clock of its own: it began with the recording's
+//! Time passes by the engine's clock ([`crate::clocks`]), never by what a report claims. The offset of a live source is
+//! measured against times of receipt: by its adapter, which has the kernel's stamps and states the offset in its
+//! slices, or here, where a process of somebody's own publishes the topic. A source far from the host offset is
+//! isolated. A recording that is replayed is of another day, and has a clock of its own: it began with the recording's
 //! first time when the first slice was sent, and runs as fast as the replay. At the greatest speed there is none; then
 //! time passes to where all recordings say that they have got.
 
@@ -10,16 +11,36 @@ use configuration::{Input, Source};
 use estimation::SourceClock;
 use runtime::{Now, Speed};
 
+use crate::clocks::{Known, agrees};
+
 /// A slice that claims to be older was not sent when it says, nanoseconds.
 const UNDERWAY_MAX_NS: i64 = 10_000_000_000;
+
+/// Offsets that hold for all sources, seconds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Common {
+    /// Of sound clocks against the engine's time.
+    pub(crate) host_offset_s: f64,
+    /// Of the engine's time against the machine's UTC.
+    pub(crate) ahead_s: f64,
+}
 
 /// One source's time.
 #[derive(Clone, Debug)]
 pub(crate) enum SourceTime {
-    /// Its adapter has judged its clock.
-    Judged,
+    /// By what its adapter states in each slice.
+    Stated {
+        /// Offset against the machine's UTC, seconds; `None` while it is not known.
+        offset_s: Option<f64>,
+        /// Greatest distance from the host offset, seconds.
+        step_s: f64,
+    },
     /// By the time of receipt.
-    Received(SourceClock),
+    Received {
+        clock: SourceClock,
+        /// Greatest distance from the host offset, seconds.
+        step_s: f64,
+    },
     /// By the clock of a replay.
     Paced {
         clock: SourceClock,
@@ -35,17 +56,36 @@ pub(crate) enum SourceTime {
 impl SourceTime {
     /// That of `source`; recordings are replayed at `speed`.
     pub(crate) fn of(source: &Source, speed: Speed) -> Self {
-        let clock = SourceClock::new(source.model.limits.clock_step().s());
+        let step_s = source.model.limits.clock_step().s();
+        let clock = SourceClock::new(step_s);
         match (&source.input, speed) {
-            (Input::External, _) => Self::Received(clock),
+            (Input::External, _) => Self::Received { clock, step_s },
             (Input::Recorded(_), Speed::Factor(factor)) => Self::Paced {
                 clock,
                 factor,
                 began: None,
             },
             (Input::Recorded(_), Speed::Max) => Self::Unpaced,
-            (Input::Live(_) | Input::Simulated(_), _) => Self::Judged,
+            (Input::Live(_) | Input::Simulated(_), _) => Self::Stated { offset_s: None, step_s },
         }
+    }
+
+    /// Its slice states this offset of the source's clock, milliseconds; 0: not known.
+    pub(crate) fn state(&mut self, offset_ms: i32) {
+        if let Self::Stated { offset_s, .. } = self {
+            *offset_s = (offset_ms != 0).then(|| 1e-3 * f64::from(offset_ms));
+        }
+    }
+
+    /// The source's clock against the engine's time, which is `ahead_s` ahead of the machine's UTC; `None` while it is
+    /// not known, and of recordings.
+    pub(crate) fn known(&self, ahead_s: f64) -> Option<Known> {
+        let (offset_s, step_s) = match self {
+            Self::Stated { offset_s, step_s } => (offset_s.map(|offset_s| offset_s - ahead_s), *step_s),
+            Self::Received { clock, step_s } => (clock.offset().map(|(offset_s, _)| offset_s), *step_s),
+            Self::Paced { .. } | Self::Unpaced => return None,
+        };
+        offset_s.map(|offset_s| Known { offset_s, step_s })
     }
 
     /// Whether it is that of a recording, which waits for its readers.
@@ -60,11 +100,16 @@ impl SourceTime {
         }
     }
 
-    /// Whether the time of a report may be believed that claims to be of `time_ns`; its slice says that it was sent at
-    /// `sent_ns` (monotonic).
-    pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now) -> bool {
-        if matches!(self, Self::Judged | Self::Unpaced) {
-            return true;
+    /// Whether the time of a report may be believed that claims to be of `time_ns`; its slice states that it was sent at
+    /// `sent_ns` (monotonic). `now` has the engine's time, and `clocks` what sound clocks have against it.
+    pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: Common) -> bool {
+        match self {
+            Self::Unpaced => return true,
+            Self::Stated { .. } => {
+                let known = self.known(clocks.ahead_s);
+                return known.is_none_or(|known| agrees(&known, clocks.host_offset_s));
+            }
+            Self::Received { .. } | Self::Paced { .. } => {}
         }
         // A report that had to wait here is not late for that.
         let underway_ns = now.mono_ns.saturating_sub(sent_ns);
@@ -79,9 +124,9 @@ impl SourceTime {
         };
         let due_ns = self.paced_ns(sent);
         match self {
-            Self::Received(clock) => clock.believes(time_ns, sent.utc_ns),
-            Self::Paced { clock, .. } => due_ns.is_none_or(|due_ns| clock.believes(time_ns, due_ns)),
-            Self::Judged | Self::Unpaced => true,
+            Self::Received { clock, .. } => clock.believes(time_ns, sent.utc_ns, Some(clocks.host_offset_s)),
+            Self::Paced { clock, .. } => due_ns.is_none_or(|due_ns| clock.believes(time_ns, due_ns, Some(0.0))),
+            Self::Stated { .. } | Self::Unpaced => true,
         }
     }
 
@@ -96,12 +141,13 @@ impl SourceTime {
         Some(data_ns.saturating_add(passed_ns as i64))
     }
 
-    /// Offset of the source's clock and its standard deviation from report to report, seconds; `None` while it is not
-    /// known, or known elsewhere.
-    pub(crate) fn clock_offset(&self) -> Option<(f64, f64)> {
+    /// Offset of the source's clock against the machine's UTC, of which the engine's time is `ahead_s` ahead, and its
+    /// standard deviation from report to report, seconds; `None` while it is not known, or known elsewhere.
+    pub(crate) fn clock_offset(&self, ahead_s: f64) -> Option<(f64, f64)> {
         match self {
-            Self::Received(clock) | Self::Paced { clock, .. } => clock.offset(),
-            Self::Judged | Self::Unpaced => None,
+            Self::Received { clock, .. } => clock.offset().map(|(offset_s, sigma_s)| (offset_s + ahead_s, sigma_s)),
+            Self::Paced { clock, .. } => clock.offset(),
+            Self::Stated { .. } | Self::Unpaced => None,
         }
     }
 }
@@ -134,21 +180,44 @@ mod tests {
         for second in 0..20 {
             let sent_ns = at(second).mono_ns;
             assert!(
-                time.believes(BEGIN_NS + 10 * second * S, sent_ns, at(second + 2)),
+                time.believes(BEGIN_NS + 10 * second * S, sent_ns, at(second + 2), Common::default()),
                 "{second}"
             );
         }
-        assert!(!time.believes(BEGIN_NS + 250 * S, at(20).mono_ns, at(20)));
-        assert!(time.clock_offset().is_some());
+        assert!(!time.believes(BEGIN_NS + 250 * S, at(20).mono_ns, at(20), Common::default()));
+        assert!(time.clock_offset(0.0).is_some());
     }
 
     #[test]
     fn what_had_to_wait_here_is_not_late_and_a_slice_cannot_claim_to_be_old() {
-        let mut time = SourceTime::Received(SourceClock::new(5.0));
-        assert!(time.believes(at(0).utc_ns, at(0).mono_ns, at(8)));
-        assert!(!time.believes(at(0).utc_ns, at(0).mono_ns, at(70)));
+        let mut time = SourceTime::Received {
+            clock: SourceClock::new(5.0),
+            step_s: 5.0,
+        };
+        let mut believes = |time_ns, sent_ns, now| time.believes(time_ns, sent_ns, now, Common::default());
+        assert!(believes(at(0).utc_ns, at(0).mono_ns, at(8)));
+        assert!(!believes(at(0).utc_ns, at(0).mono_ns, at(70)));
         for strange_ns in [i64::MIN, 0, i64::MAX] {
-            assert!(!time.believes(strange_ns, strange_ns, at(0)));
+            assert!(!believes(strange_ns, strange_ns, at(0)));
         }
+    }
+
+    #[test]
+    fn a_stated_offset_is_judged_by_the_host_offset() {
+        let mut time = SourceTime::Stated {
+            offset_s: None,
+            step_s: 5.0,
+        };
+        let believes = |time: &mut SourceTime, host_offset_s, ahead_s| {
+            let common = Common { host_offset_s, ahead_s };
+            time.believes(at(0).utc_ns, at(0).mono_ns, at(0), common)
+        };
+        assert!(believes(&mut time, 0.0, 0.0), "nothing is known yet");
+        time.state(30_000);
+        assert!(!believes(&mut time, 0.0, 0.0));
+        assert!(believes(&mut time, 28.0, 0.0), "others say the same");
+        assert!(believes(&mut time, 0.0, 29.0), "the machine was set back by as much");
+        time.state(0);
+        assert_eq!(time.known(0.0), None);
     }
 }

@@ -17,6 +17,8 @@ const TOGETHER_NS: i64 = 5_000_000_000;
 const MB: f64 = 1e6;
 /// Time between two looks for sources that never join, nanoseconds.
 const COMPANIONS_NS: i64 = 5_000_000_000;
+/// Clocks of sources that are no farther apart agree, besides what their data are late, seconds.
+const CLOCKS_AGREE_S: f64 = 1.0;
 /// Comparisons after which an estimate of a source's errors is believed to have settled.
 const COMPARISONS_MIN: f64 = 500.0;
 /// Change of an estimate that is no chance, standard deviations.
@@ -119,6 +121,17 @@ struct Watched {
     usual_detection: Usual,
     /// Fusion process that learns of it, and how many reports that process's predecessors had taken.
     learner: (u64, u64),
+}
+
+impl Watched {
+    /// Part of a clock's offset, seconds, that the way of the data does not explain: a sensor may take one of its periods
+    /// to send what it has measured.
+    fn clock_excess_s(&self, offset_s: f64) -> f64 {
+        match offset_s < 0.0 {
+            true => -offset_s - self.period_ns as f64 / messages::NS_PER_S,
+            false => offset_s,
+        }
+    }
 }
 
 /// A systematic error: its name, unit and change that matters, and its estimate with standard deviation.
@@ -261,8 +274,46 @@ impl Conditions {
         }
     }
 
+    /// Finds whose clock is wrong where the sources' and the machine's differ: the offset of sound clocks against the
+    /// machine's, seconds.
+    fn machine_clock(&self, sight: Sight<'_>, round: &mut Round<'_>) -> f64 {
+        let known = |source: &&Watched| sight.book.registration(source.number).clock_offset_sigma_s > 0.0;
+        let offset_s = |source: &Watched| sight.book.registration(source.number).clock_offset_s;
+        let sources = || self.sources.iter().filter(known);
+        let agreeing = |of_s: f64| sources().filter(move |source| (offset_s(source) - of_s).abs() <= CLOCKS_AGREE_S);
+        let limit_s = self.limits.clock_off_s.s();
+        let found_s = sight.book.host_offset_ns() as f64 / messages::NS_PER_S;
+        // Below the limit on time steps fusion leaves all times as they are; most of the sources show it all the same.
+        let is_off = |source: &&Watched| source.clock_excess_s(offset_s(source)) - CLOCKS_AGREE_S > limit_s;
+        let most = sources().filter(is_off).map(offset_s).find(|of_s| {
+            let count = agreeing(*of_s).count();
+            count >= 2 && 2 * count > sources().count()
+        });
+        let common_s = if found_s.abs() > limit_s {
+            found_s
+        } else {
+            most.unwrap_or(0.0)
+        };
+        if common_s == 0.0 {
+            return 0.0;
+        }
+        let names: Vec<&str> = agreeing(common_s).map(|source| source.name.as_str()).collect();
+        let (kind, subject) = match sources().count() {
+            0 | 1 => (AlarmKind::ClocksDiffer, Subject::default()),
+            _ => (AlarmKind::MachineClockOff, Subject::default()),
+        };
+        let values = [
+            ("offset", format!("{:+.1} s", -common_s)),
+            ("sources", names.join(", ")),
+            ("source", names.first().unwrap_or(&"the source").to_string()),
+        ];
+        round.find(kind, subject, Finding::Bad, &values);
+        common_s
+    }
+
     /// What fusion has learned of the sources.
     fn source_errors(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+        let common_s = self.machine_clock(sight, round);
         for source in &self.sources {
             let known = sight.book.registration(source.number);
             let subject = Subject::source(source.number);
@@ -273,12 +324,13 @@ impl Conditions {
                 let values = [name(), ("reports", several(wild, "report"))];
                 round.find(AlarmKind::SourceIsolated, subject, Finding::Bad, &values);
             }
-            let (offset_s, sigma_s) = (known.clock_offset_s, known.clock_offset_sigma_s);
-            // A sensor may take one of its periods to send what it has measured.
-            let excess_s = match offset_s < 0.0 {
-                true => -offset_s - source.period_ns as f64 / messages::NS_PER_S,
-                false => offset_s,
+            let sigma_s = known.clock_offset_sigma_s;
+            let offset_s = if sigma_s > 0.0 {
+                known.clock_offset_s - common_s
+            } else {
+                0.0
             };
+            let excess_s = source.clock_excess_s(offset_s);
             // Two standard deviations: what may be chance is no alarm.
             let certain_s = if sigma_s > 0.0 { excess_s - 2.0 * sigma_s } else { 0.0 };
             if let Some(finding) = above(certain_s, self.limits.clock_off_s.s()) {

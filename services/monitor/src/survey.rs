@@ -81,9 +81,10 @@ impl Survey {
 
     /// A slice of system tracks has been received.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], received: Now) {
+        let received_utc_ns = received.utc_ns.saturating_add(self.book.host_offset_ns());
         for track in tracks {
             if self.settings.latencies_measured {
-                self.stages.record(track, received.mono_ns, received.utc_ns);
+                self.stages.record(track, received.mono_ns, received_utc_ns);
             }
             if let Some(truth) = &mut self.truth {
                 truth.keep(header.incarnation, track);

@@ -43,7 +43,7 @@ fn run(settings: &Settings, seed: u64, lie: Option<Lie>) -> (BTreeMap<u32, Vec<S
     let mut clocks = vec![SourceClock::new(5.0); settings.sources.len()];
     let mut published = Vec::new();
     let mut take = |engine: &mut Engine, mut report: SensorTrack, now_ns: i64| {
-        if !clocks[usize::from(report.source)].believes(report.time_of_measurement_ns, now_ns) {
+        if !clocks[usize::from(report.source)].believes(report.time_of_measurement_ns, now_ns, Some(0.0)) {
             report.valid |= sensor_track_bits::WILD_CLOCK;
         }
         engine.take_at(&report, now_ns, &mut |track: &SystemTrack| published.push(*track));

@@ -46,8 +46,8 @@ pub struct Converter {
     model: SourceModel,
     day: Option<DayUnroller>,
     first_day_ns: i64,
-    /// Time of receipt of what is converted now, UTC, nanoseconds; `None` for recordings.
-    received_ns: Option<i64>,
+    /// Time of receipt of what is converted now, UTC and by a clock that nobody sets, nanoseconds; `None` for recordings.
+    received_ns: Option<(i64, i64)>,
     /// The source's clock against times of receipt.
     clock: SourceClock,
     time_check: TimeCheck,
@@ -75,11 +75,12 @@ impl Converter {
         }
     }
 
-    /// Says when the reports that follow were received, UTC, nanoseconds. From now on times of day are of the day that
-    /// brings them nearest to it, and not believed if they are farther from it than the limit on time steps, or jump. A
-    /// recording has no such time; there the source's running time takes its place.
-    pub fn received(&mut self, received_ns: i64) {
-        self.received_ns = Some(received_ns);
+    /// Sets the time at which the reports that follow were received, nanoseconds: `utc_ns` by the machine's UTC,
+    /// `steady_ns` by a UTC that is not set while the process runs. Times of day are of the day that brings them nearest
+    /// to `utc_ns`. Times that jump against `steady_ns` are not believed; a steady offset is: fusion compares it with
+    /// other sources' ([`Self::clock`]). A recording has no such time; there the source's running time takes its place.
+    pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
+        self.received_ns = Some((utc_ns, steady_ns));
     }
 
     /// The source's clock, as far as times of receipt tell.
@@ -199,7 +200,7 @@ impl Converter {
 
     /// UTC of the measurement, checked.
     fn time(&mut self, observation: &Observation) -> Result<Stamp, Counter> {
-        let near_ns = self.received_ns.or(self.running_ns());
+        let near_ns = self.received_ns.map(|(utc_ns, _)| utc_ns).or(self.running_ns());
         let completed = || Some(complete(observation.truncated_time_ns?, near_ns?));
         let time_of_day_ns = observation.time_of_day_ns.or_else(completed);
         self.utc(time_of_day_ns.ok_or(Counter::RejectedTime)?)
@@ -210,9 +211,9 @@ impl Converter {
         if !(0..=frames::time::NS_PER_DAY).contains(&time_of_day_ns) {
             return Err(Counter::RejectedTime);
         }
-        if let Some(received_ns) = self.received_ns {
+        if let Some((received_ns, steady_ns)) = self.received_ns {
             let time_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
-            let is_believed = self.clock.believes(time_ns, received_ns);
+            let is_believed = self.clock.believes(time_ns, steady_ns, None);
             if is_believed {
                 self.day
                     .get_or_insert_with(|| DayUnroller::near(time_ns))

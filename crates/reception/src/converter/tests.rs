@@ -103,7 +103,7 @@ fn a_sound_report_becomes_a_sensor_track() {
 fn live_stamps_are_judged_by_the_time_of_receipt() {
     let mut converter = converter();
     let midnight = DAY + 5 * 86_400 * S;
-    converter.received(midnight + S / 2);
+    converter.received(midnight + S / 2, midnight + S / 2);
     let before = converter.convert(&observation(86_399.5), 0).unwrap();
     assert_eq!(
         before.time_of_measurement_ns,
@@ -123,7 +123,7 @@ fn live_stamps_are_judged_by_the_time_of_receipt() {
             "and time does not go on with it"
         );
     }
-    converter.received(midnight + 61 * S);
+    converter.received(midnight + 61 * S, midnight + 61 * S);
     assert!(converter.convert(&observation(61.0), 0).is_some());
 }
 
@@ -676,7 +676,7 @@ fn half_a_time_is_completed_by_the_service_messages() {
     let track = converter.convert(&truncated(190), 0).unwrap();
     assert_eq!(track.time_of_measurement_ns, DAY + 43_198 * S);
     let mut live = self::converter();
-    live.received(DAY + 43_200 * S);
+    live.received(DAY + 43_200 * S, DAY + 43_200 * S);
     assert!(live.convert(&truncated(190), 0).is_some(), "or by the time of receipt");
 }
 

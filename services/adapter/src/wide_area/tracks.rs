@@ -47,7 +47,7 @@ impl Tracks {
     pub(super) fn take(&mut self, bytes: &[u8], received_ns: Option<i64>, reports: &mut Vec<WideAreaReport>) {
         if let Some(received_ns) = received_ns {
             self.silent(received_ns, reports);
-            self.converter.received(received_ns);
+            self.converter.received(received_ns, received_ns);
         }
         for block in blocks(bytes) {
             let block = match block {

@@ -463,6 +463,93 @@ fn a_wild_clock_harms_nobody_else_and_is_shown() {
 }
 
 #[test]
+fn an_offset_that_all_sources_share_is_the_hosts_and_disturbs_no_track() {
+    for (first_s, then_s) in [
+        (6.0, 6.0),
+        (-5.5, -5.5),
+        (3600.0, 3600.0),
+        (0.0, 7.0),
+        (0.0, -7.0),
+        (4.0, -3600.0),
+    ] {
+        let mut bench = Bench::new(&config("arrival", AT_ONCE));
+        for step in 0..600u64 {
+            let number = (step % 10) as u32;
+            let off_s = if step < 300 { first_s } else { then_s };
+            let second = 0.1 * step as f64 - 0.05 + off_s;
+            for source in 0..2 {
+                let mut report = report(number, step, second, 5e3 * f64::from(number));
+                report.position_m[1] += 1e5 * source as f64;
+                bench.send(source, &[report], i64::MIN, false);
+            }
+            bench.settle();
+            bench.pass(0.1);
+        }
+        let tracks = std::mem::take(&mut bench.received);
+        let ended = tracks
+            .iter()
+            .filter(|track| track.state == TrackState::Terminated as u8);
+        assert_eq!(ended.count(), 0, "{first_s} {then_s}");
+        let numbers: std::collections::BTreeSet<u32> = tracks.iter().map(|track| track.track_number).collect();
+        assert_eq!(numbers.len(), 20, "{first_s} {then_s}");
+        // In the sources' time, a second after a change at the latest but for the reports that showed it.
+        let of_second = |second: i64| {
+            let time_ns = DAY + second * S + (then_s * S as f64) as i64;
+            let within = time_ns..time_ns + S;
+            tracks
+                .iter()
+                .filter(|track| within.contains(&track.reference_time_ns))
+                .count()
+        };
+        assert_eq!((of_second(45), of_second(58)), (20, 20), "{first_s} {then_s}");
+        let mut entries = Vec::new();
+        bench.agent.health(&mut entries);
+        let host_s = entries[0].registration.clock_offset_s;
+        let expected_s = if then_s.abs() > 5.0 { then_s } else { 0.0 };
+        assert!((host_s - expected_s).abs() <= 0.6, "{host_s}");
+    }
+}
+
+#[test]
+fn a_step_of_the_machines_clock_is_no_step_of_the_picture() {
+    let states = |set_s: i64| {
+        let mut bench = Bench::new(&config("arrival", AT_ONCE));
+        for step in 0..400u64 {
+            let number = (step % 10) as u32;
+            let second = 0.1 * step as f64 - 0.05;
+            bench.send(
+                0,
+                &[report(number, step, second, 5e3 * f64::from(number))],
+                i64::MIN,
+                false,
+            );
+            bench.settle();
+            bench.pass(0.1);
+            if step == 200 {
+                bench.now.utc_ns += set_s * S;
+            }
+        }
+        let mut entries = Vec::new();
+        bench.agent.health(&mut entries);
+        let states = bench
+            .received
+            .iter()
+            .map(|track| (track.track_number, track.reference_time_ns));
+        (states.collect::<Vec<_>>(), entries[0].registration.clock_offset_s)
+    };
+    let (undisturbed, host_s) = states(0);
+    assert_eq!((undisturbed.len(), host_s), (400, 0.0));
+    for set_s in [7, -7, 3600, -86_400] {
+        let (disturbed, host_s) = states(set_s);
+        assert_eq!(disturbed, undisturbed, "{set_s} s");
+        assert!(
+            (host_s + set_s as f64).abs() < 0.01,
+            "the machine is ahead by {set_s} s: {host_s}"
+        );
+    }
+}
+
+#[test]
 fn a_source_is_back_when_its_clock_is_sound_again() {
     let bad_from = DAY + 10 * S;
     let (tracks, _) = beside(|now_ns| {

@@ -82,7 +82,7 @@ fn the_loop_allocates_nothing() {
                 let second = step as f64 * 0.05;
                 let mark = Mark {
                     progress_ns: i64::MIN,
-                    sent_ns: step as i64,
+                    sent_ns: step as i64 * S / 20,
                     end: false,
                 };
                 let number = |index: usize| ((step / 3 * SLICE) as u32 + index as u32) % TARGETS;
@@ -94,7 +94,7 @@ fn the_loop_allocates_nothing() {
                 queues.orders.push(Control::condition("rain").unwrap()).unwrap();
             }
             let now = Now {
-                mono_ns: step as i64,
+                mono_ns: step as i64 * S / 20,
                 utc_ns: START_NS + step as i64 * S / 20,
             };
             let slices = reader.counts().slices;

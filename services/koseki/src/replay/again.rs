@@ -203,6 +203,17 @@ impl Again {
                         run.engine.start_numbers_at(step.sequence);
                     }
                 }
+                Some(StepKind::HostOffset) => {
+                    if let Some(run) = &mut self.run {
+                        run.engine.set_host_offset(step.time_ns);
+                    }
+                }
+                Some(StepKind::SourceClock) => {
+                    let number = self.plan.sources.get(usize::from(step.source)).copied().flatten();
+                    if let (Some(run), Some(source)) = (&mut self.run, number) {
+                        run.engine.set_source_clock(source, step.clock_offset_s());
+                    }
+                }
                 Some(StepKind::Image) => {
                     if self.run.is_none() && !self.resume_image(step.time_ns, out)? && is_early {
                         return Ok(());

@@ -67,8 +67,9 @@ impl Watch {
 
     /// A slice of system tracks has come from the fusion process of `incarnation`.
     pub(crate) fn receive(&mut self, incarnation: u64, tracks: &[SystemTrack], received: Now) {
+        let received_utc_ns = received.utc_ns.saturating_add(self.book.host_offset_ns());
         for track in tracks {
-            self.stages.record(track, received.mono_ns, received.utc_ns);
+            self.stages.record(track, received.mono_ns, received_utc_ns);
             self.states.keep(incarnation, track);
         }
     }

@@ -279,6 +279,52 @@ fn errors_that_fusion_has_learned_are_told() {
 }
 
 #[test]
+fn an_offset_that_sources_share_is_the_machines() {
+    let of_sources = |site: &mut Site, offsets_s: [f64; 2]| {
+        for (number, offset_s) in [(1, offsets_s[0]), (3, offsets_s[1])] {
+            site.say(ProcessKind::Fusion, "fusion", number).registration = Registration {
+                clock_offset_s: offset_s,
+                clock_offset_sigma_s: 0.1,
+                ..Registration::default()
+            };
+        }
+    };
+    let of_fusion = |site: &mut Site, offset_s| {
+        let said = site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+        said.registration.clock_offset_s = offset_s;
+    };
+    let mut site = Site::new(&[]);
+    let begin = |site: &mut Site| {
+        of_fusion(site, 6.0);
+        of_sources(site, [5.9, 6.1]);
+    };
+    let end = |site: &mut Site| {
+        of_fusion(site, 0.0);
+        of_sources(site, [0.0, -0.1]);
+    };
+    let said = site.raise_and_clear(AlarmKind::MachineClockOff, begin, end);
+    assert_eq!(
+        said,
+        "This machine's clock is -6.0 s off: the clocks of radar-east, ads-b agree with each other, and not with it."
+    );
+    // Below the limit from which fusion takes it off; no single source is blamed.
+    let mut site = Site::new(&[]);
+    of_sources(&mut site, [3.0, 3.2]);
+    site.pass(10);
+    assert!(matches!(&site.standing()[..], [said] if said.starts_with("This machine's clock is -3.")));
+    // One alone shows nothing but a difference.
+    let mut site = Site::new(&[]);
+    site.say(ProcessKind::Fusion, "fusion", 3).registration = Registration {
+        clock_offset_s: 30.0,
+        clock_offset_sigma_s: 0.1,
+        ..Registration::default()
+    };
+    of_fusion(&mut site, 30.0);
+    site.pass(10);
+    assert!(matches!(&site.standing()[..], [said] if said.starts_with("The clocks of ads-b and of this machine")));
+}
+
+#[test]
 fn a_gross_error_is_told_with_what_to_correct() {
     let error = GrossError {
         kind: GrossKind::Azimuth,
