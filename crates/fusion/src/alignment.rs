@@ -12,7 +12,8 @@
 //! second collection, of another part, has shown it again, and it explains much more than no error does.
 //!
 //! Two sources show that one of them is off, not which. A third one that agrees with one of them does, or a reference
-//! source; addresses do where the error needs a place that only one of them has.
+//! source; addresses do where the error needs a place that only one of them has; and the times of receipt do where it is
+//! one of time.
 //!
 //! Limits: targets that hardly move say too little; errors beyond [`LIMIT`], or two kinds at once, are not found.
 //!
@@ -23,6 +24,7 @@ use messages::{GrossError, GrossKind, Identity, NS_PER_S, SensorTrack, TrackStat
 use serde::{Deserialize, Serialize};
 
 use crate::gross::{self, Motion, Sigma};
+use crate::registration::ClockError;
 use crate::settings::Settings;
 
 /// Tracks of one source that are compared at most, and at least.
@@ -56,6 +58,8 @@ const GATE: f64 = 20.0;
 const AGREES: f64 = 0.6;
 const EXPLAINS: f64 = 0.4;
 const GAINS: f64 = 0.35;
+/// Clock offset, seconds, by which one of two sources must be worse to be the one whose time is wrong.
+const CLOCK_WORSE_S: f64 = 0.5;
 /// Times that an error must have been found.
 const WINDOWS_MIN: u32 = 2;
 /// Errors that are looked for: on the side of which source of the two, and of which kind.
@@ -326,6 +330,12 @@ impl Alignment {
         self.epochs[usize::from(source)]
     }
 
+    /// Reports of a source are others from now on: its tracks of before are of no use.
+    pub(crate) fn begin_epoch(&mut self, source: u16) {
+        self.epochs[usize::from(source)] = self.epochs[usize::from(source)].wrapping_add(1);
+        self.forget(usize::from(source));
+    }
+
     /// The report without the gross error of its source, at `now_ns`; `None` if nothing is taken off it.
     pub(crate) fn corrected(&self, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
         let source = usize::from(report.source);
@@ -333,9 +343,15 @@ impl Alignment {
         Some(gross::corrected(report, kind, value, self.places_m[source], now_ns))
     }
 
-    /// Takes a valid report, and goes on with the comparison; `now_ns` is the present. The source whose correction has
-    /// changed, if one has.
-    pub(crate) fn take(&mut self, report: &SensorTrack, now_ns: i64, settings: &Settings) -> Option<u16> {
+    /// Takes a valid report, and goes on with the comparison; `now_ns` is the present, and `clocks` the errors of the
+    /// sources' clocks by the times of receipt. The source whose correction has changed, if one has.
+    pub(crate) fn take(
+        &mut self,
+        report: &SensorTrack,
+        now_ns: i64,
+        settings: &Settings,
+        clocks: &[ClockError],
+    ) -> Option<u16> {
         match self.phase {
             Phase::Pause(until_ns) if now_ns >= until_ns => {
                 let [least_s, most_s] = COLLECT_S;
@@ -352,7 +368,7 @@ impl Alignment {
                 self.next_pair();
             }
             Phase::Collect(_) => self.collect(report),
-            Phase::Compare => return self.step(now_ns),
+            Phase::Compare => return self.step(now_ns, clocks),
         }
         None
     }
@@ -438,12 +454,12 @@ impl Alignment {
     }
 
     /// Compares some pairs of tracks.
-    fn step(&mut self, now_ns: i64) -> Option<u16> {
+    fn step(&mut self, now_ns: i64, clocks: &[ClockError]) -> Option<u16> {
         let (first, second) = self.pair;
         if first == self.seen.len() {
             let pause_s = PAUSE_S[self.amiss];
             self.phase = Phase::Pause(now_ns.saturating_add((pause_s * NS_PER_S) as i64));
-            return self.judge();
+            return self.judge(clocks);
         }
         let mut work = 0;
         while work < STEP_PAIRS && self.row < self.seen[first].len() {
@@ -594,13 +610,17 @@ impl Alignment {
     }
 
     /// Decides whose error it is; the source whose correction has changed, if one has.
-    fn judge(&mut self) -> Option<u16> {
+    fn judge(&mut self, clocks: &[ClockError]) -> Option<u16> {
         let count = self.seen.len();
         for source in 0..count {
             let removed = self.removed[source];
             // What is taken off shows no more; that it is, is still to be told.
             self.errors[source] = self.errors[source].filter(|_| removed.is_some());
         }
+        let worse_clock = |first: usize, second: usize| {
+            let apart_s = clocks[first].excess_s - clocks[second].excess_s;
+            (apart_s.abs() > CLOCK_WORSE_S).then_some(if apart_s > 0.0 { first } else { second })
+        };
         let mut changed = None;
         for first in 0..count {
             for second in first + 1..count {
@@ -619,6 +639,8 @@ impl Alignment {
                 if self.reference == Some(first) || self.reference == Some(second) {
                     culprit = if self.reference == Some(first) { second } else { first };
                     is_certain = true;
+                } else if let (GrossKind::Time, Some(worse)) = (HYPOTHESES[hypothesis].1, worse_clock(first, second)) {
+                    (culprit, is_certain) = (worse, true);
                 } else if of_first >= 2 && agree(second) && !agree(first) {
                     (culprit, is_certain) = (first, true);
                 } else if of_second >= 2 && agree(first) && !agree(second) {

@@ -39,6 +39,8 @@ use crate::tracks::Tracks;
 /// No report is of a time farther ahead of the present, nanoseconds, however little is known of its source's clock: so
 /// no track lives long beyond it, and steps through time are few.
 const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
+/// A filter that is so far ahead of all reports was led there by a wrong clock, nanoseconds.
+const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
 /// Below this speed a course says nothing, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 
@@ -172,7 +174,7 @@ impl Engine {
     /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if it
     /// is not known.
     pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
-        self.sources.set_clock(source, offset_s);
+        self.sources.set_clock(&self.settings, source, offset_s);
     }
 
     /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks whose
@@ -406,12 +408,24 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
             self.outbox.counts.add(report.source, Counter::RejectedDuplicate);
+        } else if !entry.is_foreign && !self.sources.admits(&self.settings, &self.tracks, sensor) {
+            self.set_aside(sensor);
         } else if system == before {
             self.update(sensor, report, measurement, sink);
         } else {
             let whole = whole_report(&entry.latest);
             self.update(sensor, report, Some(&whole), sink);
         }
+    }
+
+    /// Lets a sensor track that others contradict contribute nothing. What it reports is still compared with theirs.
+    #[cold]
+    fn set_aside(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        entry.role = Role::SetAside;
+        let source = entry.source;
+        self.outbox.counts.add(source, Counter::RejectedContradicted);
+        self.sources.compare(&self.settings, &self.tracks, sensor);
     }
 
     /// Associates a sensor track, of which `report` has just been stored, with a system track.
@@ -557,6 +571,8 @@ impl Engine {
             // What the filter knows is another centre's: this is the first that it learns here.
             self.tracks.restart_filter(sensor);
             self.tracks.sensors.get_mut(sensor).share = 1.0;
+        } else if self.sources.credibility.is_misled(&self.tracks, sensor) || self.is_ahead(sensor) {
+            self.restart(sensor);
         } else if let Some(measurement) = measurement {
             self.update_filter(sensor, measurement, sink);
         }
@@ -568,6 +584,17 @@ impl Engine {
             .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+    }
+
+    /// Whether the filter of a sensor track's system track is of a time to come, to which a clock that has been corrected
+    /// since had led it.
+    #[inline]
+    fn is_ahead(&self, sensor: SensorSlot) -> bool {
+        self.sources.corrects_clocks() && {
+            let entry = self.tracks.sensors.get(sensor);
+            let latest_ns = entry.time_ns.max(self.schedule.now_ns());
+            self.tracks.systems.get(entry.system).filter.time_ns > latest_ns.saturating_add(AHEAD_OF_CLOCKS_NS)
+        }
     }
 
     /// Lets the filter repeat what another centre says, where no source here follows the target. Where one does, it

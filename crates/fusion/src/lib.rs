@@ -20,6 +20,7 @@ mod alignment;
 mod association_step;
 mod border;
 pub mod checkpoint;
+mod credibility;
 mod crossing;
 mod dependence;
 mod description;

@@ -12,6 +12,10 @@
 //! reference source is taken as true, or the middle of all sources is. That is their geometric median: of three of
 //! which two agree it is the third that is off.
 //!
+//! Where targets all fly one way, a time offset cannot be told from a place, nor is it known of two sources which is
+//! late. The times of receipt tell: a clock that is off by them has its offset as prior, and the middle is a median in
+//! which such a source weighs less.
+//!
 //! Errors may change. Where the latest differences show that the estimate lags behind, those of the last seconds alone
 //! count, until it has caught up. What they still leave over goes into the published covariances, as do offsets that
 //! are not removed, and the error of the middle itself, which nobody can see.
@@ -40,6 +44,7 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::drift::{DRIFT_S, Rest};
+use crate::settings::SOURCES_MAX;
 
 /// Number of systematic errors per source.
 pub const ERRORS: usize = 6;
@@ -47,6 +52,8 @@ pub const ERRORS: usize = 6;
 pub type Errors = SVector<f64, ERRORS>;
 type Block = SMatrix<f64, ERRORS, ERRORS>;
 
+/// Place of the time offset among the errors.
+const TIME: usize = 3;
 /// Standard deviations of the errors before anything is known.
 const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
 /// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
@@ -79,6 +86,36 @@ const POINTS_MAX_M2: f64 = 100.0 * 100.0;
 /// them.
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
+
+/// Standard deviations of a time offset whose clock is off by the times of receipt, seconds: of one that is ahead, and of
+/// one that is late, as data that take long to come look like that, too.
+const CLOCK_SIGMA_S: [f64; 2] = [0.3, 1.0];
+
+/// Error of a source's clock, as times of receipt show it.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct ClockError {
+    /// Offset against sound clocks, seconds; positive if it is ahead.
+    pub(crate) offset_s: f64,
+    /// Part of its size that the way of the data does not explain, seconds; 0 of a sound, unknown or corrected clock.
+    pub(crate) excess_s: f64,
+    /// Part that is taken off the times of the source's reports, seconds.
+    pub(crate) removed_s: f64,
+}
+
+impl ClockError {
+    /// Inverse variance and mean of the source's time offset before any comparison.
+    fn prior(self) -> (f64, f64) {
+        let (sigma_s, offset_s) = match self.excess_s > 0.0 {
+            true => (CLOCK_SIGMA_S[usize::from(self.offset_s < 0.0)], self.offset_s),
+            false => (PRIOR_SIGMA[TIME], 0.0),
+        };
+        (1.0 / (sigma_s * sigma_s), offset_s)
+    }
+}
+
+fn clock_of(clocks: &[ClockError], source: usize) -> ClockError {
+    clocks.get(source).copied().unwrap_or_default()
+}
 
 /// One source's view of a target.
 #[derive(Clone, Copy, Debug)]
@@ -161,6 +198,11 @@ impl SourceErrors {
             samples: 0.0,
             removed: [false; ERRORS],
         }
+    }
+
+    /// The time offset that is being removed, seconds.
+    pub(crate) fn time_offset_s(&self) -> f64 {
+        if self.removed[TIME] { self.errors[TIME] } else { 0.0 }
     }
 
     /// Mean square of the horizontal offset per axis, less what chance explains, m².
@@ -456,8 +498,9 @@ impl Registration {
     }
 
     /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due. What was learned of a
-    /// source whose errors are beyond reason is dropped, and the source given to `restarted`.
-    pub(crate) fn step(&mut self, mut restarted: impl FnMut(u16)) -> bool {
+    /// source whose errors are beyond reason is dropped, and the source given to `restarted`. `clocks` are the errors of
+    /// the sources' clocks by the times of receipt.
+    pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
         let Some((mut sweep, mut own)) = self.solution.next.take() else {
             return false;
         };
@@ -468,14 +511,14 @@ impl Registration {
                 return false;
             }
             if sweep == 0 {
-                self.forget_and_factor(own);
+                self.forget_and_factor(own, clock_of(clocks, own));
                 work += FACTOR_WORK;
             }
             work += SOLVE_WORK + self.partners[own].count_ones() as usize;
-            self.solve(own);
+            self.solve(own, clock_of(clocks, own));
             own += 1;
             if own == self.sources.len() {
-                self.fix_gauge();
+                self.fix_gauge(clocks);
                 (sweep, own) = (sweep + 1, 0);
             }
         }
@@ -506,9 +549,10 @@ impl Registration {
     }
 
     /// Lets the sums of one source fade by one tick, and factors the normal equations they make.
-    fn forget_and_factor(&mut self, own: usize) {
+    fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
         let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
+        normal[(TIME, TIME)] = clock.prior().0;
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
             let drifts = self.rests[own].is_drift() || self.rests[other].is_drift();
@@ -527,12 +571,14 @@ impl Registration {
     }
 
     /// Solves for the errors of one source, those of the others given.
-    fn solve(&mut self, own: usize) {
+    fn solve(&mut self, own: usize, clock: ClockError) {
         let Some(factor) = &self.solution.factors[own] else {
             return;
         };
         let count = self.sources.len();
         let mut right = Errors::zeros();
+        let (information, offset_s) = clock.prior();
+        right[TIME] = information * offset_s;
         for other in partners(self.partners[own]) {
             let pair = &self.pairs[own * count + other];
             right += pair.right + pair.cross * self.solution.sources[other].errors;
@@ -542,36 +588,73 @@ impl Registration {
 
     /// Without a reference the middle of all sources that are compared is taken as true: their geometric median, which
     /// a single one that is far off hardly moves. A step towards it (Weiszfeld) is made at every sweep.
-    fn fix_gauge(&mut self) {
+    fn fix_gauge(&mut self, clocks: &[ClockError]) {
         if self.reference.is_some() {
             return;
         }
+        let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
         // Range and azimuth biases are seen absolutely, from different places.
-        for rows in [0..2, 2..3, 3..4] {
-            let compared = self.solution.sources.iter().filter(|source| source.samples > 0.0);
-            let mut total = 0.0;
-            let mut middle = Errors::zeros();
-            for source in compared {
-                let weight = source.closeness(rows.clone());
-                total += weight;
-                middle += source.errors * weight;
-            }
-            if total > 0.0 {
-                for source in self.solution.sources.iter_mut().filter(|source| source.samples > 0.0) {
-                    for row in rows.clone() {
-                        source.errors[row] -= middle[row] / total;
-                    }
+        for rows in [0..2, 2..3, TIME..TIME + 1] {
+            let middle = match is_any_off {
+                true => self.median_by_clocks(rows.clone(), clocks),
+                false => self.step_to_median(rows.clone()),
+            };
+            for source in self.solution.sources.iter_mut().filter(|source| source.samples > 0.0) {
+                for row in rows.clone() {
+                    source.errors[row] -= middle[row];
                 }
             }
         }
     }
 
+    /// A step from 0 towards the geometric median of the sources that are compared.
+    fn step_to_median(&self, rows: Range<usize>) -> Errors {
+        let mut total = 0.0;
+        let mut middle = Errors::zeros();
+        for source in self.solution.sources.iter().filter(|source| source.samples > 0.0) {
+            let weight = source.closeness(rows.clone());
+            total += weight;
+            middle += source.errors * weight;
+        }
+        if total > 0.0 { middle / total } else { Errors::zeros() }
+    }
+
+    /// The median of each error over the sources that are compared, in which those whose clocks are off weigh less.
+    fn median_by_clocks(&self, rows: Range<usize>, clocks: &[ClockError]) -> Errors {
+        let mut middle = Errors::zeros();
+        for row in rows {
+            let mut values = [(0.0, 0.0); SOURCES_MAX];
+            let (mut count, mut total) = (0, 0.0);
+            for (own, source) in self.solution.sources.iter().enumerate() {
+                if source.samples > 0.0 {
+                    let weight = 1.0 / (1.0 + clock_of(clocks, own).excess_s);
+                    values[count] = (source.errors[row], weight);
+                    (count, total) = (count + 1, total + weight);
+                }
+            }
+            let values = &mut values[..count];
+            values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            middle[row] = weighted_median(values, total);
+        }
+        middle
+    }
+
     /// Decides which errors are significant, once a solution is complete. `known` says for which sources the spread is
     /// known, so that one can decide; `spread_m2` is the variance of the detection points on the targets, `targets` how
     /// many targets several sources see; `points` whether the detection points are known to lie far apart.
-    pub(crate) fn decide(&mut self, known: impl Fn(usize) -> bool, spread_m2: f64, targets: usize, points: bool) {
-        for own in (0..self.sources.len()).filter(|own| known(*own)) {
-            self.decide_for(own, spread_m2 / targets.max(1) as f64, points);
+    pub(crate) fn decide(
+        &mut self,
+        clocks: &[ClockError],
+        known: impl Fn(usize) -> bool,
+        spread_m2: f64,
+        targets: usize,
+        points: bool,
+    ) {
+        for own in 0..self.sources.len() {
+            let is_clock_off = clock_of(clocks, own).excess_s > 0.0;
+            if known(own) || is_clock_off {
+                self.decide_for(own, spread_m2 / targets.max(1) as f64, points && !is_clock_off);
+            }
         }
     }
 
@@ -579,7 +662,7 @@ impl Registration {
     /// is the variance that the detection points add to a mean over all targets.
     ///
     /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then
-    /// time offsets are left alone.
+    /// time offsets are left alone, unless the times of receipt show the same.
     fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;
@@ -604,6 +687,21 @@ impl Registration {
             *removed = enough && value > limit;
         }
     }
+}
+
+/// The median of values with weights, of this total, in rising order: between two where it lies between them; 0 of none.
+fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
+    let mut before = 0.0;
+    let reaches_half = |(_, weight): &(f64, f64)| {
+        before += weight;
+        before >= 0.5 * total
+    };
+    let Some(lower) = values.iter().position(reaches_half) else {
+        return 0.0;
+    };
+    let upper = if before == 0.5 * total { lower + 1 } else { lower };
+    let value = |place: usize| values.get(place).unwrap_or(&values[lower]).0;
+    0.5 * (value(lower) + value(upper))
 }
 
 /// The sources that `bits` names, in the order of their numbers.

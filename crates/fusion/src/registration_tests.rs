@@ -47,8 +47,8 @@ fn registered_while(
             registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
         }
         registration.begin();
-        while !registration.step(|_| {}) {}
-        registration.decide(|_| true, 0.0, 20, false);
+        while !registration.step(&[], |_| {}) {}
+        registration.decide(&[], |_| true, 0.0, 20, false);
     }
     registration
 }
@@ -143,13 +143,13 @@ fn many_sources_are_solved_for_in_steps_and_change_together() {
         registration.learn(&of(a), &of(b), 0.0);
     }
     registration.begin();
-    assert!(!registration.step(|_| {}) && registration.is_solving());
+    assert!(!registration.step(&[], |_| {}) && registration.is_solving());
     assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
     for _ in 0..30 {
         registration.begin();
-        while !registration.step(|_| {}) {}
+        while !registration.step(&[], |_| {}) {}
     }
-    assert!(!registration.is_solving() && !registration.step(|_| {}));
+    assert!(!registration.is_solving() && !registration.step(&[], |_| {}));
     for source in 1..SOURCES {
         let east_m = registration.of(source).errors[0];
         assert!((east_m - f64::from(source)).abs() < 3.0, "{source}: {east_m}");

@@ -27,6 +27,8 @@ pub(crate) enum Role {
     Primary,
     /// One whose source already has a primary there: another part of the target, or a number not yet taken over.
     Duplicate,
+    /// One that other sources contradict: it contributes nothing.
+    SetAside,
 }
 
 /// The next sensor track of the same system track, if there is one.

@@ -6,11 +6,12 @@ use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
+use crate::credibility::Credibility;
 use crate::filter::{Filter, Innovation};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
 use crate::motion::Motion;
-use crate::registration::{Registration, View};
+use crate::registration::{ClockError, Registration, View};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, SOURCES_MAX, Settings};
@@ -18,6 +19,8 @@ use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
+/// Offset of a clock, seconds, that is no error beside the others.
+const CLOCK_SOUND_S: f64 = 0.5;
 /// Innovations of one sensor track before their mean is used.
 const MEAN_REPORTS_MIN: u32 = 4;
 /// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
@@ -35,8 +38,9 @@ pub(crate) struct Sources {
     pub(crate) alignment: Alignment,
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
-    /// Offset of each source's clock against sound clocks, as times of receipt show it, seconds.
-    clocks_s: Vec<Option<f64>>,
+    pub(crate) credibility: Credibility,
+    /// Error of each source's clock.
+    clocks: Vec<ClockError>,
 }
 
 impl Sources {
@@ -54,15 +58,65 @@ impl Sources {
                 tick_s,
             ),
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
-            clocks_s: vec![None; count],
+            credibility: Credibility::new(count),
+            clocks: vec![ClockError::default(); count],
         }
     }
 
     /// Sets the offset of a source's clock against sound clocks, seconds; `None` if it is not known.
-    pub(crate) fn set_clock(&mut self, source: u16, offset_s: Option<f64>) {
-        if let Some(clock) = self.clocks_s.get_mut(usize::from(source)) {
-            *clock = offset_s;
+    pub(crate) fn set_clock(&mut self, settings: &Settings, source: u16, offset_s: Option<f64>) {
+        let Some(clock) = self.clocks.get_mut(usize::from(source)) else {
+            return;
+        };
+        // Data that are late need not have a wrong clock: they may take a period to come.
+        let late_s = settings.sources[usize::from(source)].period_ns as f64 / NS_PER_S;
+        let offset_s = offset_s.unwrap_or_default();
+        let excess_s = (offset_s.max(-offset_s - late_s) - CLOCK_SOUND_S).max(0.0);
+        // A clock that is ahead of the receipt is wrong. One that is behind may be that of data that take long to come.
+        let is_wrong = excess_s > 0.0 && (offset_s > 0.0 || clock.removed_s < 0.0);
+        let removed_s = if is_wrong { offset_s } else { 0.0 };
+        clock.offset_s = offset_s;
+        if (removed_s - clock.removed_s).abs() > CLOCK_SOUND_S || removed_s == 0.0 {
+            self.take_off_clock(source, removed_s);
         }
+        let clock = &mut self.clocks[usize::from(source)];
+        clock.excess_s = if clock.removed_s == 0.0 { excess_s } else { 0.0 };
+    }
+
+    /// Takes `removed_s` off the times of all reports of a source from now on.
+    fn take_off_clock(&mut self, source: u16, removed_s: f64) {
+        let clock = &mut self.clocks[usize::from(source)];
+        if clock.removed_s != removed_s {
+            (clock.removed_s, clock.excess_s) = (removed_s, 0.0);
+            self.registration.forget(usize::from(source));
+            self.alignment.begin_epoch(source);
+        }
+    }
+
+    /// Takes off the clocks that are late by the times of receipt, where comparison with other sources shows the same.
+    fn correct_late_clocks(&mut self) {
+        for source in 0..self.clocks.len() as u16 {
+            let clock = self.clocks[usize::from(source)];
+            let known = self.registration.of(source);
+            let is_late = clock.excess_s > 0.0 && clock.offset_s < 0.0;
+            if is_late && known.time_offset_s() < 0.5 * clock.offset_s {
+                self.take_off_clock(source, clock.offset_s);
+            }
+        }
+    }
+
+    /// Whether the clock of some source is taken off.
+    #[inline]
+    pub(crate) fn corrects_clocks(&self) -> bool {
+        self.clocks.iter().any(|clock| clock.removed_s != 0.0)
+    }
+
+    /// Whether the latest report of a sensor track may be used: see [`Credibility::admits`].
+    #[inline]
+    pub(crate) fn admits(&mut self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> bool {
+        let extent_m = settings.association.extent_sigma_m;
+        let spread_m2 = self.learned_spread_m2(extent_m * extent_m);
+        self.credibility.admits(tracks, sensor, spread_m2, &self.clocks)
     }
 
     /// Process noise of turns of the target that `filter` follows.
@@ -78,9 +132,15 @@ impl Sources {
         if !settings.registration.enabled || settings.sources.len() < 2 || is_foreign {
             return None;
         }
-        let corrected = self.alignment.corrected(report, now_ns);
+        let removed_s = self.clocks[usize::from(report.source)].removed_s;
+        let in_time = (removed_s != 0.0).then(|| SensorTrack {
+            time_of_measurement_ns: report.time_of_measurement_ns - (removed_s * NS_PER_S) as i64,
+            ..*report
+        });
+        let report = in_time.as_ref().unwrap_or(report);
+        let corrected = self.alignment.corrected(report, now_ns).or(in_time);
         let report = corrected.as_ref().unwrap_or(report);
-        if let Some(source) = self.alignment.take(report, now_ns, settings) {
+        if let Some(source) = self.alignment.take(report, now_ns, settings, &self.clocks) {
             // What was learned from the few tracks that joined is of another source.
             self.registration.forget(usize::from(source));
         }
@@ -313,13 +373,15 @@ impl Sources {
         if due {
             self.registration.begin();
         }
-        if !self.registration.is_solving() || !self.registration.step(restarted) {
+        if !self.registration.is_solving() || !self.registration.step(&self.clocks, restarted) {
             return;
         }
+        self.correct_late_clocks();
         // What one source's points are away from the others', the others' are from its.
         let spread_m2 = self.learned_spread_m2(0.0);
         let known = |source: usize| self.models[source].knows_spread();
-        self.registration.decide(known, spread_m2, confirmed, sees_points);
+        self.registration
+            .decide(&self.clocks, known, spread_m2, confirmed, sees_points);
     }
 
     /// Takes over how the sources' own trackers let their targets move: the median of what they assume.

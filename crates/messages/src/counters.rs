@@ -325,6 +325,8 @@ counters! {
         "Level: scans in which the source sees a target that it tracks, of a thousand.";
     RejectedClock = "rejected_clock", FusionRejection by [Fusion],
         "Reports kept out of the tracks because their source's clock is wild: far from the time of receipt, or jumping.";
+    RejectedContradicted = "rejected_contradicted", FusionRejection by [Fusion],
+        "Reports kept out of a track because other sources that agree with each other contradict them.";
     EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
         "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
     Rebuilds = "rebuilds", Process by [Launcher],

@@ -22,9 +22,10 @@ pub(crate) struct Summary<'a> {
 }
 
 /// Counters that are shown where they are not 0: what became of reports, sensor by sensor.
-const OF_SENSORS: [Counter; 5] = [
+const OF_SENSORS: [Counter; 6] = [
     Counter::RejectedExtrapolated,
     Counter::RejectedDuplicate,
+    Counter::RejectedContradicted,
     Counter::RejectedInvalid,
     Counter::RejectedOutOfOrder,
     Counter::DroppedTable,
@@ -190,6 +191,7 @@ fn words(counter: Counter) -> &'static str {
     match counter {
         Counter::RejectedExtrapolated => "extrapolated by the sensor",
         Counter::RejectedDuplicate => "of a second track on one target",
+        Counter::RejectedContradicted => "contradicted by others",
         Counter::RejectedInvalid => "invalid",
         Counter::RejectedOutOfOrder => "out of order",
         Counter::DroppedTable => "refused by a full table",

@@ -1,0 +1,232 @@
+//! Credibility: a source that contradicts the others is set aside before it moves a track.
+//!
+//! A source may be wrong within all limits: its clock is some seconds off, or it reports every target 300 m aside and
+//! claims to be exact. A filter believes covariances, so such a source takes every track along. What is learned of the
+//! source (registration, covariance scaling) corrects it within half a minute; until then the tracks are wrong. But
+//! others see the same targets. Of three sources on one target, of which two agree and the third contradicts both, the
+//! third is wrong. Of two, the one whose clock is off by the times of receipt is.
+//!
+//! So each report is compared with what the others last reported of its target, where it is far from the track. A report
+//! that is contradicted is not used. Each source's share of contradicted reports is followed; a source of which most
+//! are is *set aside*: it contributes to no track to which others do, until its reports agree again. A track whose
+//! filter has been misled begins anew with what the others report. Comparisons that registration learns from go on, so
+//! that a steady error is found, taken off, and the source comes back.
+//!
+//! Limits: two sources that contradict each other with sound clocks are both used, as are two pairs that agree among
+//! themselves. Differences below some five standard deviations are left to registration.
+
+use association::distance::{Symmetric2, squared2};
+use messages::NS_PER_S;
+use serde::{Deserialize, Serialize};
+
+use crate::registration::ClockError;
+use crate::sensor_tracks::{SensorEntry, SensorSlot};
+use crate::tracks::Tracks;
+
+/// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3 %
+/// and 3 in ten million by chance.
+const AGREES: f64 = 12.0;
+const CONTRADICTS: f64 = 30.0;
+/// Acceleration that nobody foresees between two reports, metres per second squared.
+const ACCELERATION_MPS2: f64 = 5.0;
+/// Comparisons of a source before its share counts, and weight of a new one in the share at least.
+const SAMPLES_MIN: u32 = 3;
+const GAIN_MIN: f64 = 1.0 / 32.0;
+/// Share of contradicted reports from which a source is set aside, and below which it no longer is.
+const SET_ASIDE_FROM: f64 = 0.5;
+const SET_ASIDE_UNTIL: f64 = 0.2;
+/// Clock offset, seconds, by which one of two sources must be worse to be the wrong one.
+const CLOCK_WORSE_S: f64 = 0.5;
+/// Share of a source that was set aside in a filter from which that begins anew.
+const MISLEADS_FROM: f64 = 0.05;
+
+/// Record of one source.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Record {
+    /// Share of the reports compared that were contradicted, the latest ones first.
+    share: f64,
+    samples: u32,
+    is_set_aside: bool,
+}
+
+/// Credibility of all sources.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Credibility {
+    sources: Vec<Record>,
+    /// Sources that are set aside, as bits.
+    set_aside: u64,
+}
+
+/// Standing of a report among those of others on its target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    /// Others agree with it, or nobody else is there.
+    Holds,
+    /// It is the one that is wrong.
+    Contradicted,
+    /// Nobody can tell.
+    Open,
+}
+
+impl Credibility {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            sources: vec![Record::default(); sources],
+            set_aside: 0,
+        }
+    }
+
+    /// Whether a source is set aside.
+    pub(crate) fn is_set_aside(&self, source: u16) -> bool {
+        self.set_aside & (1 << source) != 0
+    }
+
+    /// Judges the latest report of a sensor track against the others of its system track, and learns of all their
+    /// sources. `false` if the report is not to be used. `spread_m2` is the variance per axis of where sources see a
+    /// target, `clocks` are the errors of the sources' clocks.
+    #[inline]
+    pub(crate) fn admits(
+        &mut self,
+        tracks: &Tracks,
+        sensor: SensorSlot,
+        spread_m2: f64,
+        clocks: &[ClockError],
+    ) -> bool {
+        let entry = tracks.sensors.get(sensor);
+        let source = usize::from(entry.source);
+        if self.set_aside == 0 && is_near_track(tracks, entry, spread_m2) {
+            self.sources[source].learn(false);
+            return true;
+        }
+        self.weigh(tracks, sensor, spread_m2, clocks)
+    }
+
+    /// The same, for a report that is far from its track or where a source is set aside.
+    #[cold]
+    fn weigh(&mut self, tracks: &Tracks, sensor: SensorSlot, spread_m2: f64, clocks: &[ClockError]) -> bool {
+        let entry = tracks.sensors.get(sensor);
+        let others = || {
+            let system = tracks.contributing_here(entry.system, entry.time_ns);
+            system
+                .filter(|member| *member != sensor)
+                .map(|member| tracks.sensors.get(member))
+                .filter(|other| other.source != entry.source)
+        };
+        let distance = |other: &SensorEntry| apart(entry, other, spread_m2);
+        let (mut agreeing, mut against, mut one_against) = (0u32, 0u32, None);
+        for other in others() {
+            let d2 = distance(other);
+            agreeing += u32::from(d2 <= AGREES);
+            if d2 > CONTRADICTS {
+                against += 1;
+                one_against = one_against.or(Some(other));
+            }
+        }
+        let is_worse = |one: u16, other: u16| {
+            clocks[usize::from(one)].excess_s > clocks[usize::from(other)].excess_s + CLOCK_WORSE_S
+        };
+        let standing = match one_against {
+            None => Standing::Holds,
+            Some(first) => {
+                let agrees_with_first = |other: &&SensorEntry| apart(first, other, spread_m2) <= AGREES;
+                let united = others()
+                    .filter(|other| distance(other) > CONTRADICTS)
+                    .filter(agrees_with_first)
+                    .count() as u32;
+                if agreeing + 1 > against {
+                    Standing::Holds
+                } else if agreeing == 0 && united >= 2 {
+                    Standing::Contradicted
+                } else if agreeing == 0 && against == 1 && is_worse(entry.source, first.source) {
+                    Standing::Contradicted
+                } else {
+                    Standing::Open
+                }
+            }
+        };
+        if standing == Standing::Holds {
+            // Those whom the majority contradicts are wrong, though their own reports may be near the track that they
+            // have misled; so is one whose clock is.
+            let majority = agreeing >= 1;
+            for other in others().filter(|other| distance(other) > CONTRADICTS) {
+                if majority || is_worse(other.source, entry.source) {
+                    self.learn(other.source, true);
+                }
+            }
+        }
+        if standing != Standing::Open {
+            self.learn(entry.source, standing == Standing::Contradicted);
+        }
+        let is_alone = || others().all(|other| self.is_set_aside(other.source));
+        standing != Standing::Contradicted && (!self.is_set_aside(entry.source) || is_alone())
+    }
+
+    /// Whether a filter has been misled by a source that is set aside: it is to begin anew.
+    #[inline]
+    pub(crate) fn is_misled(&self, tracks: &Tracks, sensor: SensorSlot) -> bool {
+        self.set_aside != 0 && {
+            let misleads = |entry: &SensorEntry| self.is_set_aside(entry.source) && entry.share > MISLEADS_FROM;
+            let entry = tracks.sensors.get(sensor);
+            !self.is_set_aside(entry.source)
+                && tracks
+                    .members(entry.system)
+                    .any(|member| misleads(tracks.sensors.get(member)))
+        }
+    }
+
+    fn learn(&mut self, source: u16, contradicted: bool) {
+        let record = &mut self.sources[usize::from(source)];
+        record.learn(contradicted);
+        let limit = if record.is_set_aside {
+            SET_ASIDE_UNTIL
+        } else {
+            SET_ASIDE_FROM
+        };
+        record.is_set_aside = record.samples >= SAMPLES_MIN && record.share >= limit;
+        let bit = 1 << source;
+        self.set_aside = if record.is_set_aside {
+            self.set_aside | bit
+        } else {
+            self.set_aside & !bit
+        };
+    }
+}
+
+impl Record {
+    #[inline]
+    fn learn(&mut self, contradicted: bool) {
+        self.samples = self.samples.saturating_add(1);
+        let gain = (1.0 / f64::from(self.samples)).max(GAIN_MIN);
+        self.share += gain * (f64::from(u8::from(contradicted)) - self.share);
+    }
+}
+
+/// Whether a report is so near its system track that nobody need be asked.
+#[inline]
+fn is_near_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> bool {
+    let filter = &tracks.systems.get(entry.system).filter;
+    let [x, y, _] = filter.place_at(entry.time_ns);
+    let apart = [entry.latest.position_m[0] - x, entry.latest.position_m[1] - y];
+    let own = |row, column| entry.latest.covariance.get(row, column);
+    squared2(apart, [own(0, 0) + spread_m2, own(0, 1), own(1, 1) + spread_m2]) <= AGREES
+}
+
+/// d² of two latest reports at the time of the first one.
+fn apart(entry: &SensorEntry, other: &SensorEntry, spread_m2: f64) -> f64 {
+    let seconds = (entry.time_ns - other.time_ns) as f64 / NS_PER_S;
+    let unforeseen_m = 0.5 * ACCELERATION_MPS2 * seconds * seconds;
+    let (own, of_other) = (&entry.latest.covariance, &other.latest.covariance);
+    let part = |row: usize, column: usize| {
+        let carried = of_other.get(row, column)
+            + seconds * (of_other.get(row, column + 3) + of_other.get(column, row + 3))
+            + seconds * seconds * of_other.get(row + 3, column + 3);
+        own.get(row, column) + carried
+    };
+    let extra_m2 = 2.0 * spread_m2 + unforeseen_m * unforeseen_m;
+    let covariance: Symmetric2 = [part(0, 0) + extra_m2, part(0, 1), part(1, 1) + extra_m2];
+    let difference = std::array::from_fn(|axis| {
+        let carried = other.latest.position_m[axis] + seconds * other.latest.velocity_mps[axis];
+        entry.latest.position_m[axis] - carried
+    });
+    squared2(difference, covariance)
+}
