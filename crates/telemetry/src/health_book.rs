@@ -103,11 +103,13 @@ impl HealthBook {
     fn hear_speaker(&mut self, kind: ProcessKind, health: &Health) {
         let key = (kind, health.name, health.source);
         if let Some(speaker) = self.speakers.get_mut(&key) {
-            // What an earlier incarnation said may arrive after the first words of the next one: it is out of date.
-            if health.incarnation < speaker.latest.incarnation {
+            // Messages of the process that had the name before may arrive after those of the next one. Which process
+            // started later does not matter: a fusion that takes over takes the name of a younger one, too.
+            let is_another = health.incarnation != speaker.latest.incarnation;
+            if is_another && health.said_ns < speaker.latest.said_ns {
                 return;
             }
-            if health.incarnation > speaker.latest.incarnation {
+            if is_another {
                 speaker.earlier = speaker.earlier.followed_by(&speaker.latest.counters);
                 speaker.incarnations += 1;
             }
@@ -285,7 +287,8 @@ impl HealthBook {
             kind,
             name: named.name().to_owned(),
             state: state(latest.as_ref(), child, now_ns),
-            restarts: seen.max(child.map_or(0, |child| child.restarts)),
+            // Names pass from one fusion to another, which is no restart: only the launcher counts those for certain.
+            restarts: child.map_or(seen, |child| child.restarts),
             last_end: child.map_or_else(String::new, |child| child.last_end.note().to_owned()),
             note: latest.map_or_else(String::new, |health| health.note().to_owned()),
             pid: child
@@ -386,16 +389,48 @@ mod tests {
     #[test]
     fn counters_survive_a_restart_and_late_words_of_the_dead_change_nothing() {
         let mut book = HealthBook::new(2);
-        let said = |incarnation, taken| counting(health(ProcessKind::Fusion, "fusion", incarnation, S), taken);
-        for health in [said(10, 3), said(10, 5), said(20, 2), said(10, 4)] {
+        let said = |incarnation, said_s, taken| {
+            counting(health(ProcessKind::Fusion, "fusion", incarnation, said_s * S), taken)
+        };
+        for health in [said(10, 1, 3), said(10, 2, 5), said(20, 4, 2), said(10, 3, 4)] {
             book.hear(&health);
         }
         assert_eq!(book.service(ProcessKind::Fusion, NO_SOURCE)[Counter::Taken], 7);
-        assert_eq!(only(&book, S).restarts, 1);
+        assert_eq!(only(&book, 4 * S).restarts, 1);
     }
 
     #[test]
-    fn the_larger_count_of_restarts_is_shown_with_the_reason() {
+    fn a_process_that_takes_over_the_name_of_a_younger_one_is_heard_and_is_no_restart() {
+        let mut book = HealthBook::new(0);
+        // Fusion calls itself a standby until it leads; the standby had started before it.
+        book.hear(&health(ProcessKind::Fusion, "standby", 20, S));
+        for second in 2..5 {
+            book.hear(&health(ProcessKind::Fusion, "fusion", 20, second * S));
+            book.hear(&health(ProcessKind::Fusion, "standby", 10, second * S));
+        }
+        book.hear(&Health {
+            restarts: 0,
+            ..health(ProcessKind::Launcher, "standby", 1, S)
+        });
+        let standby = |book: &HealthBook, now_s: i64| {
+            let processes = book.processes(&[], now_s * S);
+            processes.into_iter().find(|process| process.name == "standby").unwrap()
+        };
+        assert_eq!(standby(&book, 4).state, State::Life(LifeState::Running));
+        assert_eq!(standby(&book, 4).restarts, 0);
+        // It takes over.
+        for second in 5..9 {
+            book.hear(&health(ProcessKind::Fusion, "fusion", 10, second * S));
+        }
+        let fusion = book
+            .processes(&[], 8 * S)
+            .into_iter()
+            .find(|process| process.name == "fusion");
+        assert_eq!(fusion.unwrap().state, State::Life(LifeState::Running));
+    }
+
+    #[test]
+    fn the_launchers_count_of_restarts_is_shown_with_the_reason() {
         let mut book = HealthBook::new(2);
         book.hear(&health(ProcessKind::Adapter, "radar", 10, S));
         let of_child = Health {

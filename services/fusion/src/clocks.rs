@@ -70,13 +70,7 @@ impl Clocks {
         self.engine.map_or(0, |engine| engine.ahead_of(now))
     }
 
-    /// Offset of sound clocks against the engine's time, nanoseconds.
-    #[inline]
-    pub(crate) fn host_offset_ns(&self) -> i64 {
-        self.host_offset_ns
-    }
-
-    /// The same, in seconds.
+    /// Offset of sound clocks against the engine's time, seconds.
     pub(crate) fn host_offset_s(&self) -> f64 {
         self.host_offset_ns as f64 / messages::NS_PER_S
     }
@@ -228,7 +222,7 @@ mod tests {
             // Never half a second in one place.
             let offset_s = 100.0 * (look / 3) as f64;
             clocks.look([known(offset_s), known(offset_s)].into_iter(), at(look));
-            assert_eq!(clocks.host_offset_ns(), 0, "{look}");
+            assert_eq!(clocks.host_offset_ns, 0, "{look}");
         }
     }
 
@@ -239,8 +233,8 @@ mod tests {
         let mut set = at(30);
         set.utc_ns -= 50 * S;
         let mut next = Clocks::default();
-        next.resume(set, clocks.ahead_ns(set), clocks.host_offset_ns());
+        next.resume(set, clocks.ahead_ns(set), clocks.host_offset_ns);
         assert_eq!(next.engine_time(set), clocks.engine_time(set));
-        assert_eq!(next.host_offset_ns(), 12 * S);
+        assert_eq!(next.host_offset_ns, 12 * S);
     }
 }
