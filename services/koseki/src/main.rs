@@ -7,7 +7,8 @@
 //! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]); those on tables are in [`offline`].
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
-//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16).
+//! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16). A judge
+//! without a verdict ends with 3.
 
 #![forbid(unsafe_code)]
 
@@ -55,6 +56,8 @@ use recordings::{Depth, RecordingError};
 const CODE_FAILED: u8 = 1;
 /// Exit code of wrong usage or configuration.
 const CODE_REFUSED: u8 = 2;
+/// Exit code of a command that judges others, where there is no verdict.
+const CODE_NO_VERDICT: u8 = 3;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -221,7 +224,11 @@ fn exit_code(error: &anyhow::Error) -> u8 {
         || error.is::<RecordingError>()
         || error.is::<bench_service::Refused>()
         || error.is::<launcher::ChildRefused>();
-    if refused { CODE_REFUSED } else { CODE_FAILED }
+    match () {
+        () if refused => CODE_REFUSED,
+        () if error.is::<torture::OwnFailure>() => CODE_NO_VERDICT,
+        () => CODE_FAILED,
+    }
 }
 
 /// Help and version go to standard output; everything else is one line, with a hint where to read on.

@@ -5,23 +5,27 @@ use std::fs::{self, File, OpenOptions};
 use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
-use bus::{Bus, Root, SharedMemory, Subscriber};
-use messages::{Counter, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use bus::{Bus, BusError, Payload, Publisher, Root, SharedMemory};
+use messages::{NS_PER_S, Topic};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use runtime::clock::{Now, instant, mono_ns};
 use runtime::instance::leading_fusion;
+use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
-use scoring::NumberTally;
 use tempfile::TempDir;
 
-use super::faults::Needs;
+use super::judge::event::{Conditions, Event, What};
+use super::judge::limits::Limits;
+use super::ledger::Ledger;
+use super::onlooker::{Onlooker, TakeOvers};
 use super::own_file_systems::{self, SHARED_MEMORY};
 use super::resources::{Latencies, Resources};
-use super::sequence_tally::SequenceTally;
+use super::schedule::{Cast, Needs};
+use super::world::{self, World};
 use crate::args::Torture;
 
 const INSTANCE: &str = "torture";
@@ -29,8 +33,24 @@ const INSTANCE: &str = "torture";
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(5);
+/// Time for which no process may end until a deployment counts as back whose memory was spoilt.
+const STABLE: Duration = Duration::from_secs(2);
+/// Time within which processes fall over memory that was spoilt, or do not.
+const CORRUPTION_SHOWS: Duration = Duration::from_secs(10);
+/// Time that another process has for reading one sample of memory that was spoilt.
+const PROBE_PATIENCE: Duration = Duration::from_secs(10);
 
-/// A deployment, its launcher, and the subscriber that keeps the tally.
+/// The run was interrupted.
+#[derive(Debug, thiserror::Error)]
+#[error("interrupted")]
+pub(super) struct Interrupted;
+
+/// The deployment is so broken that the run cannot go on: a verdict on the deployment, and no failure of this command.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct Broken(String);
+
+/// A deployment, its launcher, and the subscriber through which the judge sees it.
 pub(super) struct Deployment {
     folder: TempDir,
     root: Root,
@@ -38,42 +58,54 @@ pub(super) struct Deployment {
     launcher: Child,
     starts: usize,
     sources: Vec<String>,
-    /// Age beyond which fusion does not go on with the tracks of the one before, nanoseconds.
-    max_age_ns: i64,
     /// Names of the children, once all run.
     expected: Vec<String>,
+    world: World,
+    ledger: Ledger,
     onlooker: Option<Onlooker>,
-    tally: NumberTally,
+    /// With what the names of memory begin whose launcher was killed.
+    dead_prefix: Option<String>,
+    /// Why the subscriber could not join last time.
+    obstacle: String,
+    /// The memory was spoilt: somebody else reads it first, since it may kill who does.
+    is_spoilt: bool,
+    probe: Option<(Child, Instant)>,
     latencies: Latencies,
-    /// By process and start: how often it took over, and how often from one that stood still.
-    take_overs: BTreeMap<(u32, u64), [u64; 2]>,
-    /// Lost samples, as the subscribers that were there before the present one counted them.
-    lost: u64,
-    /// What was wrong with how they were counted.
-    miscounted: Vec<String>,
-}
-
-/// Subscriber that keeps the tally.
-struct Onlooker {
-    joined_ns: u64,
-    tracks: Subscriber<SharedMemory, SystemTrack>,
-    health: Subscriber<SharedMemory, Health>,
-    sequences: SequenceTally,
+    take_overs: TakeOvers,
+    stop: Stop,
 }
 
 impl Deployment {
     /// Starts it, and waits until it runs and shows tracks.
-    pub(super) fn start(torture: &Torture) -> anyhow::Result<Self> {
-        let folder = TempDir::new().context("making a folder")?;
-        let root = Root::in_base(folder.path().join("koseki"), INSTANCE)?;
-        let config = torture
+    ///
+    /// # Errors
+    /// If the configuration cannot be used, or the deployment does not start.
+    pub(super) fn start(torture: &Torture, stop: Stop) -> anyhow::Result<Self> {
+        let path = torture
             .config
             .as_deref()
             .unwrap_or(Path::new(configuration::BUILT_IN_DEMO));
-        let mut command = vec!["up".to_owned(), config.display().to_string()];
+        let config = configuration::Config::read(path, &torture.set)?;
+        let start_utc_ns = Now::read().utc_ns;
+        let world = World::new(&config, start_utc_ns)?;
+        let settings = &config.fusion.settings;
+        let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
+        let terminate_s = settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S;
+        let standby = config.fusion.standby.is_some();
+        let conditions = Conditions {
+            seed: torture.seed,
+            standby,
+            terminate_s,
+            limits: Limits::new(standby, terminate_s, torture.margin),
+        };
+        let ledger = Ledger::new(conditions, torture.record.as_deref())?;
+        let folder = TempDir::new().context("making a folder")?;
+        let root = Root::in_base(folder.path().join("koseki"), INSTANCE)?;
+        let mut command = vec!["up".to_owned(), path.display().to_string()];
         command.push(format!("--instance={INSTANCE}"));
+        command.push(format!("--seed={}", world::SEED));
         // Its world goes on when the launcher is started again.
-        command.push(format!("--scenario-start={}", Now::read().utc_ns));
+        command.push(format!("--scenario-start={start_utc_ns}"));
         let out = folder.path().join("out");
         command.push(format!("--out={}", out.display()));
         if own_file_systems::are_there() {
@@ -86,7 +118,6 @@ impl Deployment {
         for set in &torture.set {
             command.push(format!("--set={set}"));
         }
-        let config = configuration::Config::read(config, &torture.set)?;
         let launcher = launch(&folder, &command, 0)?;
         let mut deployment = Self {
             folder,
@@ -94,15 +125,18 @@ impl Deployment {
             command,
             launcher,
             starts: 1,
-            max_age_ns: config.fusion.checkpoint.map_or(0, |checkpoint| checkpoint.max_age_ns),
             sources: config.sources.into_iter().map(|source| source.name).collect(),
             expected: Vec::new(),
+            world,
+            ledger,
             onlooker: None,
-            tally: NumberTally::default(),
+            dead_prefix: None,
+            obstacle: String::new(),
+            is_spoilt: false,
+            probe: None,
             latencies: Latencies::default(),
-            take_overs: BTreeMap::new(),
-            lost: 0,
-            miscounted: Vec::new(),
+            take_overs: TakeOvers::default(),
+            stop,
         };
         deployment.until_it_runs()?;
         deployment.expected = deployment.children()?.into_keys().collect();
@@ -113,8 +147,29 @@ impl Deployment {
     pub(super) fn has(&self, needs: Needs) -> bool {
         match needs {
             Needs::Nothing => true,
-            Needs::Standby => self.expected.iter().any(|name| name == "standby"),
+            Needs::Standby => self.has_standby(),
             Needs::OwnFileSystems => own_file_systems::are_there(),
+        }
+    }
+
+    fn has_standby(&self) -> bool {
+        self.expected.iter().any(|name| name == "standby")
+    }
+
+    /// Whom a fault can hit.
+    pub(super) fn cast(&self) -> Cast {
+        Cast {
+            processes: self.expected.clone(),
+            sources: self.sources.clone(),
+        }
+    }
+
+    /// Whether the picture cannot go on while this process stands still.
+    pub(super) fn picture_needs(&self, name: &str) -> bool {
+        match name {
+            "keeper" | "monitor" | "recorder" | "display" | "standby" => false,
+            "fusion" => !self.has_standby(),
+            _ => true,
         }
     }
 
@@ -122,34 +177,36 @@ impl Deployment {
         &self.root
     }
 
-    pub(super) fn sources(&self) -> &[String] {
-        &self.sources
+    pub(super) fn ledger(&mut self) -> &mut Ledger {
+        &mut self.ledger
     }
 
-    pub(super) fn tally(&self) -> &NumberTally {
-        &self.tally
-    }
-
-    /// Age beyond which fusion does not go on with the tracks of the one before, nanoseconds; 0 if it never does.
-    pub(super) fn max_age_ns(&self) -> i64 {
-        self.max_age_ns
-    }
-
-    /// Has the tally forget who carries which number.
-    pub(super) fn forget_carriers(&mut self) {
-        self.tally.forget_carriers();
-    }
-
-    /// Joins it for a moment.
-    pub(super) fn bus(&self) -> anyhow::Result<Bus<SharedMemory>> {
-        Ok(Bus::open(&self.root, "torture")?)
+    /// A publisher, once the deployment has its topic: it may be being rebuilt.
+    pub(super) fn publisher<T: Payload>(
+        &mut self,
+        topic: &Topic<T>,
+    ) -> anyhow::Result<(Bus<SharedMemory>, Publisher<SharedMemory, T>)> {
+        let begun = instant();
+        loop {
+            let opened = || -> Result<_, BusError> {
+                let bus = Bus::open(&self.root, "torture")?;
+                let publisher = bus.publisher(topic, mono_ns() as u64)?;
+                Ok((bus, publisher))
+            };
+            match opened() {
+                Ok(opened) => return Ok(opened),
+                Err(error) if instant() - begun > PATIENCE => return Err(error.into()),
+                Err(_) => self.watch(PAUSE)?,
+            }
+        }
     }
 
     /// Process numbers of the launcher's children, by their names. Of two fusions, the one that leads is called fusion:
     /// after a take-over they have exchanged their parts, and not their command lines.
     pub(super) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
-        let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children")).context("the launcher is gone")?;
+        let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"))
+            .map_err(|_| Broken(format!("the launcher has ended: {}", self.said())))?;
         let leader = leading_fusion(&self.root);
         let named = pids.split_whitespace().filter_map(|pid| {
             let command = fs::read_to_string(format!("/proc/{pid}/cmdline")).ok()?;
@@ -166,15 +223,17 @@ impl Deployment {
     }
 
     /// Sends a signal to a child, whose process number is returned.
-    pub(super) fn signal(&self, name: &str, signal: Signal) -> anyhow::Result<u32> {
+    pub(super) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
             if let Some(pid) = self.children()?.get(name).copied() {
                 self.signal_process(pid, signal);
                 return Ok(pid);
             }
-            anyhow::ensure!(instant() - begun < PATIENCE, "there is no {name}");
-            std::thread::sleep(PAUSE);
+            if instant() - begun > PATIENCE {
+                return Err(Broken(format!("there is no {name}")).into());
+            }
+            self.watch(PAUSE)?;
         }
     }
 
@@ -193,7 +252,9 @@ impl Deployment {
             if let Some(pid) = self.children()?.get(name).filter(|pid| **pid != dead) {
                 return Ok(*pid);
             }
-            anyhow::ensure!(instant() - begun < PATIENCE, "{name} is not started again");
+            if instant() - begun > PATIENCE {
+                return Err(Broken(format!("{name} is not started again")).into());
+            }
             self.watch(PAUSE)?;
         }
     }
@@ -201,9 +262,11 @@ impl Deployment {
     /// Kills the launcher and starts it again.
     pub(super) fn restart(&mut self) -> anyhow::Result<()> {
         // Who looks on keeps the instance in use.
-        self.look_away();
+        self.look_away(true);
+        self.dead_prefix = self.prefix();
         self.launcher.kill()?;
         self.launcher.wait()?;
+        self.is_spoilt = false;
         self.launcher = launch(&self.folder, &self.command, self.starts)?;
         self.starts += 1;
         self.until_it_runs()
@@ -221,35 +284,29 @@ impl Deployment {
         }
     }
 
-    /// Leaves the deployment, and checks what was counted as lost: what it counts, and what the numbers say.
-    pub(super) fn look_away(&mut self) {
-        let Some(onlooker) = self.onlooker.take() else { return };
-        let counts = onlooker.tracks.counts();
-        let (counted, missing) = (counts.lost - counts.lost_at_end, onlooker.sequences.lost());
-        self.lost += counts.lost;
-        // What is missing at the end of a publisher only its line tells; later ones are missing in both.
-        if counted != missing && counts.lost != missing {
-            self.miscounted
-                .push(format!("{counted} samples counted as lost, {missing} by their numbers"));
+    /// Leaves the deployment; `whole` if its memory is sound.
+    pub(super) fn look_away(&mut self, whole: bool) {
+        if let Some((mut probe, _)) = self.probe.take() {
+            let _ = probe.kill();
+            let _ = probe.wait();
+        }
+        if let Some(onlooker) = self.onlooker.take() {
+            onlooker.leave(whole, &mut self.ledger);
         }
     }
 
-    /// Take-overs, those from a fusion that stood still, and samples that were lost on the way to who looks on.
-    pub(super) fn counted(&self) -> (u64, u64, u64) {
+    /// Take-overs, and those of them from a fusion that stood still.
+    pub(super) fn take_overs(&self) -> (u64, u64) {
         let sum = |place: usize| self.take_overs.values().map(|counts| counts[place]).sum();
-        (sum(0), sum(1), self.lost)
-    }
-
-    /// What was wrong with the counts of losses.
-    pub(super) fn miscounted(&self) -> &[String] {
-        &self.miscounted
+        (sum(0), sum(1))
     }
 
     /// What it uses of the machine now.
     pub(super) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
+        let folder = fs::read_dir(self.root.path()).map_or(0, Iterator::count);
         let mut used = Resources {
             at_s,
-            files: self.memory(self.root.prefix()?)?.len() + fs::read_dir(self.root.path())?.count(),
+            files: self.memory(self.prefix())?.len() + folder,
             latency_us: self.latencies.take_median_us(),
             ..Resources::default()
         };
@@ -258,6 +315,11 @@ impl Deployment {
             used.add_process(name, pid);
         }
         Ok(used)
+    }
+
+    /// With what the names of its memory begin; `None` also while it is being rebuilt.
+    fn prefix(&self) -> Option<String> {
+        self.root.prefix().ok().flatten()
     }
 
     /// Files of the deployment in shared memory.
@@ -272,7 +334,7 @@ impl Deployment {
 
     /// Makes a file system full for a while, in which nobody looks on: who maps shared memory can be killed by it.
     pub(super) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
-        self.look_away();
+        self.look_away(true);
         own_file_systems::fill(folder)?;
         std::thread::sleep(time);
         own_file_systems::make_room(folder)
@@ -283,11 +345,13 @@ impl Deployment {
         self.folder.path().join("out")
     }
 
-    /// Writes random octets into the shared memory of its topics.
+    /// Writes random bytes into the shared memory of its topics, and waits until the deployment has replaced it, or
+    /// can be thought to go on without.
     pub(super) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
-        const OCTETS: usize = 4000;
-        self.look_away();
-        let names = self.memory(self.root.prefix()?)?;
+        const BYTES: usize = 4000;
+        self.look_away(true);
+        let prefix = self.prefix();
+        let names = self.memory(prefix.clone())?;
         let of_topics = |name: &&String| {
             [".data", ".connection", ".dynamic"]
                 .iter()
@@ -295,102 +359,155 @@ impl Deployment {
         };
         let names: Vec<&String> = names.iter().filter(of_topics).collect();
         anyhow::ensure!(!names.is_empty(), "there is no shared memory");
-        for _ in 0..OCTETS {
+        for _ in 0..BYTES {
             let path = Path::new(SHARED_MEMORY).join(names[random.random_range(0..names.len())]);
-            let (share, octet) = (random.random::<f64>(), random.random::<u8>());
+            let (share, byte) = (random.random::<f64>(), random.random::<u8>());
             // Files come and go.
             if let Ok(file) = OpenOptions::new().write(true).open(path) {
                 let length = file.metadata().map_or(0, |found| found.len());
                 if length > 0 {
-                    let _ = file.write_at(&[octet], (share * length as f64) as u64);
+                    let _ = file.write_at(&[byte], (share * length as f64) as u64);
                 }
             }
+        }
+        self.is_spoilt = true;
+        let begun = instant();
+        while instant() - begun < CORRUPTION_SHOWS && self.prefix() == prefix {
+            self.heed_stop()?;
+            std::thread::sleep(PAUSE);
+        }
+        if self.prefix() != prefix {
+            self.ledger.now(What::Rebuilt);
         }
         Ok(())
     }
 
-    fn look(&mut self) -> anyhow::Result<()> {
-        if self.onlooker.is_none() {
-            let bus = self.bus()?;
-            let mut joined_ns = 0;
-            let now_ns = || {
-                joined_ns = mono_ns() as u64;
-                joined_ns
-            };
-            self.onlooker = Some(Onlooker {
-                // To see with its own eyes whether an older fusion speaks.
-                tracks: bus.subscriber(&messages::system_tracks(), now_ns)?.of_all_epochs(),
-                health: bus.subscriber(&messages::health(), || mono_ns() as u64)?,
-                sequences: SequenceTally::default(),
-                joined_ns,
-            });
-        }
-        if let Some(onlooker) = &mut self.onlooker {
-            let (tally, latencies, sequences) = (&mut self.tally, &mut self.latencies, &mut onlooker.sequences);
-            onlooker.tracks.take(usize::MAX, |header, tracks| {
-                sequences.take(header, tracks.len(), onlooker.joined_ns);
-                for track in tracks {
-                    tally.take(header.epoch, track);
-                    latencies.add(track.stages.fused_ns - track.stages.ingested_ns);
-                }
-            })?;
-            let take_overs = &mut self.take_overs;
-            onlooker.health.take(usize::MAX, |_, said| {
-                let is_fusion = |said: &&Health| said.kind() == Some(ProcessKind::Fusion) && said.source == NO_SOURCE;
-                for said in said.iter().filter(is_fusion) {
-                    let counts = [Counter::TakeOvers, Counter::TakeOversFromStill];
-                    let counts = counts.map(|counter| said.counters[counter]);
-                    take_overs.insert((said.process_id, said.incarnation), counts);
-                }
-            })?;
+    fn heed_stop(&self) -> anyhow::Result<()> {
+        if self.stop.requested() {
+            return Err(Interrupted.into());
         }
         Ok(())
+    }
+
+    /// Hands what has come to the judge. Joins where nobody looks on; if the deployment is being rebuilt, next time.
+    fn look(&mut self) -> anyhow::Result<()> {
+        self.heed_stop()?;
+        let has_memory = || {
+            self.prefix()
+                .is_some_and(|prefix| Some(&prefix) != self.dead_prefix.as_ref())
+        };
+        if self.onlooker.is_none() && has_memory() && self.may_be_read()? {
+            match Onlooker::join(&self.root, &mut self.ledger) {
+                Ok(onlooker) => self.onlooker = Some(onlooker),
+                Err(error) => self.obstacle = format!("{error:#}"),
+            }
+        }
+        let Some(onlooker) = &mut self.onlooker else {
+            return Ok(());
+        };
+        match onlooker.look(&self.world, &mut self.ledger, &mut self.latencies, &mut self.take_overs) {
+            Ok(true) => return Ok(()),
+            Ok(false) => {}
+            Err(error) => self.obstacle = format!("{error:#}"),
+        }
+        self.look_away(false);
+        self.ledger.now(What::Rebuilt);
+        Ok(())
+    }
+
+    /// Whether the memory can be read: after it was spoilt, whether another process has read a sample.
+    fn may_be_read(&mut self) -> anyhow::Result<bool> {
+        if !self.is_spoilt {
+            return Ok(true);
+        }
+        let Some((probe, begun)) = &mut self.probe else {
+            let mut command = Command::new(std::env::current_exe()?);
+            command
+                .args(["tap", "--count=1"])
+                .arg(format!("--instance={INSTANCE}"))
+                .env("KOSEKI_ROOT", self.root.base())
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null());
+            self.probe = Some((command.spawn().context("starting a reader")?, instant()));
+            return Ok(false);
+        };
+        match probe.try_wait()? {
+            Some(status) => {
+                self.is_spoilt = !status.success();
+                self.obstacle = format!("another reader: {status}");
+            }
+            None if instant() - *begun > PROBE_PATIENCE => {
+                "another reader saw no state".clone_into(&mut self.obstacle);
+                probe.kill()?;
+                probe.wait()?;
+            }
+            None => return Ok(false),
+        }
+        self.probe = None;
+        Ok(!self.is_spoilt)
     }
 
     /// Waits until every process is there and states come that were sent from now on; what is missing if they do not.
-    pub(super) fn until_back(&mut self, patience: Duration) -> anyhow::Result<Option<String>> {
+    /// A deployment that may still fall over is back when no process has ended for a while.
+    pub(super) fn until_back(&mut self, patience: Duration, stable: bool) -> anyhow::Result<Option<String>> {
         let (begun, begun_ns) = (instant(), mono_ns());
+        let (mut seen, mut since) = (BTreeMap::new(), begun);
         loop {
             self.look()?;
             let children = self.children()?;
-            let missing: Vec<&str> = self
+            let missing: Vec<String> = self
                 .expected
                 .iter()
-                .map(String::as_str)
                 .filter(|name| !children.contains_key(*name))
+                .cloned()
                 .collect();
-            if missing.is_empty() && self.tally.latest_ns() > begun_ns {
+            if children != seen {
+                (seen, since) = (children, instant());
+            }
+            let is_steady = !stable || instant() - since > STABLE;
+            let latest_ns = self.ledger.judge().latest_ns();
+            if missing.is_empty() && is_steady && latest_ns > begun_ns {
                 return Ok(None);
             }
             if instant() - begun > patience {
+                let last_s = (mono_ns() - latest_ns) as f64 / 1e9;
                 return Ok(Some(format!(
-                    "not back after {} s: missing {missing:?}, last state {:.1} s ago",
+                    "not back after {} s: missing {missing:?}, last state {last_s:.1} s ago{}",
                     patience.as_secs(),
-                    (mono_ns() - self.tally.latest_ns()) as f64 / 1e9
+                    self.obstacle()
                 )));
             }
             std::thread::sleep(PAUSE);
         }
     }
 
+    fn obstacle(&self) -> String {
+        match &self.onlooker {
+            None if !self.obstacle.is_empty() => format!(", it cannot be read ({})", self.obstacle),
+            _ => String::new(),
+        }
+    }
+
     fn until_it_runs(&mut self) -> anyhow::Result<()> {
-        let begun = instant();
+        let (begun, begun_ns) = (instant(), mono_ns());
         let words = format!("instance {INSTANCE} runs");
         while !self.said().contains(&words) {
+            // What the first fusion says at its start is not to be missed.
+            self.look()?;
             if let Some(status) = self.launcher.try_wait()? {
-                anyhow::bail!("the deployment does not start ({status}): {}", self.said());
+                return Err(Broken(format!("the deployment does not start ({status}): {}", self.said())).into());
             }
-            anyhow::ensure!(
-                instant() - begun < PATIENCE,
-                "the deployment does not start: {}",
-                self.said()
-            );
+            if instant() - begun > PATIENCE {
+                return Err(Broken(format!("the deployment does not start: {}", self.said())).into());
+            }
             std::thread::sleep(PAUSE);
         }
-        let shown = self.tally.states();
-        while self.tally.states() == shown {
+        while self.ledger.judge().latest_ns() < begun_ns {
             self.look()?;
-            anyhow::ensure!(instant() - begun < PATIENCE, "no track is shown: {}", self.said());
+            if instant() - begun > PATIENCE {
+                return Err(Broken(format!("no track is shown{}: {}", self.obstacle(), self.said())).into());
+            }
             std::thread::sleep(PAUSE);
         }
         Ok(())
@@ -401,18 +518,20 @@ impl Deployment {
         fs::read_to_string(self.folder.path().join(format!("said{}", self.starts - 1))).unwrap_or_default()
     }
 
-    /// Stops it; what is left then.
-    pub(super) fn stop(mut self) -> anyhow::Result<Vec<String>> {
-        self.onlooker = None;
-        let prefix = self.root.prefix()?;
+    /// Stops it, and lets the judge know what is left then.
+    ///
+    /// # Errors
+    /// If it does not stop.
+    pub(super) fn stop(&mut self) -> anyhow::Result<()> {
+        self.look_away(true);
+        let at_ns = mono_ns();
+        let prefix = self.prefix();
         self.signal_process(self.launcher.id(), Signal::TERM);
         let begun = instant();
         while self.launcher.try_wait()?.is_none() {
-            anyhow::ensure!(
-                instant() - begun < PATIENCE,
-                "the deployment does not stop: {}",
-                self.said()
-            );
+            if instant() - begun > PATIENCE {
+                return Err(Broken(format!("the deployment does not stop: {}", self.said())).into());
+            }
             std::thread::sleep(PAUSE);
         }
         let mut left: Vec<String> = self.memory(prefix)?.into_iter().collect();
@@ -423,12 +542,17 @@ impl Deployment {
                 left.push(name);
             }
         }
-        Ok(left)
+        self.ledger.take(&Event {
+            at_ns,
+            what: What::Stopped { left_behind: left },
+        });
+        Ok(())
     }
 }
 
 impl Drop for Deployment {
     fn drop(&mut self) {
+        self.look_away(false);
         // Where something went wrong; its children follow.
         let _ = self.launcher.kill();
         let _ = self.launcher.wait();

@@ -1,202 +1,234 @@
-//! `koseki torture`: faults at random on a deployment of its own, and an independent tally of what a subscriber sees.
+//! `koseki torture`: faults at random on a deployment of its own, and a judge of what a subscriber sees.
 //!
 //! The deployment lives in a folder of its own that goes with it, beside whatever else runs on the machine. Which fault
-//! comes when is drawn from the seed alone, so that a run can be repeated. The simulated world goes on whatever dies,
-//! the launcher too: an address is one target all the time. After each fault everything must come back:
-//! every process, and states of the newest epoch. The tally ([`scoring::NumberTally`]) tells targets apart by their
-//! addresses; the launcher's and the subscribers' own counters are not asked.
+//! comes when is drawn from the seed alone ([`schedule`]), so that a run can be repeated. The simulated world goes on
+//! whatever dies, the launcher too: an address is one target all the time, and where it is, is known ([`world`]).
+//!
+//! The [`judge`] does no input or output: it takes events, which can be recorded and judged again ([`ledger`]). So it
+//! can be tried itself: [`self_test`] spoils a sound record in many ways, each of which it has to find. After each fault
+//! the deployment must come back by itself. Where it does not, it is started again, and the verdict says so. What fails
+//! in this command is no verdict ([`OwnFailure`]).
 
 mod deployment;
 mod faults;
+mod judge;
+mod ledger;
+mod onlooker;
 mod own_file_systems;
+mod report;
 mod resources;
-mod sequence_tally;
+mod schedule;
+mod self_test;
+mod world;
 
-use std::collections::BTreeSet;
-use std::time::Duration;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
 use offline::Usage;
-use rand::{RngExt as _, SeedableRng as _};
-use rand_chacha::ChaCha8Rng;
 use runtime::clock::instant;
-use serde::Serialize;
+use runtime::signals::Stop;
 
 use crate::args::Torture;
-use deployment::Deployment;
-use faults::{FAULTS, Fault};
-use resources::Resources;
+use deployment::{Broken, Deployment, Interrupted};
+use judge::Judge;
+use judge::event::What;
+use report::{Happened, Outcome, Report};
+use schedule::{FAULTS, Fault, Planned, Schedule};
 
 /// Time after a fault within which everything must be back: a process that dies again and again is started ever later.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time between two faults: a part of it fixed, and a part drawn.
-const PAUSE: Duration = Duration::from_millis(1500);
-const PAUSE_DRAWN_MS: u64 = 3000;
-
+/// Time for which the judge looks on after the last fault.
+const AFTERWARDS: Duration = Duration::from_secs(5);
 /// Time between two looks at what is used, seconds.
 const RESOURCES_S: f64 = 15.0;
 
-/// Result of a run.
-#[derive(Debug, Default, Serialize)]
-struct Report {
-    seed: u64,
-    seconds: f64,
-    faults: Vec<Happened>,
-    /// Use of the machine, a look each quarter of a minute.
-    resources: Vec<Resources>,
-    /// Times that a fusion that stood by took over, and those of them from one that stood still.
-    take_overs: u64,
-    take_overs_from_still: u64,
-    /// Samples lost on the way to who looked on: counted, and true by their numbers.
-    lost: u64,
-    /// States that came, and epochs.
-    states: u64,
-    epochs: usize,
-    /// Targets that went on under another number.
-    renumbered: usize,
-    /// Numbers that were given twice.
-    reused: usize,
-    /// States that an older fusion sent after a newer one had begun.
-    late: u64,
-    /// Files, memory and processes that were left at the end.
-    left_behind: Vec<String>,
-    /// Faults of the deployment: what was not as it must be; empty if all was.
-    wrong: Vec<String>,
+/// The command itself has failed, or was interrupted: there is no verdict.
+#[derive(Debug)]
+pub(crate) struct OwnFailure;
+
+impl fmt::Display for OwnFailure {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "no verdict")
+    }
 }
 
-/// A fault that was caused.
-#[derive(Debug, Serialize)]
-struct Happened {
-    at_s: f64,
-    fault: &'static str,
-    what: String,
-    /// Time until all processes were there and states came again.
-    back_s: f64,
-    renumbered: usize,
-}
-
-/// Runs the faults, and says what came of them.
+/// Runs the faults, or judges a record, or tries the judge; and says what came of it.
 ///
 /// # Errors
-/// If the deployment does not start, or something was not as it must be.
+/// If something was not as it must be; [`OwnFailure`] if that was this command.
 pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
+    if let Some(record) = &torture.self_test {
+        return self_test::run(record.as_deref());
+    }
+    if let Some(record) = &torture.judge {
+        return judge_again(record);
+    }
     let is_known = |name: &&String| *name == "none" || FAULTS.iter().any(|fault| fault.name == name.as_str());
     if let Some(unknown) = torture.only.iter().find(|name| !is_known(name)) {
         let names: Vec<&str> = FAULTS.iter().map(|fault| fault.name).collect();
         return Err(Usage(format!("--only {unknown}: there are none and {}", names.join(", "))).into());
     }
     own_file_systems::enter()?;
-    let mut report = Report {
-        seed: torture.seed,
-        ..Report::default()
+    let mut run = Run {
+        torture,
+        report: Report {
+            seed: torture.seed,
+            ..Report::default()
+        },
+        begun: instant(),
     };
-    let mut deployment = Deployment::start(torture)?;
-    let mut random = ChaCha8Rng::seed_from_u64(torture.seed);
-    let begun = instant();
-    let end = Duration::from_secs_f64(60.0 * torture.minutes);
-    let wanted = |fault: &&Fault| torture.only.is_empty() || torture.only.iter().any(|name| name == fault.name);
-    let possible: Vec<&Fault> = FAULTS
-        .iter()
-        .filter(|fault| deployment.has(fault.needs))
-        .filter(wanted)
-        .collect();
-    let mut epochs = BTreeSet::new();
-    let mut next_resources_s = 0.0;
-    while instant() - begun < end && report.wrong.is_empty() {
-        let now_s = (instant() - begun).as_secs_f64();
-        if now_s >= next_resources_s {
-            report.resources.push(deployment.resources(now_s)?);
-            next_resources_s = now_s + RESOURCES_S;
+    // Before anything is started: whether it can be written.
+    run.report
+        .write(torture.json.as_deref())
+        .map_err(|error| Usage(format!("--json: {error:#}")))?;
+    let ended = catch_unwind(AssertUnwindSafe(|| run.whole()));
+    let ended = ended.unwrap_or_else(|_| Err(anyhow::anyhow!("this command has panicked: see above")));
+    run.conclude(ended)
+}
+
+fn judge_again(record: &std::path::Path) -> anyhow::Result<()> {
+    let (conditions, events) = ledger::read(record)?;
+    let limits = conditions.limits;
+    let mut judge = Judge::new(conditions);
+    events.iter().for_each(|event| judge.take(event));
+    let verdict = judge.verdict();
+    print!("{}", report::verdict_text(&verdict, &limits));
+    anyhow::ensure!(verdict.findings.is_empty(), "{}", verdict.wrong());
+    Ok(())
+}
+
+struct Run<'a> {
+    torture: &'a Torture,
+    report: Report,
+    begun: Instant,
+}
+
+impl Run<'_> {
+    fn whole(&mut self) -> anyhow::Result<()> {
+        let mut deployment = Deployment::start(self.torture, Stop::on_signals()?)?;
+        self.begun = instant();
+        self.report.limits = Some(*deployment.ledger().judge().limits());
+        println!("limits: {}", deployment.ledger().judge().limits());
+        let mut ended = self.faults(&mut deployment);
+        if ended.is_ok() {
+            ended = deployment.watch(AFTERWARDS).and_then(|()| deployment.stop());
         }
-        let pause = PAUSE + Duration::from_millis(random.random_range(0..PAUSE_DRAWN_MS));
-        deployment.watch(pause)?;
-        if possible.is_empty() {
-            continue;
+        if let Some(broken) = ended.as_ref().err().and_then(|error| error.downcast_ref::<Broken>()) {
+            let missing = broken.to_string();
+            deployment.ledger().now(What::NotBack { missing });
+            ended = Ok(());
         }
-        let fault = possible[random.random_range(0..possible.len())];
-        let at_s = (instant() - begun).as_secs_f64();
-        let before = deployment.tally().clone();
-        let caused = instant();
-        let what = (fault.cause)(&mut deployment, &mut random).with_context(|| fault.name)?;
-        let back = deployment.until_back(PATIENCE)?;
-        let away_ns = deployment.tally().began_ns() - before.latest_ns();
-        let renumbered = match fault.keeps_numbers && away_ns < deployment.max_age_ns() {
-            true => deployment.tally().renumbered(&before),
-            false => {
-                deployment.forget_carriers();
-                Vec::new()
+        self.note(&mut deployment);
+        ended.and(deployment.ledger().close())
+    }
+
+    /// Notes what is known by now.
+    fn note(&mut self, deployment: &mut Deployment) {
+        let report = &mut self.report;
+        (report.take_overs, report.take_overs_from_still) = deployment.take_overs();
+        report.verdict = Some(deployment.ledger().judge().verdict());
+        report.seconds = (instant() - self.begun).as_secs_f64();
+    }
+
+    fn faults(&mut self, deployment: &mut Deployment) -> anyhow::Result<()> {
+        let only = &self.torture.only;
+        let wanted = |fault: &&Fault| only.is_empty() || only.iter().any(|name| name == fault.name);
+        let possible = FAULTS.iter().filter(wanted).filter(|fault| deployment.has(fault.needs));
+        let mut schedule = Schedule::new(self.torture.seed, deployment.cast(), possible.collect());
+        let end = Duration::from_secs_f64(60.0 * self.torture.minutes);
+        let mut next_resources_s = 0.0;
+        while instant() - self.begun < end {
+            let now_s = (instant() - self.begun).as_secs_f64();
+            if now_s >= next_resources_s {
+                self.report.resources.push(deployment.resources(now_s)?);
+                next_resources_s = now_s + RESOURCES_S;
             }
-        };
-        epochs.insert(deployment.tally().epoch());
-        let back_s = (instant() - caused).as_secs_f64();
-        println!("{at_s:7.1} s  {:<20} {what}; back after {back_s:.2} s", fault.name);
-        if !renumbered.is_empty() {
-            println!("           renumbered (address, before, now): {renumbered:?}");
+            match schedule.next() {
+                Some(planned) => self.fault(&planned, deployment)?,
+                None => deployment.watch(AFTERWARDS)?,
+            }
         }
-        if let Some(missing) = back {
-            report.wrong.push(format!("{} at {at_s:.1} s: {missing}", fault.name));
-        }
-        report.renumbered += renumbered.len();
-        report.faults.push(Happened {
+        Ok(())
+    }
+
+    fn fault(&mut self, planned: &Planned, deployment: &mut Deployment) -> anyhow::Result<()> {
+        deployment.watch(planned.pause)?;
+        let (fault, act) = (planned.fault, planned.act.to_string());
+        let caused = instant();
+        let at_s = (caused - self.begun).as_secs_f64();
+        let wrong = deployment.ledger().judge().findings().total();
+        deployment.ledger().now(What::FaultBegins {
+            fault: fault.name.to_owned(),
+            act: act.clone(),
+            keeps_numbers: fault.keeps_numbers,
+            rebuilds: fault.rebuilds,
+        });
+        self.report.faults.push(Happened {
             at_s,
             fault: fault.name,
-            what,
-            back_s,
-            renumbered: renumbered.len(),
+            act: act.clone(),
+            back_s: None,
         });
+        let held = faults::cause(&planned.act, deployment)?;
+        deployment.ledger().now(What::FaultEnds { held });
+        let back = match deployment.until_back(PATIENCE, !fault.keeps_numbers)? {
+            None => {
+                deployment.ledger().now(What::Back);
+                let back_s = (instant() - caused).as_secs_f64();
+                if let Some(happened) = self.report.faults.last_mut() {
+                    happened.back_s = Some(back_s);
+                }
+                format!("back after {back_s:.2} s")
+            }
+            Some(missing) => {
+                let back = missing.clone();
+                deployment.ledger().now(What::NotBack { missing });
+                deployment.ledger().now(What::Helped);
+                deployment.restart()?;
+                back
+            }
+        };
+        println!("{at_s:7.1} s  {:<20} {act}; {back}", fault.name);
+        let more = deployment.ledger().judge().findings().total() - wrong;
+        if more > 0 {
+            println!(
+                "           {more} more findings: {}",
+                deployment.ledger().judge().verdict().wrong()
+            );
+        }
+        self.note(deployment);
+        self.report.write(self.torture.json.as_deref())
     }
-    deployment.look_away();
-    (report.take_overs, report.take_overs_from_still, report.lost) = deployment.counted();
-    report.wrong.extend_from_slice(deployment.miscounted());
-    let tally = deployment.tally();
-    (report.states, report.late, report.reused) = (tally.states(), tally.late(), tally.reused().len());
-    epochs.insert(tally.epoch());
-    report.epochs = epochs.len();
-    report.left_behind = deployment.stop()?;
-    report.seconds = (instant() - begun).as_secs_f64();
-    judge(&mut report);
-    conclude(torture, &report)
-}
 
-fn judge(report: &mut Report) {
-    let counts = [
-        (report.renumbered as u64, "targets went on under another number"),
-        (report.reused as u64, "numbers were given twice"),
-        (report.late, "states were sent by a fusion after a newer one had begun"),
-        (report.left_behind.len() as u64, "things were left behind"),
-    ];
-    let wrong = counts.iter().filter(|(count, _)| *count > 0);
-    report
-        .wrong
-        .extend(wrong.map(|(count, what)| format!("{count} {what}")));
-}
-
-fn conclude(torture: &Torture, report: &Report) -> anyhow::Result<()> {
-    if let Some(path) = &torture.json {
-        let text = serde_json::to_string_pretty(report)?;
-        std::fs::write(path, text + "\n").with_context(|| format!("writing {}", path.display()))?;
+    /// Writes and prints the result; its error is the exit code.
+    fn conclude(mut self, ended: anyhow::Result<()>) -> anyhow::Result<()> {
+        let report = &mut self.report;
+        let is_faulty = report
+            .verdict
+            .as_ref()
+            .is_some_and(|verdict| !verdict.findings.is_empty());
+        let interrupted = ended.as_ref().is_err_and(|error| error.is::<Interrupted>());
+        report.outcome = match &ended {
+            Ok(()) if is_faulty => Outcome::Faulty,
+            Ok(()) => Outcome::Sound,
+            Err(_) if interrupted && is_faulty => Outcome::Faulty,
+            Err(_) if interrupted => Outcome::Interrupted,
+            Err(_) => Outcome::Failed,
+        };
+        if let Err(error) = &ended {
+            report.failure = Some(format!("{error:#}"));
+        }
+        let written = report.write(self.torture.json.as_deref());
+        print!("{}", report.text());
+        match (report.outcome, ended) {
+            (Outcome::Faulty, _) => anyhow::bail!(
+                "{}; seed {} has the same schedule of faults",
+                report.wrong(),
+                report.seed
+            ),
+            (_, Err(error)) => Err(error.context(OwnFailure)),
+            (_, Ok(())) => written.map_err(|error| error.context(OwnFailure)),
+        }
     }
-    let growth = resources::growth(&report.resources);
-    println!("resident memory, MiB, at first, in the middle and at last: {growth}");
-    println!(
-        "{} faults in {:.0} s, {} states of {} epochs, {} lost and counted, {} take-overs ({} from one that stood \
-         still): {} targets renumbered, {} numbers given twice, {} left behind",
-        report.faults.len(),
-        report.seconds,
-        report.states,
-        report.epochs,
-        report.lost,
-        report.take_overs,
-        report.take_overs_from_still,
-        report.renumbered,
-        report.reused,
-        report.left_behind.len()
-    );
-    anyhow::ensure!(
-        report.wrong.is_empty(),
-        "{}; seed {} does it again",
-        report.wrong.join("; "),
-        report.seed
-    );
-    Ok(())
 }

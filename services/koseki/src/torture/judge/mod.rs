@@ -1,0 +1,367 @@
+//! The judge: a ledger of every target over the whole run, kept from events alone.
+//!
+//! It does no input or output and reads no clock: the same events give the same verdict, whether they come from a live
+//! deployment or from a file. It believes nobody: targets are told apart by their addresses, their places are compared
+//! with the truth of the simulated world, and neither the launcher's nor the subscribers' counters excuse anything.
+//! - [`numbers`]: each target keeps its number until its track is terminated, and each track is terminated;
+//! - [`outages`]: how long each target is away at a fault;
+//! - [`positions`]: where each target is shown, against the truth;
+//! - [`sequence_tally`]: whether every lost sample was announced.
+//!
+//! Times are those at which fusion sent a state, so that a judge that is late itself finds no outage. [`limits`] says
+//! what is too much.
+
+pub(crate) mod event;
+pub(crate) mod finding;
+pub(crate) mod limits;
+mod numbers;
+mod outages;
+mod positions;
+mod sequence_tally;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use event::{Conditions, Event, Life, State, What};
+use finding::{Finding, Findings, Found};
+use limits::{Limits, Spread};
+use numbers::Numbers;
+use outages::{Outages, Window};
+use positions::Positions;
+use sequence_tally::SequenceTally;
+
+/// Time between two looks at what has become due, nanoseconds.
+const LOOK_NS: i64 = 250_000_000;
+/// A time without any state that breaks the picture, nanoseconds.
+const BREAK_NS: i64 = 1_000_000_000;
+/// A state that claims to be older than this was not sent then, nanoseconds.
+const OLD_NS: i64 = 60_000_000_000;
+
+/// See the module's documentation.
+#[derive(Clone, Debug)]
+pub(crate) struct Judge {
+    conditions: Conditions,
+    findings: Findings,
+    numbers: Numbers,
+    outages: Outages,
+    positions: BTreeMap<u32, Positions>,
+    errors_m: Vec<f64>,
+    sequences: SequenceTally,
+    joined_ns: i64,
+    epoch: u64,
+    epoch_began_ns: i64,
+    epochs: usize,
+    states: u64,
+    lost: u64,
+    rebuilds: u64,
+    latest_ns: i64,
+    resumed_ns: i64,
+    looked_ns: i64,
+    begun_ns: Option<i64>,
+    faults: usize,
+    fault: Fault,
+}
+
+/// The latest fault.
+#[derive(Clone, Debug, Default)]
+struct Fault {
+    began_ns: i64,
+    is_excused: bool,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Verdict {
+    pub(crate) findings: Vec<Found>,
+    pub(crate) figures: Figures,
+    targets: Vec<TargetLedger>,
+}
+
+/// Figures of a run.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Figures {
+    #[serde(skip)]
+    pub(crate) faults: usize,
+    #[serde(skip)]
+    pub(crate) seconds: f64,
+    pub(crate) states: u64,
+    pub(crate) epochs: usize,
+    /// Lost samples, as the subscribers counted them.
+    pub(crate) lost: u64,
+    /// Times that the deployment replaced its shared memory.
+    pub(crate) rebuilds: u64,
+    pub(crate) targets: usize,
+    /// Outages of targets at faults.
+    pub(crate) outages: usize,
+    pub(crate) outage_s: Option<Spread>,
+    /// Outages of targets where the deployment started again.
+    pub(crate) rebuild_outages: usize,
+    pub(crate) rebuild_outage_s: Option<Spread>,
+    pub(crate) position_error_m: Option<Spread>,
+    pub(crate) renumbered: u64,
+    pub(crate) given_twice: u64,
+    pub(crate) never_terminated: u64,
+    /// Times that the deployment had to be started again by this command.
+    pub(crate) helped: u64,
+}
+
+/// Ledger of one target.
+#[derive(Clone, Debug, Serialize)]
+struct TargetLedger {
+    address: String,
+    numbers: Vec<u32>,
+    longest_absence_s: Option<f64>,
+    worst_position_error_m: Option<f64>,
+}
+
+impl Verdict {
+    /// All that was wrong, in one line.
+    pub(crate) fn wrong(&self) -> String {
+        let text = |found: &Found| {
+            let examples = found.examples.join("; ");
+            format!("{} {} ({examples})", found.count, found.finding.text())
+        };
+        self.findings.iter().map(text).collect::<Vec<_>>().join("; ")
+    }
+}
+
+impl Judge {
+    pub(crate) fn new(conditions: Conditions) -> Self {
+        Self {
+            conditions,
+            findings: Findings::default(),
+            numbers: Numbers::default(),
+            outages: Outages::default(),
+            positions: BTreeMap::new(),
+            errors_m: Vec::new(),
+            sequences: SequenceTally::default(),
+            joined_ns: 0,
+            epoch: 0,
+            epoch_began_ns: 0,
+            epochs: 0,
+            states: 0,
+            lost: 0,
+            rebuilds: 0,
+            latest_ns: 0,
+            resumed_ns: 0,
+            looked_ns: 0,
+            begun_ns: None,
+            faults: 0,
+            fault: Fault::default(),
+        }
+    }
+
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.conditions.limits
+    }
+
+    /// Takes the next event.
+    pub(crate) fn take(&mut self, event: &Event) {
+        let at_ns = event.at_ns;
+        self.begun_ns.get_or_insert(at_ns);
+        match &event.what {
+            What::Joined => {
+                (self.sequences, self.joined_ns) = (SequenceTally::default(), at_ns);
+                // Between two subscribers nobody looks on.
+                self.numbers.lost(at_ns);
+            }
+            What::State(state) => self.take_state(at_ns, state),
+            What::Lost { .. } => self.numbers.lost(at_ns),
+            What::Left {
+                lost,
+                lost_at_end,
+                whole,
+            } => self.count_losses(*lost, *lost_at_end, *whole),
+            What::Rebuilt => {
+                self.rebuilds += 1;
+                self.outages.rebuilt();
+            }
+            What::FaultBegins {
+                keeps_numbers,
+                rebuilds,
+                ..
+            } => self.begin_fault(at_ns, *keeps_numbers, *rebuilds),
+            What::FaultEnds { held } => {
+                if *held {
+                    self.outages.held(self.fault.began_ns, at_ns);
+                }
+            }
+            What::Back => self.excuse_no_longer(),
+            What::NotBack { missing } => self.findings.add(Finding::NotBack, || missing.clone()),
+            What::Helped => {
+                let since_ns = self.fault.began_ns;
+                self.findings.add(Finding::Helped, || {
+                    format!("{:.1} s after the fault", (at_ns - since_ns) as f64 / 1e9)
+                });
+                // What follows is the command's doing.
+                self.fault.is_excused = true;
+                self.outages.rebuilt();
+                self.excuse_no_longer();
+            }
+            What::Stopped { left_behind } => {
+                self.finish(at_ns);
+                for what in left_behind {
+                    self.findings.add(Finding::LeftBehind, || what.clone());
+                }
+            }
+        }
+        if at_ns - self.looked_ns > LOOK_NS && !matches!(event.what, What::Stopped { .. }) {
+            self.looked_ns = at_ns;
+            self.outages.pass(at_ns, &self.conditions.limits, &mut self.findings);
+            if at_ns - self.latest_ns < BREAK_NS {
+                self.numbers
+                    .pass(at_ns, self.resumed_ns, &self.conditions.limits, &mut self.findings);
+            }
+        }
+    }
+
+    fn take_state(&mut self, at_ns: i64, state: &State) {
+        self.sequences
+            .take(state.incarnation, state.sequence, self.joined_ns as u64);
+        if state.epoch < self.epoch {
+            if state.sent_ns > self.epoch_began_ns {
+                self.findings.add(Finding::OlderEpoch, || {
+                    format!("{} of epoch {} after {}", state.number, state.epoch, self.epoch)
+                });
+            }
+            return;
+        }
+        let sent_ns = if (at_ns - OLD_NS..=at_ns).contains(&state.sent_ns) {
+            state.sent_ns
+        } else {
+            at_ns
+        };
+        if state.epoch > self.epoch {
+            (self.epoch, self.epoch_began_ns) = (state.epoch, state.sent_ns);
+            self.epochs += 1;
+            let whole = state.incarnation >= self.joined_ns as u64;
+            self.numbers.begin_epoch(sent_ns, whole);
+        }
+        self.states += 1;
+        if sent_ns - self.latest_ns > BREAK_NS {
+            self.resumed_ns = sent_ns;
+        }
+        self.latest_ns = self.latest_ns.max(sent_ns);
+        let terminate_s = self.conditions.terminate_s;
+        if let Some(ended) = self.numbers.take(sent_ns, state, terminate_s, &mut self.findings) {
+            self.outages.ended(ended);
+        }
+        if state.position_m.is_none() {
+            self.findings
+                .add(Finding::NotFinite, || format!("a state of {}", state.number));
+        }
+        let (Some(address), Life::Confirmed | Life::Coasted) = (state.address, state.life) else {
+            return;
+        };
+        self.outages.shown(address, sent_ns, state.life == Life::Coasted);
+        let positions = self.positions.entry(address).or_default();
+        match (state.position_m, state.truth_m) {
+            (Some(shown_m), Some(truth_m)) if state.of_report && !self.fault.is_excused => {
+                let error_m = positions.take(address, [shown_m, truth_m], &self.conditions.limits, &mut self.findings);
+                self.errors_m.push(error_m);
+            }
+            _ => positions.begin(),
+        }
+    }
+
+    fn begin_fault(&mut self, at_ns: i64, keeps_numbers: bool, rebuilds: bool) {
+        self.faults += 1;
+        if !keeps_numbers {
+            self.numbers.settle(at_ns, &mut self.findings);
+        }
+        self.fault = Fault {
+            began_ns: at_ns,
+            is_excused: !keeps_numbers,
+        };
+        self.numbers.are_excused = !keeps_numbers;
+        let window = if rebuilds { Window::Rebuild } else { Window::Fault };
+        self.outages
+            .begin(window, at_ns, &self.conditions.limits, &mut self.findings);
+    }
+
+    fn excuse_no_longer(&mut self) {
+        if std::mem::take(&mut self.fault.is_excused) {
+            self.numbers.forget_carriers();
+        }
+        self.numbers.are_excused = false;
+    }
+
+    /// A subscriber leaves: what it counts, and what the numbers say.
+    fn count_losses(&mut self, lost: u64, lost_at_end: u64, whole: bool) {
+        self.lost += lost;
+        let (counted, missing) = (lost.saturating_sub(lost_at_end), self.sequences.lost());
+        // What is missing at the end of a publisher only its line tells; later ones are missing in both.
+        if whole && counted != missing && lost != missing {
+            self.findings.add(Finding::UncountedLoss, || {
+                format!("{counted} samples counted as lost, {missing} by their numbers")
+            });
+        }
+    }
+
+    /// The run is over.
+    fn finish(&mut self, at_ns: i64) {
+        self.numbers.settle(at_ns, &mut self.findings);
+        self.outages
+            .begin(Window::Quiet, at_ns, &self.conditions.limits, &mut self.findings);
+        let limits = self.limits().outage_s;
+        if let [(_, Some(found)), _] = self.outages.spreads() {
+            for (finding, found_s, limit_s) in [
+                (Finding::OutageMedian, found.median, limits.median),
+                (Finding::Outage99, found.p99, limits.p99),
+            ] {
+                if found_s > limit_s {
+                    self.findings
+                        .add(finding, || format!("{found_s:.2} s (limit {limit_s:.1} s)"));
+                }
+            }
+        }
+    }
+
+    /// Time at which the latest state was sent; monotonic, nanoseconds.
+    pub(crate) fn latest_ns(&self) -> i64 {
+        self.latest_ns
+    }
+
+    /// How many of everything were found wrong so far.
+    pub(crate) fn findings(&self) -> &Findings {
+        &self.findings
+    }
+
+    /// What came of the run so far.
+    pub(crate) fn verdict(&self) -> Verdict {
+        let [(outages, outage_s), (rebuild_outages, rebuild_outage_s)] = self.outages.spreads();
+        let targets: Vec<TargetLedger> = self
+            .numbers
+            .addresses()
+            .map(|address| TargetLedger {
+                address: format!("{address:06X}"),
+                numbers: self.numbers.of(address).to_vec(),
+                longest_absence_s: self.outages.worst_s(address),
+                worst_position_error_m: self.positions.get(&address).map(|positions| positions.worst_m),
+            })
+            .collect();
+        Verdict {
+            findings: self.findings.list(),
+            figures: Figures {
+                faults: self.faults,
+                seconds: (self.looked_ns - self.begun_ns.unwrap_or_default()) as f64 / 1e9,
+                states: self.states,
+                epochs: self.epochs,
+                lost: self.lost,
+                rebuilds: self.rebuilds,
+                targets: targets.len(),
+                outages,
+                outage_s,
+                rebuild_outages,
+                rebuild_outage_s,
+                position_error_m: Spread::of(&self.errors_m),
+                renumbered: self.findings.count(Finding::Renumbered),
+                given_twice: self.findings.count(Finding::NumberGivenTwice),
+                never_terminated: self.findings.count(Finding::NeverTerminated),
+                helped: self.findings.count(Finding::Helped),
+            },
+            targets,
+        }
+    }
+}

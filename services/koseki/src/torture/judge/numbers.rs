@@ -1,0 +1,267 @@
+//! Track numbers: who carries which, and how tracks end.
+//!
+//! Targets are told apart by their addresses, whatever their tracks are called. A target keeps its number until its
+//! track is terminated with cause, that is after so long without a report, or was merged into another one. A second
+//! number beside the first is a *rival*: that is right for a while, until the two are merged.
+
+use std::collections::BTreeMap;
+
+use super::event::{Life, State};
+use super::finding::{Finding, Findings};
+use super::limits::Limits;
+
+/// Share of the time without a report after which a track may be terminated: reports are stamped where they are made.
+const NEARLY: f64 = 0.9;
+/// A number that has been shown so long beside a silent one has taken its place, nanoseconds.
+const SETTLED_NS: i64 = 3_000_000_000;
+/// A track from which nothing came for so long is not shown, nanoseconds.
+const SHOWN_NS: i64 = 5_000_000_000;
+
+/// Time within which a fusion that starts says again which tracks have ended, before a loss or after, nanoseconds.
+const TOLD_AGAIN_NS: i64 = 10_000_000_000;
+
+/// One track.
+#[derive(Clone, Debug, Default)]
+struct Track {
+    address: Option<u32>,
+    last_ns: i64,
+    last_report_ns: i64,
+    is_shown: bool,
+    has_ended: bool,
+    /// Its end may have been lost on the way.
+    may_have_ended: bool,
+    is_given_twice: bool,
+}
+
+impl Track {
+    /// Notes that the number is given twice, once.
+    fn given_twice(&mut self, findings: &mut Findings, example: impl FnOnce() -> String) {
+        if !std::mem::replace(&mut self.is_given_twice, true) {
+            findings.add(Finding::NumberGivenTwice, example);
+        }
+    }
+}
+
+/// One target.
+#[derive(Clone, Debug, Default)]
+struct Carried {
+    number: Option<u32>,
+    /// Other numbers, and since when they have been shown.
+    rivals: BTreeMap<u32, i64>,
+    has_two_tracks: bool,
+    numbers: Vec<u32>,
+}
+
+/// Ledger of all tracks and of the numbers of all targets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Numbers {
+    tracks: BTreeMap<u32, Track>,
+    targets: BTreeMap<u32, Carried>,
+    /// The present fault excuses changes of numbers.
+    pub(crate) are_excused: bool,
+    /// Time of a loss in which there may have been the end of a track.
+    loss_ns: Option<i64>,
+    /// Begin of the newest epoch.
+    epoch_ns: i64,
+}
+
+impl Numbers {
+    /// Takes a state that was sent at `at_ns`. The address of a target whose track has ended with cause.
+    pub(crate) fn take(&mut self, at_ns: i64, state: &State, terminate_s: f64, findings: &mut Findings) -> Option<u32> {
+        let number = state.number;
+        let track = self.tracks.entry(number).or_insert_with(|| Track {
+            last_report_ns: at_ns,
+            ..Track::default()
+        });
+        let was_ended = track.has_ended;
+        (track.last_ns, track.may_have_ended) = (at_ns.max(track.last_ns), false);
+        if state.life == Life::Terminated {
+            track.has_ended = true;
+            if was_ended {
+                return None;
+            }
+            let quiet_s = (at_ns - track.last_report_ns) as f64 / 1e9;
+            let address = track.address?;
+            let cause = Cause {
+                merged_into: state.merged_into,
+                quiet_s,
+                is_enough: quiet_s >= NEARLY * terminate_s,
+            };
+            return self.end(address, number, &cause, findings).then_some(address);
+        }
+        if was_ended {
+            track.has_ended = false;
+            track.given_twice(findings, || format!("{number} after its end"));
+        }
+        if state.of_report {
+            track.last_report_ns = at_ns;
+        }
+        if state.life == Life::Tentative {
+            return None;
+        }
+        track.is_shown = true;
+        let address = state.address?;
+        let first = *track.address.get_or_insert(address);
+        if first != address {
+            track.given_twice(findings, || format!("{number}, to {first:06X} and to {address:06X}"));
+        }
+        self.carry(address, number, at_ns, findings);
+        None
+    }
+
+    fn carry(&mut self, address: u32, number: u32, at_ns: i64, findings: &mut Findings) {
+        let target = self.targets.entry(address).or_default();
+        if target.numbers.last() != Some(&number) && !target.rivals.contains_key(&number) {
+            target.numbers.push(number);
+        }
+        match target.number {
+            None => target.number = Some(number),
+            Some(present) if present == number => {}
+            Some(present) if self.tracks.get(&present).is_some_and(|track| track.has_ended) => {
+                target.number = Some(number);
+                renumbered(findings, address, present, number);
+            }
+            Some(_) => {
+                target.rivals.entry(number).or_insert(at_ns);
+            }
+        }
+    }
+
+    /// A track with an address ends; whether its target is no longer expected.
+    fn end(&mut self, address: u32, number: u32, cause: &Cause, findings: &mut Findings) -> bool {
+        let Some(target) = self.targets.get_mut(&address) else {
+            return false;
+        };
+        target.rivals.remove(&number);
+        if target.number != Some(number) {
+            return false;
+        }
+        if cause.merged_into != 0 {
+            target.rivals.remove(&cause.merged_into);
+            target.number = Some(cause.merged_into);
+            return false;
+        }
+        let heir = target.rivals.pop_first().map(|(heir, _)| heir);
+        if cause.is_enough || self.are_excused {
+            target.number = heir;
+            return heir.is_none();
+        }
+        findings.add(Finding::EndedWithoutCause, || {
+            format!(
+                "{number} of {address:06X}, {:.1} s after its last report",
+                cause.quiet_s
+            )
+        });
+        if let Some(heir) = heir {
+            target.number = Some(heir);
+            renumbered(findings, address, number, heir);
+        }
+        false
+    }
+
+    /// Time passes: rivals that should have been merged, and tracks that should have been terminated. The picture has
+    /// gone on without a break since `since_ns`.
+    pub(crate) fn pass(&mut self, now_ns: i64, since_ns: i64, limits: &Limits, findings: &mut Findings) {
+        if let Some(loss_ns) = self.loss_ns.take_if(|loss_ns| now_ns - *loss_ns > TOLD_AGAIN_NS) {
+            self.excuse_ends_before(loss_ns);
+        }
+        let two_tracks_ns = (limits.two_tracks_s * 1e9) as i64;
+        for (address, target) in &mut self.targets {
+            let Some(present) = target.number else { continue };
+            let heard_ns = |number: u32| self.tracks.get(&number).map_or(i64::MIN, |track| track.last_ns);
+            let old = |rival: &(&u32, &i64)| now_ns - *rival.1 > two_tracks_ns;
+            let Some(rival) = target.rivals.iter().find(old).map(|(rival, _)| *rival) else {
+                continue;
+            };
+            if now_ns - heard_ns(rival) > SHOWN_NS {
+                continue;
+            }
+            if now_ns - heard_ns(present) > two_tracks_ns {
+                target.rivals.remove(&rival);
+                target.number = Some(rival);
+                renumbered(findings, *address, present, rival);
+            } else if !target.has_two_tracks {
+                target.has_two_tracks = true;
+                findings.add(Finding::TwoTracks, || format!("{address:06X}: {present} and {rival}"));
+            }
+        }
+        let silent_ns = (limits.silent_track_s * 1e9) as i64;
+        for (number, track) in &mut self.tracks {
+            let is_live = track.is_shown && !track.has_ended && !track.may_have_ended;
+            if is_live && now_ns - track.last_ns.max(since_ns) > silent_ns {
+                // Once is enough.
+                track.may_have_ended = true;
+                findings.add(Finding::NeverTerminated, || {
+                    let silent_s = (now_ns - track.last_ns) as f64 / 1e9;
+                    format!("{number}, silent for {silent_s:.1} s")
+                });
+            }
+        }
+    }
+
+    /// Decides on every rival: the run ends, or numbers are about to be excused.
+    pub(crate) fn settle(&mut self, now_ns: i64, findings: &mut Findings) {
+        for (address, target) in &mut self.targets {
+            let Some(present) = target.number else { continue };
+            let last_ns = self.tracks.get(&present).map_or(i64::MIN, |track| track.last_ns);
+            let heir = |(_, since_ns): &(&u32, &i64)| last_ns < **since_ns && now_ns - **since_ns > SETTLED_NS;
+            if let Some(heir) = target.rivals.iter().find(heir).map(|(heir, _)| *heir) {
+                target.rivals.remove(&heir);
+                target.number = Some(heir);
+                renumbered(findings, *address, present, heir);
+            }
+        }
+    }
+
+    /// Something was lost, or nobody looked on: perhaps the end of a track.
+    pub(crate) fn lost(&mut self, at_ns: i64) {
+        if at_ns - self.epoch_ns > TOLD_AGAIN_NS {
+            self.loss_ns = Some(at_ns);
+        }
+    }
+
+    /// A newer fusion begins; `whole` if all that it says comes.
+    pub(crate) fn begin_epoch(&mut self, at_ns: i64, whole: bool) {
+        if whole {
+            (self.loss_ns, self.epoch_ns) = (None, at_ns);
+        } else {
+            self.loss_ns = Some(at_ns);
+        }
+    }
+
+    /// Tracks that have been silent since before this time may have ended.
+    fn excuse_ends_before(&mut self, at_ns: i64) {
+        let silent = self.tracks.values_mut().filter(|track| track.last_ns <= at_ns);
+        silent.for_each(|track| track.may_have_ended = true);
+    }
+
+    /// Forgets who carries which number: a fault has excused that. Which numbers were given stays known.
+    pub(crate) fn forget_carriers(&mut self) {
+        for target in self.targets.values_mut() {
+            (target.number, target.has_two_tracks) = (None, false);
+            target.rivals.clear();
+        }
+        self.excuse_ends_before(i64::MAX);
+    }
+
+    /// Numbers that a target has had, in their order.
+    pub(crate) fn of(&self, address: u32) -> &[u32] {
+        self.targets.get(&address).map_or(&[], |target| &target.numbers)
+    }
+
+    /// Addresses of all targets that were shown.
+    pub(crate) fn addresses(&self) -> impl Iterator<Item = u32> + '_ {
+        self.targets.keys().copied()
+    }
+}
+
+/// Reason for the end of a track.
+struct Cause {
+    merged_into: u32,
+    quiet_s: f64,
+    is_enough: bool,
+}
+
+fn renumbered(findings: &mut Findings, address: u32, before: u32, now: u32) {
+    findings.add(Finding::Renumbered, || format!("{address:06X} from {before} to {now}"));
+}
