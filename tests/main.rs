@@ -44,6 +44,7 @@ mod supervision;
 mod system_calls;
 mod tap;
 mod top;
+mod torture;
 
 // Recordings of real sensors.
 mod held_out_sensor;
