@@ -31,6 +31,8 @@ use crate::args::Torture;
 const INSTANCE: &str = "torture";
 /// How long a start, or an end, may take.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// Time between two notes that time has passed.
+const NOTE_NS: i64 = 500_000_000;
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(5);
 /// Time for which no process may end until a deployment counts as back whose memory was spoilt.
@@ -72,6 +74,7 @@ pub(super) struct Deployment {
     probe: Option<(Child, Instant)>,
     latencies: Latencies,
     take_overs: TakeOvers,
+    noted_ns: i64,
     stop: Stop,
 }
 
@@ -136,6 +139,7 @@ impl Deployment {
             probe: None,
             latencies: Latencies::default(),
             take_overs: TakeOvers::default(),
+            noted_ns: 0,
             stop,
         };
         deployment.until_it_runs()?;
@@ -392,6 +396,11 @@ impl Deployment {
     /// Hands what has come to the judge. Joins where nobody looks on; if the deployment is being rebuilt, next time.
     fn look(&mut self) -> anyhow::Result<()> {
         self.heed_stop()?;
+        let now_ns = mono_ns();
+        if now_ns - self.noted_ns > NOTE_NS {
+            self.noted_ns = now_ns;
+            self.ledger.now(What::Passed);
+        }
         let has_memory = || {
             self.prefix()
                 .is_some_and(|prefix| Some(&prefix) != self.dead_prefix.as_ref())

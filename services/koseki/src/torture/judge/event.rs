@@ -31,6 +31,8 @@ pub(crate) enum What {
     Joined,
     /// A system track has come.
     State(State),
+    /// Time has passed, whether anything came or not.
+    Passed,
     /// The subscriber has announced that so many samples are lost.
     Lost { samples: u64 },
     /// The subscriber has left, with its own counts; `whole` if its memory was sound to the end.

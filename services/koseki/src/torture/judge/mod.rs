@@ -56,8 +56,8 @@ pub(crate) struct Judge {
     lost: u64,
     rebuilds: u64,
     latest_ns: i64,
-    resumed_ns: i64,
     looked_ns: i64,
+    is_silent: bool,
     begun_ns: Option<i64>,
     faults: usize,
     fault: Fault,
@@ -144,8 +144,8 @@ impl Judge {
             lost: 0,
             rebuilds: 0,
             latest_ns: 0,
-            resumed_ns: 0,
             looked_ns: 0,
+            is_silent: false,
             begun_ns: None,
             faults: 0,
             fault: Fault::default(),
@@ -167,6 +167,7 @@ impl Judge {
                 self.numbers.lost(at_ns);
             }
             What::State(state) => self.take_state(at_ns, state),
+            What::Passed => {}
             What::Lost { .. } => self.numbers.lost(at_ns),
             What::Left {
                 lost,
@@ -209,11 +210,24 @@ impl Judge {
         if at_ns - self.looked_ns > LOOK_NS && !matches!(event.what, What::Stopped { .. }) {
             self.looked_ns = at_ns;
             self.outages.pass(at_ns, &self.conditions.limits, &mut self.findings);
+            self.look_for_silence(at_ns);
             if at_ns - self.latest_ns < BREAK_NS {
-                self.numbers
-                    .pass(at_ns, self.resumed_ns, &self.conditions.limits, &mut self.findings);
+                self.numbers.pass(at_ns, &self.conditions.limits, &mut self.findings);
             }
         }
+    }
+
+    /// Where nothing was shown before, no target is missed; that no state comes at all is found all the same.
+    fn look_for_silence(&mut self, at_ns: i64) {
+        let limit_s = self.limits().rebuild_s;
+        let since_ns = self.latest_ns.max(self.begun_ns.unwrap_or(at_ns));
+        let is_silent = (at_ns - since_ns) as f64 / 1e9 > limit_s;
+        if is_silent && !self.is_silent {
+            self.findings.add(Finding::NotBack, || {
+                format!("no state at all for {limit_s:.1} s and longer")
+            });
+        }
+        self.is_silent = is_silent;
     }
 
     fn take_state(&mut self, at_ns: i64, state: &State) {
@@ -240,7 +254,7 @@ impl Judge {
         }
         self.states += 1;
         if sent_ns - self.latest_ns > BREAK_NS {
-            self.resumed_ns = sent_ns;
+            self.numbers.resume(self.latest_ns, sent_ns);
         }
         self.latest_ns = self.latest_ns.max(sent_ns);
         let terminate_s = self.conditions.terminate_s;

@@ -12,6 +12,8 @@ use super::limits::Limits;
 
 /// Share of the time without a report after which a track may be terminated: reports are stamped where they are made.
 const NEARLY: f64 = 0.9;
+/// Share of it in which there must have been a picture: a fusion that was away has heard no reports at all.
+const WITH_PICTURE: f64 = 0.25;
 /// A number that has been shown so long beside a silent one has taken its place, nanoseconds.
 const SETTLED_NS: i64 = 3_000_000_000;
 /// A track from which nothing came for so long is not shown, nanoseconds.
@@ -23,7 +25,9 @@ const TOLD_AGAIN_NS: i64 = 10_000_000_000;
 /// One track.
 #[derive(Clone, Debug, Default)]
 struct Track {
+    /// Address that it carried first, and that it carries.
     address: Option<u32>,
+    carrier: Option<u32>,
     last_ns: i64,
     last_report_ns: i64,
     is_shown: bool,
@@ -34,6 +38,11 @@ struct Track {
 }
 
 impl Track {
+    /// Whether it may still be the track of the target of this address.
+    fn may_be_of(&self, address: u32) -> bool {
+        !self.has_ended && self.carrier.is_none_or(|carrier| carrier == address)
+    }
+
     /// Notes that the number is given twice, once.
     fn given_twice(&mut self, findings: &mut Findings, example: impl FnOnce() -> String) {
         if !std::mem::replace(&mut self.is_given_twice, true) {
@@ -63,6 +72,8 @@ pub(crate) struct Numbers {
     loss_ns: Option<i64>,
     /// Begin of the newest epoch.
     epoch_ns: i64,
+    /// Latest time without a picture, from and to.
+    break_ns: (i64, i64),
 }
 
 impl Numbers {
@@ -81,11 +92,13 @@ impl Numbers {
                 return None;
             }
             let quiet_s = (at_ns - track.last_report_ns) as f64 / 1e9;
+            let (gone_ns, resumed_ns) = self.break_ns;
+            let without_s = (resumed_ns - gone_ns.max(track.last_report_ns)).max(0) as f64 / 1e9;
             let address = track.address?;
             let cause = Cause {
                 merged_into: state.merged_into,
                 quiet_s,
-                is_enough: quiet_s >= NEARLY * terminate_s,
+                is_enough: quiet_s >= NEARLY * terminate_s && quiet_s - without_s >= WITH_PICTURE * terminate_s,
             };
             return self.end(address, number, &cause, findings).then_some(address);
         }
@@ -102,6 +115,7 @@ impl Numbers {
         track.is_shown = true;
         let address = state.address?;
         let first = *track.address.get_or_insert(address);
+        track.carrier = Some(address);
         if first != address {
             track.given_twice(findings, || format!("{number}, to {first:06X} and to {address:06X}"));
         }
@@ -117,8 +131,9 @@ impl Numbers {
         match target.number {
             None => target.number = Some(number),
             Some(present) if present == number => {}
-            Some(present) if self.tracks.get(&present).is_some_and(|track| track.has_ended) => {
+            Some(present) if self.tracks.get(&present).is_some_and(|track| !track.may_be_of(address)) => {
                 target.number = Some(number);
+                target.rivals.remove(&number);
                 renumbered(findings, address, present, number);
             }
             Some(_) => {
@@ -159,16 +174,21 @@ impl Numbers {
         false
     }
 
-    /// Time passes: rivals that should have been merged, and tracks that should have been terminated. The picture has
-    /// gone on without a break since `since_ns`.
-    pub(crate) fn pass(&mut self, now_ns: i64, since_ns: i64, limits: &Limits, findings: &mut Findings) {
+    /// The picture goes on after a break.
+    pub(crate) fn resume(&mut self, gone_ns: i64, at_ns: i64) {
+        self.break_ns = (gone_ns, at_ns);
+    }
+
+    /// Time passes: rivals that should have been merged, and tracks that should have been terminated.
+    pub(crate) fn pass(&mut self, now_ns: i64, limits: &Limits, findings: &mut Findings) {
         if let Some(loss_ns) = self.loss_ns.take_if(|loss_ns| now_ns - *loss_ns > TOLD_AGAIN_NS) {
             self.excuse_ends_before(loss_ns);
         }
         let two_tracks_ns = (limits.two_tracks_s * 1e9) as i64;
         for (address, target) in &mut self.targets {
             let Some(present) = target.number else { continue };
-            let heard_ns = |number: u32| self.tracks.get(&number).map_or(i64::MIN, |track| track.last_ns);
+            let own = |number: u32| self.tracks.get(&number).filter(|track| track.may_be_of(*address));
+            let heard_ns = |number: u32| own(number).map_or(0, |track| track.last_ns);
             let old = |rival: &(&u32, &i64)| now_ns - *rival.1 > two_tracks_ns;
             let Some(rival) = target.rivals.iter().find(old).map(|(rival, _)| *rival) else {
                 continue;
@@ -185,7 +205,7 @@ impl Numbers {
                 findings.add(Finding::TwoTracks, || format!("{address:06X}: {present} and {rival}"));
             }
         }
-        let silent_ns = (limits.silent_track_s * 1e9) as i64;
+        let (silent_ns, since_ns) = ((limits.silent_track_s * 1e9) as i64, self.break_ns.1);
         for (number, track) in &mut self.tracks {
             let is_live = track.is_shown && !track.has_ended && !track.may_have_ended;
             if is_live && now_ns - track.last_ns.max(since_ns) > silent_ns {

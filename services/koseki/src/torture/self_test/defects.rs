@@ -28,7 +28,7 @@ impl Place {
 }
 
 /// Every defect there is.
-pub(super) const DEFECTS: [Defect; 20] = [
+pub(super) const DEFECTS: [Defect; 21] = [
     Defect {
         name: "one target is renumbered at a kill",
         finding: Finding::Renumbered,
@@ -95,6 +95,24 @@ pub(super) const DEFECTS: [Defect; 20] = [
             let limit_ns = (record.conditions.limits.outage_s.worst * 1e9) as i64;
             let back_ns = place.kill_ns + limit_ns + 2 * SECOND;
             record.remove(place.target(), place.kill_ns, back_ns);
+        },
+    },
+    Defect {
+        name: "no target is shown for so long that every track ends",
+        finding: Finding::OutageWorst,
+        plant: |record, place| {
+            let terminate_ns = (record.conditions.terminate_s * 1e9) as i64;
+            for address in &place.targets {
+                let mut end = latest(record, *address, place.kill_ns);
+                let back_ns = place.kill_ns + terminate_ns + 10 * SECOND;
+                (end.life, end.of_report, end.sent_ns) = (Life::Terminated, false, back_ns);
+                record.remove(*address, place.kill_ns, back_ns);
+                renumber(record, *address, place.kill_ns);
+                record.insert(Event {
+                    at_ns: back_ns - 1,
+                    what: What::State(end),
+                });
+            }
         },
     },
     Defect {
