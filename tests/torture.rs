@@ -43,7 +43,7 @@ fn the_judge_finds_each_defect_that_the_command_plants() {
     assert_eq!(code, Some(0), "{said}");
     assert_eq!(
         (said.matches("found   ").count(), said.matches("missed").count()),
-        (20, 0),
+        (21, 0),
         "{said}"
     );
 }
@@ -65,6 +65,20 @@ fn a_run_is_recorded_and_judged_again() {
         (&100.0.into(), &800.0.into())
     );
     assert!(!result["faults"].as_array().unwrap().is_empty(), "{result}");
+    // The limits in the help are those by which is judged.
+    let help = code(&home, &["--help"]).1;
+    let row = |words: &str| {
+        let line = help.lines().find_map(|line| line.trim().strip_prefix(words)).unwrap();
+        let limits = line.split_whitespace().filter_map(|limit| limit.parse::<f64>().ok());
+        limits.map(|limit| (100.0 * limit).into()).collect::<Vec<Value>>()
+    };
+    let limits = ["median", "p99", "worst"].map(|name| outage_s[name].clone());
+    assert_eq!(row("outage of a target at a fault"), limits);
+    assert_eq!(row("where all starts again"), [result["limits"]["rebuild_s"].clone()]);
+    assert_eq!(
+        row("two tracks of one target"),
+        [result["limits"]["two_tracks_s"].clone()]
+    );
 
     assert_eq!(code(&home, &["--judge", record]).0, Some(0));
     let events = home.read("events.jsonl");
@@ -150,7 +164,7 @@ impl Outside<'_> {
     }
 
     fn signal(pid: u32, signal: Signal) {
-        // It may have ended.
+        // The process may have ended.
         let _ = kill_process(Pid::from_raw(pid as i32).unwrap(), signal);
     }
 }

@@ -55,11 +55,11 @@ pub(crate) struct Torture {
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Judge a record again, and start nothing
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["config", "record", "self_test"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["config", "record", "json", "self_test"])]
     pub(crate) judge: Option<PathBuf>,
     /// Try the judge: it has to find each of many defects that are planted in a sound record, FILE or one of a
     /// simulated run, and nothing in the record itself
-    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["config", "record"])]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["config", "record", "json"])]
     pub(crate) self_test: Option<Option<PathBuf>>,
     /// Write the result
     #[arg(long, value_name = "FILE")]

@@ -38,7 +38,7 @@ impl Onlooker {
             joined_ns = mono_ns();
             joined_ns as u64
         };
-        // Of all epochs: to see with its own eyes whether an older fusion speaks.
+        // States of older epochs, too: the judge looks for a fusion that goes on after it was replaced.
         let tracks = bus.subscriber(&messages::system_tracks(), now_ns)?.of_all_epochs();
         let health = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
         ledger.take(&Event {
@@ -70,7 +70,7 @@ impl Onlooker {
             for track in tracks {
                 latencies.add(track.stages.fused_ns - track.stages.ingested_ns);
                 let what = What::State(state(header, track, world));
-                // It may have been sent after the look began.
+                // A state may have been sent after the look began.
                 let at_ns = at_ns.max(mono_ns());
                 ledger.take(&Event { at_ns, what });
             }
@@ -108,7 +108,7 @@ impl Onlooker {
     }
 }
 
-/// What the judge looks at of a system track.
+/// Part of a system track that the judge looks at.
 fn state(header: &BatchHeader, track: &SystemTrack, world: &World) -> State {
     let [east_m, north_m, up_m] = track.position_m;
     let upper = track.covariance.upper.iter();

@@ -60,7 +60,7 @@ pub(super) fn mount(folder: &Path) -> anyhow::Result<()> {
 
 /// Takes the file system away again.
 pub(super) fn unmount(folder: &Path) {
-    // It goes with the namespace at the latest.
+    // The mount goes with the namespace at the latest.
     let _ = run("umount", &["--lazy"], folder);
 }
 

@@ -13,16 +13,16 @@ use super::resources::{self, Resources};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Outcome {
-    /// It has not ended yet, or it was killed.
+    /// The run has not ended yet, or was killed.
     #[default]
     Running,
     /// Nothing was wrong.
     Sound,
     /// Something was wrong with the deployment: see `findings`.
     Faulty,
-    /// This command failed: see `failure`. That says nothing of the deployment.
+    /// This command failed: see `failure`. There is no verdict on the deployment.
     Failed,
-    /// It was interrupted before its time; nothing was wrong until then.
+    /// Interrupted before its time; nothing was wrong until then.
     Interrupted,
 }
 

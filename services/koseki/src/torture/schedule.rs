@@ -22,7 +22,7 @@ pub(super) enum Needs {
     OwnFileSystems,
 }
 
-/// Those whom a fault can hit, in an order of their own.
+/// Processes and sources that a fault can hit, in an order that does not change.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Cast {
     pub(super) processes: Vec<String>,
@@ -149,7 +149,7 @@ pub(super) const FAULTS: [Fault; 15] = [
         seed: random.next_u64(),
     }),
     Fault {
-        // Nobody knows them any more.
+        // The numbers are lost with the checkpoint.
         keeps_numbers: false,
         ..fault("damaged-checkpoint", |_, random| Act::DamagedCheckpoint {
             seed: random.next_u64(),
@@ -176,7 +176,7 @@ pub(super) const FAULTS: [Fault; 15] = [
         seed: random.next_u64(),
     }),
     Fault {
-        // What the deployment reads there, nobody can know; but it must come back.
+        // The deployment may read anything there; but it must come back.
         keeps_numbers: false,
         rebuilds: true,
         ..fault("corrupt-memory", |_, random| Act::CorruptMemory {
@@ -224,7 +224,7 @@ impl Iterator for Schedule {
         let pause = Duration::from_millis(PAUSE_MS + random.random_range(0..PAUSE_DRAWN_MS));
         let index = random.random_range(0..self.possible.len().max(1));
         let fault = *self.possible.get(index)?;
-        // What one fault draws shifts nothing that comes after it.
+        // Draws of one fault shift none of the next.
         let mut own = ChaCha8Rng::seed_from_u64(random.next_u64());
         let act = (fault.draw)(&self.cast, &mut own);
         Some(Planned { pause, fault, act })

@@ -1,4 +1,4 @@
-//! The simulated world in which the deployment lives, as the judge knows it.
+//! The simulated world in which the deployment lives, as the truth that the judge compares with.
 
 use std::collections::BTreeMap;
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::Limits;
 
-/// First line of a recorded input: what the run was, and by which limits it is judged.
+/// First line of a recorded input: the run, and the limits by which it is judged.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Conditions {
     pub(crate) seed: u64,
@@ -60,7 +60,7 @@ pub(crate) enum What {
     Stopped { left_behind: Vec<String> },
 }
 
-/// What the judge looks at of a system track.
+/// Part of a system track that the judge looks at.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     /// Time at which fusion sent it, by its own statement; monotonic, nanoseconds.

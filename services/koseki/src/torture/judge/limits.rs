@@ -1,7 +1,7 @@
 //! Limits by which a run is judged.
 //!
-//! Limits of time are stated for a machine without other work, and stretched by a margin for one that has some. The
-//! margin is an argument of the command and part of every result, so that nobody takes a stretched limit for a plain one.
+//! Limits of time hold for a machine without other work, and are stretched by a margin for one that has some. The
+//! margin is an argument of the command and part of every result: nobody can take a stretched limit for a plain one.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// Of these values; `None` if there are none.
+    /// Spread of these values; `None` if there are none.
     pub(crate) fn of(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -53,7 +53,7 @@ const OUTAGE_S: Spread = Spread {
     p99: 4.0,
     worst: 8.0,
 };
-/// The same where a second fusion stands by.
+/// Outage of a target at a fault where a second fusion stands by, seconds.
 const OUTAGE_WITH_STANDBY_S: Spread = Spread {
     median: 1.5,
     p99: 3.0,

@@ -1,8 +1,8 @@
 //! The judge: a ledger of every target over the whole run, kept from events alone.
 //!
-//! It does no input or output and reads no clock: the same events give the same verdict, whether they come from a live
-//! deployment or from a file. It believes nobody: targets are told apart by their addresses, their places are compared
-//! with the truth of the simulated world, and neither the launcher's nor the subscribers' counters excuse anything.
+//! The judge does no input or output and reads no clock: the same events give the same verdict, from a live deployment
+//! or from a file. No process is believed: addresses tell targets apart, and places are compared with the truth of the
+//! simulated world. Neither the launcher's nor the subscribers' counters excuse anything.
 //! - [`numbers`]: each target keeps its number until its track is terminated, and each track is terminated;
 //! - [`outages`]: how long each target is away at a fault;
 //! - [`positions`]: where each target is shown, against the truth;
@@ -70,7 +70,7 @@ struct Fault {
     is_excused: bool,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Verdict {
     pub(crate) findings: Vec<Found>,
@@ -195,7 +195,7 @@ impl Judge {
                 self.findings.add(Finding::Helped, || {
                     format!("{:.1} s after the fault", (at_ns - since_ns) as f64 / 1e9)
                 });
-                // What follows is the command's doing.
+                // Changes that follow are the command's doing.
                 self.fault.is_excused = true;
                 self.outages.rebuilt();
                 self.excuse_no_longer();
@@ -305,7 +305,7 @@ impl Judge {
     fn count_losses(&mut self, lost: u64, lost_at_end: u64, whole: bool) {
         self.lost += lost;
         let (counted, missing) = (lost.saturating_sub(lost_at_end), self.sequences.lost());
-        // What is missing at the end of a publisher only its line tells; later ones are missing in both.
+        // Samples missing at the end of a publisher are only in its line; others are missing in both counts.
         if whole && counted != missing && lost != missing {
             self.findings.add(Finding::UncountedLoss, || {
                 format!("{counted} samples counted as lost, {missing} by their numbers")
@@ -342,7 +342,7 @@ impl Judge {
         &self.findings
     }
 
-    /// What came of the run so far.
+    /// Result of the run so far.
     pub(crate) fn verdict(&self) -> Verdict {
         let [(outages, outage_s), (rebuild_outages, rebuild_outage_s)] = self.outages.spreads();
         let targets: Vec<TargetLedger> = self

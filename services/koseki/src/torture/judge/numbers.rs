@@ -19,7 +19,7 @@ const SETTLED_NS: i64 = 3_000_000_000;
 /// A track from which nothing came for so long is not shown, nanoseconds.
 const SHOWN_NS: i64 = 5_000_000_000;
 
-/// Time within which a fusion that starts says again which tracks have ended, before a loss or after, nanoseconds.
+/// A fusion that starts sends the ends of tracks again that came so shortly before it, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 10_000_000_000;
 
 /// One track.

@@ -3,8 +3,8 @@
 //! The run is cut into windows, one from each fault to the next, and quiet ones of a quarter of a minute where no fault
 //! comes. In each, a target that is shown at the window's begin has one outage: its longest time without a state that
 //! reaches into the window. A target that comes back in a later window has its outage there, by the more lenient
-//! of their limits. Of a track that coasts, fusion says itself that its sources are silent: such a time is no outage,
-//! unless one target in ten has it.
+//! of their limits. A track coasts where its sources are silent: such a time is no outage, unless one target in ten
+//! has it.
 
 use std::collections::BTreeMap;
 
@@ -172,7 +172,7 @@ fn limit_s(window: Window, limits: &Limits) -> f64 {
 
 /// Part of the time between two moments that is in one of the `held` times.
 fn overlap(held: &[(i64, i64)], from_ns: i64, to_ns: i64) -> i64 {
-    // They are in the order of their times, and only the latest reach so far.
+    // Held times are in their order, and only the latest reach so far.
     let late = held.iter().rev().take_while(|(_, end_ns)| *end_ns > from_ns);
     late.map(|(begin_ns, end_ns)| (to_ns.min(*end_ns) - from_ns.max(*begin_ns)).max(0))
         .sum()

@@ -9,7 +9,7 @@ const STATES: u32 = 3;
 const STILL_M: f64 = 1.0;
 const MOVED_M: f64 = 100.0;
 
-/// What is remembered of one target.
+/// Memory of one target.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Positions {
     far_off: u32,

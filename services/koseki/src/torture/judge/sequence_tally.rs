@@ -1,4 +1,4 @@
-//! Losses, told from the numbers of the samples alone.
+//! Losses, found by the numbers of the samples alone.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ struct Publisher {
 impl SequenceTally {
     /// A sample came to a subscriber that joined at `joined_ns`.
     pub(crate) fn take(&mut self, incarnation: u64, sequence: u64, joined_ns: u64) {
-        // Of a publisher that started later, every sample is expected.
+        // Every sample of a publisher that started later is expected.
         let first = if incarnation < joined_ns { sequence } else { 0 };
         let publisher = self.0.entry(incarnation).or_insert(Publisher {
             first,

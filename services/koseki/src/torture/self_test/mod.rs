@@ -18,7 +18,7 @@ use super::{OwnFailure, ledger};
 use defects::{DEFECTS, Place};
 use record::Record;
 
-/// Plants each defect in the record of a file, or in one of its own, and says what the judge finds.
+/// Plants each defect in the record of a file, or in one of its own, and prints what the judge finds.
 ///
 /// # Errors
 /// [`OwnFailure`] if the judge does not find one of them, or finds something in the record itself.

@@ -1,8 +1,9 @@
 //! The deployment that suffers, in a folder of its own.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File, OpenOptions};
-use std::os::unix::fs::FileExt as _;
+mod memory;
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -10,23 +11,21 @@ use std::time::{Duration, Instant};
 use anyhow::Context as _;
 use bus::{Bus, BusError, Payload, Publisher, Root, SharedMemory};
 use messages::{NS_PER_S, Topic};
-use rand::RngExt as _;
-use rand_chacha::ChaCha8Rng;
 use runtime::clock::{Now, instant, mono_ns};
 use runtime::instance::leading_fusion;
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 use tempfile::TempDir;
 
-use super::judge::event::{Conditions, Event, What};
-use super::judge::limits::Limits;
-use super::ledger::Ledger;
-use super::onlooker::{Onlooker, TakeOvers};
-use super::own_file_systems::{self, SHARED_MEMORY};
-use super::resources::{Latencies, Resources};
-use super::schedule::{Cast, Needs};
-use super::world::{self, World};
 use crate::args::Torture;
+use crate::torture::judge::event::{Conditions, Event, What};
+use crate::torture::judge::limits::Limits;
+use crate::torture::ledger::Ledger;
+use crate::torture::onlooker::{Onlooker, TakeOvers};
+use crate::torture::own_file_systems::{self, SHARED_MEMORY};
+use crate::torture::resources::{Latencies, Resources};
+use crate::torture::schedule::{Cast, Needs};
+use crate::torture::world::{self, World};
 
 const INSTANCE: &str = "torture";
 /// How long a start, or an end, may take.
@@ -37,23 +36,18 @@ const NOTE_NS: i64 = 500_000_000;
 const PAUSE: Duration = Duration::from_millis(5);
 /// Time for which no process may end until a deployment counts as back whose memory was spoilt.
 const STABLE: Duration = Duration::from_secs(2);
-/// Time within which processes fall over memory that was spoilt, or do not.
-const CORRUPTION_SHOWS: Duration = Duration::from_secs(10);
-/// Time that another process has for reading one sample of memory that was spoilt.
-const PROBE_PATIENCE: Duration = Duration::from_secs(10);
-
 /// The run was interrupted.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
-pub(super) struct Interrupted;
+pub(in crate::torture) struct Interrupted;
 
 /// The deployment is so broken that the run cannot go on: a verdict on the deployment, and no failure of this command.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub(super) struct Broken(String);
+pub(in crate::torture) struct Broken(String);
 
 /// A deployment, its launcher, and the subscriber through which the judge sees it.
-pub(super) struct Deployment {
+pub(in crate::torture) struct Deployment {
     folder: TempDir,
     root: Root,
     command: Vec<String>,
@@ -69,7 +63,7 @@ pub(super) struct Deployment {
     dead_prefix: Option<String>,
     /// Why the subscriber could not join last time.
     obstacle: String,
-    /// The memory was spoilt: somebody else reads it first, since it may kill who does.
+    /// The memory was spoilt: another process reads it first, since reading it may kill the reader.
     is_spoilt: bool,
     probe: Option<(Child, Instant)>,
     latencies: Latencies,
@@ -83,7 +77,7 @@ impl Deployment {
     ///
     /// # Errors
     /// If the configuration cannot be used, or the deployment does not start.
-    pub(super) fn start(torture: &Torture, stop: Stop) -> anyhow::Result<Self> {
+    pub(in crate::torture) fn start(torture: &Torture, stop: Stop) -> anyhow::Result<Self> {
         let path = torture
             .config
             .as_deref()
@@ -148,7 +142,7 @@ impl Deployment {
     }
 
     /// Whether it has what a fault needs.
-    pub(super) fn has(&self, needs: Needs) -> bool {
+    pub(in crate::torture) fn has(&self, needs: Needs) -> bool {
         match needs {
             Needs::Nothing => true,
             Needs::Standby => self.has_standby(),
@@ -160,8 +154,8 @@ impl Deployment {
         self.expected.iter().any(|name| name == "standby")
     }
 
-    /// Whom a fault can hit.
-    pub(super) fn cast(&self) -> Cast {
+    /// Processes and sources that a fault can hit.
+    pub(in crate::torture) fn cast(&self) -> Cast {
         Cast {
             processes: self.expected.clone(),
             sources: self.sources.clone(),
@@ -169,7 +163,7 @@ impl Deployment {
     }
 
     /// Whether the picture cannot go on while this process stands still.
-    pub(super) fn picture_needs(&self, name: &str) -> bool {
+    pub(in crate::torture) fn picture_needs(&self, name: &str) -> bool {
         match name {
             "keeper" | "monitor" | "recorder" | "display" | "standby" => false,
             "fusion" => !self.has_standby(),
@@ -177,16 +171,16 @@ impl Deployment {
         }
     }
 
-    pub(super) fn root(&self) -> &Root {
+    pub(in crate::torture) fn root(&self) -> &Root {
         &self.root
     }
 
-    pub(super) fn ledger(&mut self) -> &mut Ledger {
+    pub(in crate::torture) fn ledger(&mut self) -> &mut Ledger {
         &mut self.ledger
     }
 
     /// A publisher, once the deployment has its topic: it may be being rebuilt.
-    pub(super) fn publisher<T: Payload>(
+    pub(in crate::torture) fn publisher<T: Payload>(
         &mut self,
         topic: &Topic<T>,
     ) -> anyhow::Result<(Bus<SharedMemory>, Publisher<SharedMemory, T>)> {
@@ -207,7 +201,7 @@ impl Deployment {
 
     /// Process numbers of the launcher's children, by their names. Of two fusions, the one that leads is called fusion:
     /// after a take-over they have exchanged their parts, and not their command lines.
-    pub(super) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
+    pub(in crate::torture) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
         let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"))
             .map_err(|_| Broken(format!("the launcher has ended: {}", self.said())))?;
@@ -227,7 +221,7 @@ impl Deployment {
     }
 
     /// Sends a signal to a child, whose process number is returned.
-    pub(super) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
+    pub(in crate::torture) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
             if let Some(pid) = self.children()?.get(name).copied() {
@@ -242,15 +236,15 @@ impl Deployment {
     }
 
     /// Sends a signal to a process of the launcher's.
-    pub(super) fn signal_process(&self, pid: u32, signal: Signal) {
+    pub(in crate::torture) fn signal_process(&self, pid: u32, signal: Signal) {
         if let Some(pid) = i32::try_from(pid).ok().and_then(Pid::from_raw) {
-            // It may have ended meanwhile.
+            // The process may have ended meanwhile.
             let _ = kill_process(pid, signal);
         }
     }
 
     /// Waits until a child has another process than the `dead` one.
-    pub(super) fn until_started(&mut self, name: &str, dead: u32) -> anyhow::Result<u32> {
+    pub(in crate::torture) fn until_started(&mut self, name: &str, dead: u32) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
             if let Some(pid) = self.children()?.get(name).filter(|pid| **pid != dead) {
@@ -264,8 +258,8 @@ impl Deployment {
     }
 
     /// Kills the launcher and starts it again.
-    pub(super) fn restart(&mut self) -> anyhow::Result<()> {
-        // Who looks on keeps the instance in use.
+    pub(in crate::torture) fn restart(&mut self) -> anyhow::Result<()> {
+        // A subscriber keeps the instance in use.
         self.look_away(true);
         self.dead_prefix = self.prefix();
         self.launcher.kill()?;
@@ -277,7 +271,7 @@ impl Deployment {
     }
 
     /// Looks on for a while.
-    pub(super) fn watch(&mut self, time: Duration) -> anyhow::Result<()> {
+    pub(in crate::torture) fn watch(&mut self, time: Duration) -> anyhow::Result<()> {
         let begun = instant();
         loop {
             self.look()?;
@@ -289,7 +283,7 @@ impl Deployment {
     }
 
     /// Leaves the deployment; `whole` if its memory is sound.
-    pub(super) fn look_away(&mut self, whole: bool) {
+    pub(in crate::torture) fn look_away(&mut self, whole: bool) {
         if let Some((mut probe, _)) = self.probe.take() {
             let _ = probe.kill();
             let _ = probe.wait();
@@ -300,13 +294,13 @@ impl Deployment {
     }
 
     /// Take-overs, and those of them from a fusion that stood still.
-    pub(super) fn take_overs(&self) -> (u64, u64) {
+    pub(in crate::torture) fn take_overs(&self) -> (u64, u64) {
         let sum = |place: usize| self.take_overs.values().map(|counts| counts[place]).sum();
         (sum(0), sum(1))
     }
 
-    /// What it uses of the machine now.
-    pub(super) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
+    /// Present use of the machine.
+    pub(in crate::torture) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
         let folder = fs::read_dir(self.root.path()).map_or(0, Iterator::count);
         let mut used = Resources {
             at_s,
@@ -321,69 +315,9 @@ impl Deployment {
         Ok(used)
     }
 
-    /// With what the names of its memory begin; `None` also while it is being rebuilt.
-    fn prefix(&self) -> Option<String> {
-        self.root.prefix().ok().flatten()
-    }
-
-    /// Files of the deployment in shared memory.
-    fn memory(&self, prefix: Option<String>) -> anyhow::Result<BTreeSet<String>> {
-        let prefixes: Vec<String> = prefix.into_iter().chain([self.root.kept_prefix()]).collect();
-        let names = fs::read_dir(SHARED_MEMORY)?.flatten();
-        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
-        Ok(names
-            .filter(|name| prefixes.iter().any(|prefix| name.starts_with(prefix)))
-            .collect())
-    }
-
-    /// Makes a file system full for a while, in which nobody looks on: who maps shared memory can be killed by it.
-    pub(super) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
-        self.look_away(true);
-        own_file_systems::fill(folder)?;
-        std::thread::sleep(time);
-        own_file_systems::make_room(folder)
-    }
-
     /// Folder for recordings.
-    pub(super) fn out(&self) -> PathBuf {
+    pub(in crate::torture) fn out(&self) -> PathBuf {
         self.folder.path().join("out")
-    }
-
-    /// Writes random bytes into the shared memory of its topics, and waits until the deployment has replaced it, or
-    /// can be thought to go on without.
-    pub(super) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
-        const BYTES: usize = 4000;
-        self.look_away(true);
-        let prefix = self.prefix();
-        let names = self.memory(prefix.clone())?;
-        let of_topics = |name: &&String| {
-            [".data", ".connection", ".dynamic"]
-                .iter()
-                .any(|end| name.ends_with(end))
-        };
-        let names: Vec<&String> = names.iter().filter(of_topics).collect();
-        anyhow::ensure!(!names.is_empty(), "there is no shared memory");
-        for _ in 0..BYTES {
-            let path = Path::new(SHARED_MEMORY).join(names[random.random_range(0..names.len())]);
-            let (share, byte) = (random.random::<f64>(), random.random::<u8>());
-            // Files come and go.
-            if let Ok(file) = OpenOptions::new().write(true).open(path) {
-                let length = file.metadata().map_or(0, |found| found.len());
-                if length > 0 {
-                    let _ = file.write_at(&[byte], (share * length as f64) as u64);
-                }
-            }
-        }
-        self.is_spoilt = true;
-        let begun = instant();
-        while instant() - begun < CORRUPTION_SHOWS && self.prefix() == prefix {
-            self.heed_stop()?;
-            std::thread::sleep(PAUSE);
-        }
-        if self.prefix() != prefix {
-            self.ledger.now(What::Rebuilt);
-        }
-        Ok(())
     }
 
     fn heed_stop(&self) -> anyhow::Result<()> {
@@ -424,42 +358,13 @@ impl Deployment {
         Ok(())
     }
 
-    /// Whether the memory can be read: after it was spoilt, whether another process has read a sample.
-    fn may_be_read(&mut self) -> anyhow::Result<bool> {
-        if !self.is_spoilt {
-            return Ok(true);
-        }
-        let Some((probe, begun)) = &mut self.probe else {
-            let mut command = Command::new(std::env::current_exe()?);
-            command
-                .args(["tap", "--count=1"])
-                .arg(format!("--instance={INSTANCE}"))
-                .env("KOSEKI_ROOT", self.root.base())
-                .stdin(Stdio::null())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null());
-            self.probe = Some((command.spawn().context("starting a reader")?, instant()));
-            return Ok(false);
-        };
-        match probe.try_wait()? {
-            Some(status) => {
-                self.is_spoilt = !status.success();
-                self.obstacle = format!("another reader: {status}");
-            }
-            None if instant() - *begun > PROBE_PATIENCE => {
-                "another reader saw no state".clone_into(&mut self.obstacle);
-                probe.kill()?;
-                probe.wait()?;
-            }
-            None => return Ok(false),
-        }
-        self.probe = None;
-        Ok(!self.is_spoilt)
-    }
-
     /// Waits until every process is there and states come that were sent from now on; what is missing if they do not.
     /// A deployment that may still fall over is back when no process has ended for a while.
-    pub(super) fn until_back(&mut self, patience: Duration, stable: bool) -> anyhow::Result<Option<String>> {
+    pub(in crate::torture) fn until_back(
+        &mut self,
+        patience: Duration,
+        stable: bool,
+    ) -> anyhow::Result<Option<String>> {
         let (begun, begun_ns) = (instant(), mono_ns());
         let (mut seen, mut since) = (BTreeMap::new(), begun);
         loop {
@@ -502,7 +407,7 @@ impl Deployment {
         let (begun, begun_ns) = (instant(), mono_ns());
         let words = format!("instance {INSTANCE} runs");
         while !self.said().contains(&words) {
-            // What the first fusion says at its start is not to be missed.
+            // The ends of tracks that fusion sends at its start must not be missed.
             self.look()?;
             if let Some(status) = self.launcher.try_wait()? {
                 return Err(Broken(format!("the deployment does not start ({status}): {}", self.said())).into());
@@ -531,7 +436,7 @@ impl Deployment {
     ///
     /// # Errors
     /// If it does not stop.
-    pub(super) fn stop(&mut self) -> anyhow::Result<()> {
+    pub(in crate::torture) fn stop(&mut self) -> anyhow::Result<()> {
         self.look_away(true);
         let at_ns = mono_ns();
         let prefix = self.prefix();
