@@ -30,8 +30,8 @@ Limits on a machine without other work, in seconds, with the second or so betwee
 The margin for other work of the machine multiplies all of them (--margin, usually 2). Positions are 300 m off at most,
 three states in a row; the margin does not change that. Limits with the margin in them are part of output and JSON.
 
-Exit codes: 0 sound; 1 faulty, with reasons; 2 wrong usage or configuration; 3 no verdict, since the command itself failed
-or was interrupted. The JSON file is written in each case but 2, and after each fault (\"outcome\": \"running\").";
+Exit codes: 0 sound; 1 faulty, with reasons; 2 wrong usage or configuration; 3 no verdict, since the command itself
+failed or was interrupted. The JSON file is written in each case but 2, and after each fault (\"outcome\": \"running\").";
 
 /// `koseki torture`.
 #[derive(Debug, Args)]

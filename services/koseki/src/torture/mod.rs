@@ -5,9 +5,9 @@
 //! whatever dies, the launcher too: an address is one target all the time, and where it is, is known ([`world`]).
 //!
 //! The [`judge`] does no input or output: it takes events, which can be recorded and judged again ([`ledger`]). So it
-//! can be tried itself: [`self_test`] spoils a sound record in many ways, each of which it has to find. After each fault
-//! the deployment must come back by itself. Where it does not, it is started again, and the verdict says so. What fails
-//! in this command is no verdict ([`OwnFailure`]).
+//! can be tried itself: [`self_test`] spoils a sound record in many ways, each of which the judge has to find. After
+//! each fault the deployment must come back by itself. Where it does not, it is started again, and that is a finding. A
+//! failure of this command is no verdict ([`OwnFailure`]).
 
 mod deployment;
 mod faults;
