@@ -281,9 +281,7 @@ impl Judge {
 
     fn begin_fault(&mut self, at_ns: i64, keeps_numbers: bool, rebuilds: bool) {
         self.faults += 1;
-        if !keeps_numbers {
-            self.numbers.settle(at_ns, &mut self.findings);
-        }
+        self.numbers.settle(at_ns, &mut self.findings);
         self.fault = Fault {
             began_ns: at_ns,
             is_excused: !keeps_numbers,

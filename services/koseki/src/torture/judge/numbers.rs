@@ -219,7 +219,7 @@ impl Numbers {
         }
     }
 
-    /// Decides on every rival: the run ends, or numbers are about to be excused.
+    /// Decides on every rival: the run ends, or another fault begins.
     pub(crate) fn settle(&mut self, now_ns: i64, findings: &mut Findings) {
         for (address, target) in &mut self.targets {
             let Some(present) = target.number else { continue };
