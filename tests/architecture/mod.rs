@@ -176,6 +176,16 @@ fn dependencies_run_one_way() {
     }
 }
 
+/// `.cargo/config.toml` has the seed, and cargo hands it to tests.
+#[test]
+fn property_tests_draw_the_same_cases_in_every_run() {
+    let seed = std::env::var("PROPTEST_RNG_SEED").unwrap_or_default();
+    assert!(
+        seed.parse::<u64>().is_ok(),
+        "PROPTEST_RNG_SEED is \"{seed}\": run cargo inside the repository"
+    );
+}
+
 #[test]
 fn only_the_bus_knows_iceoryx2() {
     let metadata = workspace();

@@ -328,10 +328,7 @@ fn deeds() -> impl Strategy<Value = Vec<Deed>> {
 fn what_is_taken_or_lost_is_what_was_sent<S: Transport>() {
     static CASES: AtomicUsize = AtomicUsize::new(0);
     let home = Home::new();
-    let config = ProptestConfig {
-        failure_persistence: None,
-        ..ProptestConfig::with_cases(48)
-    };
+    let config = ProptestConfig::with_cases(48);
     proptest!(config, |(deeds in deeds())| {
         let name = format!("case-{}", CASES.fetch_add(1, Ordering::Relaxed));
         let line = Line::<S>::new(&home, &name, 4, 3);

@@ -459,7 +459,7 @@ fn a_minimum_that_is_met_exactly_is_kept() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig::with_cases(512))]
 
     /// An array that is turned hears every wave from as much further to the left.
     #[test]

@@ -105,8 +105,11 @@ fn those_that_differ_enough_give_two_plots() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Whoever is told apart is measured as by a radar that tells all apart; of a group there is never more than one
-    /// plot, and the same settings give the same plots.
+    /// A target that is told apart is measured as by a radar that tells all apart. A plot of several stands for at least
+    /// two targets, which have no plot of their own in that turn, and the same settings give the same plots.
+    ///
+    /// A radar that tells all apart need not have two plots in the place of one: who is with whom is decided for a turn,
+    /// in whose middle a neighbour may be in view that crosses the edge of coverage, or north, until the antenna comes.
     #[test]
     fn resolution_takes_plots_away_and_changes_no_other(seed: u64, resolved in 0.0..1.0f64, range_m in 10.0..2000.0f64) {
         let world = ScenarioSettings {
@@ -132,11 +135,13 @@ proptest! {
         };
         let [all, found] = [&unlimited, &limited].map(|settings| plots(settings, &truth, seed, 5.0));
         prop_assert_eq!(&found, &plots(&limited, &truth, seed, 5.0));
-        prop_assert!(found.len() <= all.len());
-        let merged = found.iter().filter(|plot| plot.of == Of::Merged).count();
-        prop_assert!(found.len() + merged <= all.len(), "at least two are in each: {} {merged} {}", found.len(), all.len());
         for plot in found.iter().filter(|plot| plot.of != Of::Merged) {
             prop_assert!(all.contains(plot), "{plot:?}");
+        }
+        for turn in found.chunk_by(|one, other| one.scan == other.scan) {
+            let merged = turn.iter().filter(|plot| plot.of == Of::Merged).count();
+            let apart = turn.iter().filter(|plot| matches!(plot.of, Of::Target(_))).count();
+            prop_assert!(apart + 2 * merged <= truth.len(), "{apart} and {merged} of {} targets", truth.len());
         }
     }
 }
