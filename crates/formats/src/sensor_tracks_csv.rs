@@ -22,6 +22,8 @@ pub use crate::tracks_csv::SensorTrackWriter;
 const KINEMATICS: [&str; STATE_LEN] = ["x", "y", "z", "vx", "vy", "vz"];
 /// Excess of a covariance over the product of its standard deviations that is accepted: files round to a few decimals.
 const ROUNDING: f64 = 1e-3;
+/// Part of a variance that is lost where four decimals are written: a target that stands still may have none left.
+const VARIANCE_ROUNDING: f64 = 5e-5;
 
 /// Reads sensor tracks.
 pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
@@ -162,7 +164,8 @@ impl<F> SensorTrackColumns<F> {
         }
         for line in 0..STATE_LEN {
             for other in line + 1..STATE_LEN {
-                let limit = (covariance.get(line, line) * covariance.get(other, other)).sqrt() + ROUNDING;
+                let [one, another] = [line, other].map(|place| covariance.get(place, place) + VARIANCE_ROUNDING);
+                let limit = (one * another).sqrt() + ROUNDING;
                 if covariance.get(line, other).abs() > limit {
                     let column = columns[Covariance::index(line, other)];
                     let reason = format!("is beyond the product of its standard deviations, {limit:.4}");
@@ -436,7 +439,7 @@ mod tests {
             (
                 "25,0,0",
                 "25,25.1,0",
-                "column P01: \"25.1\" is beyond the product of its standard deviations, 25.0010",
+                "column P01: \"25.1\" is beyond the product of its standard deviations, 25.0011",
             ),
             (
                 "confirmed",
@@ -483,6 +486,25 @@ mod tests {
             let text = found.as_ref().unwrap_err();
             assert!(text.starts_with("line 2, ") && text.contains(expected), "{text}");
         }
+    }
+
+    /// A standard deviation of 5 mm/s is written as a variance of 0.0000.
+    #[test]
+    fn a_covariance_beside_a_variance_that_rounding_took_is_read() {
+        let mut covariance = Covariance::default();
+        for (line, other, value) in [(0, 0, 1e4), (1, 1, 1.0), (3, 3, 25e-6), (0, 3, 0.4)] {
+            covariance.set(line, other, value);
+        }
+        let track = SensorTrack {
+            covariance,
+            valid: bits::OWN_COVARIANCE | bits::VELOCITY,
+            track_number: 1,
+            ..SensorTrack::default()
+        };
+        let mut text = Vec::new();
+        SensorTrackWriter::begin(&mut text, 0).unwrap().write(&track).unwrap();
+        let mut found = SensorTrackReader::new(&text[..], 0, |_| Some(0)).unwrap();
+        assert_eq!(found.next().unwrap().unwrap().covariance.get(0, 3), 0.4);
     }
 
     /// A track whose numbers have no more decimals than files carry.
