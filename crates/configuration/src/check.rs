@@ -321,7 +321,7 @@ fn check_tracker(
                     plots = true";
         return Err(SettingsError::new(key(), what));
     }
-    source_tracker(tracker, index as u16, raw.period_s()).map(Some)
+    source_tracker(tracker, index as u16, raw.weighing.period_s).map(Some)
 }
 
 /// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its

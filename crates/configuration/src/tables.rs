@@ -579,7 +579,9 @@ impl SourceTable {
             return Err(SettingsError::new("locator", what));
         }
         let wait_s = self.tracker.as_ref().and_then(|tracker| tracker.wait_s);
-        settings::within("tracker.wait_s", wait_s.unwrap_or(0.0), 0.0, self.period_s())
+        // The longest turn that is found, where none is configured.
+        let longest_s = self.weighing.period_s.unwrap_or(60.0);
+        settings::within("tracker.wait_s", wait_s.unwrap_or(0.0), 0.0, longest_s)
     }
 
     /// Time between two reports of one target, seconds.

@@ -16,8 +16,6 @@ use super::tables::SourceTrackerTable;
 
 /// Room for tracks, where nobody says more: so many times the detections of the largest scan.
 const TRACKS_PER_DETECTION: usize = 6;
-/// Time for which a scan waits for late detections, where nobody says more: periods.
-const WAIT_PERIODS: f64 = 0.1;
 /// Room for detections that wait for their scan to be complete: so many times that of a scan.
 const WAITING_SCANS: usize = 2;
 
@@ -69,15 +67,15 @@ impl Tracking {
     }
 }
 
-/// The tracker of the source numbered `number`, which looks around once in `period_s`. Its links are found when all
+/// The tracker of the source numbered `number`, which looks around once in `period_s`, if that is configured. Its links are found when all
 /// sources and sensors are known.
 pub(crate) fn source_tracker(
     table: &SourceTrackerTable,
     number: u16,
-    period_s: f64,
+    period_s: Option<f64>,
 ) -> Result<TrackerSettings, SettingsError> {
-    let period_ns = Seconds::of(period_s).ns();
-    if period_ns < PERIOD_MIN_NS {
+    let period_ns = period_s.map(|period_s| Seconds::of(period_s).ns());
+    if let Some(period_s) = period_s.filter(|_| period_ns < Some(PERIOD_MIN_NS)) {
         let what = format!("{period_s} is too short for a tracker, whose scans take 0.0625 s at least");
         return Err(SettingsError::new(format!("source[{number}].period_s"), what));
     }
@@ -91,7 +89,7 @@ pub(crate) fn source_tracker(
         cutter: CutterSettings {
             boundaries: table.scans,
             period_ns,
-            wait_ns: Seconds::of(table.wait_s.unwrap_or(WAIT_PERIODS * period_s)).ns(),
+            wait_ns: table.wait_s.map(|wait_s| Seconds::of(wait_s).ns()),
             waiting_max: WAITING_SCANS * settings.capacity.detections(),
             epoch_ns: 0,
         },

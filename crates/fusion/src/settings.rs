@@ -242,7 +242,7 @@ settings::settings! {
 
     /// Weighing of one source (TI-2).
     pub struct Weighing {
-        /// Time between two reports of one target.
+        /// Time between two reports of one target. A tracker of plots finds it in north marks, or in the plots.
         period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
         /// Age beyond which a report no longer contributes, at least a period.
         fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";

@@ -187,10 +187,10 @@ counters! {
         "Reports marked as simulated or test targets.";
     RejectedNoPosition = "rejected_no_position", Rejection by [Adapter],
         "Reports without a usable position (a track's last message, for example).";
-    RejectedNoTrackNumber = "rejected_no_track_number", Rejection by [Adapter],
+    RejectedNoTrackNumber = "rejected_no_track_number", Rejection by [Adapter, Gateway],
         "Reports with neither track number nor address.";
-    RejectedPosition = "rejected_position", Rejection by [Adapter],
-        "Reports with a position that cannot be: outside the sensor's range or the globe.";
+    RejectedPosition = "rejected_position", Rejection by [Adapter, Gateway],
+        "Reports with a position that cannot be: outside the sensor's range, the globe, or what a category can express.";
     RejectedHeight = "rejected_height", AdapterRemark by [Adapter],
         "Heights that cannot be; the report is used without its height.";
     RejectedSpeed = "rejected_speed", Rejection by [Adapter],
@@ -207,8 +207,8 @@ counters! {
         "Reports of another SAC/SIC, or observed by another method, than configured.";
     TracksEnded = "tracks_ended", AdapterRemark by [Adapter],
         "Sensor tracks that their source declared ended.";
-    TracksDropped = "tracks_dropped", Rejection by [Adapter],
-        "Reports of tracks dropped because the adapter's table was full.";
+    TracksDropped = "tracks_dropped", Rejection by [Adapter, Gateway],
+        "Reports of tracks dropped because the process's table was full.";
     WaitedForConsumers = "waited_for_consumers", Flow by [Adapter],
         "Times a recorded source waited for its consumers so that nothing is lost.";
     Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
@@ -367,6 +367,10 @@ counters! {
         "Level: microseconds by which the clock (UTC) of another host is off for certain: beyond what the comparison leaves open.";
     RejectedEpoch = "rejected_epoch", FusionRejection by [Monitor, Gateway, Display],
         "Samples rejected because they came from a fusion that has been replaced since.";
+    Stopping = "stopping", Level by [],
+        "Level: 1 once the launcher stops the deployment.";
+    ScanPeriodMs = "scan_period_ms", Level by [],
+        "Level: milliseconds that a turn takes, by which an adapter cuts detections into scans; 0 until it is known.";
 }
 
 #[cfg(test)]

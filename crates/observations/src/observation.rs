@@ -139,8 +139,12 @@ impl Observation {
 /// A record that speaks of the sensor itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Service {
+    /// System area code and system identification code of the sensor, if the message has them.
+    pub sac_sic: Option<(u8, u8)>,
     /// Time of the message, nanoseconds since midnight UTC.
     pub time_of_day_ns: Option<i64>,
     /// Whether the sensor's next look all around begins: its antenna points north, or a new update cycle starts.
     pub turn_begins: bool,
+    /// Time that a turn of the antenna takes, where the message states it, nanoseconds.
+    pub turn_ns: Option<i64>,
 }

@@ -29,6 +29,7 @@ use observations::{Bearing, Detection, Sampled, WideAreaReport};
 use settings::SettingsError;
 use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
 use tracking::scans::silent_scans;
+use tracking::turn_time::Turn;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::Cue;
@@ -150,6 +151,16 @@ impl DetectionTracker {
         self.come_to(time_ns, samples);
     }
 
+    /// The sensor states that its turn takes `turn_ns` nanoseconds.
+    pub fn turn_takes(&mut self, turn_ns: i64) {
+        self.cutter.turn_takes(turn_ns);
+    }
+
+    /// Turn that the sensor's data have shown so far.
+    pub fn turn(&self) -> Option<Turn> {
+        self.cutter.turn()
+    }
+
     /// Works off what waits for more: the data have ended.
     pub fn end(&mut self, samples: &mut Samples) {
         while let Some(scan) = self.cutter.last_scan() {
@@ -206,6 +217,10 @@ impl DetectionTracker {
         counters[Counter::DetectionsRejected] = self.dropped + counts.rejected_detections + counts.dropped_detections;
         counters[Counter::TracksDropped] += counts.dropped_tracks;
         counters[Counter::Scans] = self.tracker.scans();
+        counters[Counter::ScanPeriodMs] = self
+            .cutter
+            .period_ns()
+            .map_or(0, |period_ns| period_ns as u64 / 1_000_000);
         counters[Counter::WideAreaReports] = counts.wide_area_reports;
         counters[Counter::WideAreaRejected] = counts.wide_area_reports_rejected + self.reports_dropped;
         counters[Counter::WideAreaLate] = self.reports_late;

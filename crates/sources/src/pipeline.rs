@@ -11,6 +11,7 @@ use messages::{Counters, SensorBearing, sensor_track_bits};
 use observations::{Bearing, Observation, Service, WideAreaReport};
 use reception::{Converter, SourceModel};
 use settings::SettingsError;
+use tracking::turn_time::Turn;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::bearing_locator::BearingLocator;
@@ -50,6 +51,8 @@ impl Processing {
 #[derive(Debug)]
 pub struct Pipeline {
     converter: Converter,
+    /// Sensor that it listens to, if it is told from others.
+    sac_sic: Option<(u8, u8)>,
     maker: Maker,
     progress_ns: i64,
 }
@@ -89,6 +92,7 @@ impl Pipeline {
             }
         };
         Ok(Self {
+            sac_sic: model.sac_sic,
             converter: Converter::new(model, first_day_ns),
             maker,
             progress_ns: i64::MIN,
@@ -133,14 +137,21 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a record that speaks of the sensor, which came in at `ingested_ns`.
+    /// Takes a record that speaks of the sensor, which came in at `ingested_ns`. That of another sensor is passed over.
     pub fn service(&mut self, service: &Service, ingested_ns: i64, samples: &mut Samples) {
+        let is_of_another = |own| service.sac_sic.is_some_and(|sender| sender != own);
+        if self.sac_sic.is_some_and(is_of_another) {
+            return;
+        }
         let time_ns = self.converter.service(service.time_of_day_ns);
         match &mut self.maker {
             Maker::None => {
                 self.progress_ns = self.progress_ns.max(self.converter.running_ns().unwrap_or(i64::MIN));
             }
             Maker::Tracker(tracker) => {
+                if let Some(turn_ns) = service.turn_ns {
+                    tracker.turn_takes(turn_ns);
+                }
                 if let Some(time_ns) = time_ns {
                     tracker.passed(time_ns, service.turn_begins, ingested_ns, samples);
                 }
@@ -226,6 +237,14 @@ impl Pipeline {
         match &self.maker {
             Maker::None | Maker::Tracker(_) => self.converter.clock().offset(),
             Maker::Locator(locator) => locator.clock().offset(),
+        }
+    }
+
+    /// Turn that the data of a sensor whose tracks are made here have shown so far.
+    pub fn turn(&self) -> Option<Turn> {
+        match &self.maker {
+            Maker::Tracker(tracker) => tracker.turn(),
+            Maker::None | Maker::Locator(_) => None,
         }
     }
 

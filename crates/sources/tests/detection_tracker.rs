@@ -96,6 +96,55 @@ fn without_a_period_tracks_come_after_scans() {
     assert!(made.cues.is_empty());
 }
 
+/// A radar of which nobody says that a turn takes 7.6 s; its north marks, its statement and its plots each do.
+#[test]
+fn tracks_are_made_turn_by_turn_where_no_period_is_configured() {
+    let turn_ns = 76 * S / 10;
+    for by in ["north marks", "statement", "plots"] {
+        let site = SITE.replace("period_s = 4.0\n", "").replace("scans = \"period\"\n", "");
+        let config = Config::parse(Path::new("t.toml"), &site.replace("KEYS", ""), &[]).unwrap();
+        let settings = config.sources[0].tracker().unwrap();
+        let mut tracking = DetectionTracker::new(0, settings, 0, Arrivals::new()).unwrap();
+        let mut made = Samples::default();
+        for turn in 0..40 {
+            let begin_ns = turn * turn_ns;
+            match by {
+                "north marks" => tracking.passed(begin_ns, true, 0, &mut made),
+                "statement" => tracking.turn_takes(turn_ns),
+                _ => {}
+            }
+            // Eight targets fly east, 40 km away in as many directions.
+            for target in 0..8 {
+                let share = (f64::from(target) + 0.4) / 8.0;
+                let time_ns = begin_ns + (share * turn_ns as f64) as i64;
+                let (sin, cos) = (share * std::f64::consts::TAU).sin_cos();
+                tracking.take(
+                    Detection {
+                        values: [40e3 * sin + time_ns as f64 * 1e-8, 40e3 * cos, 0.0],
+                        time_of_measurement_ns: time_ns,
+                        ..seen(0.0)
+                    },
+                    0,
+                    &mut made,
+                );
+            }
+        }
+        let mut counters = Counters::default();
+        counters[Counter::Reports] = 320;
+        tracking.count(&mut counters);
+        let period_ms = counters[Counter::ScanPeriodMs];
+        assert!(period_ms.abs_diff(7_600) < 40, "{by}: {period_ms} ms");
+        assert!(
+            (38..=42).contains(&counters[Counter::Scans]),
+            "{by}: {}",
+            counters[Counter::Scans]
+        );
+        let numbers: std::collections::BTreeSet<u32> = made.tracks.iter().map(|track| track.track_number).collect();
+        assert_eq!(numbers.len(), 8, "{by}");
+        assert!(made.tracks.len() > 8 * 30, "{by}: {}", made.tracks.len());
+    }
+}
+
 #[test]
 fn the_next_detection_is_where_the_cue_says() {
     let mut tracking = tracker("cues = true");

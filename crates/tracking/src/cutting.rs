@@ -11,6 +11,9 @@
 //! ([`Boundaries::Period`]), boundaries are at whole multiples of the period. After a silence the next scan begins with
 //! the first detection.
 //!
+//! Where the period is not configured, it is found first ([`TurnTime`]), and until then all detections wait. It is that of the
+//! data alone, too.
+//!
 //! # Numbers
 //!
 //! Scans are numbered so that a gap in the numbers is as many periods of silence ([`crate::scans`]). The first number
@@ -21,6 +24,8 @@ use std::collections::VecDeque;
 
 use observations::Detection;
 
+use crate::turn_time::{Turn, TurnTime};
+
 /// Numbers set aside for each second.
 pub const NUMBERS_PER_S: i64 = 16;
 /// Shortest period, nanoseconds.
@@ -28,16 +33,21 @@ pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
 /// Most boundaries that wait for detections to reach them.
 const BOUNDARIES_MAX: usize = 8;
 const NS_PER_S: i64 = messages::NS_PER_S as i64;
+/// Period of a sensor that has shown none.
+const PERIOD_UNKNOWN_NS: i64 = NS_PER_S;
+/// Wait, where none is configured: one part of so many of a period.
+const WAIT_PARTS: i64 = 10;
 
 /// Settings of a cutter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutterSettings {
     /// Boundaries of scans.
     pub boundaries: Boundaries,
-    /// Time that the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`].
-    pub period_ns: i64,
-    /// Wait: time by which a detection may come after later ones, nanoseconds.
-    pub wait_ns: i64,
+    /// Time that the sensor takes to look around, nanoseconds, at least [`PERIOD_MIN_NS`]; `None`: as its data show.
+    pub period_ns: Option<i64>,
+    /// Wait: time by which a detection may come after later ones, nanoseconds, at most a period; `None`: a tenth of a
+    /// period.
+    pub wait_ns: Option<i64>,
     /// Most detections that wait for their scan to be complete.
     pub waiting_max: usize,
     /// From where scan numbers count, UTC, nanoseconds.
@@ -74,6 +84,13 @@ pub enum Taken {
     Refused,
 }
 
+/// Times by which scans are cut, nanoseconds.
+#[derive(Clone, Copy, Debug)]
+struct Rhythm {
+    period_ns: i64,
+    wait_ns: i64,
+}
+
 /// The scan at hand.
 #[derive(Clone, Copy, Debug)]
 struct Scan {
@@ -95,6 +112,9 @@ struct Pending<T> {
 #[derive(Clone, Debug)]
 pub struct Cutter<T> {
     settings: CutterSettings,
+    /// `None` until the period is known.
+    rhythm: Option<Rhythm>,
+    turn_time: TurnTime,
     scan: Option<Scan>,
     boundaries: VecDeque<i64>,
     waiting: Vec<Pending<T>>,
@@ -113,6 +133,8 @@ impl<T: Copy> Cutter<T> {
     pub fn new(settings: CutterSettings) -> Self {
         Self {
             settings,
+            rhythm: settings.period_ns.map(|period_ns| settings.rhythm(period_ns)),
+            turn_time: TurnTime::default(),
             scan: None,
             boundaries: VecDeque::with_capacity(BOUNDARIES_MAX),
             waiting: Vec::with_capacity(settings.waiting_max),
@@ -140,6 +162,7 @@ impl<T: Copy> Cutter<T> {
         });
         self.came += 1;
         self.first_ns = self.first_ns.min(time_ns);
+        self.turn_time.detected(&detection);
         self.passed(time_ns);
         Taken::Waits
     }
@@ -153,7 +176,23 @@ impl<T: Copy> Cutter<T> {
             }
             self.boundaries.push_back(time_ns);
         }
+        self.turn_time.north(time_ns);
         self.passed(time_ns);
+    }
+
+    /// The sensor states that its turn takes `turn_ns` nanoseconds.
+    pub fn turn_takes(&mut self, turn_ns: i64) {
+        self.turn_time.stated(turn_ns);
+    }
+
+    /// Turn that the data have shown so far, whether or not scans are cut by it.
+    pub fn turn(&self) -> Option<Turn> {
+        self.turn_time.turn()
+    }
+
+    /// Period by which scans are cut, nanoseconds, once it is known.
+    pub fn period_ns(&self) -> Option<i64> {
+        self.rhythm.map(|rhythm| rhythm.period_ns)
     }
 
     /// The sensor's time has come to `time_ns`.
@@ -185,9 +224,10 @@ impl<T: Copy> Cutter<T> {
         self.complete.clear();
         self.with_them.clear();
         while !self.waiting.is_empty() {
-            let scan = self.scan_at_hand();
-            let (end_ns, is_said) = self.end(scan, running_ns)?;
-            if running_ns < end_ns.saturating_add(self.settings.wait_ns) {
+            let rhythm = self.rhythm(running_ns == i64::MAX)?;
+            let scan = self.scan_at_hand(rhythm);
+            let (end_ns, is_said) = self.end(scan, rhythm, running_ns)?;
+            if running_ns < end_ns.saturating_add(rhythm.wait_ns) {
                 return None;
             }
             self.boundaries.retain(|boundary_ns| *boundary_ns > end_ns);
@@ -195,7 +235,7 @@ impl<T: Copy> Cutter<T> {
             self.scan = Some(Scan {
                 number: scan
                     .number
-                    .saturating_add(self.periods(end_ns.saturating_sub(scan.begin_ns))),
+                    .saturating_add(rhythm.periods(end_ns.saturating_sub(scan.begin_ns))),
                 begin_ns: end_ns,
                 at_boundary: is_said || self.settings.boundaries == Boundaries::Period,
             });
@@ -209,9 +249,21 @@ impl<T: Copy> Cutter<T> {
         None
     }
 
+    /// Times by which scans are cut. `None` as long as the data may still show the period: at their end they cannot,
+    /// nor when there is no room for more.
+    fn rhythm(&mut self, have_ended: bool) -> Option<Rhythm> {
+        if self.rhythm.is_none() {
+            let is_late = have_ended || self.turn_time.is_unclear() || self.waiting.len() == self.settings.waiting_max;
+            let found_ns = self.turn_time.turn().map(|turn| turn.ns);
+            let period_ns = found_ns.or(is_late.then_some(PERIOD_UNKNOWN_NS));
+            self.rhythm = period_ns.map(|period_ns| self.settings.rhythm(period_ns));
+        }
+        self.rhythm
+    }
+
     /// The scan at hand; after a silence, the one in which the next detection is.
-    fn scan_at_hand(&mut self) -> Scan {
-        let period_ns = self.settings.period_ns;
+    fn scan_at_hand(&mut self, rhythm: Rhythm) -> Scan {
+        let period_ns = rhythm.period_ns;
         let is_silence = |scan: &Scan| self.first_ns.saturating_sub(scan.begin_ns) >= 2 * period_ns;
         if let Some(scan) = self.scan.filter(|scan| !is_silence(scan)) {
             return scan;
@@ -222,7 +274,7 @@ impl<T: Copy> Cutter<T> {
             false => self.first_ns,
         };
         let after = |scan: Scan| {
-            let periods = self.periods(begin_ns.saturating_sub(scan.begin_ns));
+            let periods = rhythm.periods(begin_ns.saturating_sub(scan.begin_ns));
             scan.number.saturating_add(periods)
         };
         let scan = Scan {
@@ -236,8 +288,8 @@ impl<T: Copy> Cutter<T> {
     }
 
     /// End of the scan, nanoseconds, and whether the sensor has said so; `None` as long as it still may.
-    fn end(&self, scan: Scan, running_ns: i64) -> Option<(i64, bool)> {
-        let CutterSettings { period_ns, wait_ns, .. } = self.settings;
+    fn end(&self, scan: Scan, rhythm: Rhythm, running_ns: i64) -> Option<(i64, bool)> {
+        let Rhythm { period_ns, wait_ns } = rhythm;
         // A turn is never half as long as it should be, unless it was not seen from its beginning.
         let shortest_ns = if scan.at_boundary { period_ns / 2 } else { 0 };
         let after = |time_ns: i64| scan.begin_ns.saturating_add(time_ns);
@@ -270,16 +322,27 @@ impl<T: Copy> Cutter<T> {
         self.first_ns = first.map_or(i64::MAX, |each| each.detection.time_of_measurement_ns);
     }
 
-    /// Number of whole periods in a time, at least one.
-    fn periods(&self, time_ns: i64) -> u32 {
-        let period_ns = self.settings.period_ns;
-        (time_ns.saturating_add(period_ns / 2) / period_ns).clamp(1, i64::from(u32::MAX)) as u32
-    }
-
     fn first_number(&self, begin_ns: i64) -> u32 {
         let since_ns = i128::from(begin_ns) - i128::from(self.settings.epoch_ns);
         let sixteenths = since_ns * i128::from(NUMBERS_PER_S) / i128::from(NS_PER_S);
         sixteenths.clamp(0, i128::from(u32::MAX / 2)) as u32
+    }
+}
+
+impl CutterSettings {
+    fn rhythm(&self, period_ns: i64) -> Rhythm {
+        let wait_ns = self.wait_ns.map(|wait_ns| wait_ns.min(period_ns));
+        Rhythm {
+            period_ns,
+            wait_ns: wait_ns.unwrap_or(period_ns / WAIT_PARTS),
+        }
+    }
+}
+
+impl Rhythm {
+    /// Number of whole periods in a time, at least one.
+    fn periods(self, time_ns: i64) -> u32 {
+        (time_ns.saturating_add(self.period_ns / 2) / self.period_ns).clamp(1, i64::from(u32::MAX)) as u32
     }
 }
 
@@ -293,8 +356,8 @@ mod tests {
     fn settings(boundaries: Boundaries) -> CutterSettings {
         CutterSettings {
             boundaries,
-            period_ns: 4 * S,
-            wait_ns: S,
+            period_ns: Some(4 * S),
+            wait_ns: Some(S),
             waiting_max: 100,
             epoch_ns: 0,
         }
@@ -396,14 +459,62 @@ mod tests {
     #[test]
     fn one_that_takes_anothers_place_has_greater_numbers() {
         let fastest = CutterSettings {
-            period_ns: PERIOD_MIN_NS,
-            wait_ns: 0,
+            period_ns: Some(PERIOD_MIN_NS),
+            wait_ns: Some(0),
             ..settings(Boundaries::Turn)
         };
         let events: Vec<Event> = (100..400).map(Plot).collect();
         let (before, _) = cut(fastest, &events);
         let (after, _) = cut(fastest, &[Plot(400)]);
         assert!(before.last().unwrap().0 < after[0].0, "{before:?} {after:?}");
+    }
+
+    /// Before the turn is known, everything waits; then scans are cut as if it had been known from the first.
+    #[test]
+    fn a_period_that_is_not_configured_is_that_of_the_data() {
+        let events: Vec<Event> = (0..12)
+            .flat_map(|turn| [North(76 * turn), Plot(76 * turn + 30), Plot(76 * turn + 70)])
+            .collect();
+        let configured = CutterSettings {
+            period_ns: Some(76 * S / 10),
+            wait_ns: None,
+            ..settings(Boundaries::Turn)
+        };
+        let found = CutterSettings {
+            period_ns: None,
+            ..configured
+        };
+        let (scans, late) = cut(found, &events);
+        assert_eq!(scans.len(), 12);
+        assert_eq!((scans, late), cut(configured, &events));
+
+        let mut cutter = Cutter::new(found);
+        for turn in 0..2 {
+            cutter.turn_begins(76 * turn * S / 10);
+            cutter.take(position((76 * turn + 30) * S / 10, 0.0, 1.0), ());
+            assert_eq!(cutter.next_scan(), None);
+        }
+        cutter.turn_takes(76 * S / 10);
+        assert_eq!(cutter.next_scan().map(|scan| scan.time_ns), Some(3 * S));
+    }
+
+    #[test]
+    fn data_that_show_no_period_are_cut_all_the_same() {
+        let unknown = CutterSettings {
+            period_ns: None,
+            wait_ns: None,
+            waiting_max: 3,
+            ..settings(Boundaries::Period)
+        };
+        let (scans, late) = cut(unknown, &[Plot(1), Plot(2), Plot(15), Plot(31), Plot(32)]);
+        assert_eq!(
+            scans,
+            [(0, vec![1, 2]), (1, vec![15]), (3, vec![31, 32])],
+            "no room for more"
+        );
+        assert_eq!(late, 0);
+        let (scans, _) = cut(unknown, &[Plot(1), Plot(15)]);
+        assert_eq!(scans, [(0, vec![1]), (1, vec![15])], "the data have ended");
     }
 
     #[test]
@@ -424,10 +535,12 @@ mod tests {
         fn any_times_are_cut_into_rising_scans_and_nothing_is_lost(
             events in prop::collection::vec((prop::bool::weighted(0.2), any::<i64>(), -50i64..2000), 0..80),
             by_turn in any::<bool>(),
+            is_configured in any::<bool>(),
             wild in any::<bool>(),
         ) {
             let boundaries = if by_turn { Boundaries::Turn } else { Boundaries::Period };
-            let mut cutter = Cutter::new(settings(boundaries));
+            let period_ns = is_configured.then_some(4 * S);
+            let mut cutter = Cutter::new(CutterSettings { period_ns, ..settings(boundaries) });
             let (mut found, mut refused, mut last, mut given) = (0, 0, None, 0);
             for (is_boundary, wild_ns, tenths) in events {
                 let time_ns = if wild { wild_ns } else { tenths * (S / 10) };

@@ -25,7 +25,8 @@
 //! A tracker goes on where another one was killed (`resumption`).
 //!
 //! What was considered and decided can be had as records ([`explanation`]).
-//! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`].
+//! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`]. The time of a turn
+//! that is not configured is found by [`turn_time`].
 //! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
 //!
 //! # Memory and time
@@ -92,6 +93,7 @@ mod tracker;
 #[cfg(test)]
 mod tracker_tests;
 mod turn;
+pub mod turn_time;
 pub mod wide_area;
 #[cfg(test)]
 mod wide_area_identity_tests;

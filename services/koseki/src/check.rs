@@ -12,12 +12,15 @@ use sources::TrackerSettings;
 use telemetry::Stage;
 use telemetry::table::duration;
 use tracking::cutting::Boundaries;
+use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
 use crate::recordings::{self, Depth, Found};
 
 /// Nanoseconds in a second.
 const NS: i64 = 1_000_000_000;
+/// Logarithm of the ratio of a turn to the configured period, beyond which one of the two is wrong.
+const PERIOD_DOUBT: f64 = 0.15;
 
 /// Validates, and prints a summary.
 ///
@@ -44,7 +47,7 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
             "number": source.number,
             "name": source.name,
             "adapter": source.adapter,
-            "period_s": period_s(source, config),
+            "period_s": period_s(source, config, found),
             "text": describe(source, config, found),
             "recording": found.map(|found| json!({
                 "file": found.file,
@@ -68,6 +71,7 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
     };
     let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
     let warnings = warnings.chain(settings.border.gaps().into_iter().map(|gap| gap.to_string()));
+    let warnings = warnings.chain(doubtful_periods(config, found));
     json!({
         "sound": true,
         "warnings": warnings.collect::<Vec<_>>(),
@@ -102,9 +106,60 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
     })
 }
 
-/// Time from one report of a target by the source to the next, seconds.
-fn period_s(source: &Source, config: &Config) -> f64 {
-    config.fusion.settings.sources[usize::from(source.number)].period_ns as f64 / NS as f64
+/// Time from one report of a target by the source to the next, seconds; `None` if its adapter finds it in the data.
+fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f64> {
+    let period_ns = match source.tracker() {
+        Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
+        None => Some(config.fusion.settings.sources[usize::from(source.number)].period_ns),
+    };
+    Some(period_ns? as f64 / NS as f64)
+}
+
+/// How often a source reports a target, and how that is known where it is not configured.
+fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
+    let Some(period_s) = period_s(source, config, found) else {
+        return "every turn, whose time its adapter finds in the data".to_owned();
+    };
+    let is_configured = source
+        .tracker()
+        .is_none_or(|tracker| tracker.cutter.period_ns.is_some());
+    match found.and_then(|found| found.turn).filter(|_| !is_configured) {
+        Some(turn) => format!("every {} s, as {} show", digits(period_s), shown_by(turn.basis)),
+        None => format!("every {period_s} s"),
+    }
+}
+
+/// A period that is configured, and that the source's recording contradicts.
+fn doubtful_periods<'a>(config: &'a Config, found: &'a [Found]) -> impl Iterator<Item = String> + 'a {
+    found.iter().filter_map(|found| {
+        let source = &config.sources[usize::from(found.source)];
+        let (configured_ns, turn) = (source.tracker()?.cutter.period_ns?, found.turn?);
+        let configured_s = configured_ns as f64 / NS as f64;
+        let turn_s = turn.ns as f64 / NS as f64;
+        ((turn_s / configured_s).ln().abs() > PERIOD_DOUBT).then(|| {
+            format!(
+                "source[{}].period_s = {configured_s}: a turn of {} takes {} s, as {} show; write that, or leave \
+                 period_s out",
+                found.source,
+                source.name,
+                digits(turn_s),
+                shown_by(turn.basis)
+            )
+        })
+    })
+}
+
+fn shown_by(basis: Basis) -> &'static str {
+    match basis {
+        Basis::Stated => "its messages",
+        Basis::NorthMarks => "its north marks",
+        Basis::Detections => "its plots",
+    }
+}
+
+/// Seconds to the hundredth, without zeros at the end.
+fn digits(seconds: f64) -> f64 {
+    (100.0 * seconds).round() / 100.0
 }
 
 fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> String {
@@ -162,6 +217,9 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     for gap in settings.border.gaps() {
         row("warning", gap.to_string());
     }
+    for doubt in doubtful_periods(config, found) {
+        row("warning", doubt);
+    }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
     let needed = size(launcher::needed_bytes(config));
     row("memory", format!("at most {needed} of shared memory{free}"));
@@ -182,7 +240,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
 }
 
 fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
-    let period = period_s(source, config);
+    let period = period(source, config, found);
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
             let world = config.scenario.as_ref().map_or_else(String::new, describe_world);
@@ -216,7 +274,7 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let links = source
         .tracker()
         .map_or_else(String::new, |tracker| links(tracker, source, config));
-    format!("{}, every {period} s: {input}{tracked}{links}", source.name)
+    format!("{}, {period}: {input}{tracked}{links}", source.name)
 }
 
 fn describe_world(world: &ScenarioSettings) -> String {

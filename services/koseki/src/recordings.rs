@@ -12,13 +12,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
-use configuration::{Config, Input, Recorded, RecordedFormat, Truncated, WideAreaInput, WideAreaSensor};
+use configuration::{Config, Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
+use sources::{Pipeline, Processing, Samples};
+use tracking::turn_time::Turn;
+use tracking::wide_area::arrivals::Arrivals;
 
 /// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +51,8 @@ pub(crate) struct Found {
     pub(crate) first_time_ns: Option<i64>,
     /// Time of day of the last target report that was looked at, nanoseconds.
     pub(crate) last_time_ns: Option<i64>,
+    /// Turn of the antenna that it shows, of a source whose tracks are made of its plots, if every record was looked at.
+    pub(crate) turn: Option<Turn>,
 }
 
 /// A recording that cannot be used.
@@ -100,7 +105,14 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
         let file = data.join(&recorded.file);
         let looked = fs::read(&file)
             .map_err(|error| key.unreadable(&error))
-            .and_then(|bytes| look(&bytes, recorded, &key, depth));
+            .and_then(|bytes| {
+                let looked = look(&bytes, recorded, &key, depth)?;
+                let turn = (depth == Depth::Records).then(|| turn(&bytes, recorded, source));
+                Ok(Found {
+                    turn: turn.flatten(),
+                    ..looked
+                })
+            });
         match looked {
             Ok(looked) => found.push(Found {
                 source: source.number,
@@ -245,6 +257,28 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
     found.records = counts.records;
     found.skipped = counts.octets_skipped;
     found
+}
+
+/// Turn of the antenna that a recording shows, found as the source's adapter finds it.
+fn turn(bytes: &[u8], recorded: &Recorded, source: &Source) -> Option<Turn> {
+    let mut tracker = source.tracker()?.clone();
+    tracker.cutter.period_ns = None;
+    let processing = Processing::Detections(Box::new(tracker));
+    let mut pipeline = Pipeline::new(source.model, &processing, 0, Arrivals::new()).ok()?;
+    let (mut decoder, mut samples) = (recorded.asterix.decoder(), Samples::default());
+    for datagram in datagrams(bytes).flatten() {
+        for record in decoder.records(&datagram.bytes).flatten() {
+            match read(&record) {
+                Reading::Target(report) => pipeline.take(&report, 0, &mut samples),
+                Reading::Service(service) => pipeline.service(&service, 0, &mut samples),
+                _ => continue,
+            }
+            if let Some(turn) = pipeline.turn() {
+                return Some(turn);
+            }
+        }
+    }
+    None
 }
 
 /// Reads the lines of a transponder receiver.

@@ -36,8 +36,8 @@ pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     record.table().is_one_of(CAT010).then_some(())?;
     match MESSAGE_TYPE.number(record)? {
         1 => Some(Reading::Target(observation(record))),
-        2 => Some(service(record, &TIME, true)), // a new update cycle begins
-        3 | 4 => Some(service(record, &TIME, false)),
+        2 => Some(service(record, &TIME, true, None)), // a new update cycle begins
+        3 | 4 => Some(service(record, &TIME, false, None)),
         _ => None,
     }
 }

@@ -52,10 +52,12 @@ pub(super) fn nanoseconds(ticks: u64) -> i64 {
 }
 
 /// A message of the sensor about itself, with its time of day.
-pub(super) fn service(record: &Record<'_>, time: &Elements<1>, turn_begins: bool) -> Reading {
+pub(super) fn service(record: &Record<'_>, time: &Elements<1>, turn_begins: bool, turn_ns: Option<i64>) -> Reading {
     Reading::Service(Service {
+        sac_sic: record.sender(),
         time_of_day_ns: time_of_day_ns(record, time),
         turn_begins,
+        turn_ns,
     })
 }
 

@@ -11,6 +11,8 @@ struct Messages {
     time: Elements<1>,
     /// The message's type, and which of them says that a turn or an update cycle begins.
     turn: Option<(Elements<1>, u64)>,
+    /// Time that a turn of the antenna takes, 1/128 s.
+    turn_time: Option<Elements<1>>,
 }
 
 const fn messages(editions: &'static [&'static Category]) -> Messages {
@@ -18,6 +20,14 @@ const fn messages(editions: &'static [&'static Category]) -> Messages {
         editions,
         time: whole(editions, editions[0].times[0]),
         turn: None,
+        turn_time: None,
+    }
+}
+
+const fn of_antenna(editions: &'static [&'static Category]) -> Messages {
+    Messages {
+        turn_time: Some(whole(editions, "041")),
+        ..with_turns(editions, 1)
     }
 }
 
@@ -30,10 +40,10 @@ const fn with_turns(editions: &'static [&'static Category], turn_begins: u64) ->
 
 /// The messages of radars begin a turn when the antenna points north.
 const MESSAGES: &[Messages] = &[
-    with_turns(CAT002, 1),
+    of_antenna(CAT002),
     with_turns(CAT019, 1),
     messages(CAT023),
-    with_turns(CAT034, 1),
+    of_antenna(CAT034),
     messages(CAT063),
     messages(CAT065),
 ];
@@ -45,5 +55,9 @@ pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
     let turn_begins = messages
         .turn
         .is_some_and(|(kind, begins)| kind.number(record) == Some(begins));
-    Some(service(record, &messages.time, turn_begins))
+    let turn_time = messages.turn_time.as_ref();
+    let ticks = turn_time
+        .and_then(|ticks| ticks.number(record))
+        .filter(|ticks| *ticks > 0);
+    Some(service(record, &messages.time, turn_begins, ticks.map(nanoseconds)))
 }

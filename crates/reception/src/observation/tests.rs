@@ -472,9 +472,26 @@ fn messages_about_the_source_give_its_time() {
         (service(&CAT010_V1_1, &[0xD0], &[2]), true),
     ] {
         let expected = Service {
+            sac_sic: Some((25, 201)),
             time_of_day_ns: Some(NOON_NS),
             turn_begins,
+            turn_ns: None,
         };
         assert_eq!(found, Reading::Service(expected));
     }
+}
+
+#[test]
+fn messages_of_radars_give_the_time_of_a_turn() {
+    let turn_ns = |table, fspec: u8, between: &[u8], turn: [u8; 2]| {
+        let found = reading(table, &[&[fspec], &[25, 201], between, NOON, &turn]);
+        let Reading::Service(service) = found else {
+            panic!("{found:?}");
+        };
+        service.turn_ns
+    };
+    // 976/128 s.
+    assert_eq!(turn_ns(&CAT034_V1_29, 0b1110_1000, &[1], [3, 208]), Some(7_625_000_000));
+    assert_eq!(turn_ns(&CAT002_V1_2, 0b1101_1000, &[1], [3, 208]), Some(7_625_000_000));
+    assert_eq!(turn_ns(&CAT034_V1_29, 0b1110_1000, &[1], [0, 0]), None);
 }
