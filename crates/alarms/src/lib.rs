@@ -3,7 +3,7 @@
 //! Counters and estimates say everything and tell nobody. An alarm is made of them in three steps:
 //!
 //! 1. Something is *found* to be bad, good, or in between ([`Finding`]), from health messages and the picture;
-//!    [`Silence`], [`Growth`], [`Usual`] and [`Companions`] find what takes a memory.
+//!    [`Silence`], [`Growth`], [`Lately`], [`Usual`] and [`Companions`] find what takes a memory.
 //! 2. The [`Board`] *raises* the alarm when it has been bad for long enough, and *clears* it when it has been good for
 //!    long enough (ISA-18.2 calls these on-delay and off-delay). What lies in between changes nothing: so an alarm does
 //!    not come and go with a value that wavers about its limit.
@@ -21,6 +21,7 @@ mod alert_rules;
 mod board;
 mod companions;
 mod growth;
+mod lately;
 mod limits;
 mod present;
 mod rate_limit;
@@ -34,6 +35,7 @@ pub use alert_rules::alert_rules;
 pub use board::{Board, Finding, History, Round};
 pub use companions::{Apart, Companions};
 pub use growth::Growth;
+pub use lately::Lately;
 pub use limits::{Limits, above, below};
 pub use present::Present;
 pub use rate_limit::RateLimit;

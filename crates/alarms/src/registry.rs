@@ -88,7 +88,8 @@ alarms! {
         "The clock of {source} is {offset} off, by the times at which its reports are received.",
         "Set the sensor's clock, or this machine's: `[source.limits] time_step_s` says how far it may be off.";
     SourceIsolated = 3, "source-isolated", Major, raise 0 s, clear 30 s,
-        "{source} is isolated: {reports} so far claimed times that cannot be, and were kept out of the tracks.",
+        "{source} is isolated: {share} of its reports of the last minute ({bad} of {all}) claim times that cannot be, and are \
+         kept out of the tracks.",
         "Set the sensor's clock; its reports are used again as soon as their times can be.";
     BiasChanged = 4, "bias-changed", Warning, raise 10 s, clear 60 s,
         "The {error} of {source} has changed from {before} to {now}.",
@@ -159,6 +160,14 @@ alarms! {
     HostClockOff = 25, "host-clock-off", Major, raise 3 s, clear 30 s,
         "The clock of another host is {offset} off by the comparison of {process}: {note}.",
         "Synchronise the clocks of both hosts (NTP, PTP): reports are used by the time that they state.";
+    TrackerIdle = 26, "tracker-idle", Warning, raise 0 s, clear 5 s,
+        "The tracker of {source} has made {reports} of tracks of its last {detections}, in {scans} of {period}.",
+        "Compare `period_s` with the time of a turn (`koseki check` shows that of a recording; left out, it is found in the \
+         data), and the sigmas, `detection_probability` and `clutter_density` with the sensor. Where there are only \
+         false detections, there is nothing to do.";
+    ReportsLate = 27, "reports-late", Warning, raise 0 s, clear 10 s,
+        "{source} sends late: {share} of its reports of the last minute ({bad} of {all}) came after later ones, and are not used.",
+        "Raise `reorder_s` of its `[source.recorded]`, or `wait_s` of its `[source.tracker]`, to what its reports are late by.";
     MachineClockOff = 30, "machine-clock-off", Critical, raise 1 s, clear 30 s,
         "This machine's clock is {offset} off: the clocks of {sources} agree with each other, and not with it.",
         "Set this machine's clock (NTP, PTP). Fusion goes on meanwhile, in the time of the sources.";

@@ -115,7 +115,7 @@ const fn age(name: &str) -> (usize, Field) {
     (subitem(CAT062, "290", name), field(CAT062, &["290", name]))
 }
 
-/// Most tracks whose numbers are remembered, ended ones included.
+/// Most tracks whose numbers are remembered, ended ones included, where nobody says more.
 const TRACKS_MAX: usize = 16_384;
 settings::words! {
     /// Technology by which a source observes.
@@ -256,6 +256,16 @@ impl SystemReports {
             },
             with_tentative: false,
         })
+    }
+
+    /// For a system of up to `tracks` tracks at a time, beside which ended ones rest. No more have numbers than the category
+    /// has.
+    #[must_use]
+    pub fn with_tracks(self, tracks: usize) -> Self {
+        Self {
+            numbers: TrackNumbers::new(u16::MAX, TRACKS_MAX.max(2 * tracks)),
+            ..self
+        }
     }
 
     /// Sends this service identification (I062/015).

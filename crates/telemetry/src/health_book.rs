@@ -128,6 +128,25 @@ impl HealthBook {
         }
     }
 
+    /// Forgets guests that have left without a word at `now_ns`: processes that nobody expects, that are silent, and
+    /// whose number in the operating system `is_gone`.
+    pub fn forget_guests(&mut self, expected: &[(ProcessKind, String)], now_ns: i64, is_gone: impl Fn(u32) -> bool) {
+        let guests = self.processes(&[], now_ns).into_iter().filter(|process| {
+            let is_expected = expected
+                .iter()
+                .any(|(kind, name)| (*kind, name) == (process.kind, &process.name));
+            let is_silent = matches!(process.state, State::Silent { .. });
+            is_silent && !is_expected && process.pid.is_some_and(&is_gone)
+        });
+        for guest in guests.collect::<Vec<_>>() {
+            let name = padded(&guest.name);
+            if !self.children.contains_key(&name) {
+                self.speakers
+                    .retain(|(kind, other, _), _| (*kind, *other) != (guest.kind, name));
+            }
+        }
+    }
+
     /// Messages that could not be understood.
     pub fn rejected(&self) -> u64 {
         self.rejected

@@ -93,14 +93,15 @@ impl<S: Transport> GatewayAgent<S> {
         let content = match gateway.content {
             GatewayContent::SystemTracks | GatewayContent::OwnTracks => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
+                let capacity = config.fusion.settings.capacity.system_tracks();
                 let reports = SystemReports::new(gateway.table, sac, sic, config.frame, &sources, block_bytes)?
-                    .with_height(gateway.heights);
+                    .with_height(gateway.heights)
+                    .with_tracks(capacity);
                 let topic = match gateway.content {
                     GatewayContent::OwnTracks => messages::own_tracks(),
                     _ => messages::system_tracks(),
                 };
                 waiter.watch(bus, &topic)?;
-                let capacity = config.fusion.settings.capacity.system_tracks();
                 let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;
                 let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                 let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
@@ -206,6 +207,9 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
                         false
                     }
                     Some(TrackState::Confirmed | TrackState::Coasted) => {
+                        if let Some(stale) = schedule.displaced_by(track.number(), now.mono_ns) {
+                            reports.report(&stale.ended(), send);
+                        }
                         schedule.take(track.number(), *track, now.mono_ns)
                     }
                     Some(TrackState::Terminated) => schedule.end(track.number()),
@@ -240,7 +244,9 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         entry.set(Counter::RejectedSchema, taken.schema_mismatch);
         entry.set(Counter::RejectedEpoch, taken.of_older_epochs);
         entry.set(Counter::RecordsSent, sent.records);
-        entry.set(Counter::TracksDropped, sent.refused() + self.schedule.dropped());
+        entry.set(Counter::TracksDropped, sent.refused_number + self.schedule.dropped());
+        entry.set(Counter::RejectedPosition, sent.refused_position);
+        entry.set(Counter::RejectedNoTrackNumber, sent.refused_address);
     }
 }
 

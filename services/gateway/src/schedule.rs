@@ -15,6 +15,9 @@ const SILENCE_MAX_NS: i64 = 120_000_000_000;
 /// A track that a fusion which goes on with it has not spoken of for so long was lost when the one before it died.
 const UNHEARD_MAX_NS: i64 = 30_000_000_000;
 
+/// A track that was heard of within such a time is not displaced, nanoseconds.
+const DISPLACED_NS: i64 = 1_000_000_000;
+
 /// The latest states of tracks, and their turns.
 #[derive(Debug)]
 pub(crate) struct Schedule<T> {
@@ -46,6 +49,21 @@ impl<T: Copy> Schedule<T> {
             dropped: 0,
             began_ns: i64::MIN,
         }
+    }
+
+    /// Takes out the track that has been unheard for the longest, where the table is full and `number` is new: the engine
+    /// has no more tracks than the table, so the end of that one was lost.
+    pub(crate) fn displaced_by(&mut self, number: u32, now_ns: i64) -> Option<T> {
+        if self.entries.len() < self.capacity || self.entries.contains_key(&number) {
+            return None;
+        }
+        let unheard = self
+            .entries
+            .iter()
+            .map(|(number, entry)| (entry.heard_ns, *number))
+            .min();
+        let (_, stale) = unheard.filter(|(heard_ns, _)| now_ns - heard_ns > DISPLACED_NS)?;
+        self.entries.remove(&stale).map(|entry| entry.latest)
     }
 
     /// A state of track `number` has come at `now_ns`; whether it is to be sent at once.
@@ -197,6 +215,22 @@ mod tests {
         assert_eq!(unheard(&mut schedule, 129), "");
         assert_eq!(unheard(&mut schedule, 130), "a");
         assert!(schedule.end(2) && !schedule.end(1));
+    }
+
+    #[test]
+    fn in_a_full_table_a_track_whose_end_was_lost_makes_room() {
+        let mut schedule = Schedule::new(4 * S, 2);
+        assert!(schedule.take(1, 'a', 0) && schedule.take(2, 'b', 0));
+        schedule.take(2, 'c', 2 * S);
+        assert_eq!(schedule.displaced_by(2, 3 * S), None, "it has its place");
+        assert_eq!(schedule.displaced_by(3, 3 * S), Some('a'));
+        assert!(schedule.take(3, 'd', 3 * S));
+        assert_eq!(schedule.displaced_by(4, 3 * S), None, "both were heard of just now");
+        assert_eq!(schedule.dropped(), 0);
+        assert_eq!(
+            [schedule.next_turn(4 * S), schedule.next_turn(4 * S)],
+            [Some('c'), None]
+        );
     }
 
     #[test]

@@ -394,8 +394,10 @@ fn time_of_day(time_ns: Option<i64>) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use configuration::BUILT_IN_DEMO;
+    use tracking::turn_time::Turn;
+
+    use super::*;
 
     #[test]
     fn the_summary_names_every_source_and_the_capacities() {
@@ -421,6 +423,51 @@ mod tests {
         assert!(text.contains(warning), "{text}");
         assert_eq!(json(path, &config, &[], None)["warnings"].as_array().unwrap().len(), 1);
         assert!(!summary(path, &Config::read(path, &[]).unwrap(), &[], None).contains("warning"));
+    }
+
+    /// Turns that recordings have shown stand in for a period that is not configured, and contradict one that is wrong.
+    #[test]
+    fn the_turn_that_a_recording_shows_is_told() {
+        let site = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\
+                    [[source]]\nname = \"radar\"\nPERIOD[source.recorded]\nfile = \"x.ast\"\n[source.covariance]\n\
+                    position_sigma_m = 50.0\n[source.tracker]\n";
+        let path = Path::new("t.toml");
+        let told = |period: &str, turn: Option<Turn>| {
+            let config = Config::parse(path, &site.replace("PERIOD", period), &[]).unwrap();
+            let found = Found {
+                turn,
+                ..Found::default()
+            };
+            let text = summary(path, &config, std::slice::from_ref(&found), None);
+            (text, json(path, &config, &[found], None))
+        };
+        let turn = |ns| {
+            let basis = Basis::NorthMarks;
+            Some(Turn { ns, basis })
+        };
+        let (text, found) = told("", turn(7_630_123_456));
+        assert!(
+            text.contains("radar, every 7.63 s, as its north marks show: "),
+            "{text}"
+        );
+        assert_eq!(found["sources"][0]["period_s"], 7.630_123_456);
+        let (text, found) = told("", None);
+        assert!(
+            text.contains("radar, every turn, whose time its adapter finds in the data: "),
+            "{text}"
+        );
+        assert!(found["sources"][0]["period_s"].is_null());
+        let (text, found) = told("period_s = 12.0\n", turn(7_630_123_456));
+        assert!(text.contains("radar, every 12 s: "), "{text}");
+        assert!(
+            text.contains(
+                "warning      source[0].period_s = 12: a turn of radar takes 7.63 s, as its north marks show"
+            ),
+            "{text}"
+        );
+        assert_eq!(found["warnings"].as_array().map(Vec::len), Some(1));
+        let (text, _) = told("period_s = 8.0\n", turn(7_630_123_456));
+        assert!(!text.contains("warning"), "{text}");
     }
 
     #[test]

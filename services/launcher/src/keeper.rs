@@ -153,7 +153,9 @@ impl Keeper<'_> {
             process_id: self.launcher,
             kind: ProcessKind::Launcher as u8,
             life: life as u8,
-            counters: Counters::default().with(Counter::Rebuilds, facts.rebuilds),
+            counters: Counters::default()
+                .with(Counter::Rebuilds, facts.rebuilds)
+                .with(Counter::Stopping, facts.stopping.into()),
             ..Health::default()
         };
         let of_child = |index: usize| {

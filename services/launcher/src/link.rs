@@ -25,6 +25,8 @@ pub(crate) struct Facts {
     pub(crate) deaths: u64,
     /// Times that the deployment was rebuilt.
     pub(crate) rebuilds: u64,
+    /// Whether the deployment is being stopped.
+    pub(crate) stopping: bool,
     /// Whether the deployment has ended, but for the keeper.
     pub(crate) ended: bool,
     /// Every child.

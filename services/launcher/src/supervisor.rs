@@ -77,6 +77,8 @@ pub(crate) struct Supervisor<'a> {
     complete: Option<Instant>,
     /// Whether fusion has taken a report.
     has_reports: bool,
+    /// Whether the children are being stopped, in order.
+    is_stopping: bool,
 }
 
 /// How far the start has come: the first one, or that after a rebuild.
@@ -137,6 +139,7 @@ impl<'a> Supervisor<'a> {
             start: Start::at(now),
             complete: None,
             has_reports: false,
+            is_stopping: false,
         })
     }
 
@@ -272,6 +275,7 @@ impl<'a> Supervisor<'a> {
             incarnation: self.incarnation,
             deaths: self.deaths,
             rebuilds: self.rebuilds,
+            stopping: self.is_stopping,
             ended,
             children: self.children.iter().map(Child::facts).collect(),
         };
@@ -509,6 +513,7 @@ impl<'a> Supervisor<'a> {
     /// no report has come. That is a warning where somebody wanted the end before it could be otherwise; but a
     /// recorder that failed has lost what was recorded.
     fn stop_all(&mut self, down: Vec<(ProcessKind, String)>) -> anyhow::Result<()> {
+        self.is_stopping = true;
         let mut problems = Vec::new();
         let is_recorder = |(kind, _): &(ProcessKind, String)| *kind == ProcessKind::Recorder;
         let (lost, mut in_vain): (Vec<_>, Vec<_>) = down.into_iter().partition(is_recorder);

@@ -230,7 +230,7 @@ impl<S: Transport> MonitorAgent<S> {
 
     fn look_at_alarms(&mut self, now: Now) -> anyhow::Result<()> {
         let screen = &mut self.screen;
-        self.alarms.turn(now, &self.survey, &mut |line| screen.say(line))
+        self.alarms.turn(now, &mut self.survey, &mut |line| screen.say(line))
     }
 
     /// Alarms that were raised so far.

@@ -9,7 +9,7 @@ use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
 use crate::conditions::{Conditions, Sight};
-use crate::machine::{Machine, Room};
+use crate::machine::{Machine, Room, is_gone};
 use crate::survey::Survey;
 
 /// Time between two rounds, each of which is published, nanoseconds.
@@ -60,12 +60,13 @@ impl<S: Transport> AlarmDesk<S> {
         self.conditions.receive(header, tracks, now);
     }
 
-    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change.
+    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change. While the
+    /// deployment is being stopped nothing is raised or cleared: processes that end are no fault.
     ///
     /// # Errors
     /// If shared memory fails.
-    pub(crate) fn turn(&mut self, now: Now, survey: &Survey, say: &mut dyn FnMut(&str)) -> anyhow::Result<()> {
-        if now.mono_ns < self.due_ns {
+    pub(crate) fn turn(&mut self, now: Now, survey: &mut Survey, say: &mut dyn FnMut(&str)) -> anyhow::Result<()> {
+        if now.mono_ns < self.due_ns || survey.is_stopping() {
             return Ok(());
         }
         self.due_ns = now.mono_ns + ROUND_NS;
@@ -73,6 +74,7 @@ impl<S: Transport> AlarmDesk<S> {
             self.room = self.machine.room();
         }
         self.rounds = self.rounds.wrapping_add(1);
+        survey.forget_guests(now, is_gone);
         let processes = survey.processes(now);
         let sight = Sight {
             book: survey.book(),

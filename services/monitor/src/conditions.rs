@@ -9,6 +9,7 @@ use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registra
 use runtime::Now;
 
 use crate::machine::Room;
+use crate::shares::Shares;
 use crate::text::{elapsed, several};
 use telemetry::{HealthBook, Process, State, process_title as title};
 
@@ -71,7 +72,7 @@ const GROWING: &[Growing] = {
             AlarmKind::CapacityReached,
             &[Counter::TracksDropped],
             "report",
-            &[Adapter],
+            &[Adapter, Gateway],
         ),
         (
             AlarmKind::LayoutMismatch,
@@ -102,6 +103,7 @@ pub(crate) struct Conditions {
     begun_ns: i64,
     sources: Vec<Watched>,
     silence: Silence,
+    shares: Shares,
     growth: Growth,
     companions: Companions,
     apart: Vec<Apart>,
@@ -181,6 +183,7 @@ impl Conditions {
             folder,
             begun_ns: begun.mono_ns,
             silence: Silence::new(sources.len(), begun.mono_ns),
+            shares: Shares::new(config),
             growth: Growth::default(),
             companions: Companions::default(),
             apart: Vec::new(),
@@ -201,6 +204,7 @@ impl Conditions {
         let awake_ns = self.silence.look(sight.now.mono_ns);
         self.silent_sources(sight, round);
         self.source_errors(sight, round);
+        self.shares.look(sight.book, sight.now.mono_ns, round);
         self.changed(sight, round);
         self.never_joined(sight.now, round);
         self.growing_counters(sight, round);
@@ -318,12 +322,6 @@ impl Conditions {
             let known = sight.book.registration(source.number);
             let subject = Subject::source(source.number);
             let name = || ("source", source.name.clone());
-            let fusion = sight.book.service(ProcessKind::Fusion, source.number);
-            let wild = fusion[Counter::RejectedClock];
-            if self.growth.has_grown(AlarmKind::SourceIsolated, subject, wild, 0) {
-                let values = [name(), ("reports", several(wild, "report"))];
-                round.find(AlarmKind::SourceIsolated, subject, Finding::Bad, &values);
-            }
             let sigma_s = known.clock_offset_sigma_s;
             let offset_s = if sigma_s > 0.0 {
                 known.clock_offset_s - common_s

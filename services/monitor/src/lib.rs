@@ -62,6 +62,7 @@ mod metrics;
 mod report;
 mod report_text;
 mod screen;
+mod shares;
 mod survey;
 mod text;
 pub mod top;

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use rustix::fs::statvfs;
+use rustix::process::{Pid, test_kill_process};
 
 /// Folder of shared memory.
 const SHARED_MEMORY: &str = "/dev/shm";
@@ -42,6 +43,12 @@ impl Machine {
             shared: free(Path::new(SHARED_MEMORY)),
         }
     }
+}
+
+/// Whether no process has this number any more.
+pub(crate) fn is_gone(pid: u32) -> bool {
+    let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
+    pid.is_some_and(|pid| test_kill_process(pid) == Err(rustix::io::Errno::SRCH))
 }
 
 fn free(folder: &Path) -> Option<u64> {

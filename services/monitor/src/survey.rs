@@ -100,6 +100,17 @@ impl Survey {
         }
     }
 
+    /// Forgets processes that have joined the deployment and left without a word, if `is_gone` says so of their number.
+    pub(crate) fn forget_guests(&mut self, now: Now, is_gone: impl Fn(u32) -> bool) {
+        self.book.forget_guests(&self.expected, now.mono_ns, is_gone);
+    }
+
+    /// Whether the launcher stops the deployment.
+    pub(crate) fn is_stopping(&self) -> bool {
+        let launcher = self.book.whole(ProcessKind::Launcher, ProcessKind::Launcher.word());
+        launcher.is_some_and(|launcher| launcher.counters()[Counter::Stopping] > 0)
+    }
+
     /// Time passes.
     pub(crate) fn pass(&mut self, now: Now) {
         if let Some(truth) = &mut self.truth {

@@ -5,6 +5,7 @@ use messages::{Counter, LifeState, ProcessKind};
 use telemetry::{Stage, table};
 
 use crate::report::{Hop, Report, Verdict};
+use crate::shares;
 use crate::text::{percent, several, times};
 use telemetry::State;
 
@@ -37,6 +38,7 @@ fn concerns(report: &Report) -> Vec<String> {
     about_the_recorder(report, &mut concerns);
     about_fusion(report, &mut concerns);
     about_accuracy(report, &mut concerns);
+    about_shares(report, &mut concerns);
     about_alarms(report, &mut concerns);
     concerns
 }
@@ -201,6 +203,15 @@ fn about_accuracy(report: &Report, concerns: &mut Vec<String>) {
             "system tracks carried a wrong address {}",
             times(accuracy.identity_errors)
         ));
+    }
+}
+
+/// Shares of the sources' reports, where no alarm tells of them.
+fn about_shares(report: &Report, concerns: &mut Vec<String>) {
+    for source in &report.sources {
+        let untold = shares::concerns(&source.name, &source.adapter)
+            .filter(|(kind, _)| report.alarms.iter().all(|alarm| alarm.alarm != kind.word()));
+        concerns.extend(untold.map(|(_, concern)| concern));
     }
 }
 

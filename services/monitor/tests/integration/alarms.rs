@@ -177,10 +177,62 @@ fn what_fits_nothing_that_is_configured_is_named() {
 fn a_source_whose_clock_is_wild_is_told() {
     let mut site = Site::new(&[]);
     site.say(ProcessKind::Fusion, "fusion", 2);
-    let begin = |site: &mut Site| site.say(ProcessKind::Fusion, "fusion", 2).counters[Counter::RejectedClock] = 31;
+    let wild = |site: &mut Site, wild, taken| {
+        let counters = &mut site.say(ProcessKind::Fusion, "fusion", 2).counters;
+        (counters[Counter::RejectedClock], counters[Counter::Taken]) = (wild, taken);
+    };
+    // A sensor's hiccup, and the late reports of a centre.
+    wild(&mut site, 1, 30);
+    site.pass(2);
+    wild(&mut site, 20, 1_000);
+    site.pass(2);
+    assert_eq!(site.events, []);
+    let last_minute = |site: &mut Site| site.pass(60);
     assert_eq!(
-        site.raise_and_clear(AlarmKind::SourceIsolated, begin, |_| {}),
-        "multilateration is isolated: 31 reports so far claimed times that cannot be, and were kept out of the tracks."
+        site.raise_and_clear(AlarmKind::SourceIsolated, |site| wild(site, 31, 1_100), last_minute),
+        "multilateration is isolated: 2.8 % of its reports of the last minute (31 of 1,100 reports) claim times that cannot \
+         be, and are kept out of the tracks."
+    );
+    // An hour of good ones does not excuse those that follow.
+    wild(&mut site, 31, 1_000_000);
+    site.pass(70);
+    wild(&mut site, 61, 1_001_000);
+    site.pass(1);
+    assert_eq!(site.standing().len(), 1);
+}
+
+#[test]
+fn reports_that_come_too_late_are_told() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let late = |site: &mut Site, late, used| {
+        let counters = &mut site.say(ProcessKind::Adapter, "ads-b", NO_SOURCE).counters;
+        (counters[Counter::RejectedLate], counters[Counter::Reports]) = (late, used);
+    };
+    late(&mut site, 9, 1_000);
+    let last_minute = |site: &mut Site| site.pass(60);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::ReportsLate, |site| late(site, 230, 1_770), last_minute),
+        "ads-b sends late: 11.5 % of its reports of the last minute (230 of 2,000 reports) came after later ones, and are \
+         not used."
+    );
+}
+
+#[test]
+fn a_tracker_that_makes_no_tracks_of_many_detections_is_told() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let work = |site: &mut Site, detections, scans, reports| {
+        let counters = &mut site.say(ProcessKind::Adapter, "ads-b", NO_SOURCE).counters;
+        (counters[Counter::Detections], counters[Counter::Scans]) = (detections, scans);
+        (counters[Counter::Published], counters[Counter::ScanPeriodMs]) = (reports, 1_000);
+    };
+    // Few detections, and then a tracker that has only begun.
+    work(&mut site, 100, 60, 0);
+    site.pass(2);
+    work(&mut site, 600, 9, 0);
+    let tracks = |site: &mut Site| work(site, 3_500, 1_620, 170);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::TrackerIdle, |site| work(site, 3_456, 1_610, 3), tracks),
+        "The tracker of ads-b has made 3 reports of tracks of its last 3,456 detections, in 1,610 scans of 1.00 s."
     );
 }
 
@@ -553,6 +605,33 @@ fn a_process_that_says_nothing_any_more_hangs() {
     site.bench.pass(60 * S);
     site.pass(2);
     assert_eq!(site.standing(), [""; 0]);
+}
+
+#[test]
+fn a_guest_that_has_left_does_not_hang() {
+    let mut child = std::process::Command::new("true").spawn().unwrap();
+    child.wait().unwrap();
+    let mut site = Site::new(&[]);
+    for (name, pid) in [("left", child.id()), ("here", std::process::id())] {
+        site.say(ProcessKind::Display, name, NO_SOURCE).process_id = pid;
+    }
+    site.pass(1);
+    site.health.clear();
+    site.pass(5);
+    assert_eq!(site.standing(), ["display here says nothing for 5 s."]);
+}
+
+#[test]
+fn an_ordered_stop_raises_no_alarm() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+    site.say(ProcessKind::Launcher, "launcher", NO_SOURCE);
+    site.pass(1);
+    site.say(ProcessKind::Launcher, "launcher", NO_SOURCE).counters[Counter::Stopping] = 1;
+    site.health
+        .retain(|health| health.kind() == Some(ProcessKind::Launcher));
+    site.pass(10);
+    assert_eq!(site.events, []);
 }
 
 #[test]

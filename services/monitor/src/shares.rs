@@ -1,0 +1,132 @@
+//! Sources of whose reports too large a share is of no use: they claim times that cannot be, come too late, or make no
+//! tracks.
+//!
+//! Every sensor errs now and then, and one report in a thousand is no alarm: it is counted, and that is enough. So each
+//! of these looks at a share of what has come lately, and at a least number.
+
+use alarms::{AlarmKind, Finding, Lately, Round, Subject, above};
+use configuration::{Config, Source};
+use messages::{Counter, Counters, ProcessKind};
+use telemetry::HealthBook;
+use telemetry::table::count;
+
+use crate::text::{percent, several};
+
+/// Time over which shares of reports are taken, nanoseconds, and in words.
+const REPORTS_NS: i64 = 60_000_000_000;
+/// Time over which a tracker's work is looked at, nanoseconds: a slow antenna makes some 25 turns.
+const SCANS_NS: i64 = 300_000_000_000;
+/// Share of a source's reports that may claim times that cannot be.
+const WILD_SHARE_MAX: f64 = 0.02;
+/// Share of a source's reports that may come too late.
+const LATE_SHARE_MAX: f64 = 0.01;
+/// Fewer bad reports are no share.
+const BAD_MIN: u64 = 5;
+/// Detections and scans from which a tracker makes tracks, if there is a target.
+const DETECTIONS_MIN: u64 = 200;
+const SCANS_MIN: u64 = 10;
+/// A tracker that has less than one track in so many scans has none to speak of.
+const SCANS_PER_REPORT: u64 = 10;
+
+/// All sources' shares, with the memory that finding them takes.
+#[derive(Debug)]
+pub(crate) struct Shares {
+    sources: Vec<(u16, String, String)>,
+    reports: Lately<2>,
+    scans: Lately<3>,
+}
+
+impl Shares {
+    pub(crate) fn new(config: &Config) -> Self {
+        let named = |source: &Source| (source.number, source.name.clone(), source.adapter.clone());
+        Self {
+            sources: config.sources.iter().map(named).collect(),
+            reports: Lately::new(REPORTS_NS),
+            scans: Lately::new(SCANS_NS),
+        }
+    }
+
+    /// Looks at all of them at `now_ns` (monotonic, nanoseconds).
+    pub(crate) fn look(&mut self, book: &HealthBook, now_ns: i64, round: &mut Round<'_>) {
+        for (number, name, adapter) in &self.sources {
+            let subject = Subject::source(*number);
+            let adapter = book.adapter(adapter, *number);
+            let fusion = book.service(ProcessKind::Fusion, *number);
+            let (wild, late) = (fusion[Counter::RejectedClock], adapter[Counter::RejectedLate]);
+            let shares = [
+                (
+                    AlarmKind::SourceIsolated,
+                    [wild, fusion[Counter::Taken].max(wild)],
+                    WILD_SHARE_MAX,
+                ),
+                (
+                    AlarmKind::ReportsLate,
+                    [late, adapter[Counter::Reports] + late],
+                    LATE_SHARE_MAX,
+                ),
+            ];
+            for (kind, counts, most) in shares {
+                let [bad, all] = self.reports.grown(kind, subject, counts, now_ns);
+                let share = bad as f64 / all.max(1) as f64;
+                if let Some(finding) = above(share, most).filter(|_| bad >= BAD_MIN) {
+                    let values = [
+                        ("source", name.clone()),
+                        ("share", percent(share)),
+                        ("bad", count(bad)),
+                        ("all", several(all, "report")),
+                    ];
+                    round.find(kind, subject, finding, &values);
+                }
+            }
+            let kind = AlarmKind::TrackerIdle;
+            let worked = self.scans.grown(kind, subject, work(&adapter), now_ns);
+            if is_idle(worked) {
+                let [detections, scans, reports] = worked;
+                let values = [
+                    ("source", name.clone()),
+                    ("detections", several(detections, "detection")),
+                    ("scans", several(scans, "scan")),
+                    ("reports", several(reports, "report")),
+                    (
+                        "period",
+                        format!("{:.2} s", adapter[Counter::ScanPeriodMs] as f64 / 1e3),
+                    ),
+                ];
+                round.find(kind, subject, Finding::Bad, &values);
+            }
+        }
+    }
+}
+
+/// Concerns that a source's counts of a whole run leave, for the final report: a recording may be over before a share
+/// of it has become an alarm.
+pub(crate) fn concerns(name: &str, adapter: &Counters) -> impl Iterator<Item = (AlarmKind, String)> {
+    let late = adapter[Counter::RejectedLate];
+    let share = late as f64 / (adapter[Counter::Reports] + late).max(1) as f64;
+    let are_late = (late >= BAD_MIN && share > LATE_SHARE_MAX).then(|| {
+        let (late, share) = (several(late, "report"), percent(share));
+        (
+            AlarmKind::ReportsLate,
+            format!("{late} of {name} ({share}) came too late and were not used"),
+        )
+    });
+    let worked = work(adapter);
+    let idle = is_idle(worked).then(|| {
+        let detections = several(worked[0], "detection");
+        (
+            AlarmKind::TrackerIdle,
+            format!("the tracker of {name} made no tracks of {detections}"),
+        )
+    });
+    are_late.into_iter().chain(idle)
+}
+
+/// Detections, scans, and reports of tracks that were made of them.
+fn work(adapter: &Counters) -> [u64; 3] {
+    [Counter::Detections, Counter::Scans, Counter::Published].map(|counter| adapter[counter])
+}
+
+/// Whether these many detections in so many scans should have given more reports of tracks.
+fn is_idle([detections, scans, reports]: [u64; 3]) -> bool {
+    detections >= DETECTIONS_MIN && scans >= SCANS_MIN && reports * SCANS_PER_REPORT < scans
+}
