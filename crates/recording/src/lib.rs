@@ -19,6 +19,7 @@
 
 mod part;
 mod reader;
+mod record;
 mod survey;
 mod tally;
 mod whole;
@@ -46,6 +47,20 @@ pub enum RecordingError {
     /// Contents that are not as they should be.
     #[error(transparent)]
     Contents(mcap::McapError),
+    /// Record or chunk that is damaged.
+    #[error("damaged at byte {at}: {reason}")]
+    Damaged {
+        /// Place of the record, or of its chunk, in the file.
+        at: u64,
+        /// Finding.
+        reason: &'static str,
+    },
+}
+
+impl RecordingError {
+    fn damaged(at: u64, reason: &'static str) -> Self {
+        Self::Damaged { at, reason }
+    }
 }
 
 impl From<mcap::McapError> for RecordingError {

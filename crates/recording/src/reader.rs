@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
-use mcap::read::ChunkReader;
-use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::records::op;
 use messages::BatchHeader;
 use messages::layout::Sample as _;
 
+use crate::record::{Fields, HEAD, head_of, is_needed};
 use crate::whole::{Whole, whole};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES};
 
@@ -56,27 +55,9 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
     file: &mut R,
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
 ) -> Result<bool, E> {
-    let Whole { bytes, is_ended } = whole(file).map_err(RecordingError::from)?;
-    file.rewind().map_err(RecordingError::from)?;
-    let mut file = file.take(bytes);
-    let options = LinearReaderOptions::default()
-        .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true);
-    let mut reader = LinearReader::new_with_options(options);
-    let mut names = Names::default();
-    while let Some(event) = reader.next_event() {
-        match event.map_err(RecordingError::from)? {
-            LinearReadEvent::ReadRequest(wanted) => {
-                let read = file.read(reader.insert(wanted)).map_err(RecordingError::from)?;
-                reader.notify_read(read);
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                let record = mcap::parse_record(opcode, data).map_err(RecordingError::from)?;
-                names.show(record, &mut visit)?;
-            }
-        }
-    }
-    Ok(is_ended)
+    let mut chunks = Chunks::new(file)?;
+    while chunks.read(&mut visit)? {}
+    Ok(chunks.is_ended)
 }
 
 /// A file that is read chunk by chunk, in any order once all of it was.
@@ -85,7 +66,11 @@ pub struct Chunks<R> {
     file: R,
     /// Octets of the file that can be read.
     end: u64,
+    /// Whether the file ends as it should.
+    is_ended: bool,
     next: u64,
+    /// Place at which `file` stands; `None` where that is not known.
+    at: Option<u64>,
     names: Names,
     record: Vec<u8>,
 }
@@ -96,11 +81,13 @@ impl<R: Read + Seek> Chunks<R> {
     /// # Errors
     /// If it cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
-        let end = whole(&mut file)?.bytes;
+        let Whole { bytes, is_ended } = whole(&mut file)?;
         Ok(Self {
             file,
-            end,
+            end: bytes,
+            is_ended,
             next: mcap::MAGIC.len() as u64,
+            at: None,
             names: Names::default(),
             record: Vec::new(),
         })
@@ -116,7 +103,8 @@ impl<R: Read + Seek> Chunks<R> {
         self.next = place;
     }
 
-    /// Shows the next chunk, and what stands before it, to `visit`. `false` at the end.
+    /// Shows the next chunk, and what stands before it, to `visit`. `false` at the end. Nothing of a damaged chunk is
+    /// shown.
     ///
     /// # Errors
     /// If it cannot be read, or holds what no recorder writes; or the first one of `visit`.
@@ -125,31 +113,53 @@ impl<R: Read + Seek> Chunks<R> {
         mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<bool, E> {
         while self.next < self.end {
-            let code = self.record().map_err(RecordingError::from)?;
-            match mcap::parse_record(code, &self.record).map_err(RecordingError::from)? {
-                Record::Chunk { header, data } => {
-                    let records = ChunkReader::new(header, &data).map_err(RecordingError::from)?;
-                    for record in records {
-                        self.names.show(record.map_err(RecordingError::from)?, &mut visit)?;
-                    }
-                    return Ok(true);
+            let place = self.next;
+            let Some(code) = self.record()? else { continue };
+            let fields = Fields::of(&self.record, place);
+            if code == op::CHUNK {
+                let mut records = fields.records()?;
+                while let Some((code, fields)) = records.record()? {
+                    self.names.show(code, fields, &mut visit)?;
                 }
-                record => self.names.show(record, &mut visit)?,
+                return Ok(true);
             }
+            self.names.show(code, fields, &mut visit)?;
         }
         Ok(false)
     }
 
-    /// Takes the next record out of the file. Its code.
-    fn record(&mut self) -> std::io::Result<u8> {
-        let mut head = [0; 9];
-        self.file.seek(SeekFrom::Start(self.next))?;
+    /// Takes the next record out of the file. Its code; `None` for one that is not needed, such as an index.
+    fn record(&mut self) -> Result<Option<u8>, RecordingError> {
+        let mut head = [0; HEAD];
+        if self.at.take() != Some(self.next) {
+            self.file.seek(SeekFrom::Start(self.next))?;
+        }
         self.file.read_exact(&mut head)?;
-        let length = u64::from_le_bytes(head[1..].try_into().expect("eight octets"));
+        let (code, length) = head_of(&head);
+        let end = self.next.saturating_add(HEAD as u64).saturating_add(length);
+        // The walk over the file has found each record within it: memory follows the size of the file, not the length
+        // that a damaged file states. The file may have become shorter since.
+        if end > self.end {
+            return Err(RecordingError::damaged(self.next, "a record is longer than the file"));
+        }
         self.record.clear();
-        let read = (&mut self.file).take(length).read_to_end(&mut self.record)?;
-        self.next += head.len() as u64 + read as u64;
-        Ok(head[0])
+        let is_needed = is_needed(code);
+        let mut data = (&mut self.file).take(length);
+        let read = if is_needed {
+            let bytes = usize::try_from(length).unwrap_or(usize::MAX);
+            self.record
+                .try_reserve_exact(bytes)
+                .map_err(|_| RecordingError::damaged(self.next, "a record is larger than the memory at hand"))?;
+            data.read_to_end(&mut self.record)? as u64
+        } else {
+            std::io::copy(&mut data, &mut std::io::sink())?
+        };
+        if read < length {
+            return Err(std::io::Error::from(std::io::ErrorKind::UnexpectedEof).into());
+        }
+        self.next = end;
+        self.at = Some(end);
+        Ok(is_needed.then_some(code))
     }
 }
 
@@ -178,6 +188,9 @@ pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingErr
     }
 }
 
+/// Octets of a record that describes a topic or the file. The longest one of a recorder has a configuration in it.
+const DESCRIPTION_BYTES: usize = 4 << 20;
+
 /// Channels and schemas of one file.
 #[derive(Debug, Default)]
 struct Names {
@@ -186,47 +199,79 @@ struct Names {
 }
 
 impl Names {
-    fn show<E>(&mut self, record: Record<'_>, visit: &mut impl FnMut(Item<'_>) -> Result<(), E>) -> Result<(), E> {
-        match record {
-            Record::Metadata(metadata) if metadata.name == FACTS => visit(Item::Facts(metadata.metadata)),
-            Record::Schema { header, data } => {
-                self.schemas.insert(header.id, (header.name, data.into_owned()));
+    /// Shows what a record says to `visit`.
+    fn show<E: From<RecordingError>>(
+        &mut self,
+        code: u8,
+        mut fields: Fields<'_>,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        if code != op::MESSAGE && is_needed(code) && fields.rest().len() > DESCRIPTION_BYTES {
+            return Err(fields.damaged("a description has more than 4 MiB").into());
+        }
+        match code {
+            op::METADATA => match fields.text()? {
+                FACTS => visit(Item::Facts(fields.map()?)),
+                _ => Ok(()),
+            },
+            op::SCHEMA => {
+                let id = fields.u16()?;
+                let (name, _encoding) = (fields.text()?, fields.text()?);
+                let definition = fields.octets()?;
+                self.schemas.insert(id, (name.to_owned(), definition.to_vec()));
                 Ok(())
             }
-            Record::Channel(channel) => {
-                let name = &channel.topic;
-                let schema = self.schemas.get(&channel.schema_id);
-                let shown = match (name.ends_with(SLICES), schema) {
-                    (false, Some((schema, definition))) => visit(Item::Topic {
-                        name,
-                        schema,
-                        definition,
-                        fingerprint: channel.metadata.get(FINGERPRINT).map_or("", String::as_str),
-                    }),
-                    _ => Ok(()),
-                };
-                self.topics.insert(channel.id, channel.topic);
-                shown
-            }
-            Record::Message { header, data } => {
-                let Some(name) = self.topics.get(&header.channel_id) else {
-                    return Ok(());
-                };
-                let octets = data.strip_prefix(&CDR).unwrap_or_default();
-                match name.strip_suffix(SLICES) {
-                    None => visit(Item::Sample { topic: name, octets }),
-                    Some(topic) => match BatchHeader::of_octets(octets) {
-                        Some(slice) => visit(Item::Slice {
-                            topic,
-                            header: slice,
-                            taken_ns: header.log_time,
-                            sent_ns: header.publish_time,
-                        }),
-                        None => Ok(()),
-                    },
-                }
-            }
+            op::CHANNEL => self.channel(fields, visit),
+            op::MESSAGE => self.message(fields, visit),
             _ => Ok(()),
+        }
+    }
+
+    fn channel<E: From<RecordingError>>(
+        &mut self,
+        mut fields: Fields<'_>,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (id, schema) = (fields.u16()?, fields.u16()?);
+        let (name, _encoding) = (fields.text()?, fields.text()?);
+        let metadata = fields.map()?;
+        let known = self.topics.entry(id).or_insert_with(|| name.to_owned());
+        if known != name {
+            return Err(fields.damaged("a channel has the number of another one").into());
+        }
+        match (name.ends_with(SLICES), self.schemas.get(&schema)) {
+            (false, Some((schema, definition))) => visit(Item::Topic {
+                name,
+                schema,
+                definition,
+                fingerprint: metadata.get(FINGERPRINT).map_or("", String::as_str),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn message<E: From<RecordingError>>(
+        &self,
+        mut fields: Fields<'_>,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (channel, _sequence) = (fields.u16()?, fields.u32()?);
+        let (taken_ns, sent_ns) = (fields.u64()?, fields.u64()?);
+        let Some(name) = self.topics.get(&channel) else {
+            return Ok(());
+        };
+        let octets = fields.rest().strip_prefix(&CDR).unwrap_or_default();
+        match name.strip_suffix(SLICES) {
+            None => visit(Item::Sample { topic: name, octets }),
+            Some(topic) => match BatchHeader::of_octets(octets) {
+                Some(header) => visit(Item::Slice {
+                    topic,
+                    header,
+                    taken_ns,
+                    sent_ns,
+                }),
+                None => Ok(()),
+            },
         }
     }
 }

@@ -1,0 +1,136 @@
+//! Records of a file, and the fields in their data.
+//!
+//! The container's own reader takes as much memory as a record or a text states to need, and a damaged file can state
+//! anything. So records are cut out here, each within its file or its chunk, and each field within its record: memory
+//! follows the size of the file.
+
+use std::collections::BTreeMap;
+
+use mcap::records::op;
+
+use crate::RecordingError;
+
+/// Octets before the data of a record: its code and its length.
+pub(crate) const HEAD: usize = 9;
+
+/// Code and length in the octets before the data of a record.
+pub(crate) fn head_of(head: &[u8; HEAD]) -> (u8, u64) {
+    let (code, length) = head.split_first().expect("nine octets");
+    (*code, u64::from_le_bytes(length.try_into().expect("eight octets")))
+}
+
+/// Whether records of this kind have anything that is shown. All others are passed over unread.
+pub(crate) fn is_needed(code: u8) -> bool {
+    matches!(code, op::CHUNK | op::METADATA | op::SCHEMA | op::CHANNEL | op::MESSAGE)
+}
+
+/// Record, or chunk, that is read: its data, and its place in the file for errors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fields<'a> {
+    left: &'a [u8],
+    place: u64,
+}
+
+impl<'a> Fields<'a> {
+    pub(crate) fn of(data: &'a [u8], place: u64) -> Self {
+        Self { left: data, place }
+    }
+
+    /// All that is left.
+    pub(crate) fn rest(self) -> &'a [u8] {
+        self.left
+    }
+
+    pub(crate) fn damaged(&self, reason: &'static str) -> RecordingError {
+        RecordingError::damaged(self.place, reason)
+    }
+
+    fn take(&mut self, count: u64) -> Result<&'a [u8], RecordingError> {
+        let count = usize::try_from(count).ok();
+        let (taken, left) = count
+            .and_then(|count| self.left.split_at_checked(count))
+            .ok_or_else(|| self.damaged("a field is longer than its record"))?;
+        self.left = left;
+        Ok(taken)
+    }
+
+    fn array<const COUNT: usize>(&mut self) -> Result<[u8; COUNT], RecordingError> {
+        Ok(self
+            .take(COUNT as u64)?
+            .try_into()
+            .expect("as many octets as asked for"))
+    }
+
+    pub(crate) fn u16(&mut self) -> Result<u16, RecordingError> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    pub(crate) fn u32(&mut self) -> Result<u32, RecordingError> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub(crate) fn u64(&mut self) -> Result<u64, RecordingError> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    /// Octets after their number.
+    pub(crate) fn octets(&mut self) -> Result<&'a [u8], RecordingError> {
+        let count = self.u32()?;
+        self.take(count.into())
+    }
+
+    pub(crate) fn text(&mut self) -> Result<&'a str, RecordingError> {
+        let octets = self.octets()?;
+        std::str::from_utf8(octets).map_err(|_| self.damaged("a text is not UTF-8"))
+    }
+
+    /// Texts by name.
+    pub(crate) fn map(&mut self) -> Result<BTreeMap<String, String>, RecordingError> {
+        let mut pairs = Self::of(self.octets()?, self.place);
+        let mut map = BTreeMap::new();
+        while !pairs.left.is_empty() {
+            let name = pairs.text()?;
+            let value = pairs.text()?;
+            if map.insert(name.to_owned(), value.to_owned()).is_some() {
+                return Err(self.damaged("a name is there twice"));
+            }
+        }
+        Ok(map)
+    }
+
+    /// Takes the next record out of a chunk: its code and its data. `None` at the end.
+    pub(crate) fn record(&mut self) -> Result<Option<(u8, Fields<'a>)>, RecordingError> {
+        if self.left.is_empty() {
+            return Ok(None);
+        }
+        let (head, left) = self
+            .left
+            .split_first_chunk()
+            .ok_or_else(|| self.damaged("a record in the chunk is cut off"))?;
+        let (code, length) = head_of(head);
+        self.left = left;
+        let data = self
+            .take(length)
+            .map_err(|_| self.damaged("a record in the chunk is longer than the chunk"))?;
+        Ok(Some((code, Self::of(data, self.place))))
+    }
+
+    /// Records of a chunk: as many octets as it states, with the checksum that it states.
+    pub(crate) fn records(mut self) -> Result<Self, RecordingError> {
+        let _times_ns = (self.u64()?, self.u64()?);
+        let (size, checksum) = (self.u64()?, self.u32()?);
+        let compression = self.text()?;
+        if !compression.is_empty() {
+            return Err(mcap::McapError::UnsupportedCompression(compression.to_owned()).into());
+        }
+        let stored = self.u64()?;
+        let records = self.take(stored)?;
+        if size != stored {
+            return Err(self.damaged("the sizes of the chunk contradict each other"));
+        }
+        if checksum != 0 && checksum != crc32fast::hash(records) {
+            return Err(self.damaged("the checksum of the chunk is wrong"));
+        }
+        Ok(Self::of(records, self.place))
+    }
+}

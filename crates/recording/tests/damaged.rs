@@ -1,0 +1,273 @@
+//! Damaged files: each is read or refused with a sentence, and takes no more memory than twice its size.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::io::Cursor;
+
+use messages::layout::Sample as _;
+use messages::{BatchHeader, Cue};
+use recording::{Chunks, Facts, Part, RecordingError, Survey, Writer, copy, facts};
+
+/// Memory of the system, counted for each thread.
+struct Counting;
+
+thread_local! {
+    static HELD: Cell<usize> = const { Cell::new(0) };
+    static MOST: Cell<usize> = const { Cell::new(0) };
+}
+
+/// Any file may take so much besides twice its own size: buffers of the test, names of topics.
+const CONSTANT: usize = 1 << 20;
+/// A request beyond this is refused, as by a machine that has no more: a panic names it, where a real one aborts.
+const MACHINE: usize = 1 << 30;
+
+#[expect(unsafe_code, reason = "an allocator cannot be had otherwise")]
+// SAFETY: each call goes to the allocator of the system as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        taken(layout.size());
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        let _ = HELD.try_with(|held| held.set(held.get().saturating_sub(layout.size())));
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(at, layout) };
+    }
+}
+
+#[global_allocator]
+static MEMORY: Counting = Counting;
+
+fn taken(bytes: usize) {
+    let _ = HELD.try_with(|held| {
+        held.set(held.get() + bytes);
+        MOST.with(|most| most.set(most.get().max(held.get())));
+        assert!(bytes < MACHINE, "{bytes} bytes were asked for at once");
+    });
+}
+
+/// Largest memory that this thread held in `work`, beyond what it held before.
+fn most_memory(work: impl FnOnce()) -> usize {
+    let before = HELD.get();
+    MOST.set(before);
+    work();
+    MOST.get() - before
+}
+
+/// Reads a file in all ways that there are. First refusal, and largest memory.
+fn read(file: &[u8]) -> (Result<(), RecordingError>, usize) {
+    let mut first = Ok(());
+    let most = most_memory(|| {
+        let chunks = || {
+            let mut chunks = Chunks::new(Cursor::new(file))?;
+            while chunks.read::<RecordingError>(|_| Ok(()))? {}
+            Ok(())
+        };
+        first = Survey::default()
+            .add(&mut Cursor::new(file))
+            .and_then(|()| chunks())
+            .and_then(|()| facts(&mut Cursor::new(file)).map(drop));
+    });
+    let copying = most_memory(|| {
+        let out = Cursor::new(Vec::new());
+        let _ = copy([Cursor::new(file)], &Part::default(), out);
+    });
+    // The copy itself is in memory here, and a second one while its vector grows.
+    (first, most.max(copying.saturating_sub(2 * file.len())))
+}
+
+fn limit(file: &[u8]) -> usize {
+    2 * file.len() + CONSTANT
+}
+
+fn file(slices: u64) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    let mut writer = Writer::begin(&mut out, &Facts::from([("build".to_owned(), "one".to_owned())])).unwrap();
+    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT).unwrap();
+    for slice in 0..slices {
+        let header = BatchHeader {
+            first_sequence: slice,
+            ..BatchHeader::default()
+        };
+        let cue = Cue {
+            sequence: slice,
+            ..Cue::default()
+        };
+        writer
+            .slice(channel, &header, Cue::octets(&[cue]), 1_000 + slice as i64, 5)
+            .unwrap();
+        if slice % 8 == 7 {
+            writer.flush().unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    out.into_inner()
+}
+
+const HEAD: usize = 9;
+
+/// Places and codes of the file's own records.
+fn records(file: &[u8], from: usize, to: usize) -> Vec<(usize, u8)> {
+    let mut found = Vec::new();
+    let mut at = from;
+    while at + HEAD <= to {
+        found.push((at, file[at]));
+        at += HEAD + u64::from_le_bytes(file[at + 1..at + HEAD].try_into().unwrap()) as usize;
+    }
+    found
+}
+
+/// Place of the first chunk, of the records in it, and of what follows it.
+fn first_chunk(file: &[u8]) -> (usize, usize, usize) {
+    let own = records(file, mcap::MAGIC.len(), file.len() - mcap::MAGIC.len());
+    let chunk = own.iter().position(|(_, code)| *code == 6).unwrap();
+    (
+        own[chunk].0,
+        own[chunk].0 + HEAD + 8 + 8 + 8 + 4 + 4 + 8,
+        own[chunk + 1].0,
+    )
+}
+
+fn with(file: &[u8], at: usize, bytes: &[u8]) -> Vec<u8> {
+    let mut changed = file.to_vec();
+    changed[at..at + bytes.len()].copy_from_slice(bytes);
+    changed
+}
+
+const LENGTHS: [u64; 5] = [2_000_000_000, 6_000_000_000, 1 << 48, i64::MAX as u64, u64::MAX];
+
+#[test]
+fn a_length_within_a_chunk_that_is_beyond_it_is_refused_with_its_place() {
+    let file = file(20);
+    assert!(read(&file).0.is_ok());
+    let (chunk, contents, end) = first_chunk(&file);
+    for (record, code) in records(&file, contents, end) {
+        for length in LENGTHS {
+            let mut damaged = with(&file, record + 1, &length.to_le_bytes());
+            let (refusal, most) = read(&damaged);
+            let text = refusal.unwrap_err().to_string();
+            assert_eq!(
+                text,
+                format!("damaged at byte {chunk}: the checksum of the chunk is wrong")
+            );
+            assert!(most <= limit(&file), "code {code}, length {length}: {most} bytes");
+            // Without a checksum in the chunk.
+            damaged[chunk + HEAD + 24..chunk + HEAD + 28].fill(0);
+            let (refusal, most) = read(&damaged);
+            let text = refusal.unwrap_err().to_string();
+            assert!(
+                text.ends_with("a record in the chunk is longer than the chunk"),
+                "{text}"
+            );
+            assert!(most <= limit(&file), "code {code}, length {length}: {most} bytes");
+        }
+    }
+}
+
+#[test]
+fn lengths_of_records_chunks_and_what_describes_them_take_no_memory() {
+    let file = file(20);
+    let own = records(&file, mcap::MAGIC.len(), file.len() - mcap::MAGIC.len());
+    let (chunk, contents, end) = first_chunk(&file);
+    let mut tried = 0;
+    for length in LENGTHS {
+        // Of each record of the file: what follows it is cut off, as after a kill.
+        let heads = own.iter().map(|(place, _)| (place + 1, 8));
+        // Sizes in the header of the chunk, with and without compression; the length of the compression's name.
+        let sizes = [(chunk + HEAD + 16, 8), (chunk + HEAD + 28, 4), (chunk + HEAD + 32, 8)];
+        // Each field of 32 bits in descriptions within the chunk and in the metadata.
+        let described = records(&file, contents, end)
+            .into_iter()
+            .chain(own.iter().copied())
+            .filter(|(_, code)| matches!(code, 3 | 4 | 12))
+            .flat_map(|(place, _)| (place + HEAD..place + HEAD + 40).map(|at| (at, 4)));
+        for (at, bytes) in heads.chain(sizes).chain(described) {
+            if at + bytes > file.len() {
+                continue;
+            }
+            let mut damaged = with(&file, at, &length.to_le_bytes()[..bytes]);
+            for checksum in [true, false] {
+                if !checksum {
+                    damaged[chunk + HEAD + 24..chunk + HEAD + 28].fill(0);
+                }
+                let (_, most) = read(&damaged);
+                assert!(most <= limit(&file), "byte {at}, length {length}: {most} bytes");
+                tried += 1;
+            }
+        }
+    }
+    assert!(tried > 500, "{tried} files");
+}
+
+#[test]
+fn thousands_of_damaged_files_are_read_or_refused_within_twice_their_size() {
+    let file = file(40);
+    let (_, contents, end) = first_chunk(&file);
+    let chunk = first_chunk(&file).0;
+    let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut next = move |below: usize| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) as usize % below
+    };
+    let (mut refused, mut accepted) = (0, 0);
+    for round in 0..6_000 {
+        let mut damaged = file.clone();
+        // One in two has no checksum in its first chunk, so that what is in the chunk is looked at.
+        if round % 2 == 0 {
+            damaged[chunk + HEAD + 24..chunk + HEAD + 28].fill(0);
+        }
+        for _ in 0..=next(4) {
+            let length = damaged.len();
+            let at = if next(3) == 0 {
+                contents + next(end - contents)
+            } else {
+                next(length)
+            }
+            .min(length - 1);
+            match next(5) {
+                0 => damaged[at] ^= 1 << next(8),
+                1 => damaged[at] = [0, 1, 127, 128, 255][next(5)],
+                2 => drop(damaged.drain(at..(at + 1 + next(64)).min(length))),
+                3 => {
+                    let more = damaged[at..(at + 1 + next(64)).min(length)].to_vec();
+                    drop(damaged.splice(at..at, more));
+                }
+                _ => {
+                    let word = [u32::MAX, 1 << 31, i32::MAX as u32, 0][next(4)];
+                    let to = (at + 4).min(length);
+                    damaged[at..to].copy_from_slice(&word.to_le_bytes()[..to - at]);
+                }
+            }
+            if damaged.len() < 64 {
+                break;
+            }
+        }
+        let (result, most) = read(&damaged);
+        assert!(most <= limit(&damaged), "round {round}: {most} bytes");
+        *if result.is_ok() { &mut accepted } else { &mut refused } += 1;
+    }
+    assert!(refused > 1_000 && accepted > 100, "{refused} refused, {accepted} read");
+}
+
+#[test]
+fn one_chunk_of_a_whole_file_is_held_once() {
+    let mut out = Cursor::new(Vec::new());
+    let mut writer = Writer::begin(&mut out, &Facts::new()).unwrap();
+    let channel = writer.channel("sensor/a/cues", &Cue::LAYOUT).unwrap();
+    let cues = vec![Cue::default(); 200_000];
+    writer
+        .slice(channel, &BatchHeader::default(), Cue::octets(&cues), 1, 1)
+        .unwrap();
+    writer.finish().unwrap();
+    let file = out.into_inner();
+    let most = most_memory(|| Survey::default().add(&mut Cursor::new(&file)).unwrap());
+    assert!(
+        most <= file.len() + CONSTANT,
+        "{most} bytes for a file of {}",
+        file.len()
+    );
+}
