@@ -182,6 +182,44 @@ fn every_example_is_sound() {
 }
 
 #[test]
+fn an_overlay_that_cannot_be_drawn_is_refused() {
+    let home = Home::new();
+    write_site(&home, |_, _| ());
+    let line = r#"{"type":"FeatureCollection","features":[{"geometry":{"type":"LineString","coordinates":[[LON,41],[3,42]]}}]}"#;
+    let checked = |overlay: Option<&str>| {
+        let path = home.path("zones.json");
+        match overlay {
+            Some(text) => fs::write(path, text).unwrap(),
+            None => drop(fs::remove_file(path)),
+        }
+        let overlays = [
+            "--set",
+            "display.listen=\"127.0.0.1:0\"",
+            "--set",
+            "display.overlays=[\"zones.json\"]",
+        ];
+        home.run(&[&["check", "site.toml", "--data", "."][..], &overlays].concat())
+    };
+    let sound = checked(Some(&line.replace("LON", "2")));
+    assert_eq!(sound.status.code(), Some(0), "{sound:?}");
+    let off_the_earth = line.replace("LON", "200");
+    for (overlay, expected) in [
+        (None, "No such file"),
+        (Some("{\"features\": 3}"), "no FeatureCollection"),
+        (Some("features:"), "zones.json: "),
+        (Some(&off_the_earth), "is no place"),
+    ] {
+        let refused = checked(overlay);
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!((refused.status.code(), said.lines().count()), (Some(2), 1), "{said}");
+        assert!(
+            said.contains(expected) && said.contains("display.overlays[0]"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn a_recording_cut_short_can_be_accepted() {
     let home = Home::new();
     write_site(&home, |_, recording| recording.truncate(997));

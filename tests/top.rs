@@ -37,11 +37,22 @@ fn what_cannot_be_looked_at_is_refused_in_one_line_with_a_remedy() {
         1,
         "nothing runs; start a deployment with `koseki up` or `koseki demo`",
     );
-    refused(
-        &["top", "--instance", "demo"],
-        1,
-        "instance demo does not run, or is just being started",
-    );
+    for command in [&["top"][..], &["tap"], &["status"], &["condition", "rain"]] {
+        let of_another = [command, &["--instance", "demo"]].concat();
+        refused(&of_another, 2, "nothing runs as instance demo; `koseki status` shows");
+    }
+    for command in [
+        &["top"][..],
+        &["tap"],
+        &["status"],
+        &["condition", "rain"],
+        &["demo"],
+        &["up", "demo.toml"],
+        &["fusion", "--config", "demo.toml"],
+    ] {
+        let wrong = [command, &["--instance", "bad name!"]].concat();
+        refused(&wrong, 2, "bad name!");
+    }
     refused(&["top", "--instance", "no name"], 2, "no name");
     refused(&["top", "--interval", "0"], 2, "it must be more than 0");
     refused(&["top", "--interval", "4000"], 2, "between 0.1 and 3600");
@@ -161,6 +172,31 @@ fn the_terminal_is_restored_however_it_ends() {
 }
 
 #[test]
+fn the_end_of_the_terminal_is_an_end_too() {
+    let home = Home::new();
+    let demo = home.demo();
+    let (keyboard, terminal) = pseudo_terminal();
+    let command = home
+        .command(&["top", "--interval", "0.2"])
+        .stdin(terminal.try_clone().unwrap())
+        .stdout(terminal.try_clone().unwrap())
+        .stderr(terminal)
+        .spawn();
+    let mut top = Ending(command.unwrap());
+    let (mut screen, mut shown) = (File::from(keyboard), String::new());
+    let mut read = [0; 4096];
+    // The terminal controls no process: its end sends no signal.
+    while !shown.contains("radar-west") {
+        let count = screen.read(&mut read).unwrap();
+        shown.push_str(&String::from_utf8_lossy(&read[..count]));
+    }
+    drop(screen);
+    until("top has ended", || top.0.try_wait().unwrap().is_some());
+    demo.stop();
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
 fn metrics_are_collected_from_a_deployment_that_runs() {
     let home = Home::new();
     let demo = home.start(&["demo", "--set", "monitor.prometheus=\"127.0.0.1:0\""]);
@@ -194,6 +230,33 @@ enum End {
     Signal(Signal),
 }
 
+/// Process that ends with the test.
+struct Ending(Child);
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A keyboard with a screen, and the terminal as programs have it. It controls no process.
+fn pseudo_terminal() -> (OwnedFd, OwnedFd) {
+    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
+    let keyboard = openpt(flags).unwrap();
+    grantpt(&keyboard).unwrap();
+    unlockpt(&keyboard).unwrap();
+    let terminal = ioctl_tiocgptpeer(&keyboard, flags).unwrap();
+    let size = Winsize {
+        ws_row: 40,
+        ws_col: 160,
+        ws_xpixel: 0,
+        ws_ypixel: 0,
+    };
+    tcsetwinsize(&terminal, size).unwrap();
+    (keyboard, terminal)
+}
+
 /// A `koseki` at a terminal.
 struct Seated {
     child: Child,
@@ -206,18 +269,7 @@ struct Seated {
 
 impl Seated {
     fn start(home: &Home, arguments: &[&str]) -> Self {
-        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
-        let keyboard = openpt(flags).unwrap();
-        grantpt(&keyboard).unwrap();
-        unlockpt(&keyboard).unwrap();
-        let terminal = ioctl_tiocgptpeer(&keyboard, flags).unwrap();
-        let size = Winsize {
-            ws_row: 40,
-            ws_col: 160,
-            ws_xpixel: 0,
-            ws_ypixel: 0,
-        };
-        tcsetwinsize(&terminal, size).unwrap();
+        let (keyboard, terminal) = pseudo_terminal();
         let screen = Arc::default();
         let reader = read(File::from(keyboard.try_clone().unwrap()), Arc::clone(&screen));
         let child = home

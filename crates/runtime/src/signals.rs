@@ -31,6 +31,24 @@ impl Stop {
         Ok(Self(flag))
     }
 
+    /// Catches the same signals, of which later ones do not end the process: for one that ends by itself soon after,
+    /// and would leave shared memory behind if it was cut short. `timeout` sends SIGTERM twice, to the process and to
+    /// its group.
+    ///
+    /// # Errors
+    /// If the operating system refuses.
+    pub fn on_signals_to_clear_up() -> io::Result<Self> {
+        let flag = Arc::new(AtomicBool::new(false));
+        let caught = [SIGTERM, SIGINT, SIGHUP];
+        for signal in caught
+            .into_iter()
+            .filter(|signal| *signal != SIGHUP || !is_ignored(SIGHUP))
+        {
+            signal_hook::flag::register(signal, Arc::clone(&flag))?;
+        }
+        Ok(Self(flag))
+    }
+
     /// Whether the process has been asked to stop.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)

@@ -17,8 +17,9 @@ pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Res
         let name = name.get_ref();
         if !read_key(table, name, node, &at.key(name))? {
             let names: Vec<&str> = keys(table).into_iter().map(|key| key.name).collect();
+            let meant = nearest(name, &names).map_or_else(String::new, |near| format!("; did you mean {near}?"));
             let names = if names.is_empty() { vec!["none"] } else { names };
-            let what = format!("unknown key; there are: {}", names.join(", "));
+            let what = format!("unknown key; there are: {}{meant}", names.join(", "));
             return Err(at.key(name).error(what));
         }
     }
@@ -27,6 +28,13 @@ pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Res
         return Err(at.key(key.name).error("missing; it must be given"));
     }
     check_all_together(table, at)
+}
+
+/// Name that `name` may have been meant as: the most similar one, where it is similar at all.
+fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
+    let similar = names.iter().map(|known| (strsim::jaro_winkler(name, known), *known));
+    let (similarity, known) = similar.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    (similarity > 0.85).then_some(known)
 }
 
 /// Reads one key of a table or of its base; whether there is such a key.

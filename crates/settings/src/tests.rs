@@ -149,7 +149,7 @@ fn mistakes_are_named_with_path_line_value_and_remedy() {
         (
             "name = \"a\"\n[spare]\ncont = 1",
             Some(3),
-            "spare.cont: unknown key; there are: count",
+            "spare.cont: unknown key; there are: count; did you mean count?",
         ),
         (
             "name = \"a\"\nbearing = 1",

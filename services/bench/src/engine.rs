@@ -22,7 +22,7 @@ use crate::text;
 pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     settings.check_without_cores()?;
     outputs.check()?;
-    let stop = Stop::on_signals()?;
+    let stop = Stop::on_signals_to_clear_up()?;
     let mut machine = Machine::read();
     let notes = machine::notes(settings, &machine);
     for note in &notes {

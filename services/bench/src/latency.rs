@@ -32,7 +32,7 @@ const ASIDE: f64 = 0.5;
 pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
-    let stop = Stop::on_signals()?;
+    let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let first = settings.rates_per_s[0];

@@ -64,16 +64,18 @@ impl Site {
         )?
         .1;
         let claimed = Instance::claim(&config, &instance, PROCESSES, stop, progress::say)?;
-        let root = Root::new(&instance)?;
-        let bus = Bus::open(&root, "bench")?;
-        Ok(Self {
-            topics: Some((hold_topics(&config, &bus)?, bus)),
+        // From here on an error clears up, too.
+        let mut site = Self {
+            topics: None,
             instance: Some(claimed),
             folder,
-            root,
+            root: Root::new(&instance)?,
             executable: std::env::current_exe().context("finding this executable")?,
             stop: stop.clone(),
-        })
+        };
+        let bus = Bus::open(&site.root, "bench")?;
+        site.topics = Some((hold_topics(&config, &bus)?, bus));
+        Ok(site)
     }
 
     pub(crate) fn root(&self) -> &Root {

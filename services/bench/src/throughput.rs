@@ -52,7 +52,7 @@ const OVERFLOWS: f64 = 3.0;
 pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
-    let stop = Stop::on_signals()?;
+    let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let bench = Bench {

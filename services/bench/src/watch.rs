@@ -102,7 +102,7 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
         );
         return Err(Refused(what).into());
     }
-    let stop = Stop::on_signals()?;
+    let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, _) = machine::begin(settings);
     let site = Site::prepare(settings, &stop)?;
     let plan = Plan {

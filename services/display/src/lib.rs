@@ -62,11 +62,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let path = process.config.path.display();
     let display = process.config.display.as_ref();
     let display = display.with_context(|| format!("{path}: display.listen is not given"))?;
-    let overlays = display
-        .overlays
-        .iter()
-        .map(|file| process.options.data.join(file))
-        .collect();
+    let overlays = overlays(display, &process.options.data);
     let mut world = World::new(
         &process.options.instance,
         process.config.sources.iter().map(source).collect(),
@@ -80,6 +76,26 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let refused = server.counts().clone();
     let mut agent = agent::DisplayAgent::new(&process.config, &process.bus, process.incarnation, shared, refused)?;
     runtime::service::run(process, &mut agent)
+}
+
+/// Files that the display draws under the tracks, in the folder `data`.
+fn overlays(display: &Display, data: &Path) -> Vec<PathBuf> {
+    display.overlays.iter().map(|file| data.join(file)).collect()
+}
+
+/// Whether every overlay of the display can be drawn.
+///
+/// # Errors
+/// In a sentence, the first file that is missing or is no GeoJSON of places.
+pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
+    let files = config.display.as_ref().map(|display| overlays(display, data));
+    for (number, path) in files.unwrap_or_default().iter().enumerate() {
+        pages::read_overlay(path, &config.frame).map_err(|error| {
+            let (path, at) = (path.display(), format!("display.overlays[{number}]"));
+            format!("{path}: {error}; it is an overlay: name its folder with --data, or correct {at}")
+        })?;
+    }
+    Ok(())
 }
 
 /// Shows the recording `path`, which consists of `files` and was made by the deployment of `config`, on this machine

@@ -171,10 +171,20 @@ async fn overlays(State(shared): State<Arc<Shared>>) -> Response {
 }
 
 fn overlay(path: &std::path::Path, frame: &SystemFrame) -> Value {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let text = std::fs::read_to_string(path).map_err(|error| error.to_string());
-    let made = text.and_then(|text| ground::overlay(&name, &text, frame));
-    made.unwrap_or_else(|error| json!({"name": name, "features": [], "error": error}))
+    read_overlay(path, frame).unwrap_or_else(|error| json!({"name": name_of(path), "features": [], "error": error}))
+}
+
+/// The overlay in the file `path`, as the page draws it.
+///
+/// # Errors
+/// In a sentence, if it cannot be read or drawn.
+pub(crate) fn read_overlay(path: &std::path::Path, frame: &SystemFrame) -> Result<Value, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
+    ground::overlay(&name_of(path), &text, frame)
+}
+
+fn name_of(path: &std::path::Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 async fn socket(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) -> Response {

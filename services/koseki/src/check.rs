@@ -6,6 +6,7 @@ use std::path::Path;
 
 use bus::WaitMode;
 use configuration::{Config, Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use offline::Usage;
 use scenario::ScenarioSettings;
 use serde_json::{Value, json};
 use sources::TrackerSettings;
@@ -30,6 +31,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
     let config = Config::read(&check.config, &check.set)?;
     let data = args::data_folder(check.data.clone());
     let found = recordings::inspect(&config, &data, Depth::Records)?;
+    display::check_overlays(&config, &data).map_err(Usage)?;
     let free_bytes = bus::free_space().ok();
     if check.json {
         let summary = json(&check.config, &config, &found, free_bytes);

@@ -6,12 +6,13 @@
 use std::time::Duration;
 
 use anyhow::bail;
-use bus::{Bus, Mark, Root, SharedMemory, Subscriber};
+use bus::{Bus, Mark, SharedMemory, Subscriber};
 use messages::{Control, Counter, Health, NO_SOURCE, ProcessKind};
 use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 
 use crate::args::Condition;
+use crate::instances;
 
 /// How long to wait for fusion's word.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -25,7 +26,7 @@ const REPEAT: Duration = Duration::from_secs(1);
 /// # Errors
 /// If the instance does not run, or its fusion does not know the condition or does not answer.
 pub(crate) fn run(condition: &Condition) -> anyhow::Result<()> {
-    let root = Root::new(&condition.instance).map_err(|error| Usage(error.to_string()))?;
+    let root = instances::running(&condition.instance)?;
     let too_long = || {
         Usage(format!(
             "\"{}\" is no condition: names have at most 32 bytes",

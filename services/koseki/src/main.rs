@@ -21,6 +21,7 @@ mod decode;
 mod doctor;
 mod encode;
 mod generate;
+mod instances;
 mod link;
 mod recording_copy;
 mod recording_export;
@@ -170,6 +171,7 @@ fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
 }
 
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
+    instances::named(&options.instance)?;
     make_out_folder(config, &options)?;
     launcher::run(config, &Orders { options, run_for })
 }
@@ -182,6 +184,7 @@ fn run_service(
 ) -> anyhow::Result<()> {
     let (config, mut options) = args::deployment(&serve.config, serve.shared)?;
     options.launcher = serve.launcher;
+    instances::named(&options.instance)?;
     let name = process_name(kind, serve.name, &config)?;
     let named = |error: anyhow::Error| match kind {
         ProcessKind::Adapter | ProcessKind::Gateway | ProcessKind::Link => {

@@ -11,12 +11,12 @@ use std::time::Duration;
 use alarms::{AlarmKind, Present};
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
 use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, ProcessKind, Registration};
-use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 use telemetry::table::{Align, Table};
 
 use crate::args::Status;
+use crate::instances;
 
 /// How long to listen: health messages come five times a second.
 const LISTEN: Duration = Duration::from_millis(700);
@@ -32,13 +32,11 @@ const OWN_NAME: &str = "status";
 pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
     let instances = match &status.instance {
         Some(name) => {
-            // A name that cannot be one is wrong usage, too.
-            let root = Root::new(name).map_err(|error| Usage(error.to_string()))?;
+            let root = instances::named(name)?;
             let mut listed = Root::list(root.base())?;
             listed.retain(|instance| instance.root == root);
             if listed.is_empty() {
-                let remedy = "`koseki status` shows what runs";
-                anyhow::bail!(Usage(format!("nothing runs as instance {name}; {remedy}")));
+                anyhow::bail!(instances::nothing_runs_as(name));
             }
             listed
         }

@@ -5,6 +5,7 @@ use monitor::top::{Form, Settings, run as look_on};
 use offline::Usage;
 
 use crate::args::Top;
+use crate::instances;
 
 /// Looks on at the instance that is named, or at the only one that runs.
 ///
@@ -12,7 +13,7 @@ use crate::args::Top;
 /// If none runs, several do and none is named, or looking on fails.
 pub(crate) fn run(top: &Top) -> anyhow::Result<()> {
     let root = match &top.instance {
-        Some(name) => Root::new(name).map_err(|error| Usage(error.to_string()))?,
+        Some(name) => instances::running(name)?,
         None => the_only_one(&Root::list(bus::base::find())?)?,
     };
     let settings = Settings {

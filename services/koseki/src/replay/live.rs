@@ -12,11 +12,10 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, Mark, Publisher, Root, SharedMemory};
+use bus::{Bus, Mark, Publisher, SharedMemory};
 use configuration::Config;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Outgoing as _, SensorTrack};
-use offline::Usage;
 use recording::Item;
 use runtime::signals::Stop;
 use runtime::{Now, Speed};
@@ -32,7 +31,7 @@ const LOOK_NS: i64 = 100_000_000;
 /// If the instance does not run or has not the sources, or a file cannot be read.
 pub(crate) fn run(replay: &Replay, recorded: &Config, files: &[PathBuf]) -> anyhow::Result<()> {
     let instance = replay.instance.as_deref().unwrap_or(&recorded.name);
-    let root = Root::new(instance).map_err(|error| Usage(error.to_string()))?;
+    let root = crate::instances::named(instance)?;
     let bus = Bus::<SharedMemory>::open(&root, "replay")?;
     let now = Now::read();
     let is_wanted = |name: &String| replay.sources.is_empty() || replay.sources.contains(name);

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use anyhow::bail;
-use bus::{Bus, Payload, Received, Root, SharedMemory, WaitMode, Woken};
+use bus::{Bus, Payload, Received, SharedMemory, WaitMode, Woken};
 use messages::{Topic, Visitor};
 use net::LineServer;
 use offline::Usage;
@@ -17,6 +17,7 @@ use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
 
 use crate::args::{Tap, TapFormat};
+use crate::instances;
 use blocks::Blocks;
 use lines::{LineFormat, Lines};
 
@@ -100,7 +101,7 @@ impl Visitor for Reader<'_> {
     type Output = anyhow::Result<()>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> anyhow::Result<()> {
-        let root = Root::new(&self.tap.instance).map_err(|error| Usage(error.to_string()))?;
+        let root = instances::running(&self.tap.instance)?;
         let stop = Stop::on_signals()?;
         let bus = Bus::<SharedMemory>::open(&root, "tap")?;
         let mut form = match self.tap.format {

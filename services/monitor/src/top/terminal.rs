@@ -3,6 +3,9 @@
 //! However it ends, the terminal is as it was before: by a key, a signal, an error, the end of the deployment (the
 //! guard is dropped) or a panic (a hook restores it before the message is printed).
 
+use std::fs::File;
+use std::io::{self, IsTerminal as _};
+use std::os::fd::{AsFd as _, OwnedFd};
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -11,6 +14,8 @@ use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEvent, KeyModifiers};
 use runtime::Now;
 use runtime::signals::Stop;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 
 use super::attached::{Attached, Look};
 use super::{End, LOOK_EVERY};
@@ -54,6 +59,7 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
                     }
                 }
                 Some(Input::Resized) => {}
+                Some(Input::Gone) => return Ok(End::OfInterest),
             }
             changed = true;
             patience = Duration::ZERO;
@@ -68,6 +74,8 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
 /// A terminal in our hands.
 struct Screen {
     terminal: DefaultTerminal,
+    /// Keys come from here.
+    keys: OwnedFd,
     looks: Looks,
 }
 
@@ -75,13 +83,17 @@ struct Screen {
 enum Input {
     Key(Key),
     Resized,
+    /// The terminal has gone.
+    Gone,
 }
 
 impl Screen {
     fn open() -> anyhow::Result<Self> {
+        let keys = keys().context("finding the terminal")?;
         match ratatui::try_init() {
             Ok(terminal) => Ok(Self {
                 terminal,
+                keys,
                 looks: Looks::of_environment(),
             }),
             Err(error) => {
@@ -102,7 +114,11 @@ impl Screen {
 
     /// The next thing that means something, if it comes within `patience`.
     fn event(&self, patience: Duration) -> anyhow::Result<Option<Input>> {
-        if !event::poll(patience).context("waiting for a key")? {
+        // The library reads a terminal that has gone for ever: its end is looked for before.
+        if is_gone(&self.keys, patience).context("waiting for a key")? {
+            return Ok(Some(Input::Gone));
+        }
+        if !event::poll(Duration::ZERO).context("waiting for a key")? {
             return Ok(None);
         }
         Ok(match event::read().context("reading a key")? {
@@ -118,6 +134,30 @@ impl Drop for Screen {
         // A terminal that has gone cannot be restored.
         let _ = ratatui::try_restore();
         let _ = self.terminal.show_cursor();
+    }
+}
+
+/// Terminal from which keys come: standard input, or the one that controls this process.
+fn keys() -> io::Result<OwnedFd> {
+    let input = io::stdin();
+    match input.is_terminal() {
+        true => input.as_fd().try_clone_to_owned(),
+        false => File::open("/dev/tty").map(OwnedFd::from),
+    }
+}
+
+/// Waits for a key or a signal, no longer than `patience`. Whether the terminal has gone.
+fn is_gone(keys: &OwnedFd, patience: Duration) -> io::Result<bool> {
+    let mut keys = [PollFd::new(keys, PollFlags::IN)];
+    let patience = Timespec::try_from(patience).map_err(io::Error::other)?;
+    match poll(&mut keys, Some(&patience)) {
+        Ok(_) => {
+            let gone = PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL;
+            Ok(keys[0].revents().intersects(gone))
+        }
+        // A signal: the size of the terminal, or the end.
+        Err(Errno::INTR) => Ok(false),
+        Err(error) => Err(error.into()),
     }
 }
 

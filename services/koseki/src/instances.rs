@@ -1,0 +1,32 @@
+//! Instances that a command line names. A wrong name is wrong usage, whatever the command.
+
+use bus::Root;
+use offline::Usage;
+
+/// The instance called `name`.
+///
+/// # Errors
+/// If no instance can have this name here.
+pub(crate) fn named(name: &str) -> Result<Root, Usage> {
+    Root::new(name).map_err(|error| Usage(error.to_string()))
+}
+
+/// The instance called `name`, which runs.
+///
+/// # Errors
+/// If no instance can have this name, none of this name runs, or the instances cannot be listed.
+pub(crate) fn running(name: &str) -> anyhow::Result<Root> {
+    let root = named(name)?;
+    let listed = Root::list(root.base())?;
+    if !listed.iter().any(|instance| instance.runs && instance.root == root) {
+        return Err(nothing_runs_as(name).into());
+    }
+    Ok(root)
+}
+
+/// Refusal of a name that no instance has.
+pub(crate) fn nothing_runs_as(name: &str) -> Usage {
+    Usage(format!(
+        "nothing runs as instance {name}; `koseki status` shows what runs"
+    ))
+}
