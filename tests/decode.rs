@@ -97,6 +97,46 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
 }
 
 #[test]
+fn a_file_that_is_no_asterix_is_named_and_a_failure() {
+    let mut gps = vec![0xee; 2_200];
+    (0..4).for_each(|second| gps.extend([report(f64::from(second)), vec![0xa5; 10]].concat()));
+    let files: [(&str, &[u8], &str); 8] = [
+        ("passwd", b"root:x:0:0:root:/root:/bin/sh\n", "it is text"),
+        (
+            "a.ais",
+            b"!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24\n",
+            "it is a log of AIS",
+        ),
+        (
+            "a.sbs",
+            b"MSG,3,1,1,4CA2D6,1,2020/01/01,12:00:00.000\n",
+            "it is an SBS log",
+        ),
+        (
+            "a.avr",
+            b"*8D4840D6202CC371C32CE0576098;\n",
+            "it is a log of Mode S frames",
+        ),
+        ("a.hex", b"0a000ad0000701000080\n", "it is hexadecimal text"),
+        ("a.jsonl", b"{\"_c\": 10}\n", "it is JSON"),
+        ("a.gps", &gps, "it is a .gps recording"),
+        ("a.ast", &[250, 0, 4, 0], "no record of ASTERIX can be read\n"),
+    ];
+    for (name, bytes, kind) in files {
+        let folder = Folder::with_recording(name, bytes);
+        for what in ["--out x.jsonl", "--statistics"] {
+            let output = folder.run(&format!("decode {name} {what}"));
+            let said = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.code(), Some(1), "{name}: {said}");
+            assert!(
+                said.contains(kind) && said.contains(&format!("koseki: {name}: no record")),
+                "{said}"
+            );
+        }
+    }
+}
+
+#[test]
 fn statistics_are_a_table_and_a_file() {
     let times = [10.0, 11.0, 11.5, 12.0, 13.0];
     let reports: Vec<u8> = times.iter().flat_map(|time_s| report(*time_s)).collect();

@@ -7,6 +7,7 @@
 //!
 //! - [`containers`]: what recordings of [`asterix`] come packed in: captures of networks, recorders' frames;
 //! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
+//! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;
 //! - [`rows`]: tables of values, a row each, whatever their kind;
@@ -24,6 +25,7 @@ pub mod containers;
 pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
+pub mod foreign;
 pub mod platform_states_csv;
 pub mod recording;
 pub mod rows;

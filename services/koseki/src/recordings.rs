@@ -15,7 +15,8 @@ use asterix::{Error as BlockError, blocks, registry};
 use configuration::{Config, Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
 use formats::containers::{Container, TimeStamp, datagrams};
-use formats::sbs::{Merger, SbsSettings};
+use formats::foreign::Foreign;
+use formats::sbs::{Line, Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
@@ -165,7 +166,7 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
 fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, String> {
     let (blocks, found) = match recorded.format {
         RecordedFormat::Asterix => (walk(bytes, recorded, key)?, decode(bytes, recorded, depth)),
-        RecordedFormat::Sbs => (0, read_lines(bytes)),
+        RecordedFormat::Sbs => (0, read_lines(bytes, key)?),
         RecordedFormat::SensorTracks => (0, read_rows(bytes, key)?),
     };
     if found.first_time_ns.is_none() {
@@ -208,6 +209,13 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, String> {
         }
     }
     let (whose, place) = (&key.whose, &key.place);
+    let foreign = Foreign::of(bytes).filter(|kind| !known && is_raw && *kind != Foreign::Empty);
+    if let Some(kind) = foreign {
+        return Err(format!(
+            "no ASTERIX, expected category {} for {whose}: {kind}; correct {place}.file or .format",
+            categories(&expected, "or")
+        ));
+    }
     match wrong {
         _ if !known && !others.is_empty() => Err(format!(
             "byte 0: found blocks of category {} only, expected {} for {whose}: correct {place}.file or .editions",
@@ -282,13 +290,18 @@ fn turn(bytes: &[u8], recorded: &Recorded, source: &Source) -> Option<Turn> {
 }
 
 /// Reads the lines of a transponder receiver.
-fn read_lines(bytes: &[u8]) -> Found {
+fn read_lines(bytes: &[u8], key: &Key) -> Result<Found, String> {
     let mut merger = Merger::new(SbsSettings::default());
-    let mut found = Found::default();
+    let (mut found, mut timed) = (Found::default(), false);
     for datagram in datagrams(bytes).flatten() {
         let received_ns = datagram.time_stamp.map_or(0, TimeStamp::ns);
+        timed |= datagram.time_stamp.is_some();
         for line in datagram.bytes.split(|octet| *octet == b'\n') {
-            match merger.take(line.trim_ascii_end(), received_ns) {
+            let line = line.trim_ascii_end();
+            if let Ok(Line::Message(message)) = Line::parse(line) {
+                timed |= message.received.time_of_day_ns.is_some() || message.written.time_of_day_ns.is_some();
+            }
+            match merger.take(line, received_ns) {
                 Ok(Some(observed)) => {
                     found.first_time_ns = found.first_time_ns.or(observed.time_of_day_ns);
                     found.last_time_ns = observed.time_of_day_ns.or(found.last_time_ns);
@@ -299,7 +312,14 @@ fn read_lines(bytes: &[u8]) -> Found {
         }
     }
     found.records = merger.counters().messages;
-    found
+    if found.records > 0 && !timed {
+        return Err(format!(
+            "no line has a time (values 7 to 10): when {} saw its aircraft cannot be known; record the lines with their \
+             times, or as a capture (pcap)",
+            key.whose
+        ));
+    }
+    Ok(found)
 }
 
 /// Reads a table of sensor tracks. A row that cannot be read makes all of it doubtful.
@@ -356,6 +376,36 @@ mod tests {
                 Err(line.strip_prefix(&prefix).expect(&line).to_owned())
             }
         }
+    }
+
+    #[test]
+    fn a_file_of_another_kind_is_named() {
+        let expected = "no ASTERIX, expected category 010 for source \"radar\": ";
+        for (bytes, kind) in [
+            (
+                &b"!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24\n"[..],
+                "it is a log of AIS",
+            ),
+            (b"root:x:0:0:root:/root:/bin/sh\n", "it is text; "),
+            (
+                b"MSG,3,1,1,4CA2D6,1,2020/01/01,12:00:00.000,,,,,,,,,,,,,,\n",
+                "format = \"sbs\"",
+            ),
+            (b"\x89MCAP0\r\n\x01", "it is a recording of all topics"),
+        ] {
+            let line = outcome(bytes, &[]).unwrap_err();
+            assert!(line.starts_with(expected) && line.contains(kind), "{line}");
+        }
+    }
+
+    #[test]
+    fn lines_of_a_receiver_without_times_are_refused() {
+        let line = |date: &str| format!("MSG,3,1,1,4CA2D6,1,{date},{date},,36000,,,41.2,2.1,,,0,0,0,0\n");
+        let sbs = ["source[0].recorded.format=\"sbs\""];
+        let timed = outcome(line("2016/05/10,12:00:00.000").as_bytes(), &sbs).unwrap();
+        assert_eq!((timed.records, timed.first_time_ns), (1, Some(43_200_000_000_000)));
+        let refused = outcome(line(",").repeat(3).as_bytes(), &sbs).unwrap_err();
+        assert!(refused.starts_with("no line has a time (values 7 to 10)"), "{refused}");
     }
 
     /// A CAT010 block with one target report: source, message type and time of day.

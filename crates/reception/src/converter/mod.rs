@@ -206,11 +206,13 @@ impl Converter {
         self.utc(time_of_day_ns.ok_or(Counter::RejectedTime)?)
     }
 
-    /// UTC of a time of day, checked against the time of receipt, else against the source's running time.
-    fn utc(&mut self, time_of_day_ns: i64) -> Result<Stamp, Counter> {
-        if !(0..=frames::time::NS_PER_DAY).contains(&time_of_day_ns) {
+    /// UTC of a time of day, checked against the time of receipt, else against the source's running time. Some radars
+    /// count on past midnight in reports that they predict.
+    fn utc(&mut self, stated_ns: i64) -> Result<Stamp, Counter> {
+        if stated_ns < 0 {
             return Err(Counter::RejectedTime);
         }
+        let time_of_day_ns = stated_ns % frames::time::NS_PER_DAY;
         if let Some((received_ns, steady_ns)) = self.received_ns {
             let time_ns = DayUnroller::near(received_ns).utc_ns(time_of_day_ns);
             let is_believed = self.clock.believes(time_ns, steady_ns, None);
@@ -221,7 +223,7 @@ impl Converter {
             }
             return Ok(Stamp { time_ns, is_believed });
         }
-        let first_ns = self.first_day_ns + time_of_day_ns;
+        let first_ns = self.first_day_ns + stated_ns;
         let day = self.day.get_or_insert_with(|| DayUnroller::near(first_ns));
         let utc_ns = day.utc_ns(time_of_day_ns);
         self.time_check.check(&self.model.limits, day.running_ns(), utc_ns)?;

@@ -128,6 +128,26 @@ fn live_stamps_are_judged_by_the_time_of_receipt() {
 }
 
 #[test]
+fn times_of_day_beyond_midnight_are_of_the_next_day() {
+    let mut recorded = converter();
+    for (time_s, expected_s) in [
+        (86_398.0, 86_398),
+        (86_400.0, 86_400),
+        (86_410.0, 86_410),
+        (12.0, 86_412),
+    ] {
+        let track = recorded.convert(&observation(time_s), 0).unwrap();
+        assert_eq!(track.time_of_measurement_ns, DAY + expected_s * S, "{time_s}");
+    }
+    let first = converter().convert(&observation(86_410.0), 0).unwrap();
+    assert_eq!(first.time_of_measurement_ns, DAY + 86_410 * S, "without one before it");
+    let mut live = converter();
+    live.received(DAY + 86_409 * S, DAY + 86_409 * S);
+    let track = live.convert(&observation(86_410.0), 0).unwrap();
+    assert_eq!(track.time_of_measurement_ns, DAY + 86_410 * S);
+}
+
+#[test]
 fn a_source_of_one_method_takes_what_was_observed_so_and_goes_on_with_its_own_tracks() {
     let seen = |time_s: f64, number: u32, secondary| Observation {
         track_number: Some(number),
@@ -165,7 +185,7 @@ fn what_cannot_be_is_refused_by_reason() {
     );
     assert_eq!(
         refused(Observation {
-            time_of_day_ns: Some(90_000 * S),
+            time_of_day_ns: Some(-S),
             ..good
         }),
         Counter::RejectedTime

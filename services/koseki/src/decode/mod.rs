@@ -15,6 +15,7 @@ use anyhow::Context as _;
 use asterix::choice::ChosenEdition;
 use asterix::{Mode, NamedRecord};
 use formats::containers::TimeStamp;
+use formats::foreign::Foreign;
 use formats::recording::{Expansions, Recording, Statistics, Survey};
 use offline::{Usage, is_same_file};
 
@@ -28,7 +29,7 @@ const PROGRESS_BYTES_MIN: usize = 64 << 20;
 /// Decodes.
 ///
 /// # Errors
-/// If what is asked for makes no sense, or a file cannot be read or written.
+/// If what is asked for makes no sense, a file cannot be read or written, or no record can be read.
 pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
     check(decode)?;
     let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
@@ -54,6 +55,10 @@ pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
     // With standard error closed, the records are written all the same.
     let said = notes::notes(decode, &survey) + &notes::of_expansions(&expansions);
     let _ = io::stderr().write_all(said.as_bytes());
+    if notes::records_given(&survey) == 0 {
+        let kind = Foreign::of(&bytes).map_or_else(String::new, |kind| format!(": {kind}"));
+        anyhow::bail!("{}: no record of ASTERIX can be read{kind}", decode.file.display());
+    }
     Ok(())
 }
 

@@ -68,7 +68,7 @@ pub(super) fn of_expansions(expansions: &Expansions) -> String {
     notes.collect()
 }
 
-fn records_given(survey: &Survey) -> u64 {
+pub(super) fn records_given(survey: &Survey) -> u64 {
     let given = survey.categories.values().filter(|category| !category.is_withheld());
     given.map(|category| category.records).sum()
 }

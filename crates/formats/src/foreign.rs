@@ -1,0 +1,216 @@
+//! Kinds of files that are given as recordings of ASTERIX and are none.
+//!
+//! Raw data blocks have no mark of their own, so any file can be taken for them. Whoever could decode nothing asks here
+//! what the file is instead. A file that can be decoded is never asked about: a data block may look like anything.
+
+use std::fmt;
+
+/// Octets at the beginning of a text that are looked at.
+const TEXT_BYTES: usize = 1 << 12;
+/// Octets before the first data block of a `.gps` recording, and behind each data block.
+const GPS_HEADER: usize = 2_200;
+const GPS_TRAILER: usize = 10;
+/// Data blocks, or frames, in a row that make a kind certain.
+const ENOUGH: usize = 3;
+
+/// Kind of a file that is no ASTERIX.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Foreign {
+    /// No octet.
+    Empty,
+    /// Recording of all topics.
+    Mcap,
+    /// Recording of RASS tools: a header, and data blocks with a trailer each.
+    Gps,
+    /// File of `gzip`.
+    Gzip,
+    /// Binary frames of transponder receivers.
+    Beast,
+    /// Sentences of the automatic identification system of ships.
+    Ais,
+    /// Lines of transponder receivers.
+    Sbs,
+    /// Mode S frames as hexadecimal text.
+    ModeS,
+    /// Data as hexadecimal text.
+    Hex,
+    /// JSON.
+    Json,
+    /// Table of text.
+    Csv,
+    /// Other text.
+    Text,
+}
+
+impl Foreign {
+    /// Kind of a file that could not be decoded; `None` where that is not known.
+    pub fn of(bytes: &[u8]) -> Option<Self> {
+        match bytes {
+            [] => Some(Self::Empty),
+            [0x89, b'M', b'C', b'A', b'P', ..] => Some(Self::Mcap),
+            [0x1f, 0x8b, 0x08, ..] => Some(Self::Gzip),
+            _ if is_beast(bytes) => Some(Self::Beast),
+            _ if is_gps(bytes) => Some(Self::Gps),
+            _ => text(bytes).map(Self::of_text),
+        }
+    }
+
+    fn of_text(text: &str) -> Self {
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.next().unwrap_or_default();
+        let is_hex = |line: &str| line.bytes().all(|letter| letter.is_ascii_hexdigit() || letter == b' ');
+        let mode_s = |line: &str| {
+            let frame = line
+                .strip_prefix(['*', '@', '<'])
+                .and_then(|line| line.strip_suffix(';'));
+            frame.is_some_and(|frame| frame.len() >= 4 && is_hex(frame))
+        };
+        if ["!AIVD", "!BSVD", "!ABVD"].iter().any(|head| first.contains(head)) {
+            Self::Ais
+        } else if ["MSG,", "SEL,", "ID,", "AIR,", "STA,", "CLK,"]
+            .iter()
+            .any(|head| first.starts_with(head))
+        {
+            Self::Sbs
+        } else if mode_s(first) {
+            Self::ModeS
+        } else if first.starts_with(['{', '[']) {
+            Self::Json
+        } else if first.len() >= 6 && is_hex(first) {
+            Self::Hex
+        } else if first.contains(',') && lines.take(ENOUGH).all(|line| line.contains(',')) {
+            Self::Csv
+        } else {
+            Self::Text
+        }
+    }
+}
+
+impl fmt::Display for Foreign {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Empty => "the file is empty",
+            Self::Mcap => "it is a recording of all topics (MCAP), which `koseki recording` and `koseki replay` read",
+            Self::Gps => "it is a .gps recording (2,200 octets, then data blocks with 10 octets behind each): export it as data blocks or pcap",
+            Self::Gzip => "it is compressed by gzip: unpack it",
+            Self::Beast => "it is a recording of Beast frames (Mode S), which nothing here reads",
+            Self::Ais => "it is a log of AIS (ships), which nothing here reads",
+            Self::Sbs => "it is an SBS log (BaseStation), which an adapter reads: [source.recorded] format = \"sbs\"",
+            Self::ModeS => "it is a log of Mode S frames as text (AVR), which nothing here reads",
+            Self::Hex => "it is hexadecimal text: turn it into octets, as `xxd -r -p` does",
+            Self::Json => "it is JSON; records of ASTERIX as JSON are what `koseki encode` reads",
+            Self::Csv => "it is a table of text",
+            Self::Text => "it is text",
+        })
+    }
+}
+
+/// Beginning of a file as text, if all of it is text.
+fn text(bytes: &[u8]) -> Option<&str> {
+    let beginning = &bytes[..bytes.len().min(TEXT_BYTES)];
+    let text = match std::str::from_utf8(beginning) {
+        Ok(text) => text,
+        // The last letter may be cut.
+        Err(error) if error.valid_up_to() + 4 > beginning.len() && bytes.len() > TEXT_BYTES => {
+            std::str::from_utf8(&beginning[..error.valid_up_to()]).ok()?
+        }
+        Err(_) => return None,
+    };
+    let is_text = |letter: char| !letter.is_control() || letter.is_ascii_whitespace();
+    text.trim_start_matches('\u{feff}').chars().all(is_text).then_some(text)
+}
+
+/// Whether some frames follow each other: an escape, a kind, and so many octets, of which each escape is there twice.
+fn is_beast(bytes: &[u8]) -> bool {
+    const ESCAPE: u8 = 0x1a;
+    let mut at = 0;
+    for _ in 0..ENOUGH {
+        let Some([ESCAPE, kind]) = bytes.get(at..at + 2) else {
+            return false;
+        };
+        // Time, signal level, and the message.
+        let octets = match kind {
+            b'1' => 6 + 1 + 2,
+            b'2' => 6 + 1 + 7,
+            b'3' => 6 + 1 + 14,
+            _ => return false,
+        };
+        at += 2;
+        for _ in 0..octets {
+            at += match bytes.get(at..at + 2) {
+                Some([ESCAPE, ESCAPE]) => 2,
+                _ => 1,
+            };
+        }
+    }
+    true
+}
+
+fn is_gps(bytes: &[u8]) -> bool {
+    let mut at = GPS_HEADER;
+    for _ in 0..ENOUGH {
+        let Some([category, high, low]) = bytes.get(at..at + 3) else {
+            return false;
+        };
+        let length = usize::from(u16::from_be_bytes([*high, *low]));
+        if *category == 0 || length < 4 {
+            return false;
+        }
+        at += length + GPS_TRAILER;
+        if at > bytes.len() {
+            return false;
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_their_beginning() {
+        let beast = [
+            &b"\x1a3"[..],
+            &[0; 21],
+            b"\x1a1",
+            &[7; 9],
+            b"\x1a2",
+            &[1, 0x1a, 0x1a],
+            &[2; 12],
+        ]
+        .concat();
+        let mut gps = vec![0xee; GPS_HEADER];
+        for length in [9_u8, 30, 12] {
+            gps.extend([48, 0, length]);
+            gps.extend(vec![1; usize::from(length) - 3 + GPS_TRAILER]);
+        }
+        let cases: [(&[u8], Option<Foreign>); 16] = [
+            (b"", Some(Foreign::Empty)),
+            (b"\x89MCAP0\r\n\x01", Some(Foreign::Mcap)),
+            (b"\x1f\x8b\x08\0", Some(Foreign::Gzip)),
+            (&beast, Some(Foreign::Beast)),
+            (&beast[..30], None),
+            (&gps, Some(Foreign::Gps)),
+            (&gps[..GPS_HEADER + 60], None),
+            (b"!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24\n", Some(Foreign::Ais)),
+            (b"\\s:station,c:1*5A\\!BSVDM,1,1,,A,13u,0*24\n", Some(Foreign::Ais)),
+            (b"MSG,3,1,1,4CA2D6,1,2020/01/01,12:00:00.000\n", Some(Foreign::Sbs)),
+            (
+                b"*8D4840D6202CC371C32CE0576098;\n*02E197B00179C3;\n",
+                Some(Foreign::ModeS),
+            ),
+            (b"\n30 00 08 80 01 02 03 04\n", Some(Foreign::Hex)),
+            (b"{\"category\": 48}\n", Some(Foreign::Json)),
+            (b"time_s,track\n1,2\n3,4\n", Some(Foreign::Csv)),
+            ("root:x:0:0:Ω\n".as_bytes(), Some(Foreign::Text)),
+            (&[48, 0, 8, 0x80, 1, 2, 3, 4], None),
+        ];
+        for (bytes, expected) in cases {
+            assert_eq!(Foreign::of(bytes), expected, "{:?}", String::from_utf8_lossy(bytes));
+        }
+        // A letter of several octets at the edge of what is looked at.
+        let long = [&vec![b'a'; TEXT_BYTES - 1][..], "Ω and more".as_bytes()].concat();
+        assert_eq!(Foreign::of(&long), Some(Foreign::Text));
+    }
+}
