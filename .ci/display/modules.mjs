@@ -10,7 +10,7 @@ const { COLOURS } = await module("colours.js");
 const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
-const { LabelGrid, labelOf, place } = await module("labels.js");
+const { heightText, LabelGrid, labelOf, place } = await module("labels.js");
 const { blankTrack, Picture, sourcesOf, Trail } = await module("picture.js");
 const { DEFAULTS, filterOf, read, write } = await module("settings.js");
 const { View } = await module("view.js");
@@ -91,7 +91,7 @@ test("filters", () => {
     address: "4CA123",
     code: "2345",
     type: "A320",
-    up: 3048,
+    height: 3048,
     speedEast: 100,
     source: 1,
     sourceCount: 2,
@@ -119,11 +119,22 @@ test("filters", () => {
   assert.deepEqual(sourcesOf(track), [1, 2, 32]);
 });
 
+test("level, arrow, filter and table read the same height", () => {
+  const shown = (change) => heightText(Object.assign(blankTrack(), change), "aviation");
+  assert.equal(shown({ height: 11000, climb: 9 }), "361 ", "an arrow is for the server to decide");
+  assert.equal(shown({ height: 11000, climbs: true }), "361↑");
+  assert.equal(shown({ height: 11000, sinks: true }), "361↓");
+  assert.equal(shown({ height: -40 }), "−001 ", "a wrong height is not hidden behind 000");
+  assert.equal(shown({ height: -10 }), "000 ");
+  const track = Object.assign(blankTrack(), { height: 361 * 30.48 });
+  assert.ok(filterOf("fl=361", () => "")(track));
+});
+
 test("labels that keep clear of each other do not overlap, and unknown heights are no numbers", () => {
   const grid = new LabelGrid(300, 200);
   const placed = [];
   for (let k = 0; k < 60; k++) {
-    const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, up: k % 2 ? 1000 : NaN });
+    const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, height: k % 2 ? 1000 : NaN });
     track.label = labelOf(track, "aviation", "west");
     assert.ok(track.label[1].startsWith(k % 2 ? "033" : "---"));
     const label = place(grid, track, (k * 37) % 300, (k * 53) % 200, 3, 7);

@@ -125,9 +125,40 @@ impl SystemFrame {
         }
     }
 
+    /// Vertical motion of a position (m) with a velocity (m/s), both east, north and up of this frame.
+    pub fn vertical(&self, position_m: [f64; 3], velocity_mps: [f64; 3]) -> Vertical {
+        // Long enough that rounding beside the distance from the Earth's centre has no part in the direction.
+        const ARM_M: f64 = 10_000.0;
+        let place = self.to_geodetic(position_m);
+        let lifted = Wgs84::builder()
+            .latitude(place.wgs84.latitude())
+            .map(|latitude| {
+                latitude
+                    .longitude(place.wgs84.longitude())
+                    .altitude(place.wgs84.altitude() + Length::new::<meter>(ARM_M))
+                    .build()
+            })
+            .map_or(position_m, |wgs84| self.to_local(Geodetic { wgs84 }));
+        let along_up = |axis: usize| (lifted[axis] - position_m[axis]) / ARM_M * velocity_mps[axis];
+        Vertical {
+            height_m: place.height_m(),
+            climb_mps: (0..3).map(along_up).sum(),
+        }
+    }
+
     pub(crate) fn ecef_to_local(&self) -> &RigidBodyTransform<Ecef, SystemEnu> {
         &self.from_ecef
     }
+}
+
+/// Vertical motion over the round Earth. The up component of a system frame is none: at 100 nautical miles from the
+/// origin, a level flight is 2.7 km lower in it, and one that leaves the origin sinks by 7 m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertical {
+    /// Height above the ellipsoid, metres.
+    pub height_m: f64,
+    /// Rate of that height, metres per second.
+    pub climb_mps: f64,
 }
 
 /// Change from one system frame into another: a rotation and a shift, since both are at rest on the Earth.
@@ -244,6 +275,21 @@ mod tests {
                 prop_assert!((position[axis] - by_place[axis]).abs() < 1e-4);
             }
             prop_assert!((length(change.direction(offset)) - length(offset)).abs() < 1e-6);
+        }
+
+        /// Height and climb are those that the motion of a second has, to 300 km and more from the origin.
+        #[test]
+        fn vertical_motion_is_that_over_the_ellipsoid(
+            east in -400e3..400e3f64, north in -400e3..400e3f64, up in -15e3..12e3f64,
+            velocity in prop::array::uniform3(-300.0..300.0f64),
+        ) {
+            let frame = barcelona();
+            let position = [east, north, up];
+            let found = frame.vertical(position, velocity);
+            let height = |s: f64| frame.to_geodetic([0, 1, 2].map(|axis| position[axis] + s * velocity[axis])).height_m();
+            prop_assert_eq!(found.height_m, height(0.0));
+            let climb = (height(0.5) - height(-0.5)) / 1.0;
+            prop_assert!((found.climb_mps - climb).abs() < 1e-4, "{found:?} {climb}");
         }
 
         #[test]

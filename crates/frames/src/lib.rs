@@ -13,5 +13,5 @@ mod geodetic;
 mod sensor;
 pub mod time;
 
-pub use geodetic::{FrameChange, Geodetic, GeodeticError, SystemFrame};
+pub use geodetic::{FrameChange, Geodetic, GeodeticError, SystemFrame, Vertical};
 pub use sensor::{PolarSigma, SensorFrame, Sighting, polar_covariance};

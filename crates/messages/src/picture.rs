@@ -35,6 +35,10 @@ bits! {
         HEIGHT = 1 << 1;
         /// The velocity is known.
         VELOCITY = 1 << 2;
+        /// The target climbs.
+        CLIMBS = 1 << 3;
+        /// The target descends.
+        SINKS = 1 << 4;
     }
 }
 
@@ -90,14 +94,14 @@ sample! {
         east_m: f32,
         /// Metres north.
         north_m: f32,
-        /// Metres up; NaN: unknown.
-        up_m: f32,
+        /// Height above the ellipsoid, metres; NaN: unknown.
+        height_m: f32,
         /// Speed east, metres per second.
         east_mps: f32,
         /// Speed north, metres per second.
         north_mps: f32,
-        /// Speed up, metres per second.
-        up_mps: f32,
+        /// Rate of the height above the ellipsoid, metres per second.
+        climb_mps: f32,
         /// Longer half axis of the ellipse of one standard deviation, metres; 0: unknown.
         semi_major_m: f32,
         /// Shorter half axis, metres.
@@ -162,8 +166,8 @@ sample! {
         east_m: f32,
         /// Metres north.
         north_m: f32,
-        /// Metres up; NaN: unknown.
-        up_m: f32,
+        /// Height above the ellipsoid, metres; NaN: unknown.
+        height_m: f32,
         /// Speed east, metres per second.
         east_mps: f32,
         /// Speed north, metres per second.
@@ -192,8 +196,8 @@ sample! {
         east_m: f32,
         /// Metres north.
         north_m: f32,
-        /// Metres up; NaN: unknown.
-        up_m: f32,
+        /// Height above the ellipsoid, metres; NaN: unknown.
+        height_m: f32,
         /// Source.
         source: u16,
         /// Reserved, 0.

@@ -10,7 +10,7 @@ import { Coverage } from "./coverage.js";
 import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
 import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
-import { labelOf } from "./labels.js";
+import { labelOf, levelOf, levelText } from "./labels.js";
 import { measured, Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, Picture, sourcesOf, Trail } from "./picture.js";
@@ -299,7 +299,7 @@ export class App {
     this.shares.set(number, shares);
     this.facts.set(number, { stateTime, facts, decisions });
     const track = this.picture.system.get(number);
-    if (track) this.remember(number, track.time, track.up, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
+    if (track) this.remember(number, track.time, track.height, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
     // Map and panel speak of the same instant.
     if (this.settings.tab === "track") this.panelDue = 0;
     this.dirty = true;
@@ -308,12 +308,12 @@ export class App {
   /**
    * What the server remembers of a track that has just been selected.
    * @param {number} number
-   * @param {{time: number, east: number, north: number, up: number, speed: number, nis: number,
+   * @param {{time: number, east: number, north: number, height: number, speed: number, nis: number,
    *   weights: {source: number, name: string, weight: number}[]}[]} rows
    */
   past(number, rows) {
     this.histories.delete(number);
-    for (const row of rows) this.remember(number, row.time, row.up, row.speed, row.weights, row.nis);
+    for (const row of rows) this.remember(number, row.time, row.height, row.speed, row.weights, row.nis);
     const track = this.picture.system.get(number);
     if (track && rows.length > 0) {
       track.trail = new Trail();
@@ -323,15 +323,15 @@ export class App {
   }
 
   /**
-   * @param {number} number @param {number} time @param {number} up @param {number} speed
+   * @param {number} number @param {number} time @param {number} height @param {number} speed
    * @param {{source: number, name: string, weight: number}[]} shares @param {number} nis
    */
-  remember(number, time, up, speed, shares, nis) {
+  remember(number, time, height, speed, shares, nis) {
     const history = this.historyOf(number);
     const last = history.times.at(-1) ?? -Infinity;
     if (time <= last) return;
     history.times.push(time);
-    history.heights.push(up);
+    history.heights.push(height);
     history.speeds.push(speed);
     history.nis.push(nis);
     for (const share of shares)
@@ -537,7 +537,7 @@ export class App {
       colours.scale.forEach((colour, k) => {
         const from = metric
           ? `${Math.round(k * step)} m`
-          : `FL ${String(Math.round((k * step) / 30.48)).padStart(3, "0")}`;
+          : `FL ${levelText(levelOf({ height: k * step }))}`;
         lines.unshift(["■", colour, from]);
       });
     } else if (settings.colour === "main") {

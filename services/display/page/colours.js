@@ -103,11 +103,11 @@ export const SCALE_TOP_M = 12_200;
 
 /**
  * Colour of a height; that of "unknown" where there is none.
- * @param {Colours} colours @param {number} up metres
+ * @param {Colours} colours @param {number} height metres
  */
-export function heightColour(colours, up) {
-  if (!Number.isFinite(up)) return colours.unknown;
-  const step = Math.floor((Math.max(0, up) / SCALE_TOP_M) * colours.scale.length);
+export function heightColour(colours, height) {
+  if (!Number.isFinite(height)) return colours.unknown;
+  const step = Math.floor((Math.max(0, height) / SCALE_TOP_M) * colours.scale.length);
   return colours.scale[Math.min(colours.scale.length - 1, step)];
 }
 

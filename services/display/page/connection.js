@@ -106,10 +106,12 @@ export class Connection {
         time: at(track.age_ms),
         east: track.east_m,
         north: track.north_m,
-        up: track.up_m,
+        height: track.height_m,
         speedEast: track.east_mps,
         speedNorth: track.north_mps,
-        speedUp: track.up_mps,
+        climb: track.climb_mps,
+        climbs: (track.flags & PICTURE_TRACK.CLIMBS) !== 0,
+        sinks: (track.flags & PICTURE_TRACK.SINKS) !== 0,
         sourceCount: track.source_count,
         sourcesLow: track.sources_low,
         sourcesHigh: track.sources_high,
@@ -185,11 +187,11 @@ export class Connection {
       const name = (/** @type {number} */ source) => app.sourceOf.get(source)?.name ?? `source ${source + 1}`;
       app.past(
         message.number,
-        message.rows.map((/** @type {any[]} */ [time, east, north, up, speed, , nis, weights]) => ({
+        message.rows.map((/** @type {any[]} */ [time, east, north, height, speed, , nis, weights]) => ({
           time,
           east,
           north,
-          up: up ?? NaN,
+          height: height ?? NaN,
           speed,
           nis: nis ?? NaN,
           weights: weights.map((/** @type {[number, number]} */ [source, weight]) => ({

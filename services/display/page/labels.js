@@ -10,6 +10,7 @@ import { KNOT_MPS } from "./geodesy.js";
 import { ALERTS, nameOf } from "./picture.js";
 
 const CELL = 6;
+const HUNDRED_FEET_M = 30.48;
 /** Pixels between symbol and label. */
 const GAP = 12;
 /** Places round the symbol: direction of the label's middle, in the order in which they are tried. */
@@ -45,10 +46,21 @@ export function labelOf(track, units, mainName) {
 /** Height with the direction of its change. @param {import("./picture.js").Track} track @param {string} units */
 export function heightText(track, units) {
   if (track.onGround) return "GND";
-  if (!Number.isFinite(track.up)) return "---";
-  const change = track.speedUp > 1.5 ? "↑" : track.speedUp < -1.5 ? "↓" : " ";
-  if (units === "metric") return `${Math.round(track.up)}m${change}`;
-  return `${String(Math.max(0, Math.round(track.up / 30.48))).padStart(3, "0")}${change}`;
+  if (!Number.isFinite(track.height)) return "---";
+  const change = track.climbs ? "↑" : track.sinks ? "↓" : " ";
+  if (units === "metric") return `${Math.round(track.height)}m${change}`;
+  return `${levelText(levelOf(track))}${change}`;
+}
+
+/** Height in hundreds of feet. @param {{height: number}} track */
+export function levelOf(track) {
+  return track.height / HUNDRED_FEET_M;
+}
+
+/** Level as it is written: three digits. @param {number} level */
+export function levelText(level) {
+  const rounded = Math.round(level);
+  return `${rounded < 0 ? "−" : ""}${String(Math.abs(rounded)).padStart(3, "0")}`;
 }
 
 /** Ground speed. @param {import("./picture.js").Track} track @param {string} units */

@@ -92,7 +92,7 @@ export class Painter {
   colourOf({ settings, colours, selected }, track) {
     if (selected.has(track.number)) return colours.selected;
     if (isGrave(track)) return colours.alert;
-    if (settings.colour === "height") return heightColour(colours, track.up);
+    if (settings.colour === "height") return heightColour(colours, track.height);
     if (settings.colour === "main")
       return track.source < 0 ? colours.unknown : colours.sources[track.source % colours.sources.length];
     if (settings.colour === "source") return countColour(colours, track.sourceCount);

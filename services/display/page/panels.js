@@ -4,7 +4,7 @@
 
 import { clock, grouped, h, latency, span } from "./dom.js";
 import { bearing, placeOf, sexagesimal } from "./geodesy.js";
-import { heightText, speedText } from "./labels.js";
+import { heightText, levelOf, speedText } from "./labels.js";
 import { ALERTS, nameOf } from "./picture.js";
 import { histogram, plot } from "./plots.js";
 import { CHOICES } from "./settings.js";
@@ -126,7 +126,7 @@ export class TrackPanel {
           "track angle",
           speed > 0.5 ? `${bearing(track.speedEast, track.speedNorth).toFixed(0).padStart(3, "0")}°` : "–",
         ),
-        figure("climb", Number.isFinite(track.up) ? `${track.speedUp.toFixed(1)} m/s` : "–"),
+        figure("climb", Number.isFinite(track.height) ? `${track.climb.toFixed(1)} m/s` : "–"),
         figure("latitude", place ? sexagesimal(place.latitude_deg, "N", "S") : "–"),
         figure("longitude", place ? sexagesimal(place.longitude_deg, "E", "W") : "–"),
         figure(
@@ -170,10 +170,11 @@ export class TrackPanel {
     const [text, line, accent] = [css("--soft"), css("--line"), css("--accent")];
     const axes = { since, until, text, line };
     const one = (/** @type {number[]} */ values) => [{ name: "", colour: accent, times: history.times, values }];
-    const [metres, speeds] = units === "metric" ? [1, 1] : [1 / 30.48, 3600 / 1852];
+    const speeds = units === "metric" ? 1 : 3600 / 1852;
+    const heights = history.heights.map((height) => (units === "metric" ? height : levelOf({ height })));
     const canvases = this.plots.map(({ canvas }) => canvas);
     // Noise of level flight is not to look like climbing.
-    plot(canvases[0], one(history.heights.map((v) => v * metres)), {
+    plot(canvases[0], one(heights), {
       ...axes,
       unit: units === "metric" ? "m" : "FL",
       least: units === "metric" ? 150 : 5,

@@ -13,8 +13,10 @@ import { ALERT } from "./wire.js";
  * @property {number} members Expected members of a group.
  * @property {number} time Time of the state, seconds UTC.
  * @property {number} east @property {number} north metres
- * @property {number} up Metres; NaN: height unknown.
- * @property {number} speedEast @property {number} speedNorth @property {number} speedUp metres per second
+ * @property {number} height Metres above the ellipsoid; NaN: unknown.
+ * @property {number} climb Rate of the height, metres per second.
+ * @property {boolean} climbs @property {boolean} sinks Whether it is shown as climbing, or as descending.
+ * @property {number} speedEast @property {number} speedNorth metres per second
  * @property {number} sourceCount
  * @property {number} sourcesLow Bit n: source n contributes. @property {number} sourcesHigh The same of source 32 + n.
  * @property {number} alerts Bits, as the messages have them.
@@ -126,10 +128,12 @@ export function blankTrack() {
     time: 0,
     east: 0,
     north: 0,
-    up: NaN,
+    height: NaN,
+    climb: 0,
+    climbs: false,
+    sinks: false,
     speedEast: 0,
     speedNorth: 0,
-    speedUp: 0,
     sourceCount: 0,
     sourcesLow: 0,
     sourcesHigh: 0,

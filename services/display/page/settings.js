@@ -3,6 +3,7 @@
  * the same. A setting that has its default is left out.
  */
 
+import { levelOf } from "./labels.js";
 import { sourcesOf } from "./picture.js";
 
 /**
@@ -184,7 +185,7 @@ function wordTest(word, sourceName) {
 
 /** @param {string} name @returns {(track: import("./picture.js").Track) => number} */
 function figureOf(name) {
-  if (name === "fl") return (track) => track.up / 30.48;
+  if (name === "fl") return levelOf;
   if (name === "kt") return (track) => Math.hypot(track.speedEast, track.speedNorth) * (3600 / 1852);
   if (name === "sources") return (track) => track.sourceCount;
   return (track) => track.members;

@@ -120,7 +120,7 @@ export class TrackTable {
 function keyOf(column, mainName) {
   if (column === "address") return (track) => track.address;
   if (column === "code") return (track) => track.code;
-  if (column === "height") return (track) => track.up;
+  if (column === "height") return (track) => track.height;
   if (column === "speed") return (track) => Math.hypot(track.speedEast, track.speedNorth);
   if (column === "sources") return (track) => track.sourceCount;
   if (column === "main") return mainName;

@@ -24,6 +24,10 @@ export const PICTURE_TRACK = Object.freeze({
   HEIGHT: 2,
   /** The velocity is known. */
   VELOCITY: 4,
+  /** The target climbs. */
+  CLIMBS: 8,
+  /** The target descends. */
+  SINKS: 16,
 });
 
 /** Bits. */
@@ -137,10 +141,10 @@ export function readPictureHeader(view, at) {
  * @property {number} age_ms Age of the state, milliseconds.
  * @property {number} east_m Metres east.
  * @property {number} north_m Metres north.
- * @property {number} up_m Metres up; NaN: unknown.
+ * @property {number} height_m Height above the ellipsoid, metres; NaN: unknown.
  * @property {number} east_mps Speed east, metres per second.
  * @property {number} north_mps Speed north, metres per second.
- * @property {number} up_mps Speed up, metres per second.
+ * @property {number} climb_mps Rate of the height above the ellipsoid, metres per second.
  * @property {number} semi_major_m Longer half axis of the ellipse of one standard deviation, metres; 0: unknown.
  * @property {number} semi_minor_m Shorter half axis, metres.
  * @property {number} semi_major_rad Direction of the longer one, radians clockwise from north, in [0, pi).
@@ -163,10 +167,10 @@ export function readPictureTrack(view, at) {
     age_ms: view.getInt32(at + 4, LITTLE),
     east_m: view.getFloat32(at + 8, LITTLE),
     north_m: view.getFloat32(at + 12, LITTLE),
-    up_m: view.getFloat32(at + 16, LITTLE),
+    height_m: view.getFloat32(at + 16, LITTLE),
     east_mps: view.getFloat32(at + 20, LITTLE),
     north_mps: view.getFloat32(at + 24, LITTLE),
-    up_mps: view.getFloat32(at + 28, LITTLE),
+    climb_mps: view.getFloat32(at + 28, LITTLE),
     semi_major_m: view.getFloat32(at + 32, LITTLE),
     semi_minor_m: view.getFloat32(at + 36, LITTLE),
     semi_major_rad: view.getFloat32(at + 40, LITTLE),
@@ -217,7 +221,7 @@ export function readPictureIdentity(view, at) {
  * @property {number} age_ms Age of the report, milliseconds.
  * @property {number} east_m Metres east.
  * @property {number} north_m Metres north.
- * @property {number} up_m Metres up; NaN: unknown.
+ * @property {number} height_m Height above the ellipsoid, metres; NaN: unknown.
  * @property {number} east_mps Speed east, metres per second.
  * @property {number} north_mps Speed north, metres per second.
  * @property {number} system_track System track to which it contributed last; 0: none is known.
@@ -234,7 +238,7 @@ export function readPictureSensorTrack(view, at) {
     age_ms: view.getInt32(at + 4, LITTLE),
     east_m: view.getFloat32(at + 8, LITTLE),
     north_m: view.getFloat32(at + 12, LITTLE),
-    up_m: view.getFloat32(at + 16, LITTLE),
+    height_m: view.getFloat32(at + 16, LITTLE),
     east_mps: view.getFloat32(at + 20, LITTLE),
     north_mps: view.getFloat32(at + 24, LITTLE),
     system_track: view.getUint32(at + 28, LITTLE),
@@ -250,7 +254,7 @@ export function readPictureSensorTrack(view, at) {
  * @property {number} age_ms Age of the detection, milliseconds.
  * @property {number} east_m Metres east.
  * @property {number} north_m Metres north.
- * @property {number} up_m Metres up; NaN: unknown.
+ * @property {number} height_m Height above the ellipsoid, metres; NaN: unknown.
  * @property {number} source Source.
  */
 
@@ -260,7 +264,7 @@ export function readPictureDetection(view, at) {
     age_ms: view.getInt32(at, LITTLE),
     east_m: view.getFloat32(at + 4, LITTLE),
     north_m: view.getFloat32(at + 8, LITTLE),
-    up_m: view.getFloat32(at + 12, LITTLE),
+    height_m: view.getFloat32(at + 12, LITTLE),
     source: view.getUint16(at + 16, LITTLE),
   };
 }

@@ -2,15 +2,15 @@
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
+//! `height_m`, `climb_mps` (above the ellipsoid, and its rate; `null`: unknown), `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
 //! (the 21 elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
 //! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`, each with `source`, `name`,
 //! `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another centre), `origin`
-//! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns` and `position_m`, where the sensor track
-//! was last. Of the past, there are no `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
+//! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns`, `position_m` [2] and `height_m`, where the
+//! sensor track was last. Of the past, position and velocity have no up component, and there are no `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
 //! `decisions`.
 //!
-//! **A row of a history** is `[time_s, east, north, up, speed, state, nis, [[source, weight], …]]`, the oldest first;
+//! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest first;
 //! `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
 
 use messages::picture::{PictureIdentity, PictureTrack, picture_track_bits};
@@ -21,6 +21,7 @@ use messages::{
 use runtime::Now;
 use serde_json::{Value, json};
 
+use crate::vertical;
 use crate::viewer::Viewer;
 use crate::world::World;
 
@@ -66,6 +67,8 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "trigger_source": source(track.trigger_source),
         "position_m": track.position_m,
         "velocity_mps": track.velocity_mps,
+        "height_m": finite(known.record.height_m),
+        "climb_mps": finite(known.record.height_m).map(|_| known.record.climb_mps),
         "height_valid": track.height_valid != 0,
         "on_ground": track.on_ground != 0,
         "merged_into": track.merged_into,
@@ -93,8 +96,10 @@ fn past(world: &World, number: u32, state: u64) -> Option<Value> {
         "time_s": seconds(moment.time_ns),
         "reference_time_ns": moment.time_ns.to_string(),
         "time_of_measurement_ns": moment.measured_ns.to_string(),
-        "position_m": [record.east_m, record.north_m, if record.up_m.is_nan() { 0.0 } else { record.up_m }],
-        "velocity_mps": [record.east_mps, record.north_mps, record.up_mps],
+        "position_m": [record.east_m, record.north_m],
+        "velocity_mps": [record.east_mps, record.north_mps],
+        "height_m": finite(record.height_m),
+        "climb_mps": finite(record.height_m).map(|_| record.climb_mps),
         "height_valid": record.flags & picture_track_bits::HEIGHT != 0,
         "on_ground": record.flags & picture_track_bits::ON_GROUND != 0,
         "nis": nis(moment.nis),
@@ -106,6 +111,11 @@ fn past(world: &World, number: u32, state: u64) -> Option<Value> {
 
 fn word<T>(value: Option<T>, word: impl Fn(T) -> &'static str) -> Option<&'static str> {
     value.map(word)
+}
+
+/// A value that is known.
+fn finite(value: f32) -> Option<f32> {
+    Some(value).filter(|value| value.is_finite())
 }
 
 /// Normalised innovation squared, where there is one.
@@ -125,10 +135,8 @@ fn name(world: &World, number: u16) -> String {
 
 fn contribution(world: &World, part: &Contribution) -> Value {
     let heard = world.sensor_tracks.get(&(part.source, part.track_number));
-    let position = heard.map(|heard| {
-        let up_m = Some(heard.record.up_m).filter(|up_m| !up_m.is_nan());
-        (heard.record.east_m, heard.record.north_m, up_m)
-    });
+    let position = heard.map(|heard| (heard.record.east_m, heard.record.north_m));
+    let height_m = heard.and_then(|heard| finite(heard.record.height_m));
     json!({
         "source": part.source,
         "name": name(world, part.source),
@@ -142,6 +150,7 @@ fn contribution(world: &World, part: &Contribution) -> Value {
         "time_s": seconds(part.time_of_measurement_ns),
         "time_of_measurement_ns": part.time_of_measurement_ns.to_string(),
         "position_m": position,
+        "height_m": height_m,
     })
 }
 
@@ -212,7 +221,7 @@ pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value
                 seconds(moment.time_ns),
                 record.east_m,
                 record.north_m,
-                Some(record.up_m).filter(|up_m| !up_m.is_nan()),
+                finite(record.height_m),
                 record.east_mps.hypot(record.north_mps),
                 word(TrackState::from_code(record.state), TrackState::word),
                 nis(moment.nis),
@@ -243,7 +252,7 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
     let aircraft = tracks.filter_map(|live| {
         let (track, record): (_, &PictureTrack) = (&live.track, &live.record);
         let place = world.frame.as_ref()?.to_geodetic(track.position_m);
-        let [east, north, up] = track.velocity_mps;
+        let [east, north, _] = track.velocity_mps;
         let seen_s = seconds(time_ns - live.measured_ns).max(0.0);
         // Numbers that are no aircraft's address begin with a tilde there.
         let hex = track.identity.address().map_or_else(
@@ -265,9 +274,10 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         let object = one.as_object_mut()?;
         if record.flags & picture_track_bits::ON_GROUND != 0 {
             object.insert("alt_baro".to_owned(), json!("ground"));
-        } else if track.height_valid != 0 {
-            object.insert("alt_geom".to_owned(), json!((place.height_m() * FEET_PER_M).round()));
-            object.insert("geom_rate".to_owned(), json!((up * FEET_PER_M * 60.0).round()));
+        } else if let Some(geometric) = vertical::geometric(track, world.frame.as_ref()) {
+            let rate = geometric.climb_mps * FEET_PER_M * 60.0;
+            object.insert("alt_geom".to_owned(), json!((geometric.height_m * FEET_PER_M).round()));
+            object.insert("geom_rate".to_owned(), json!(rate.round()));
         }
         if let Some(callsign) = track.identity.callsign() {
             object.insert("flight".to_owned(), json!(format!("{callsign:8}")));

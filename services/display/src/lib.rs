@@ -29,6 +29,7 @@ mod pages;
 mod records;
 mod status;
 mod tape;
+mod vertical;
 mod viewer;
 mod wire;
 mod world;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use frames::SystemFrame;
 use messages::picture::{
     NO_CODE, PictureArea, PictureAreaKind, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack,
     PictureTrack, picture_track_bits,
@@ -11,28 +12,31 @@ use messages::{
     sensor_track_bits,
 };
 
+use crate::vertical;
+
 /// Sources whose contribution a record tells.
 const SOURCES_TOLD: u16 = 64;
 
-/// Record of a state; its ages are left to whoever knows the time.
-pub(crate) fn track(track: &SystemTrack) -> PictureTrack {
-    let [east, north, up] = track.position_m;
-    let [east_mps, north_mps, up_mps] = track.velocity_mps.map(|speed| speed as f32);
+/// Record of a state whose track had the flags `before` in the state before; its ages are left to whoever knows the
+/// time.
+pub(crate) fn track(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> PictureTrack {
+    let [east, north, _] = track.position_m;
+    let [east_mps, north_mps, _] = track.velocity_mps.map(|speed| speed as f32);
+    let vertical = vertical::shown(track, frame, before);
     let [semi_major_m, semi_minor_m, semi_major_rad] = ellipse(&track.covariance);
     let told = track.contributions().iter().map(|part| part.source);
     let sources = told
         .filter(|source| *source < SOURCES_TOLD)
         .fold(0_u64, |sources, source| sources | 1 << source);
-    let has_height = track.height_valid != 0;
     let flag = |is_set: bool, bit: u8| if is_set { bit } else { 0 };
     PictureTrack {
         number: track.track_number,
         east_m: east as f32,
         north_m: north as f32,
-        up_m: if has_height { up as f32 } else { f32::NAN },
+        height_m: vertical.height_m,
         east_mps,
         north_mps,
-        up_mps,
+        climb_mps: vertical.climb_mps,
         semi_major_m,
         semi_minor_m,
         semi_major_rad,
@@ -45,7 +49,7 @@ pub(crate) fn track(track: &SystemTrack) -> PictureTrack {
         kind: track.kind,
         alerts: track.alerts,
         flags: picture_track_bits::VELOCITY
-            | flag(has_height, picture_track_bits::HEIGHT)
+            | vertical.flags
             | flag(track.on_ground != 0, picture_track_bits::ON_GROUND),
         ..PictureTrack::default()
     }
@@ -99,8 +103,9 @@ pub(crate) fn identity(track: &SystemTrack) -> PictureIdentity {
 }
 
 /// Record of a report; its age, and the system track, are left to whoever knows.
-pub(crate) fn sensor_track(report: &SensorTrack) -> PictureSensorTrack {
-    let [east, north, up] = report.position_m;
+pub(crate) fn sensor_track(report: &SensorTrack, frame: Option<&SystemFrame>) -> PictureSensorTrack {
+    let [east, north, _] = report.position_m;
+    let height = report.has(sensor_track_bits::HEIGHT);
     let [east_mps, north_mps, _] = report.velocity_mps;
     let bits = [
         (sensor_track_bits::ON_GROUND, picture_track_bits::ON_GROUND),
@@ -112,11 +117,7 @@ pub(crate) fn sensor_track(report: &SensorTrack) -> PictureSensorTrack {
         track_number: report.track_number,
         east_m: east as f32,
         north_m: north as f32,
-        up_m: if report.has(sensor_track_bits::HEIGHT) {
-            up as f32
-        } else {
-            f32::NAN
-        },
+        height_m: height_m(height.then_some(report.position_m), frame),
         east_mps: east_mps as f32,
         north_mps: north_mps as f32,
         source: report.source,
@@ -125,6 +126,12 @@ pub(crate) fn sensor_track(report: &SensorTrack) -> PictureSensorTrack {
         flags: set.fold(0, |flags, (_, flag)| flags | flag),
         ..PictureSensorTrack::default()
     }
+}
+
+/// Height above the ellipsoid of a position of which all is known, metres; else NaN.
+fn height_m(position_m: Option<[f64; 3]>, frame: Option<&SystemFrame>) -> f32 {
+    let place = position_m.zip(frame).map(|(position_m, frame)| frame.to_geodetic(position_m));
+    place.map_or(f32::NAN, |place| place.height_m() as f32)
 }
 
 /// Place of a detection, or the ray on which its target is, if only a direction was measured.
@@ -136,7 +143,7 @@ pub(crate) enum Place {
 }
 
 /// Record of a detection; `None` if its kind is not known.
-pub(crate) fn detection(detection: &SensorDetection) -> Option<Place> {
+pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>) -> Option<Place> {
     let quantities = DetectionKind::from_code(detection.kind)?.quantities();
     let value = |wanted: Quantity| {
         let place = quantities.iter().position(|quantity| *quantity == wanted)?;
@@ -172,7 +179,7 @@ pub(crate) fn detection(detection: &SensorDetection) -> Option<Place> {
     Some(Place::Spot(PictureDetection {
         east_m: east as f32,
         north_m: north as f32,
-        up_m: up.map_or(f32::NAN, |up| up as f32),
+        height_m: height_m(up.map(|up| [east, north, up]), frame),
         source: detection.source,
         ..PictureDetection::default()
     }))
@@ -255,27 +262,32 @@ mod tests {
 
     #[test]
     fn detections_are_where_they_were_measured_from() {
+        let frame = SystemFrame::at(frames::Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap());
         let measured = |kind: DetectionKind, values: [f64; 3]| {
             let platform_m = [100.0, 200.0, 10.0];
-            detection(&SensorDetection {
+            let measured = SensorDetection {
                 kind: kind as u8,
                 values,
                 platform_m,
                 ..SensorDetection::default()
-            })
+            };
+            detection(&measured, Some(&frame))
         };
         let east = std::f64::consts::FRAC_PI_2;
         match measured(DetectionKind::RangeBearing, [1_000.0, east, 0.0]) {
             Some(Place::Spot(spot)) => {
                 assert!((spot.east_m - 1_100.0).abs() < 1e-3 && (spot.north_m - 200.0).abs() < 1e-3);
-                assert!(spot.up_m.is_nan());
+                assert!(spot.height_m.is_nan());
             }
             _ => panic!("a spot"),
         }
         assert!(
             matches!(measured(DetectionKind::Bearing, [east, 0.0, 0.0]), Some(Place::Ray(ray)) if ray.east_m == 100.0)
         );
-        let place = measured(DetectionKind::Position3, [1.0, 2.0, 3.0]);
-        assert!(matches!(place, Some(Place::Spot(spot)) if [spot.east_m, spot.north_m, spot.up_m] == [1.0, 2.0, 3.0]));
+        let place = measured(DetectionKind::Position3, [0.0, 2.0, 3.0]);
+        assert!(matches!(place, Some(Place::Spot(spot)) if spot.north_m == 2.0 && (spot.height_m - 3.0).abs() < 1e-3));
+        // 200 km out the plane is 3.1 km above the ellipsoid.
+        let place = measured(DetectionKind::Position3, [200e3, 0.0, 0.0]);
+        assert!(matches!(place, Some(Place::Spot(spot)) if (spot.height_m - 3_135.0).abs() < 10.0));
     }
 }

@@ -315,15 +315,15 @@ impl Filter {
         let states = self.states.as_ref();
         let told = u64::from(track.sources_high) << 32 | u64::from(track.sources_low);
         let contributes = |source: &u16| 1_u64.checked_shl(u32::from(*source)).is_some_and(|bit| told & bit != 0);
-        let [least, most] = self.up_m.unwrap_or_default();
+        let [least, most] = self.height_m.unwrap_or_default();
         let text = self.text.as_deref().unwrap_or_default();
         states.is_none_or(|states| state.is_some_and(|state| states.contains(&state)))
             && self
                 .sources
                 .as_ref()
                 .is_none_or(|sources| sources.iter().any(contributes))
-            && !least.is_some_and(|least| track.up_m < least)
-            && !most.is_some_and(|most| track.up_m > most)
+            && !least.is_some_and(|least| track.height_m < least)
+            && !most.is_some_and(|most| track.height_m > most)
             && (text.is_empty() || is_called(track.number, identity.map(|known| &known.record), text))
     }
 }

@@ -86,7 +86,7 @@ pub(crate) struct Filter {
     /// Some of these sources contributes.
     pub(crate) sources: Option<Vec<u16>>,
     /// Least and greatest height, metres. Tracks without height are shown.
-    pub(crate) up_m: Option<[Option<f32>; 2]>,
+    pub(crate) height_m: Option<[Option<f32>; 2]>,
     /// Callsign, address, code, name or number contains this, in whatever letters.
     pub(crate) text: Option<String>,
 }
@@ -155,10 +155,10 @@ mod tests {
             Wish::read(r#"{"view": null, "past": null, "ack": 7, "layers": ["sensor_tracks", "areas"]}"#).unwrap();
         assert_eq!((wish.view, wish.past, wish.ack), (Some(None), Some(None), Some(7)));
         assert_eq!(wish.layers, Some(vec![Layer::SensorTracks, Layer::Areas]));
-        let wish = Wish::read(r#"{"filter": {"states": ["coasted"], "up_m": [null, 300]}}"#).unwrap();
+        let wish = Wish::read(r#"{"filter": {"states": ["coasted"], "height_m": [null, 300]}}"#).unwrap();
         let filter = wish.filter.flatten().unwrap();
         assert_eq!(filter.states, Some(vec![TrackState::Coasted]));
-        assert_eq!(filter.up_m, Some([None, Some(300.0)]));
+        assert_eq!(filter.height_m, Some([None, Some(300.0)]));
     }
 
     #[test]

@@ -269,7 +269,9 @@ impl World {
     /// Keeps a state that came when the picture had the time `at_ns`.
     pub(crate) fn keep(&mut self, track: &SystemTrack, at_ns: i64) {
         self.stamp += 1;
-        let (number, record, measured_ns) = (track.track_number, records::track(track), records::measured_ns(track));
+        let (number, measured_ns) = (track.track_number, records::measured_ns(track));
+        let before = self.tracks.get(&number).map_or(0, |live| live.record.flags);
+        let record = records::track(track, self.frame.as_ref(), before);
         self.history.keep(at_ns, record, measured_ns, track);
         let identity = records::identity(track);
         let is_room = self.identities.len() < TRACKS_MAX;
@@ -314,7 +316,7 @@ impl World {
             let mut heard = Heard {
                 stamp: self.stamp,
                 time_ns: report.time_of_measurement_ns,
-                record: records::sensor_track(report),
+                record: records::sensor_track(report, self.frame.as_ref()),
             };
             let is_room = self.sensor_tracks.len() < TRACKS_MAX;
             if let Some(known) = self.sensor_tracks.get_mut(&key) {
@@ -332,7 +334,7 @@ impl World {
     pub(crate) fn hear_detections(&mut self, detections: &[SensorDetection]) {
         for detection in detections {
             let time_ns = detection.time_of_measurement_ns;
-            match records::detection(detection) {
+            match records::detection(detection, self.frame.as_ref()) {
                 Some(Place::Spot(record)) => add(&mut self.stamp, &mut self.detections, time_ns, record),
                 Some(Place::Ray(record)) => add(&mut self.stamp, &mut self.bearings, time_ns, record),
                 None => {}
@@ -400,6 +402,12 @@ impl World {
         let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m);
         if let Ok(place) = place {
             (self.origin, self.frame) = (Some(*origin), Some(SystemFrame::at(place)));
+            // States that came before had no height.
+            self.stamp += 1;
+            for live in self.tracks.values_mut() {
+                live.stamp = self.stamp;
+                live.record = records::track(&live.track, self.frame.as_ref(), live.record.flags);
+            }
         }
     }
 

@@ -1,0 +1,130 @@
+//! Height and climb of a target as labels, table, panel, plots, filters, colours and lists show it: one owner for all.
+//!
+//! The up component of the system frame is no height: the earth curves away beneath the plane. What is shown is the
+//! height above the ellipsoid, and the rate of that height.
+//!
+//! An arrow for climb or descent needs a rate that is more than noise. It begins at [`BEGINS_MPS`] and at two standard
+//! deviations of the rate, and ends below [`ENDS_MPS`]: a rate that wavers between the two changes nothing.
+
+use frames::{SystemFrame, Vertical};
+use messages::SystemTrack;
+use messages::picture::picture_track_bits::{CLIMBS, HEIGHT, SINKS};
+
+/// Rate at which an arrow begins: 500 feet a minute, metres per second.
+const BEGINS_MPS: f64 = 2.54;
+/// Rate below which it ends: 250 feet a minute.
+const ENDS_MPS: f64 = 1.27;
+/// Standard deviations of the rate that an arrow needs to begin.
+const SURE_SIGMAS: f64 = 2.0;
+
+/// Height of a target as it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shown {
+    /// Metres; NaN: unknown.
+    pub(crate) height_m: f32,
+    /// Rate of the height above the ellipsoid, metres per second; 0 without a height.
+    pub(crate) climb_mps: f32,
+    /// Those of `picture_track_bits` that speak of it.
+    pub(crate) flags: u8,
+}
+
+/// Height above the ellipsoid and its rate; `None` where no source observes height, or the frame is not known yet.
+pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Option<Vertical> {
+    let frame = frame.filter(|_| track.height_valid != 0)?;
+    Some(frame.vertical(track.position_m, track.velocity_mps))
+}
+
+/// What is shown of a state whose track had the flags `before` in the state before.
+pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> Shown {
+    let Some(Vertical { height_m, climb_mps }) = geometric(track, frame) else {
+        return Shown {
+            height_m: f32::NAN,
+            climb_mps: 0.0,
+            flags: 0,
+        };
+    };
+    let sigma_mps = track.covariance.get(5, 5).max(0.0).sqrt();
+    let begins = climb_mps.abs() >= BEGINS_MPS.max(SURE_SIGMAS * sigma_mps);
+    let arrow = if climb_mps > 0.0 { CLIMBS } else { SINKS };
+    let goes_on = before & arrow != 0 && climb_mps.abs() >= ENDS_MPS;
+    Shown {
+        height_m: height_m as f32,
+        climb_mps: climb_mps as f32,
+        flags: HEIGHT | if begins || goes_on { arrow } else { 0 },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use frames::Geodetic;
+    use messages::Covariance;
+
+    use super::*;
+
+    fn frame() -> SystemFrame {
+        SystemFrame::at(Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap())
+    }
+
+    /// A state at a distance (nautical miles) and bearing (degrees), 11 km high, outbound at 230 m/s and climbing.
+    fn outbound(distance_nm: f64, bearing_deg: f64, climb_mps: f64) -> SystemTrack {
+        let frame = frame();
+        let (sin, cos) = bearing_deg.to_radians().sin_cos();
+        let [east, north] = [sin, cos].map(|share| share * distance_nm * 1852.0);
+        let at = |seconds: f64| {
+            let [east, north] = [east + 230.0 * seconds * sin, north + 230.0 * seconds * cos];
+            // The plane's point with the wanted height: the height is that of the plane plus the sagitta.
+            let mut up = 0.0;
+            for _ in 0..4 {
+                up += 11_000.0 + climb_mps * seconds - frame.to_geodetic([east, north, up]).height_m();
+            }
+            [east, north, up]
+        };
+        let (from, to) = (at(-0.5), at(0.5));
+        SystemTrack {
+            position_m: at(0.0),
+            velocity_mps: [0, 1, 2].map(|axis| to[axis] - from[axis]),
+            height_valid: 1,
+            covariance: Covariance::diagonal([30.0; 3], [1.0; 3]),
+            ..SystemTrack::default()
+        }
+    }
+
+    #[test]
+    fn a_level_flight_keeps_its_height_and_has_no_arrow_out_to_160_miles() {
+        for distance_nm in [0.0, 10.0, 50.0, 100.0, 160.0] {
+            for bearing_deg in [0.0, 75.0, 200.0, 310.0] {
+                let track = outbound(distance_nm, bearing_deg, 0.0);
+                let shown = shown(&track, Some(&frame()), 0);
+                assert!((shown.height_m - 11_000.0).abs() < 0.1, "{distance_nm} NM: {shown:?}");
+                assert!(shown.climb_mps.abs() < 0.05, "{distance_nm} NM: {shown:?}");
+                assert_eq!(shown.flags, HEIGHT, "{distance_nm} NM");
+            }
+        }
+        let climbing = shown(&outbound(160.0, 30.0, 8.0), Some(&frame()), 0);
+        assert!((climbing.climb_mps - 8.0).abs() < 0.05, "{climbing:?}");
+        assert_eq!(climbing.flags, HEIGHT | CLIMBS);
+    }
+
+    #[test]
+    fn an_arrow_begins_late_and_ends_late() {
+        let flags = |climb_mps: f64, before: u8| shown(&outbound(20.0, 10.0, climb_mps), Some(&frame()), before).flags;
+        assert_eq!(flags(2.0, 0), HEIGHT, "too slow to begin");
+        assert_eq!(flags(3.0, 0), HEIGHT | CLIMBS);
+        assert_eq!(flags(2.0, HEIGHT | CLIMBS), HEIGHT | CLIMBS, "goes on");
+        assert_eq!(flags(1.0, HEIGHT | CLIMBS), HEIGHT, "ends");
+        assert_eq!(flags(-2.0, HEIGHT | CLIMBS), HEIGHT, "does not turn round at once");
+        assert_eq!(flags(-3.0, HEIGHT | CLIMBS), HEIGHT | SINKS);
+        let mut unsure = outbound(20.0, 10.0, 5.0);
+        unsure.covariance = Covariance::diagonal([30.0; 3], [4.0; 3]);
+        assert_eq!(shown(&unsure, Some(&frame()), 0).flags, HEIGHT, "noise is no climb");
+    }
+
+    #[test]
+    fn without_height_or_frame_nothing_is_shown() {
+        let mut track = outbound(20.0, 10.0, 5.0);
+        assert!(shown(&track, None, 0).height_m.is_nan());
+        track.height_valid = 0;
+        let none = shown(&track, Some(&frame()), HEIGHT | CLIMBS);
+        assert!(none.height_m.is_nan() && none.flags == 0, "{none:?}");
+    }
+}
