@@ -120,7 +120,8 @@ test("filters", () => {
 });
 
 test("level, arrow, filter and table read the same height", () => {
-  const shown = (change) => heightText(Object.assign(blankTrack(), change), "aviation");
+  const shown = (change) => heightText(Object.assign(blankTrack(), { isLevel: true }, change), "aviation");
+  assert.equal(shown({ height: 11000, isLevel: false }), "~361 ", "a calculated height is marked");
   assert.equal(shown({ height: 11000, climb: 9 }), "361 ", "an arrow is for the server to decide");
   assert.equal(shown({ height: 11000, climbs: true }), "361↑");
   assert.equal(shown({ height: 11000, sinks: true }), "361↓");
@@ -136,7 +137,7 @@ test("labels that keep clear of each other do not overlap, and unknown heights a
   for (let k = 0; k < 60; k++) {
     const track = Object.assign(blankTrack(), { number: k, callsign: `ABC${k}`, height: k % 2 ? 1000 : NaN });
     track.label = labelOf(track, "aviation", "west");
-    assert.ok(track.label[1].startsWith(k % 2 ? "033" : "---"));
+    assert.ok(track.label[1].startsWith(k % 2 ? "~033" : "---"));
     const label = place(grid, track, (k * 37) % 300, (k * 53) % 200, 3, 7);
     if (label) placed.push(label);
   }

@@ -86,6 +86,7 @@ function stateOf(flight, time) {
     height: flight.height,
     speedEast: flight.speed * Math.cos(turn),
     speedNorth: -flight.speed * Math.sin(turn),
+    isLevel: flight.number % 5 !== 0,
     climb: flight.climb,
     climbs: flight.climb > 2,
     sinks: flight.climb < -2,

@@ -89,7 +89,10 @@ impl PlacedTrack {
 impl Row for PlacedTrack {
     /// The columns of a system track come first, so that readers by place find these where they were.
     fn columns() -> String {
-        format!("{},utc,latitude,longitude,flight_level", SystemTrack::columns())
+        format!(
+            "{},utc,latitude,longitude,flight_level,level,level_age_s",
+            SystemTrack::columns()
+        )
     }
 
     fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
@@ -103,9 +106,17 @@ impl Row for PlacedTrack {
             Plain(place.latitude_deg(), 7),
             Plain(place.longitude_deg(), 7)
         )?;
-        match track.height_valid {
-            0 => Ok(()),
-            _ => write!(out, "{}", Plain(place.flight_level(), 2)),
+        if track.height_valid != 0 {
+            write!(out, "{}", Plain(place.flight_level(), 2))?;
+        }
+        match track.level_valid {
+            0 => write!(out, ",,"),
+            _ => write!(
+                out,
+                ",{},{}",
+                Plain(f64::from(track.level) / 4.0, 2),
+                Plain(f64::from(track.level_age_ms) / 1e3, 3)
+            ),
         }
     }
 }
@@ -412,6 +423,9 @@ mod tests {
             reference_time_ns: 1_462_917_600_250_000_000,
             position_m: [0.0, 0.0, 9_044.0],
             height_valid: 1,
+            level: 1_199,
+            level_valid: 1,
+            level_age_ms: 1_250,
             ..SystemTrack::default()
         };
         let written = |track: &SystemTrack| {
@@ -426,6 +440,8 @@ mod tests {
             ("latitude", "41.2500000"),
             ("longitude", "-2.5000000"),
             ("flight_level", "300.00"),
+            ("level", "299.75"),
+            ("level_age_s", "1.250"),
         ] {
             assert_eq!(value(&columns, name), expected, "{name}");
         }
@@ -437,8 +453,9 @@ mod tests {
         }
         let without_height = SystemTrack {
             height_valid: 0,
+            level_valid: 0,
             ..track
         };
-        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,\n"));
+        assert!(written(&without_height).ends_with(",41.2500000,-2.5000000,,,\n"));
     }
 }

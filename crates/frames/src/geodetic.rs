@@ -127,6 +127,29 @@ impl SystemFrame {
 
     /// Vertical motion of a position (m) with a velocity (m/s), both east, north and up of this frame.
     pub fn vertical(&self, position_m: [f64; 3], velocity_mps: [f64; 3]) -> Vertical {
+        let (height_m, up) = self.upward(position_m);
+        let climb = up.iter().zip(velocity_mps).map(|(share, speed)| share * speed);
+        Vertical {
+            height_m,
+            climb_mps: climb.sum(),
+        }
+    }
+
+    /// Up components of position (m) and velocity (m/s) of what is at a place of the plane (m), has a horizontal
+    /// velocity there (m/s), and moves so above the Earth: the inverse of [`vertical`](Self::vertical).
+    pub fn above(&self, [east, north]: [f64; 2], [vx, vy]: [f64; 2], vertical: Vertical) -> [f64; 2] {
+        // The height changes almost as the up component does, so each round leaves a thousandth of the error.
+        const ROUNDS: usize = 4;
+        let mut up = vertical.height_m;
+        for _ in 0..ROUNDS {
+            up += vertical.height_m - self.to_geodetic([east, north, up]).height_m();
+        }
+        let (_, axis) = self.upward([east, north, up]);
+        [up, (vertical.climb_mps - axis[0] * vx - axis[1] * vy) / axis[2]]
+    }
+
+    /// Height above the ellipsoid (m) of a position, and the direction in which it rises there.
+    fn upward(&self, position_m: [f64; 3]) -> (f64, [f64; 3]) {
         // Long enough that rounding beside the distance from the Earth's centre has no part in the direction.
         const ARM_M: f64 = 10_000.0;
         let place = self.to_geodetic(position_m);
@@ -139,11 +162,8 @@ impl SystemFrame {
                     .build()
             })
             .map_or(position_m, |wgs84| self.to_local(Geodetic { wgs84 }));
-        let along_up = |axis: usize| (lifted[axis] - position_m[axis]) / ARM_M * velocity_mps[axis];
-        Vertical {
-            height_m: place.height_m(),
-            climb_mps: (0..3).map(along_up).sum(),
-        }
+        let up = std::array::from_fn(|axis| (lifted[axis] - position_m[axis]) / ARM_M);
+        (place.height_m(), up)
     }
 
     pub(crate) fn ecef_to_local(&self) -> &RigidBodyTransform<Ecef, SystemEnu> {
@@ -290,6 +310,9 @@ mod tests {
             prop_assert_eq!(found.height_m, height(0.0));
             let climb = (height(0.5) - height(-0.5)) / 1.0;
             prop_assert!((found.climb_mps - climb).abs() < 1e-4, "{found:?} {climb}");
+            let [vx, vy, up_mps] = velocity;
+            let back = frame.above([east, north], [vx, vy], found);
+            prop_assert!((back[0] - up).abs() < 1e-3 && (back[1] - up_mps).abs() < 1e-3, "{back:?}");
         }
 
         #[test]

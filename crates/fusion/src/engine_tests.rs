@@ -11,6 +11,7 @@ mod hostile_sources;
 mod image;
 mod innovations;
 mod large_targets;
+mod levels;
 mod passing_time;
 mod resumption;
 mod slow_sources;

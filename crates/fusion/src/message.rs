@@ -2,6 +2,7 @@
 
 use messages::{
     AXES, Contribution, Movement, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState, contribution_bits,
+    sensor_track_bits,
 };
 
 use crate::explanation::Sink;
@@ -11,6 +12,14 @@ use crate::settings::Settings;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 use crate::weighing::Weighed;
+
+const NS_PER_MS: i64 = 1_000_000;
+
+/// Age that a level may have, for a source that reports every `period_ns`: two periods, and a tenth since no antenna
+/// turns quite evenly.
+fn level_age_max_ns(period_ns: i64) -> i64 {
+    period_ns * 22 / 10
+}
 
 /// Publishes that the life of a system track has changed without a report. At uniform times, the next refresh shows it.
 pub(crate) fn publish_change<S: Sink>(
@@ -88,6 +97,8 @@ pub(crate) fn write(
     let listed_before = std::mem::replace(&mut message.contribution_count, members.len() as u16);
     let flag = |is_set: bool, flag| if is_set { flag } else { 0 };
     let mut heaviest = 0.0;
+    // Newest level of all that support the track now.
+    let (mut level, mut level_age_ns) = (0, i64::MAX);
     for (index, share) in shares.iter().enumerate() {
         let member = tracks.sensors.get(members[index]);
         let weight = weight(share);
@@ -105,11 +116,23 @@ pub(crate) fn write(
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
             origin: member.latest.origin,
         };
+        if member.latest.has(sensor_track_bits::LEVEL) {
+            let stated_ns = member.time_ns - i64::from(member.latest.level_age_ms) * NS_PER_MS;
+            let age_ns = (entry.state.time_ns - stated_ns).max(0);
+            let age_max_ns = level_age_max_ns(settings.sources[usize::from(member.source)].period_ns);
+            if age_ns < level_age_ns && age_ns <= age_max_ns {
+                (level, level_age_ns) = (member.latest.level, age_ns);
+            }
+        }
         if weight > heaviest {
             heaviest = weight;
             message.selected_source = member.source;
         }
     }
+    let is_known = level_age_ns != i64::MAX;
+    message.level = level;
+    message.level_valid = u8::from(is_known);
+    message.level_age_ms = if is_known { (level_age_ns / NS_PER_MS) as u32 } else { 0 };
     let left_over = members.len()..usize::from(listed_before).max(members.len());
     message.contributions[left_over].fill(Contribution::default());
 }

@@ -6,13 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0xec549254cc7ca99) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x72e83c3fe9f8f34d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x4b4a969577bc444f) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x2ca48047a066afaa) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x33a411b18550e532) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x7847cd571dbcb63f) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0x5e4828dfca2a303d) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
@@ -40,6 +40,7 @@
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* `trace` holds the source's own covariance trace (TI-16). */
 #define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps. */
 #define KOSEKI_SENSOR_TRACK_CONTRIBUTORS UINT64_C(0x200) /* `shared_sources` is known: the track is a system track of another centre, which names its sensors. */
+#define KOSEKI_SENSOR_TRACK_LEVEL UINT64_C(0x400) /* `level` holds the level of the target's transponder. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */
@@ -277,13 +278,13 @@ typedef struct KosekiSensorTrack {
     uint8_t alerts; /* Alerts of the target or its source: see `alert_bits`. */
     uint8_t kind; /* Kind of what the track follows: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
-    uint16_t reserved; /* Reserved, 0. */
+    int16_t level; /* Level that the transponder stated last, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`. */
     KosekiTargetType target_type; /* Type of the target. */
     KosekiExtent extent; /* Size of the target, as its source states or measures it. */
     KosekiMovement movement; /* Modes of movement and acceleration, as the source states them. */
     uint64_t shared_sources; /* Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers. */
     uint32_t origin; /* Deployment that made it, where it is a system track of another centre; else 0. */
-    uint32_t spare; /* Reserved, 0. */
+    uint32_t level_age_ms; /* Age of `level` at the time of measurement, milliseconds. */
 } KosekiSensorTrack;
 static_assert(sizeof(KosekiSensorTrack) == 424, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
@@ -303,13 +304,13 @@ static_assert(offsetof(KosekiSensorTrack, method) == 345, "offset");
 static_assert(offsetof(KosekiSensorTrack, alerts) == 346, "offset");
 static_assert(offsetof(KosekiSensorTrack, kind) == 347, "offset");
 static_assert(offsetof(KosekiSensorTrack, members) == 348, "offset");
-static_assert(offsetof(KosekiSensorTrack, reserved) == 350, "offset");
+static_assert(offsetof(KosekiSensorTrack, level) == 350, "offset");
 static_assert(offsetof(KosekiSensorTrack, target_type) == 352, "offset");
 static_assert(offsetof(KosekiSensorTrack, extent) == 368, "offset");
 static_assert(offsetof(KosekiSensorTrack, movement) == 392, "offset");
 static_assert(offsetof(KosekiSensorTrack, shared_sources) == 408, "offset");
 static_assert(offsetof(KosekiSensorTrack, origin) == 416, "offset");
-static_assert(offsetof(KosekiSensorTrack, spare) == 420, "offset");
+static_assert(offsetof(KosekiSensorTrack, level_age_ms) == 420, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -499,7 +500,11 @@ typedef struct KosekiSystemTrack {
     KosekiCovariance covariance; /* Covariance of position and velocity. */
     KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
     float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none. */
-    uint32_t spare[3]; /* Reserved, 0. */
+    int16_t level; /* Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none. */
+    uint8_t level_valid; /* 1 if `level` is known, and no older than two periods of the source that has it. */
+    uint8_t reserved; /* Reserved, 0. */
+    uint32_t level_age_ms; /* Age of `level` at the reference time, milliseconds. */
+    uint32_t spare; /* Reserved, 0. */
 } KosekiSystemTrack;
 static_assert(sizeof(KosekiSystemTrack) == 1064, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
@@ -531,7 +536,11 @@ static_assert(offsetof(KosekiSystemTrack, extent) == 216, "offset");
 static_assert(offsetof(KosekiSystemTrack, covariance) == 240, "offset");
 static_assert(offsetof(KosekiSystemTrack, contributions) == 408, "offset");
 static_assert(offsetof(KosekiSystemTrack, nis) == 1048, "offset");
-static_assert(offsetof(KosekiSystemTrack, spare) == 1052, "offset");
+static_assert(offsetof(KosekiSystemTrack, level) == 1052, "offset");
+static_assert(offsetof(KosekiSystemTrack, level_valid) == 1054, "offset");
+static_assert(offsetof(KosekiSystemTrack, reserved) == 1055, "offset");
+static_assert(offsetof(KosekiSystemTrack, level_age_ms) == 1056, "offset");
+static_assert(offsetof(KosekiSystemTrack, spare) == 1060, "offset");
 
 typedef struct KosekiContributorSet {
     int64_t reference_time_ns; /* Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970. */

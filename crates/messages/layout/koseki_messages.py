@@ -8,13 +8,13 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SENSOR_TRACK_SCHEMA = 0xec549254cc7ca99  # BatchHeader.schema of its slices.
+SENSOR_TRACK_SCHEMA = 0x72e83c3fe9f8f34d  # BatchHeader.schema of its slices.
 SENSOR_DETECTION_SCHEMA = 0x4b4a969577bc444f  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x2ca48047a066afaa  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x33a411b18550e532  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x7847cd571dbcb63f  # BatchHeader.schema of its slices.
 CONTRIBUTOR_SET_SCHEMA = 0x5e4828dfca2a303d  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
@@ -42,6 +42,7 @@ SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # The velocity was derived by the adapter 
 SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI-16).
 SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
 SENSOR_TRACK_CONTRIBUTORS = 0x200  # `shared_sources` is known: the track is a system track of another centre, which names its sensors.
+SENSOR_TRACK_LEVEL = 0x400  # `level` holds the level of the target's transponder.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
 SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.
@@ -337,13 +338,13 @@ class SensorTrack(ctypes.Structure):
         ("alerts", ctypes.c_uint8),  # Alerts of the target or its source: see `alert_bits`.
         ("kind", ctypes.c_uint8),  # Kind of what the track follows: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
-        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+        ("level", ctypes.c_int16),  # Level that the transponder stated last, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`.
         ("target_type", TargetType),  # Type of the target.
         ("extent", Extent),  # Size of the target, as its source states or measures it.
         ("movement", Movement),  # Modes of movement and acceleration, as the source states them.
         ("shared_sources", ctypes.c_uint64),  # Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
         ("origin", ctypes.c_uint32),  # Deployment that made it, where it is a system track of another centre; else 0.
-        ("spare", ctypes.c_uint32),  # Reserved, 0.
+        ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the time of measurement, milliseconds.
     ]
 
     @staticmethod
@@ -369,13 +370,13 @@ assert SensorTrack.method.offset == 345
 assert SensorTrack.alerts.offset == 346
 assert SensorTrack.kind.offset == 347
 assert SensorTrack.members.offset == 348
-assert SensorTrack.reserved.offset == 350
+assert SensorTrack.level.offset == 350
 assert SensorTrack.target_type.offset == 352
 assert SensorTrack.extent.offset == 368
 assert SensorTrack.movement.offset == 392
 assert SensorTrack.shared_sources.offset == 408
 assert SensorTrack.origin.offset == 416
-assert SensorTrack.spare.offset == 420
+assert SensorTrack.level_age_ms.offset == 420
 
 
 class SensorDetection(ctypes.Structure):
@@ -615,7 +616,11 @@ class SystemTrack(ctypes.Structure):
         ("covariance", Covariance),  # Covariance of position and velocity.
         ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
         ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
-        ("spare", ctypes.c_uint32 * 3),  # Reserved, 0.
+        ("level", ctypes.c_int16),  # Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none.
+        ("level_valid", ctypes.c_uint8),  # 1 if `level` is known, and no older than two periods of the source that has it.
+        ("reserved", ctypes.c_uint8),  # Reserved, 0.
+        ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the reference time, milliseconds.
+        ("spare", ctypes.c_uint32),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -653,7 +658,11 @@ assert SystemTrack.extent.offset == 216
 assert SystemTrack.covariance.offset == 240
 assert SystemTrack.contributions.offset == 408
 assert SystemTrack.nis.offset == 1048
-assert SystemTrack.spare.offset == 1052
+assert SystemTrack.level.offset == 1052
+assert SystemTrack.level_valid.offset == 1054
+assert SystemTrack.reserved.offset == 1055
+assert SystemTrack.level_age_ms.offset == 1056
+assert SystemTrack.spare.offset == 1060
 
 
 class ContributorSet(ctypes.Structure):

@@ -39,6 +39,8 @@ bits! {
         CLIMBS = 1 << 3;
         /// The target descends.
         SINKS = 1 << 4;
+        /// The height is that of the transponder's level: pressure altitude against 1013.25 hPa.
+        LEVEL = 1 << 5;
     }
 }
 
@@ -94,7 +96,7 @@ sample! {
         east_m: f32,
         /// Metres north.
         north_m: f32,
-        /// Height above the ellipsoid, metres; NaN: unknown.
+        /// Height that is shown, metres: the transponder's level, else the height above the ellipsoid; NaN: unknown.
         height_m: f32,
         /// Speed east, metres per second.
         east_mps: f32,

@@ -27,6 +27,8 @@ bits! {
         WILD_CLOCK = 1 << 8;
         /// `shared_sources` is known: the track is a system track of another centre, which names its sensors.
         CONTRIBUTORS = 1 << 9;
+        /// `level` holds the level of the target's transponder.
+        LEVEL = 1 << 10;
     }
 }
 
@@ -89,8 +91,8 @@ sample! {
         kind: u8,
         /// Expected number of members of a group; 0 for a single target.
         members: u16,
-        /// Reserved, 0.
-        reserved: u16,
+        /// Level that the transponder stated last, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`.
+        level: i16,
         /// Type of the target.
         target_type: TargetType,
         /// Size of the target, as its source states or measures it.
@@ -101,8 +103,8 @@ sample! {
         shared_sources: u64,
         /// Deployment that made it, where it is a system track of another centre; else 0.
         origin: u32,
-        /// Reserved, 0.
-        spare: u32,
+        /// Age of `level` at the time of measurement, milliseconds.
+        level_age_ms: u32,
     }
 }
 
@@ -133,7 +135,8 @@ impl SensorTrack {
                 | sensor_track_bits::OWN_COVARIANCE
                 | flag(track.height_valid != 0, height)
                 | flag(track.on_ground != 0, sensor_track_bits::ON_GROUND)
-                | flag(is_known, sensor_track_bits::CONTRIBUTORS),
+                | flag(is_known, sensor_track_bits::CONTRIBUTORS)
+                | flag(track.level_valid != 0, sensor_track_bits::LEVEL),
             identity: track.identity,
             position_m: track.position_m,
             velocity_mps: track.velocity_mps,
@@ -142,6 +145,8 @@ impl SensorTrack {
             alerts: track.alerts,
             kind: track.kind,
             members: track.members,
+            level: track.level,
+            level_age_ms: track.level_age_ms,
             target_type: track.target_type,
             extent: track.extent,
             movement: track.movement,
@@ -195,5 +200,16 @@ mod tests {
         assert!(SensorTrack::of_centre(&of_two(&[(9, 1)]), 4, 1, &[]).is_none());
         assert!(SensorTrack::of_centre(&of_two(&[]), 4, 2, &[]).is_none());
         assert!(SensorTrack::of_centre(&of_two(&[(9, 3)]), 4, 1, &[]).is_some());
+    }
+
+    #[test]
+    fn a_level_goes_on_with_its_age() {
+        let mut track = of_two(&[(9, 0)]);
+        let of_none = SensorTrack::of_centre(&track, 4, 1, &[]).unwrap();
+        assert!(!of_none.has(sensor_track_bits::LEVEL));
+        (track.level, track.level_valid, track.level_age_ms) = (-3, 1, 250);
+        let report = SensorTrack::of_centre(&track, 4, 1, &[]).unwrap();
+        assert!(report.has(sensor_track_bits::LEVEL));
+        assert_eq!((report.level, report.level_age_ms), (-3, 250));
     }
 }

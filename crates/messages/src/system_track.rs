@@ -2,7 +2,7 @@
 
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType};
+use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType, altitude_m};
 
 /// Number of contributions that one system track can list; more are counted in `source_count` only.
 pub const CONTRIBUTIONS_MAX: usize = 16;
@@ -111,8 +111,16 @@ sample! {
         /// Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         /// About 2 on average where covariances are honest, above 5.99 once in twenty.
         nis: f32,
+        /// Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none.
+        level: i16,
+        /// 1 if `level` is known, and no older than two periods of the source that has it.
+        level_valid: u8,
         /// Reserved, 0.
-        spare: [u32; 3],
+        reserved: u8,
+        /// Age of `level` at the reference time, milliseconds.
+        level_age_ms: u32,
+        /// Reserved, 0.
+        spare: u32,
     }
 }
 
@@ -157,6 +165,11 @@ impl SystemTrack {
     /// The same, and after them those of other centres that told of the target and have fallen silent.
     pub fn listed(&self) -> &[Contribution] {
         &self.contributions[..usize::from(self.contribution_count).min(CONTRIBUTIONS_MAX)]
+    }
+
+    /// Pressure altitude of the transponder's newest level, metres; `None` if none is known that is new enough.
+    pub fn level_m(&self) -> Option<f64> {
+        (self.level_valid != 0).then(|| altitude_m(self.level))
     }
 }
 

@@ -53,6 +53,9 @@ pub struct Observation {
     pub velocity_covariance: Option<[f64; 3]>,
     /// Altitude in the standard atmosphere, metres.
     pub pressure_altitude_m: Option<f64>,
+    /// Altitude in the standard atmosphere that the transponder stated last, metres, and its age, nanoseconds; `None`
+    /// where that is `pressure_altitude_m` of now.
+    pub stated_altitude: Option<(f64, i64)>,
     /// Height above mean sea level or the ellipsoid, whichever the source gives, metres.
     pub geometric_height_m: Option<f64>,
     /// Rate of climb, metres per second.
@@ -127,6 +130,12 @@ impl Observation {
         let cartesian = self.cartesian.map(|position| Position::Cartesian(position, self.plane));
         let geodetic = || self.geodetic.map(Position::Geodetic);
         cartesian.or_else(|| self.polar_position()).or_else(geodetic)
+    }
+
+    /// Altitude in the standard atmosphere that the transponder stated, metres, and its age, nanoseconds.
+    pub fn transponder_altitude(&self) -> Option<(f64, i64)> {
+        self.stated_altitude
+            .or_else(|| self.pressure_altitude_m.map(|altitude_m| (altitude_m, 0)))
     }
 
     /// The position as range and azimuth: as measured, where the source has a tracker as well.

@@ -20,6 +20,8 @@ pub(crate) struct TrackMemory {
     pub(crate) last_position_m: [f64; 3],
     /// Time (UTC, nanoseconds) and height (metres) of the last report that had one.
     pub(crate) last_height: Option<(i64, f64)>,
+    /// Time (UTC, nanoseconds) of the level that the transponder stated last, and that level.
+    pub(crate) last_level: Option<(i64, i16)>,
     refused: Option<(i64, [f64; 2])>,
     agreeing: u32,
 }

@@ -109,6 +109,7 @@ export class Connection {
         height: track.height_m,
         speedEast: track.east_mps,
         speedNorth: track.north_mps,
+        isLevel: (track.flags & PICTURE_TRACK.LEVEL) !== 0,
         climb: track.climb_mps,
         climbs: (track.flags & PICTURE_TRACK.CLIMBS) !== 0,
         sinks: (track.flags & PICTURE_TRACK.SINKS) !== 0,

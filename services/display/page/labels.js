@@ -43,13 +43,17 @@ export function labelOf(track, units, mainName) {
   return [first.join(" "), second, third.join(" ")];
 }
 
-/** Height with the direction of its change. @param {import("./picture.js").Track} track @param {string} units */
+/**
+ * Height with the direction of its change. A height that no transponder has stated is marked `~`: it is calculated.
+ * @param {import("./picture.js").Track} track @param {string} units
+ */
 export function heightText(track, units) {
   if (track.onGround) return "GND";
   if (!Number.isFinite(track.height)) return "---";
   const change = track.climbs ? "↑" : track.sinks ? "↓" : " ";
-  if (units === "metric") return `${Math.round(track.height)}m${change}`;
-  return `${levelText(levelOf(track))}${change}`;
+  const mark = track.isLevel ? "" : "~";
+  if (units === "metric") return `${mark}${Math.round(track.height)}m${change}`;
+  return `${mark}${levelText(levelOf(track))}${change}`;
 }
 
 /** Height in hundreds of feet. @param {{height: number}} track */

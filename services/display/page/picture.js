@@ -13,7 +13,8 @@ import { ALERT } from "./wire.js";
  * @property {number} members Expected members of a group.
  * @property {number} time Time of the state, seconds UTC.
  * @property {number} east @property {number} north metres
- * @property {number} height Metres above the ellipsoid; NaN: unknown.
+ * @property {number} height Metres, the transponder's level or above the ellipsoid; NaN: unknown.
+ * @property {boolean} isLevel Whether it is the transponder's level.
  * @property {number} climb Rate of the height, metres per second.
  * @property {boolean} climbs @property {boolean} sinks Whether it is shown as climbing, or as descending.
  * @property {number} speedEast @property {number} speedNorth metres per second
@@ -129,6 +130,7 @@ export function blankTrack() {
     east: 0,
     north: 0,
     height: NaN,
+    isLevel: false,
     climb: 0,
     climbs: false,
     sinks: false,

@@ -28,6 +28,8 @@ export const PICTURE_TRACK = Object.freeze({
   CLIMBS: 8,
   /** The target descends. */
   SINKS: 16,
+  /** The height is that of the transponder's level: pressure altitude against 1013.25 hPa. */
+  LEVEL: 32,
 });
 
 /** Bits. */
@@ -141,7 +143,7 @@ export function readPictureHeader(view, at) {
  * @property {number} age_ms Age of the state, milliseconds.
  * @property {number} east_m Metres east.
  * @property {number} north_m Metres north.
- * @property {number} height_m Height above the ellipsoid, metres; NaN: unknown.
+ * @property {number} height_m Height that is shown, metres: the transponder's level, else the height above the ellipsoid; NaN: unknown.
  * @property {number} east_mps Speed east, metres per second.
  * @property {number} north_mps Speed north, metres per second.
  * @property {number} climb_mps Rate of the height above the ellipsoid, metres per second.

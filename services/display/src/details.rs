@@ -2,12 +2,13 @@
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_m`, `climb_mps` (above the ellipsoid, and its rate; `null`: unknown), `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
+//! `height_m` (as it is shown: the transponder's level, else above the ellipsoid), `climb_mps` (rate of the height above
+//! the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
 //! (the 21 elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
 //! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`, each with `source`, `name`,
 //! `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another centre), `origin`
 //! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns`, `position_m` [2] and `height_m`, where the
-//! sensor track was last. Of the past, position and velocity have no up component, and there are no `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
+//! sensor track was last. Of the past, position and velocity have no up component, and there are no `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
 //! `decisions`.
 //!
 //! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest first;
@@ -69,6 +70,8 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "velocity_mps": track.velocity_mps,
         "height_m": finite(known.record.height_m),
         "climb_mps": finite(known.record.height_m).map(|_| known.record.climb_mps),
+        "level": track.level_m().map(|_| f64::from(track.level) / 4.0),
+        "level_age_s": track.level_m().map(|_| f64::from(track.level_age_ms) / 1e3),
         "height_valid": track.height_valid != 0,
         "on_ground": track.on_ground != 0,
         "merged_into": track.merged_into,
@@ -274,7 +277,12 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         let object = one.as_object_mut()?;
         if record.flags & picture_track_bits::ON_GROUND != 0 {
             object.insert("alt_baro".to_owned(), json!("ground"));
-        } else if let Some(geometric) = vertical::geometric(track, world.frame.as_ref()) {
+        } else if let Some(level_m) = track.level_m() {
+            object.insert("alt_baro".to_owned(), json!((level_m * FEET_PER_M).round()));
+        }
+        if let Some(geometric) = vertical::geometric(track, world.frame.as_ref())
+            && record.flags & picture_track_bits::ON_GROUND == 0
+        {
             let rate = geometric.climb_mps * FEET_PER_M * 60.0;
             object.insert("alt_geom".to_owned(), json!((geometric.height_m * FEET_PER_M).round()));
             object.insert("geom_rate".to_owned(), json!(rate.round()));

@@ -338,8 +338,41 @@ fn there_are_only_so_many_seats() {
 
 #[test]
 fn scripts_get_json_and_nothing_but_what_is_there() {
-    let (_shared, server) = served();
+    let (shared, server) = served();
     let tracks = get_json(&server, "/api/tracks.json");
+    // A level flight 185 km east and outbound: the plane rises above it.
+    let mut far = SystemTrack {
+        level: 1_441,
+        level_valid: 1,
+        level_age_ms: 1_500,
+        ..track(11, 185_000.0)
+    };
+    let frame = shared.world().frame.unwrap();
+    let vertical = frames::Vertical {
+        height_m: 11_000.0,
+        climb_mps: 0.0,
+    };
+    [far.position_m[2], far.velocity_mps[2]] = frame.above([185_000.0, 2_000.0], [100.0, 0.0], vertical);
+    assert!(far.position_m[2] < 8_500.0 && far.velocity_mps[2] < -2.0);
+    shared.world().receive(&header(1), &[far], now());
+    let listed = get_json(&server, "/data/aircraft.json");
+    let listed = listed["aircraft"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|one| one["alt_baro"] == 36_025.0);
+    let listed = listed.expect("by its level");
+    assert_eq!(
+        (&listed["alt_geom"], listed["geom_rate"].as_f64()),
+        (&json!(36_089.0), Some(0.0))
+    );
+    let told = get_json(&server, "/api/tracks.json");
+    let told = &told["tracks"][2];
+    assert_eq!((&told["level"], &told["level_age_s"]), (&json!(360.25), &json!(1.5)));
+    assert!(
+        (told["height_m"].as_f64().unwrap() - 360.25 * 30.48).abs() < 0.01,
+        "{told}"
+    );
     assert_eq!(tracks["tracks"].as_array().unwrap().len(), 2);
     assert_eq!(get_json(&server, "/api/sources.json")["sources"][0]["name"], "radar");
     assert_eq!(get_json(&server, "/api/history/7.json")["number"], 7);
@@ -348,6 +381,7 @@ fn scripts_get_json_and_nothing_but_what_is_there() {
     assert_eq!((&one["hex"], &one["flight"]), (&json!("4ca7b3"), &json!("KOSEKI1 ")));
     assert!((one["track"].as_f64().unwrap() - 90.0).abs() < 1e-9 && one["lat"].as_f64().unwrap() > 41.0);
     assert_eq!(get_json(&server, "/data/receiver.json")["lat"], 41.0);
+    assert_eq!(one["alt_baro"], Value::Null, "no transponder has stated it");
     for path in [
         "/../Cargo.toml",
         "/..%2f..%2fCargo.toml",

@@ -130,7 +130,9 @@ pub(crate) fn sensor_track(report: &SensorTrack, frame: Option<&SystemFrame>) ->
 
 /// Height above the ellipsoid of a position of which all is known, metres; else NaN.
 fn height_m(position_m: Option<[f64; 3]>, frame: Option<&SystemFrame>) -> f32 {
-    let place = position_m.zip(frame).map(|(position_m, frame)| frame.to_geodetic(position_m));
+    let place = position_m
+        .zip(frame)
+        .map(|(position_m, frame)| frame.to_geodetic(position_m));
     place.map_or(f32::NAN, |place| place.height_m() as f32)
 }
 

@@ -1,14 +1,15 @@
 //! Height and climb of a target as labels, table, panel, plots, filters, colours and lists show it: one owner for all.
 //!
-//! The up component of the system frame is no height: the earth curves away beneath the plane. What is shown is the
-//! height above the ellipsoid, and the rate of that height.
+//! What is shown is the newest level of the target's transponder that is no older than two periods of its source, since
+//! that is what pilot, controller and every other system speak of. Without one it is the height above the ellipsoid,
+//! and marked as such. The up component of the system frame is no height: the earth curves away beneath the plane.
 //!
 //! An arrow for climb or descent needs a rate that is more than noise. It begins at [`BEGINS_MPS`] and at two standard
 //! deviations of the rate, and ends below [`ENDS_MPS`]: a rate that wavers between the two changes nothing.
 
 use frames::{SystemFrame, Vertical};
 use messages::SystemTrack;
-use messages::picture::picture_track_bits::{CLIMBS, HEIGHT, SINKS};
+use messages::picture::picture_track_bits::{CLIMBS, HEIGHT, LEVEL, SINKS};
 
 /// Rate at which an arrow begins: 500 feet a minute, metres per second.
 const BEGINS_MPS: f64 = 2.54;
@@ -36,13 +37,16 @@ pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Opt
 
 /// What is shown of a state whose track had the flags `before` in the state before.
 pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> Shown {
-    let Some(Vertical { height_m, climb_mps }) = geometric(track, frame) else {
+    let geometric = geometric(track, frame);
+    let level_m = track.level_m();
+    let Some(height_m) = level_m.or(geometric.map(|geometric| geometric.height_m)) else {
         return Shown {
             height_m: f32::NAN,
             climb_mps: 0.0,
             flags: 0,
         };
     };
+    let climb_mps = geometric.map_or(0.0, |geometric| geometric.climb_mps);
     let sigma_mps = track.covariance.get(5, 5).max(0.0).sqrt();
     let begins = climb_mps.abs() >= BEGINS_MPS.max(SURE_SIGMAS * sigma_mps);
     let arrow = if climb_mps > 0.0 { CLIMBS } else { SINKS };
@@ -50,7 +54,7 @@ pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
     Shown {
         height_m: height_m as f32,
         climb_mps: climb_mps as f32,
-        flags: HEIGHT | if begins || goes_on { arrow } else { 0 },
+        flags: HEIGHT | if level_m.is_some() { LEVEL } else { 0 } | if begins || goes_on { arrow } else { 0 },
     }
 }
 
@@ -117,6 +121,24 @@ mod tests {
         let mut unsure = outbound(20.0, 10.0, 5.0);
         unsure.covariance = Covariance::diagonal([30.0; 3], [4.0; 3]);
         assert_eq!(shown(&unsure, Some(&frame()), 0).flags, HEIGHT, "noise is no climb");
+    }
+
+    #[test]
+    fn the_transponders_level_goes_before_the_height() {
+        let mut track = outbound(160.0, 75.0, 0.0);
+        (track.level, track.level_valid) = (1_440, 1);
+        let level = shown(&track, Some(&frame()), 0);
+        assert_eq!((level.height_m, level.flags), (360.0 * 30.48, HEIGHT | LEVEL));
+        assert!(level.climb_mps.abs() < 0.05, "{level:?}");
+        // It needs no other height, and no frame.
+        track.height_valid = 0;
+        assert_eq!(
+            shown(&track, None, 0),
+            Shown {
+                climb_mps: 0.0,
+                ..level
+            }
+        );
     }
 
     #[test]

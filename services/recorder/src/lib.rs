@@ -2,8 +2,9 @@
 //!
 //! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
 //! tracks, `system_tracks.csv`, in the order of fusion (FM-5), whose last columns say it in the world's terms: `utc`,
-//! `latitude` and `longitude` (WGS-84, degrees) and `flight_level` (hundreds of feet above the ellipsoid, the flight
-//! level where sources give one; empty if none observes height). Neither order depends on scheduling when the inputs
+//! `latitude` and `longitude` (WGS-84, degrees), `flight_level` (hundreds of feet above the ellipsoid, the flight level
+//! where sources give one; empty if none observes height), and `level` and `level_age_s`, the transponder's newest
+//! level (hundreds of feet against 1013.25 hPa) and how old it is. Neither order depends on scheduling when the inputs
 //! are recorded, so neither do the files: they carry the times of the data and none of the machine's. Where an adapter
 //! makes a source's tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same
 //! tracks of them (FM-6), and the same cues as are in `cues_<name>.csv`. Of a direction finder, `bearings_<name>.csv`

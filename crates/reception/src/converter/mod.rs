@@ -6,7 +6,7 @@ use estimation::SourceClock;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
-    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, sensor_track_bits as bits,
+    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, level_of, sensor_track_bits as bits,
 };
 use rustc_hash::FxHashMap;
 
@@ -22,6 +22,7 @@ use observations::{Axes, Observation, Position};
 const HEIGHT_AGE_MAX_NS: i64 = 30_000_000_000;
 /// Fastest climb or descent of an airliner, metres per second.
 const CLIMB_MAX_MPS: f64 = 20.0;
+const NS_PER_MS: i64 = 1_000_000;
 /// Tracks silent for this long are forgotten when room is needed, nanoseconds.
 const FORGET_NS: i64 = 120_000_000_000;
 
@@ -153,12 +154,18 @@ impl Converter {
         let mut track = self.blank(number, time_ns, ingested_ns);
         track.position_m = placed.position_m;
         track.covariance = accuracy::covariance(&self.model, &placed, own, height.is_known(), velocity);
+        let stated = self.level(observation, number, time_ns, is_believed);
         let mut set = |condition: bool, bit: u16| track.valid |= if condition { bit } else { 0 };
         set(!is_believed, bits::WILD_CLOCK);
         set(height.is_known(), bits::HEIGHT);
         set(velocity != Velocity::Unknown, bits::VELOCITY);
         set(matches!(velocity, Velocity::Derived(_)), bits::DERIVED_VELOCITY);
         set(own.is_some(), bits::OWN_COVARIANCE);
+        set(stated.is_some(), bits::LEVEL);
+        if let Some((level_ns, level)) = stated {
+            track.level = level;
+            track.level_age_ms = ((time_ns - level_ns) / NS_PER_MS).clamp(0, i64::from(u32::MAX)) as u32;
+        }
         let [vx, vy] = velocity.value_mps();
         track.velocity_mps = [vx, vy, observation.vertical_rate_mps.unwrap_or_default()];
         if let Some(measured_m) = self.measured(observation, used, height) {
@@ -264,6 +271,24 @@ impl Converter {
             self.count(Counter::RejectedHeight);
         }
         possible.then_some(height_m)
+    }
+
+    /// When the transponder stated its level last (UTC, nanoseconds), and that level. A report without one leaves the
+    /// level of the one before, which is older now.
+    fn level(&mut self, observation: &Observation, number: u32, time_ns: i64, is_believed: bool) -> Option<(i64, i16)> {
+        let limits = &self.model.limits;
+        let possible = limits.height_min_m..=limits.height_max_m;
+        let stated = observation
+            .transponder_altitude()
+            .filter(|(altitude_m, _)| possible.contains(&(altitude_m + self.altitude_correction_m)))
+            .and_then(|(altitude_m, age_ns)| Some((time_ns - age_ns, level_of(altitude_m)?)));
+        let Some(memory) = self.tracks.get_mut(&number).filter(|_| is_believed) else {
+            return stated;
+        };
+        let fits = |(level_ns, _): &(i64, i16)| (0..=HEIGHT_AGE_MAX_NS).contains(&(time_ns - level_ns));
+        let newest = [memory.last_level, stated].into_iter().flatten().filter(fits);
+        memory.last_level = newest.max_by_key(|(level_ns, _)| *level_ns);
+        memory.last_level
     }
 
     /// The position that is used; `None` if the report has none in a form that may be used.

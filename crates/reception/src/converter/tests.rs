@@ -651,6 +651,40 @@ fn the_local_pressure_corrects_pressure_altitudes_only() {
 }
 
 #[test]
+fn the_level_of_the_transponder_goes_on_with_its_age() {
+    let mut converter = radar();
+    converter.model.qnh_hpa = 1003.25;
+    let mut converter = Converter::new(converter.model, DAY);
+    let mut level = |report: Observation| {
+        let track = converter.convert(&report, 0).unwrap();
+        track.has(bits::LEVEL).then_some((track.level, track.level_age_ms))
+    };
+    let at = |time_s: f64, altitude_m: Option<f64>| Observation {
+        pressure_altitude_m: altitude_m,
+        ..plot(time_s)
+    };
+    assert_eq!(level(at(1.0, None)), None);
+    assert_eq!(
+        level(at(2.0, Some(10_668.0))),
+        Some((1_400, 0)),
+        "as stated, whatever the local pressure"
+    );
+    assert_eq!(level(at(6.0, None)), Some((1_400, 4_000)), "the last one, older now");
+    let told = Observation {
+        stated_altitude: Some((10_668.0 + 7.62, 1_500_000_000)),
+        ..at(7.0, Some(10_668.0))
+    };
+    assert_eq!(level(told), Some((1_401, 1_500)), "the measured one, with its own age");
+    assert_eq!(
+        level(at(8.0, Some(90_000.0))),
+        Some((1_401, 2_500)),
+        "what no target has is none"
+    );
+    assert_eq!(level(at(60.0, None)), None, "too old");
+    assert_eq!(level(at(61.0, Some(0.0))), Some((0, 0)), "level 0 is one");
+}
+
+#[test]
 fn codes_of_emergency_are_alerts() {
     let alerts = |code: u16, said: u8| {
         let report = Observation {

@@ -3,6 +3,9 @@
 //! The geographic position is used where there is one, x and y otherwise: their plane is a map around a place that the
 //! system keeps to itself, and whoever wants them must configure that place as the source's. A state made with the
 //! flight plan alone, or coasting, is the system's extrapolation and no observation.
+//!
+//! The height is the system's own barometric altitude (I062/135), which is of the time of the state. The transponder's
+//! level is the measured one (I062/136) with its age (I062/295), else the system's.
 
 use asterix::categories::CAT062;
 use asterix::field::{added, subitem};
@@ -20,6 +23,9 @@ const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// QNH: above mean sea level, by the local pressure; otherwise in the standard atmosphere.
 const BAROMETRIC_ALTITUDE: Elements<2> = elements(CAT062, "135", ["QNH", "CTB"]);
 const VERTICAL_RATE: Elements<1> = whole(CAT062, "220");
+const DATA_AGES: Frn = item(CAT062, "295");
+const MFL: usize = subitem(CAT062, "295", "MFL");
+const MEASURED_ALTITUDE_AGE: Field = field(CAT062, &["295", "MFL"]);
 
 const MODE_3A: Frn = item(CAT062, "060");
 const V: Field = added(CAT062, &["060", "V"]);
@@ -108,6 +114,9 @@ fn observation(record: &Record<'_>) -> Observation {
         axes: Axes::Target,
         velocity_covariance: accuracy.velocity.and_then(variances),
         pressure_altitude_m: in_standard.or_else(|| MEASURED_ALTITUDE.quantity(record)),
+        stated_altitude: MEASURED_ALTITUDE
+            .quantity(record)
+            .map(|altitude_m| (altitude_m, measured_altitude_age_ns(record))),
         geometric_height_m: GEOMETRIC_ALTITUDE.quantity(record).or(above_sea),
         vertical_rate_mps: VERTICAL_RATE
             .quantity(record)
@@ -126,6 +135,15 @@ fn observation(record: &Record<'_>) -> Observation {
         quality: accuracy.quality(geodetic),
         ..Observation::default()
     }
+}
+
+/// Age of the measured altitude; 0 where it is not stated.
+fn measured_altitude_age_ns(record: &Record<'_>) -> i64 {
+    let mut ages = record.subitems(DATA_AGES);
+    let octets = ages.find_map(|(position, octets)| (position == MFL).then_some(octets));
+    octets
+        .and_then(|octets| MEASURED_ALTITUDE_AGE.quantity(octets))
+        .map_or(0, frames::time::ns)
 }
 
 /// I062/380: what the aircraft said.

@@ -367,6 +367,11 @@ fn a_system_track_prefers_its_geographic_position_and_uncorrected_altitude() {
         (found.pressure_altitude_m.unwrap() - 348.0 * 30.48).abs() < 1e-9,
         "the track's, not the last measured"
     );
+    let (stated_m, age_ns) = found.transponder_altitude().unwrap();
+    assert!(
+        (stated_m - 350.0 * 30.48).abs() < 1e-9 && age_ns == 0,
+        "the measured one"
+    );
     assert!((found.geometric_height_m.unwrap() - 4096.0 * 6.25 * 0.3048).abs() < 1e-9);
     assert!((found.vertical_rate_mps.unwrap() - 3.048).abs() < 1e-9);
     assert_eq!(
