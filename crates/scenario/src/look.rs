@@ -27,6 +27,7 @@ pub(crate) struct Watched {
 /// Target as it is to be seen at the time of a look.
 pub(crate) struct Seen {
     position_m: [f64; 3],
+    height_m: f64,
     identity: Identity,
     on_ground: bool,
     /// Probability that a look within coverage finds it.
@@ -37,6 +38,7 @@ impl Seen {
     pub(crate) fn target(state: TargetState, looks: &Looks) -> Self {
         Self {
             position_m: state.position_m,
+            height_m: state.height_m,
             identity: looks.identity_of(&state),
             // A radar measures a position; whether the target stands on wheels is known from its replies only.
             on_ground: state.on_ground && looks.settings.kind != SensorKind::Radar,
@@ -47,6 +49,7 @@ impl Seen {
     pub(crate) fn false_target(target: &FalseTarget, time_s: f64) -> Self {
         Self {
             position_m: target.position_at(time_s),
+            height_m: target.position_at(time_s)[2],
             identity: Identity::default(),
             on_ground: false,
             detection_probability: if target.lasts_at(time_s) {
@@ -137,8 +140,14 @@ impl Looks {
     }
 
     /// Whether a look at it could find it.
-    pub(crate) fn may_find(&self, thing: u64, equipped: bool, time_s: f64, position_m: [f64; 3]) -> bool {
-        equipped && self.settings.coverage.contains(position_m) && !self.dropped_out(thing, time_s)
+    pub(crate) fn may_find(
+        &self,
+        thing: u64,
+        equipped: bool,
+        time_s: f64,
+        (position_m, height_m): ([f64; 3], f64),
+    ) -> bool {
+        equipped && self.settings.coverage.contains(position_m, height_m) && !self.dropped_out(thing, time_s)
     }
 
     pub(crate) fn find(
@@ -149,7 +158,7 @@ impl Looks {
         time_s: f64,
         seen: &Seen,
     ) -> Option<Measurement> {
-        if !self.may_find(thing, equipped, time_s, seen.position_m) {
+        if !self.may_find(thing, equipped, time_s, (seen.position_m, seen.height_m)) {
             return None;
         }
         let mut random = stream(self.seed, Purpose::Look, self.source, thing, slot.number);

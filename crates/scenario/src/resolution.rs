@@ -36,8 +36,10 @@ impl Company {
         let [site_east, site_north, _] = looks.settings.coverage.position_m;
         let (mut ids, mut places, mut polar) = (Vec::new(), Vec::new(), Vec::new());
         for (index, watched) in watched.iter().enumerate().take(truth.len()) {
-            let position_m = truth.target_at(index, time_s).position_m;
-            if looks.may_find(index as u64, watched.equipped, time_s, position_m) {
+            let target = truth.target_at(index, time_s);
+            let position_m = target.position_m;
+            let place = (position_m, target.height_m);
+            if looks.may_find(index as u64, watched.equipped, time_s, place) {
                 let [east, north] = [position_m[0] - site_east, position_m[1] - site_north];
                 ids.push(index);
                 places.push([east, north]);

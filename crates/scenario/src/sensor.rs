@@ -89,7 +89,11 @@ impl SimulatedSensor {
     /// Whether the sensor could see `target` where it is now: within coverage, and with the equipment that the sensor
     /// needs. Misses and dropouts do not count: they are the sensor's failures, not the target's absence.
     pub fn observes(&self, target: &TargetState) -> bool {
-        self.looks.settings.coverage.contains(target.position_m) && self.looks.watched(u64::from(target.id)).equipped
+        self.looks
+            .settings
+            .coverage
+            .contains(target.position_m, target.height_m)
+            && self.looks.watched(u64::from(target.id)).equipped
     }
 
     /// Appends what the next delivery reports, in order of the time of measurement, and goes on to the one after it.

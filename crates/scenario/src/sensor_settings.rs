@@ -384,9 +384,10 @@ pub(crate) struct Coverage {
 }
 
 impl Coverage {
-    pub(crate) fn contains(&self, position_m: [f64; 3]) -> bool {
+    /// Whether something at a position, and at a height above the ellipsoid, is seen.
+    pub(crate) fn contains(&self, position_m: [f64; 3], height_m: f64) -> bool {
         let [dx, dy] = [0, 1].map(|axis| position_m[axis] - self.position_m[axis]);
-        dx.hypot(dy) <= self.range_max_m && (self.height_min_m..=self.height_max_m).contains(&position_m[2])
+        dx.hypot(dy) <= self.range_max_m && (self.height_min_m..=self.height_max_m).contains(&height_m)
     }
 }
 

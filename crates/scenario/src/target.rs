@@ -49,6 +49,8 @@ pub struct TargetState {
     pub position_m: [f64; 3],
     /// East, north, up, metres per second.
     pub velocity_mps: [f64; 3],
+    /// Height above the ellipsoid, metres; above the plane where the earth is flat.
+    pub height_m: f64,
     /// 24-bit address; no two targets share one.
     pub address: u32,
     /// Callsign, padded with blanks; no two targets share one.

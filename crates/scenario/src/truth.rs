@@ -1,5 +1,6 @@
 //! Where every target is, at any time.
 
+use frames::{SystemFrame, Vertical};
 use settings::SettingsError;
 
 use crate::path::Kinematics;
@@ -14,6 +15,8 @@ const GROUND_HEIGHT_M: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct Truth {
     targets: Vec<Target>,
+    /// Frame in which positions are given; `None`: the earth is flat.
+    frame: Option<SystemFrame>,
 }
 
 impl Truth {
@@ -25,7 +28,18 @@ impl Truth {
         settings::check(settings)?;
         Ok(Self {
             targets: traffic::targets(settings, seed),
+            frame: None,
         })
+    }
+
+    /// The same traffic over the round earth: heights of the paths are heights above the ellipsoid, and positions those
+    /// that they have in `frame`. Without it, the earth is the plane.
+    #[must_use]
+    pub fn round(self, frame: SystemFrame) -> Self {
+        Self {
+            frame: Some(frame),
+            ..self
+        }
     }
 
     /// How many targets there are; their numbers are 0 to this, exclusive.
@@ -50,9 +64,15 @@ impl Truth {
     pub fn target_at(&self, index: usize, time_s: f64) -> TargetState {
         let target = &self.targets[index];
         let Kinematics {
-            position_m,
-            velocity_mps,
+            mut position_m,
+            mut velocity_mps,
         } = target.route.at(time_s);
+        let [x, y, height_m] = position_m;
+        let [vx, vy, climb_mps] = velocity_mps;
+        if let Some(frame) = &self.frame {
+            let vertical = Vertical { height_m, climb_mps };
+            [position_m[2], velocity_mps[2]] = frame.above([x, y], [vx, vy], vertical);
+        }
         TargetState {
             id: index as u32,
             kind: target.kind,
@@ -61,7 +81,8 @@ impl Truth {
             address: target.address,
             callsign: target.callsign,
             mode_3a: target.mode_3a,
-            on_ground: position_m[2] < GROUND_HEIGHT_M,
+            height_m,
+            on_ground: height_m < GROUND_HEIGHT_M,
         }
     }
 }
@@ -127,6 +148,36 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn over_the_round_earth_heights_are_those_of_the_ellipsoid() {
+        let frame = SystemFrame::at(frames::Geodetic::from_degrees(41.3, 2.1, 0.0).unwrap());
+        let wide = ScenarioSettings {
+            half_width_m: 300_000.0,
+            ..ScenarioSettings::default()
+        };
+        let flat = Truth::new(&wide, 3).expect("valid");
+        let round = flat.clone().round(frame);
+        let mut farthest_m = 0.0_f64;
+        for (flat, round) in flat.at(500.0).zip(round.at(500.0)) {
+            let [x, y, height_m] = flat.position_m;
+            let [vx, vy, climb_mps] = flat.velocity_mps;
+            assert_eq!(
+                ([x, y], [vx, vy]),
+                (first_two(round.position_m), first_two(round.velocity_mps))
+            );
+            let vertical = frame.vertical(round.position_m, round.velocity_mps);
+            assert!((vertical.height_m - height_m).abs() < 0.01, "{vertical:?} {flat:?}");
+            assert!((vertical.climb_mps - climb_mps).abs() < 0.001, "{vertical:?} {flat:?}");
+            assert_eq!((round.height_m, round.on_ground), (height_m, flat.on_ground));
+            farthest_m = farthest_m.max(x.hypot(y));
+        }
+        assert!(farthest_m > 200_000.0, "{farthest_m}");
+    }
+
+    fn first_two([x, y, _]: [f64; 3]) -> [f64; 2] {
+        [x, y]
     }
 
     fn check_step(a: &TargetState, b: &TargetState, dt: f64) {

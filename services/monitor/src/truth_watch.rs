@@ -54,7 +54,7 @@ impl TruthWatch {
             return Ok(None);
         };
         Ok(Some(Self {
-            truth: Truth::new(world, options.seed)?,
+            truth: Truth::new(world, options.seed)?.round(config.frame),
             sensors,
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,

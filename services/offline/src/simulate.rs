@@ -57,7 +57,7 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
     let out = &simulate.out;
     host.make_folder(out)
         .with_context(|| format!("--out {} cannot be made", out.display()))?;
-    let truth = Truth::new(world, simulate.seed)?;
+    let truth = Truth::new(world, simulate.seed)?.round(config.frame);
     let end_s = simulate.seconds.as_secs_f64();
     let mut said = String::new();
     let mut observers = Observers::default();

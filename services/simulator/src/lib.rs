@@ -95,7 +95,7 @@ impl Simulator {
             }
         }
         Ok(Self {
-            truth: Truth::new(world, process.options.seed)?,
+            truth: Truth::new(world, process.options.seed)?.round(config.frame),
             start_utc_ns: process.options.scenario_start_ns,
             observers,
         })
