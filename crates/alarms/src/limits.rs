@@ -13,6 +13,8 @@ settings::settings! {
     pub struct Limits {
         /// Offset of a source's clock.
         clock_off_s: Seconds = Seconds::of(1.0), in [1e-3, 3600];
+        /// Offset of the newest states from the machine's clock.
+        data_off_s: Seconds = Seconds::of(3.0), in [0.1, 3600];
         /// Factor by which fusion has to enlarge a source's covariances.
         inflation: f64 = 4.0, in [1.3, 1000];
         /// Offset of another host's clock, for certain.

@@ -11,6 +11,7 @@
 //! - [`Buckets`] is what a collector of metrics stores of one;
 //! - [`Summary`] is what a table or a JSON file says of one;
 //! - [`table`] sets figures out for people;
+//! - [`DataOffset`] is how far the newest states are from the machine's clock;
 //! - [`HealthBook`] knows what every process counts and how it is.
 //!
 //! Nothing here reads a clock or opens a file: stamps and writers are arguments.
@@ -18,6 +19,7 @@
 #![forbid(unsafe_code)]
 
 mod buckets;
+mod data_offset;
 mod deadlines;
 mod health_book;
 mod interval_log;
@@ -29,6 +31,7 @@ mod summary;
 pub mod table;
 
 pub use buckets::{BUCKET_BOUNDS_NS, Buckets};
+pub use data_offset::DataOffset;
 pub use deadlines::Deadlines;
 pub use health_book::{ChildState, HealthBook, Latest};
 pub use interval_log::IntervalLog;

@@ -11,7 +11,7 @@ use runtime::Now;
 use crate::machine::Room;
 use crate::shares::Shares;
 use crate::text::{elapsed, several};
-use telemetry::{HealthBook, Process, State, process_title as title};
+use telemetry::{DataOffset, HealthBook, Process, State, process_title as title};
 
 /// A process that started at most so long before the monitor has counted from 0 in its sight, nanoseconds.
 const TOGETHER_NS: i64 = 5_000_000_000;
@@ -108,6 +108,8 @@ pub(crate) struct Conditions {
     companions: Companions,
     apart: Vec<Apart>,
     apart_due_ns: i64,
+    /// Offset of the states from the clock; `None` where they are of recordings.
+    data_offset: Option<DataOffset>,
 }
 
 /// A source, as far as its alarms need to know it.
@@ -188,6 +190,7 @@ impl Conditions {
             companions: Companions::default(),
             apart: Vec::new(),
             apart_due_ns: begun.mono_ns + COMPANIONS_NS,
+            data_offset: (!config.is_recorded()).then(DataOffset::default),
             sources,
         }
     }
@@ -196,6 +199,9 @@ impl Conditions {
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
         for track in tracks {
             self.companions.take(header.incarnation, track, now.mono_ns);
+            if let Some(offset) = &mut self.data_offset {
+                offset.take(track.reference_time_ns, now.mono_ns, now.utc_ns);
+            }
         }
     }
 
@@ -207,6 +213,7 @@ impl Conditions {
         self.shares.look(sight.book, sight.now.mono_ns, round);
         self.changed(sight, round);
         self.never_joined(sight.now, round);
+        self.data_off(sight.now, round);
         self.growing_counters(sight, round);
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
@@ -464,6 +471,24 @@ impl Conditions {
                     round.find(*alarm, subject, Finding::Bad, &values);
                 }
             }
+        }
+    }
+
+    /// States whose time is not that of the machine.
+    fn data_off(&self, now: Now, round: &mut Round<'_>) {
+        let Some(offset_ns) = self.data_offset.and_then(|offset| offset.ns(now.mono_ns)) else {
+            return;
+        };
+        // The quickest source may take one of its periods to send what it has measured.
+        let period_ns = self.sources.iter().map(|source| source.period_ns).min();
+        let excess_ns = match offset_ns < 0 {
+            true => -offset_ns - period_ns.unwrap_or_default(),
+            false => offset_ns,
+        };
+        let seconds = |ns: i64| ns as f64 / messages::NS_PER_S;
+        if let Some(finding) = above(seconds(excess_ns), self.limits.data_off_s.s()) {
+            let values = [("offset", format!("{:+.1} s", seconds(offset_ns)))];
+            round.find(AlarmKind::DataOff, Subject::process(&self.own_name), finding, &values);
         }
     }
 

@@ -501,6 +501,40 @@ fn sources_that_see_the_same_and_never_join_are_told() {
 }
 
 #[test]
+fn states_that_are_off_the_clock_are_told() {
+    // Half a minute of states whose newest are so far off, and of others that are older; the silence of sources that
+    // nobody speaks for here is not asked for. Half a second passes before the monitor takes them.
+    let states = |site: &mut Site, off_ms: i64| {
+        for _ in 0..30 {
+            let utc_ns = site.bench.clock.get().utc_ns;
+            let state = |track_number, off_ms: i64| SystemTrack {
+                track_number,
+                reference_time_ns: utc_ns + off_ms * S / 1_000,
+                state: TrackState::Confirmed.code(),
+                ..SystemTrack::default()
+            };
+            site.bench.publish(&[state(1, off_ms), state(2, off_ms - 20_000)]);
+            site.pass(1);
+        }
+        site.standing()
+    };
+    let none: [String; 0] = [];
+    let mut site = Site::new(&[]);
+    assert_eq!(states(&mut site, -200), none, "on their way");
+    assert_eq!(
+        states(&mut site, 7_800),
+        ["The newest system tracks are +7.3 s off the clock of this machine."]
+    );
+    assert_eq!(states(&mut site, -200), none);
+    // Every source takes a period to send what it has measured, and the quickest here a second.
+    assert_eq!(states(&mut site, -3_000), none);
+    assert_eq!(
+        states(&mut site, -7_500),
+        ["The newest system tracks are -8.0 s off the clock of this machine."]
+    );
+}
+
+#[test]
 fn processes_that_end_and_come_back_are_told() {
     let launched = |site: &mut Site, life: LifeState, restarts, note: &str| {
         let child = site.say(ProcessKind::Launcher, "fusion", NO_SOURCE);
