@@ -11,7 +11,7 @@ const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
 const { heightText, LabelGrid, labelOf, place } = await module("labels.js");
-const { blankTrack, Picture, sourcesOf, Trail } = await module("picture.js");
+const { blankTrack, forgetMains, noteMain, Picture, sourcesOf, Trail } = await module("picture.js");
 const { DEFAULTS, filterOf, read, write } = await module("settings.js");
 const { View } = await module("view.js");
 
@@ -117,6 +117,24 @@ test("filters", () => {
   for (const text of ["vlg", "fl>100", "-baw", "/[/", "source=west", "state=coasted", "members>1"])
     assert.ok(!filterOf(text, name)(track), text);
   assert.deepEqual(sourcesOf(track), [1, 2, 32]);
+});
+
+test("a source that takes over is a hand-over, and a leap through time is none", () => {
+  const track = Object.assign(blankTrack(), { number: 1, source: -1 });
+  const at = (time, source) => {
+    const before = track.source;
+    Object.assign(track, { time, source });
+    noteMain(track, before, time);
+    return track.handOver;
+  };
+  forgetMains(track, 100);
+  for (let time = 100; time < 160; time++) assert.equal(at(time, time % 2), 0, "two take turns");
+  assert.equal(at(160, 2), 160, "a third takes over");
+  assert.equal(at(161, 0), 160);
+  forgetMains(track, 5000);
+  assert.equal(at(5000, 1), 0, "after a leap it is another one");
+  assert.equal(at(5001, 2), 0, "and the next may have been the main one just before");
+  assert.equal(at(5040, 0), 5040, "what was not the main one for long takes over");
 });
 
 test("level, arrow, filter and table read the same height", () => {

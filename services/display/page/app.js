@@ -13,7 +13,7 @@ import { paintGround } from "./ground.js";
 import { labelOf, levelOf, levelText } from "./labels.js";
 import { measured, Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
-import { blankTrack, Picture, sourcesOf, Trail } from "./picture.js";
+import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
 import { filterOf, read, write } from "./settings.js";
 import { TrackTable } from "./table.js";
 import { View } from "./view.js";
@@ -40,8 +40,8 @@ const TABS = /** @type {const} */ ([
 
 /** Points that the plots of a selected track keep. */
 const HISTORY_MAX = 3000;
-/** Seconds for which a source must not have been the main one, for its becoming so to be a hand-over. */
-const HAND_OVER_AFTER_S = 30;
+/** Offset of the data from the clock that is shown, seconds. */
+const DATA_OFF_S = 2;
 /** Seconds without a picture, or without news in it, after which the picture is called old. */
 const STALE_S = 4;
 
@@ -92,6 +92,8 @@ export class App {
     /** Fusion as the server sees it: running, silent, absent. */
     this.fusion = "";
     this.fusionSilent = false;
+    /** Offset of the newest states from the clock, seconds, positive: they are ahead; NaN: unknown. */
+    this.dataOffset = NaN;
     /** Rises when another time is wanted. */
     this.pastEdition = 0;
     /** Called when the origin of the frame is known. */
@@ -242,19 +244,19 @@ export class App {
       for (const number of picture.system.keys()) if (!present.has(number)) picture.system.delete(number);
     }
     if (full) picture.clearLayers();
+    // After a leap through time, what was before says nothing of what is now.
+    const leap = full || time < before || time - before > HAND_OVER_AFTER_S;
+    if (leap) for (const track of picture.system.values()) forgetMains(track, time);
     for (const number of removed) picture.system.delete(number);
     for (const change of tracks) {
       let track = picture.system.get(change.number);
-      const known = track !== undefined;
-      if (!track) picture.system.set(change.number, (track = blankTrack()));
+      if (!track) {
+        picture.system.set(change.number, (track = blankTrack()));
+        forgetMains(track, time);
+      }
       const main = track.source;
       Object.assign(track, change);
-      if (track.source >= 0) {
-        // Two sources that are worth the same take turns; that is no hand-over. Nor is a leap through time.
-        const last = track.mains.get(track.source) ?? -Infinity;
-        if (known && !full && main >= 0 && time >= before && track.time - last > HAND_OVER_AFTER_S) track.handOver = time;
-        track.mains.set(track.source, track.time);
-      }
+      noteMain(track, main, time);
       track.trail.add(track.time, track.east, track.north);
       this.relabel(track);
       for (const source of sourcesOf(track)) {
@@ -563,6 +565,8 @@ export class App {
         ["◇", colours.sensor.tracker, "other sensor"],
       );
     if (settings.detections) lines.push(["·", colours.sensor.detection, "detection"]);
+    if (settings.at > 0 && !this.isRecording && (settings.detections || settings.bearings || settings.areas))
+      lines.push(["–", colours.unknown, "detections, bearings, counts: not kept"]);
     const legend = byId("legend");
     legend.replaceChildren(
       ...lines.flatMap(([sign, colour, text]) => {
@@ -636,6 +640,9 @@ export class App {
               silent ? "bad" : "good",
             ]),
           ]),
+      ...(!past && Math.abs(this.dataOffset) > DATA_OFF_S
+        ? [/** @type {[string, string]} */ ([offsetText(this.dataOffset), "bad"])]
+        : []),
       ...(standing.length > 0
         ? [/** @type {[string, string]} */ ([`${standing.length} alarm${standing.length > 1 ? "s" : ""}`, worst])]
         : []),
@@ -718,8 +725,14 @@ export class App {
       this.known,
       this.settings.units,
       COLOURS[this.settings.theme].sources,
+      this.settings.at > 0,
     );
   }
+}
+
+/** Offset of the data in words. @param {number} seconds Positive: they are ahead. */
+export function offsetText(seconds) {
+  return `data ${Math.abs(seconds).toFixed(1)} s ${seconds > 0 ? "ahead of" : "behind"} the clock`;
 }
 
 /** @param {HTMLCanvasElement} canvas @param {boolean} alpha */

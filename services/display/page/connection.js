@@ -238,6 +238,7 @@ export class Connection {
     app.historyFrom = status.history?.from_s ?? 0;
     app.liveTime = Math.max(app.liveTime, status.history?.to_s ?? 0);
     app.fusion = status.fusion;
+    app.dataOffset = status.data_offset_s ?? NaN;
     app.learn({
       time: status.time_s,
       sources: status.sources.map((/** @type {any} */ source) => ({

@@ -103,8 +103,9 @@ export class TrackPanel {
    * @param {import("./picture.js").Track} track
    * @param {import("./painter.js").Share[]} shares @param {History} history @param {Facts} facts
    * @param {Known} known @param {string} units @param {string[]} palette
+   * @param {boolean} isPast Whether it is a moment of the past that is shown.
    */
-  update(track, shares, history, facts, known, units, palette) {
+  update(track, shares, history, facts, known, units, palette, isPast) {
     const place = placeOf(known.origin, track.east, track.north);
     const speed = Math.hypot(track.speedEast, track.speedNorth);
     const alerts = ALERTS.filter(([bit]) => (track.alerts & bit) !== 0).map(([, word]) => word);
@@ -168,7 +169,7 @@ export class TrackPanel {
     const until = history.times.at(-1) ?? track.time;
     const since = Math.max(until - 300, Math.min(history.times[0] ?? until, until - 30));
     const [text, line, accent] = [css("--soft"), css("--line"), css("--accent")];
-    const axes = { since, until, text, line };
+    const axes = { since, until, text, line, end: isPast ? clock(until) : "now" };
     const one = (/** @type {number[]} */ values) => [{ name: "", colour: accent, times: history.times, values }];
     const speeds = units === "metric" ? 1 : 3600 / 1852;
     const heights = history.heights.map((height) => (units === "metric" ? height : levelOf({ height })));

@@ -28,6 +28,7 @@ import { ALERT } from "./wire.js";
  * @property {number} sigmaBearing Direction of the larger axis, radians clockwise from north.
  * @property {number} handOver When another source became the main one last, seconds; 0: never.
  * @property {Map<number, number>} mains When each source was the main one last, seconds.
+ * @property {number} mainsSince Since when that has been noted, seconds.
  * @property {Trail} trail
  * @property {string[]} label Lines of its label, longest form.
  * @property {number} place Where its label was put last.
@@ -150,10 +151,36 @@ export function blankTrack() {
     sigmaBearing: 0,
     handOver: 0,
     mains: new Map(),
+    mainsSince: 0,
     trail: new Trail(),
     label: [],
     place: 0,
   };
+}
+
+/** Seconds for which a source must not have been the main one, for its becoming so to be a hand-over. */
+export const HAND_OVER_AFTER_S = 30;
+
+/**
+ * Forgets which sources were the main one, after a leap to the time `time`, seconds.
+ * @param {Track} track @param {number} time
+ */
+export function forgetMains(track, time) {
+  track.mains.clear();
+  track.mainsSince = time;
+  track.handOver = 0;
+}
+
+/**
+ * Notes which source is the main one, where it was `before`. Two that are worth the same take turns: that is no
+ * hand-over.
+ * @param {Track} track @param {number} before -1: none. @param {number} time Of the picture, seconds.
+ */
+export function noteMain(track, before, time) {
+  if (track.source < 0) return;
+  const last = track.mains.get(track.source) ?? track.mainsSince;
+  if (before >= 0 && before !== track.source && track.time - last > HAND_OVER_AFTER_S) track.handOver = time;
+  track.mains.set(track.source, track.time);
 }
 
 /** What a person calls a track. @param {Track} track */

@@ -5,9 +5,9 @@
 /**
  * Paints series over one time axis that ends at `until`.
  * @param {HTMLCanvasElement} canvas @param {Series[]} series
- * @param {{since: number, until: number, unit: string, text: string, line: string, low?: number, high?: number,
+ * @param {{since: number, until: number, unit: string, end: string, text: string, line: string, low?: number, high?: number,
  *   least?: number, bands?: [number, string][]}} options
- *   `least`: smallest range of values that is shown; `bands`: values with a name at which a line is drawn.
+ *   `end`: what the end of the time axis is called; `least`: smallest range of values that is shown; `bands`: values with a name at which a line is drawn.
  */
 export function plot(canvas, series, options) {
   const ctx = prepared(canvas);
@@ -46,7 +46,7 @@ export function plot(canvas, series, options) {
   ctx.textAlign = "right";
   for (const value of [low, high]) ctx.fillText(short(value, high - low), left - 4, y(value) + 4);
   ctx.fillText(options.unit, left - 4, y((low + high) / 2) + 4);
-  ctx.fillText("now", width - 4, height - 2);
+  ctx.fillText(options.end, width - 4, height - 2);
   ctx.textAlign = "left";
   ctx.fillText(`−${Math.round(options.until - options.since)} s`, left, height - 2);
   ctx.setLineDash([3, 3]);

@@ -111,7 +111,9 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         self.alarms
             .take(SLICES_PER_TURN, |header, slice| world.hear_alarms(header, slice))?;
         // Reports before the states that they led to.
-        take(&mut self.sensor_tracks, |reports| world.hear_sensor_tracks(reports))?;
+        take(&mut self.sensor_tracks, |reports| {
+            world.hear_sensor_tracks(reports, now)
+        })?;
         take(&mut self.detections, |detections| world.hear_detections(detections))?;
         take(&mut self.bearings, |bearings| world.hear_bearings(bearings))?;
         take(&mut self.counts, |counts| world.hear_counts(counts))?;

@@ -14,7 +14,7 @@
 //! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest first;
 //! `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
 
-use messages::picture::{PictureIdentity, PictureTrack, picture_track_bits};
+use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
     Contribution, Decision, DecisionKind, FusionRule, Identity, NO_SOURCE, TargetType, TrackKind, TrackState,
     contribution_bits,
@@ -42,7 +42,7 @@ pub(crate) fn seconds(ns: i64) -> f64 {
 pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
     let tracks = viewer.selected.iter().filter_map(|number| match viewer.then() {
         None => live(world, *number),
-        Some(then) => past(world, *number, *then.states.get(number)?),
+        Some(then) => past(world, viewer, *number, *then.states.get(number)?),
     });
     json!({"type": "selected", "time_s": seconds(time_ns), "tracks": tracks.collect::<Vec<_>>()})
 }
@@ -50,7 +50,15 @@ pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
 fn live(world: &World, number: u32) -> Option<Value> {
     let known = world.tracks.get(&number)?;
     let track = &known.track;
-    let parts: Vec<Value> = track.listed().iter().map(|part| contribution(world, part)).collect();
+    let report = |part: &Contribution| {
+        let heard = world.sensor_tracks.get(&(part.source, part.track_number));
+        heard.map(|heard| heard.record)
+    };
+    let parts: Vec<Value> = track
+        .listed()
+        .iter()
+        .map(|part| contribution(world, part, report(part)))
+        .collect();
     let about = |decision: &&Decision| decision.system_track == number || decision.other_system_track == number;
     let decisions = world.decisions.iter().rev().filter(about).take(DECISIONS_MAX);
     let decisions: Vec<Value> = decisions.filter_map(|decision| decided(world, decision)).collect();
@@ -84,11 +92,13 @@ fn live(world: &World, number: u32) -> Option<Value> {
     }))
 }
 
-fn past(world: &World, number: u32, state: u64) -> Option<Value> {
+fn past(world: &World, viewer: &Viewer, number: u32, state: u64) -> Option<Value> {
     let moment = world.history.moment(state)?;
     let record = &moment.track;
     let parts = world.history.contributions(state);
-    let parts: Vec<Value> = parts.map(|part| contribution(world, part)).collect();
+    let parts: Vec<Value> = parts
+        .map(|part| contribution(world, part, viewer.report_then(world, part)))
+        .collect();
     let known = world.identities.get(&number).map(|known| known.record);
     let (known, target_type) = known.map_or_else(Default::default, |known| named(&known));
     Some(json!({
@@ -136,10 +146,10 @@ fn name(world: &World, number: u16) -> String {
     known.map_or_else(|| format!("source {}", number + 1), |source| source.name.clone())
 }
 
-fn contribution(world: &World, part: &Contribution) -> Value {
-    let heard = world.sensor_tracks.get(&(part.source, part.track_number));
-    let position = heard.map(|heard| (heard.record.east_m, heard.record.north_m));
-    let height_m = heard.and_then(|heard| finite(heard.record.height_m));
+/// A contribution, and where its sensor track was in what is shown.
+fn contribution(world: &World, part: &Contribution, report: Option<PictureSensorTrack>) -> Value {
+    let position = report.map(|report| (report.east_m, report.north_m));
+    let height_m = report.and_then(|report| finite(report.height_m));
     json!({
         "source": part.source,
         "name": name(world, part.source),

@@ -14,6 +14,8 @@ use messages::{Contribution, SystemTrack, TrackState};
 const NOTE_NS: i64 = 5_000_000_000;
 /// Time between two states of a track where memory is scarce, nanoseconds.
 const STEP_NS: i64 = 1_000_000_000;
+/// Time by which the picture's clock has to go back for the past to begin anew, nanoseconds.
+const LEAP_NS: i64 = 10_000_000_000;
 /// Number of a state that is none.
 const NONE: u64 = u64::MAX;
 
@@ -84,6 +86,7 @@ impl History {
 
     /// Keeps a state, which came when the picture had the time `at_ns`.
     pub(crate) fn keep(&mut self, at_ns: i64, record: PictureTrack, measured_ns: i64, track: &SystemTrack) {
+        let at_ns = self.in_order(at_ns);
         let previous = self.latest.get(&record.number).copied().unwrap_or(NONE);
         if self.octets() > self.octets_max / 2
             && let Some(before) = self.moment(previous)
@@ -111,6 +114,7 @@ impl History {
 
     /// All tracks have ended: whoever made them is gone.
     pub(crate) fn end_all(&mut self, at_ns: i64) {
+        let at_ns = self.in_order(at_ns);
         self.latest.clear();
         self.push(Moment {
             at_ns,
@@ -121,6 +125,21 @@ impl History {
             contribution: self.first_contribution + self.contributions.len() as u64,
             previous: NONE,
         });
+    }
+
+    /// A time that is not before those of the states so far: a machine's clock that is set goes back a little. After a
+    /// leap back, these are of no use.
+    fn in_order(&mut self, at_ns: i64) -> i64 {
+        let last_ns = self.moments.back().map_or(at_ns, |last| last.at_ns);
+        if at_ns >= last_ns - LEAP_NS {
+            return at_ns.max(last_ns);
+        }
+        while !self.moments.is_empty() {
+            self.forget();
+        }
+        self.notes.clear();
+        self.latest.clear();
+        at_ns
     }
 
     fn push(&mut self, moment: Moment) -> u64 {
@@ -155,11 +174,6 @@ impl History {
         while self.notes.front().is_some_and(|note| note.next < self.first) {
             self.notes.pop_front();
         }
-    }
-
-    /// Octets that it may take.
-    pub(crate) fn octets_max(&self) -> usize {
-        self.octets_max
     }
 
     /// Octets that are taken.
@@ -307,6 +321,26 @@ mod tests {
         let (number, _) = history.of_track(7, i64::MAX).next().unwrap();
         let parts: Vec<f64> = history.contributions(number).map(|part| part.weight).collect();
         assert!(parts == [0.25, 0.75] || parts.is_empty(), "{parts:?}");
+    }
+
+    #[test]
+    fn a_clock_that_goes_back_a_little_stands_still_and_one_that_leaps_begins_anew() {
+        let mut history = History::new(600 * S, usize::MAX);
+        for at_s in [100, 101, 99, 102] {
+            history.keep(
+                at_s * S,
+                state(1, at_s as f32, TrackState::Confirmed),
+                0,
+                &track(&[1.0]),
+            );
+        }
+        let mut then = Then::default();
+        history.go_to(&mut then, 101 * S);
+        assert_eq!(shown(&history, &then), [(1, 99.0)], "in the order of arrival");
+        history.keep(10 * S, state(2, 10.0, TrackState::Confirmed), 0, &track(&[1.0]));
+        assert_eq!(history.span_ns(), Some([10 * S, 10 * S]));
+        history.go_to(&mut then, 10 * S);
+        assert_eq!(shown(&history, &then), [(2, 10.0)]);
     }
 
     #[test]

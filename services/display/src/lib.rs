@@ -22,11 +22,13 @@
 
 mod agent;
 mod assets;
+mod clock;
 mod details;
 mod ground;
 mod history;
 mod pages;
 mod records;
+mod reports;
 mod status;
 mod tape;
 mod vertical;
@@ -47,6 +49,7 @@ use runtime::Now;
 use runtime::signals::Stop;
 use web::{Guard, Server};
 
+use crate::clock::PictureClock;
 use crate::pages::Shared;
 use crate::tape::Tape;
 use crate::wire::Past;
@@ -71,6 +74,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         display.history_octets,
     );
     world.place(&origin(&process.config));
+    world.set_clock(PictureClock::of(process.config.is_recorded()));
     let shared = Shared::new(world, overlays, Now::read);
     let server = serve(display, &shared)?;
     say(&server, display);

@@ -290,6 +290,10 @@ impl<'a> Page<'a> {
 
     fn hear(&mut self, text: &str) -> Result<(), String> {
         let mut wish = Wish::read(text)?;
+        if wish.past.is_some() {
+            // At another moment, the past of a track ends elsewhere.
+            self.remembered.clear();
+        }
         let now = (self.shared.clock)();
         if let Some(recording) = &mut self.shared.world().recording
             && let Some(past) = wish.past.take().flatten()

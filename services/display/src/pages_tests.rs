@@ -7,8 +7,10 @@ use std::sync::atomic::AtomicI64;
 use std::time::Duration;
 
 use messages::layout::Sample as _;
-use messages::picture::{PictureHeader, PictureTrack, picture_bits};
-use messages::{BatchHeader, Contribution, FrameOrigin, Identity, SystemTrack, TrackState, contribution_bits};
+use messages::picture::{PictureHeader, PictureIdentity, PictureSensorTrack, PictureTrack, picture_bits};
+use messages::{
+    BatchHeader, Contribution, FrameOrigin, Identity, SensorTrack, SystemTrack, TrackState, contribution_bits,
+};
 use serde_json::{Value, json};
 use web::{Guard, Server};
 
@@ -83,6 +85,95 @@ fn track(number: u32, east_m: f64) -> SystemTrack {
         ..Contribution::default()
     };
     track
+}
+
+/// The same clocks, so many seconds later.
+fn later(seconds: i64) -> Now {
+    Now {
+        mono_ns: now().mono_ns + seconds * 1_000_000_000,
+        utc_ns: now().utc_ns + seconds * 1_000_000_000,
+    }
+}
+
+#[test]
+fn in_the_past_every_layer_shows_one_moment() {
+    let mut world = World::new("test", Vec::new(), 600, 1_000_000);
+    for second in [0, 40, 80] {
+        let (then, east_m) = (later(second), 100.0 * second as f64);
+        let report = SensorTrack {
+            time_of_measurement_ns: then.utc_ns,
+            track_number: 3,
+            position_m: [east_m, 0.0, 0.0],
+            ..SensorTrack::default()
+        };
+        let state = SystemTrack {
+            reference_time_ns: then.utc_ns,
+            ..track(7, east_m + 10.0)
+        };
+        world.hear_sensor_tracks(&[report], then);
+        world.receive(&header(1), &[state], then);
+        world.clean_up(then);
+    }
+    let mut viewer = Viewer::default();
+    let mut shown = |wish: &str| {
+        viewer.wish(Wish::read(wish).unwrap(), later(90));
+        let octets = viewer.picture(&world, later(90));
+        let (head, rest) = octets.split_at(size_of::<PictureHeader>());
+        let head = PictureHeader::of_octets(head).unwrap();
+        let (tracks, rest) = rest.split_at(size_of::<PictureTrack>() * head.tracks as usize);
+        let identities = size_of::<PictureIdentity>() * head.identities as usize;
+        let (reports, rest) =
+            rest[identities..].split_at(size_of::<PictureSensorTrack>() * head.sensor_tracks as usize);
+        assert!(
+            rest.is_empty() && head.flags & picture_bits::FULL != 0,
+            "a leap leaves nothing: {head:?}"
+        );
+        let told = details::selected(&world, &viewer, head.time_ns);
+        let part = &told["tracks"][0]["contributions"][0];
+        (
+            PictureTrack::of_octets(tracks).map(|track| track.east_m),
+            PictureSensorTrack::of_octets(reports).map(|report| report.east_m),
+            part["position_m"][0].as_f64(),
+        )
+    };
+    let past = |seconds: i64| {
+        let time_s = details::seconds(later(seconds).utc_ns);
+        format!(r#"{{"layers": ["sensor_tracks"], "select": [7], "past": {{"time_s": {time_s}, "speed": 0}}}}"#)
+    };
+    assert_eq!(shown(&past(41)), (Some(4_010.0), Some(4_000.0), Some(4_000.0)));
+    assert_eq!(shown(&past(1)), (Some(10.0), Some(0.0), Some(0.0)), "back");
+    assert_eq!(shown(&past(81)), (Some(8_010.0), Some(8_000.0), Some(8_000.0)), "ahead");
+    assert_eq!(
+        shown(&past(79)),
+        (Some(4_010.0), None, None),
+        "its report is older than the layer shows"
+    );
+    assert_eq!(
+        shown(r#"{"past": null}"#),
+        (Some(8_010.0), Some(8_000.0), Some(8_000.0)),
+        "now"
+    );
+}
+
+#[test]
+fn the_clock_is_the_machines_and_an_offset_of_the_data_is_told() {
+    let mut world = World::new("test", Vec::new(), 600, 1_000_000);
+    let ahead = SystemTrack {
+        reference_time_ns: later(7).utc_ns,
+        ..track(7, 0.0)
+    };
+    world.receive(&header(1), &[ahead], now());
+    assert_eq!(world.time_ns(later(1)), later(1).utc_ns);
+    let told = status::status(&world, Audience::default(), later(1));
+    assert_eq!(told["data_offset_s"], json!(7.0));
+    world.receive(&header(1), &[track(9, 0.0)], later(20));
+    let told = status::status(&world, Audience::default(), later(20));
+    assert_eq!(told["data_offset_s"], json!(-20.0), "and when it is gone, it is gone");
+    // Of recorded inputs, the time is that of the data.
+    world.set_clock(crate::clock::PictureClock::of(true));
+    world.receive(&header(1), &[ahead], later(20));
+    assert_eq!(world.time_ns(later(21)), later(8).utc_ns);
+    assert_eq!(world.data_offset_ns(later(21)), None);
 }
 
 fn ask(server: &Server, request: &str) -> (String, Vec<u8>) {

@@ -44,6 +44,7 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         "type": "status",
         "time_s": seconds(world.time_ns(now)),
         "fusion": fusion,
+        "data_offset_s": world.data_offset_ns(now).map(seconds),
         "history": history,
         "clients": audience.clients,
         "skipped": audience.skipped,

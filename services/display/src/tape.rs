@@ -20,7 +20,8 @@ use messages::{
 use recording::{Chunks, Item, RecordingError};
 use runtime::Now;
 
-use crate::world::{DataClock, World};
+use crate::clock::PictureClock;
+use crate::world::World;
 
 /// Time before a moment that is put in to have the picture of it: by then, every track has said how it is.
 const BEFORE_NS: i64 = 60_000_000_000;
@@ -41,7 +42,7 @@ struct Mark {
     place: u64,
     /// Time of the picture before its first slice, and how it goes on.
     at_ns: i64,
-    clock: DataClock,
+    clock: PictureClock,
 }
 
 /// Slice that was recorded.
@@ -78,6 +79,10 @@ impl Tape {
     /// # Errors
     /// If a file cannot be read, or no system track is in any.
     pub(crate) fn open(config: &Config, files: &[PathBuf]) -> anyhow::Result<Self> {
+        Self::open_with(config, PictureClock::of(config.is_recorded()), files)
+    }
+
+    fn open_with(config: &Config, mut clock: PictureClock, files: &[PathBuf]) -> anyhow::Result<Self> {
         let open = |path: &PathBuf| -> Result<_, RecordingError> {
             Chunks::new(BufReader::with_capacity(1 << 18, File::open(path)?))
         };
@@ -93,7 +98,6 @@ impl Tape {
             waiting: VecDeque::new(),
             latest: None,
         };
-        let mut clock = DataClock::default();
         for (file, path) in files.iter().enumerate() {
             while tape
                 .note(file, &mut clock)
@@ -111,7 +115,7 @@ impl Tape {
     }
 
     /// Notes what time the picture has in the next chunk of `file`. `false` at its end.
-    fn note(&mut self, file: usize, clock: &mut DataClock) -> Result<bool, RecordingError> {
+    fn note(&mut self, file: usize, clock: &mut PictureClock) -> Result<bool, RecordingError> {
         let place = self.files[file].place();
         let mark = Mark {
             file,
@@ -156,7 +160,9 @@ impl Tape {
             }
         }
         if let Some((taken, latest_ns)) = self.latest {
-            let passed_ns = at_ns - latest_ns;
+            // What comes next was taken at a known time, which is soon where the recording was made in a hurry.
+            let next_ns = self.waiting.front().map(|next| next.taken.mono_ns - taken.mono_ns);
+            let passed_ns = (at_ns - latest_ns).min(next_ns.unwrap_or(i64::MAX)).max(0);
             let now = Now {
                 mono_ns: taken.mono_ns + passed_ns,
                 utc_ns: taken.utc_ns + passed_ns,
@@ -190,7 +196,7 @@ impl Tape {
 fn slices(
     file: &mut Chunks<BufReader<File>>,
     topics: &BTreeMap<String, Kind>,
-    clock: &mut DataClock,
+    clock: &mut PictureClock,
 ) -> Result<Option<Vec<Slice>>, RecordingError> {
     let mut slices: Vec<Slice> = Vec::new();
     // Whether samples that come are of the last of the slices.
@@ -213,7 +219,7 @@ fn slices(
                         mono_ns: header.sent_ns + (utc_ns - sent_ns as i64),
                         utc_ns,
                     },
-                    at_ns: clock.at(utc_ns),
+                    at_ns: clock.at(recorded(utc_ns)),
                     octets: Vec::new(),
                     size: 0,
                 }));
@@ -223,8 +229,8 @@ fn slices(
                     if slice.kind == Kind::Stream(Stream::SystemTracks)
                         && let Some(track) = SystemTrack::of_octets(octets)
                     {
-                        clock.hear(track.reference_time_ns, slice.taken.utc_ns);
-                        slice.at_ns = clock.at(slice.taken.utc_ns);
+                        clock.hear(track.reference_time_ns, recorded(slice.taken.utc_ns));
+                        slice.at_ns = clock.at(recorded(slice.taken.utc_ns));
                     }
                     slice.octets.extend_from_slice(octets);
                     slice.size = octets.len();
@@ -235,6 +241,14 @@ fn slices(
         Ok(())
     })?;
     Ok(is_there.then_some(slices))
+}
+
+/// What the clocks said when the recorder took something: its UTC stands for both, since it goes through all files.
+fn recorded(utc_ns: i64) -> Now {
+    Now {
+        mono_ns: utc_ns,
+        utc_ns,
+    }
 }
 
 /// Topics that are shown of the deployment of `config`, by name.
@@ -271,7 +285,7 @@ fn put(world: &mut World, slice: &Slice) {
         Kind::Stream(stream) => match stream {
             Stream::SystemTracks => world.receive(&slice.header, &samples::<SystemTrack>(slice), slice.taken),
             Stream::Alarms => world.hear_alarms(&slice.header, &samples::<Alarm>(slice)),
-            Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice)),
+            Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice), slice.taken),
             Stream::Detections => world.hear_detections(&samples(slice)),
             Stream::Bearings => world.hear_bearings(&samples(slice)),
             Stream::WideArea => world.hear_counts(&samples(slice)),
@@ -340,28 +354,79 @@ mod tests {
         paths.into()
     }
 
-    #[test]
-    fn any_moment_has_the_states_that_were_the_latest_then() {
-        let folder = tempfile::tempdir().unwrap();
-        let config = Config::read(std::path::Path::new(BUILT_IN_DEMO), &[]).unwrap();
-        let mut tape = Tape::open(&config, &record(folder.path())).unwrap();
-        assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 199 * S]);
+    const NOW: Now = Now {
+        mono_ns: 0,
+        utc_ns: BEGIN_NS,
+    };
+
+    /// World that shows `tape`.
+    fn world_of(tape: &Tape) -> World {
         let mut world = World::new("test", Vec::new(), 600, 1_000_000);
-        let now = Now {
-            mono_ns: 0,
-            utc_ns: BEGIN_NS,
-        };
         world.recording = Some(Recording {
             name: "test".to_owned(),
             span_ns: tape.span_ns(),
             at_ns: BEGIN_NS,
-            now,
+            now: NOW,
             wanted: Past {
                 time_s: 0.0,
                 speed: 0.0,
             },
             since_ns: 0,
         });
+        world
+    }
+
+    fn demo() -> Config {
+        Config::read(std::path::Path::new(BUILT_IN_DEMO), &[]).unwrap()
+    }
+
+    #[test]
+    fn what_was_live_is_shown_at_the_time_of_the_machine_that_recorded_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tape = Tape::open(&demo(), &record(folder.path())).unwrap();
+        let begin_ns = BEGIN_NS + LATER_NS;
+        assert_eq!(tape.span_ns(), [begin_ns, begin_ns + 199 * S]);
+        let mut world = world_of(&tape);
+        tape.go_to(&mut world, begin_ns + 60 * S).unwrap();
+        assert_eq!((world.tracks.len(), world.time_ns(NOW)), (2, begin_ns + 60 * S));
+    }
+
+    #[test]
+    fn fusion_is_not_silent_in_a_recording_made_in_a_hurry() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hurried.mcap");
+        let mut writer = Writer::begin(File::create(&path).unwrap(), &Facts::new()).unwrap();
+        let topic = messages::system_tracks();
+        let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
+        // A cycle of 5 s in each 10 ms, without a word of health; a chunk each.
+        for cycle in 0..60 {
+            let header = BatchHeader {
+                incarnation: 1,
+                sent_ns: cycle * S / 100,
+                ..BatchHeader::default()
+            };
+            let states = [state(1, cycle * 5, TrackState::Confirmed)];
+            let taken_ns = BEGIN_NS + LATER_NS + cycle * S / 100;
+            let octets = SystemTrack::octets(&states);
+            writer.slice(channel, &header, octets, taken_ns, taken_ns).unwrap();
+            writer.flush().unwrap();
+        }
+        writer.finish().unwrap();
+        let mut tape = Tape::open_with(&demo(), PictureClock::of(true), &[path]).unwrap();
+        let mut world = world_of(&tape);
+        for second in [0, 1, 4, 100, 104, 17, 290] {
+            tape.go_to(&mut world, BEGIN_NS + second * S).unwrap();
+            let now = world.now(NOW);
+            assert!(!world.is_fusion_silent(now), "{second} s: {now:?}");
+        }
+    }
+
+    #[test]
+    fn any_moment_has_the_states_that_were_the_latest_then() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut tape = Tape::open_with(&demo(), PictureClock::of(true), &record(folder.path())).unwrap();
+        assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 199 * S]);
+        let mut world = world_of(&tape);
         // Ahead, back, a leap, and the ends; generations tell where the world was emptied.
         let moments = [
             (0, 1),
@@ -384,8 +449,8 @@ mod tests {
             expected.extend((50..150).contains(&second).then_some((2, second as f64)));
             assert_eq!(shown, expected, "{second} s");
             assert_eq!(world.generation, generation, "{second} s");
-            assert_eq!(world.time_ns(now), BEGIN_NS + second * S + S / 2);
-            let then = world.now(now);
+            assert_eq!(world.time_ns(NOW), BEGIN_NS + second * S + S / 2);
+            let then = world.now(NOW);
             assert_eq!(
                 (then.mono_ns, then.utc_ns),
                 (second * S + S / 2, BEGIN_NS + LATER_NS + second * S + S / 2)

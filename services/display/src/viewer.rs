@@ -1,12 +1,13 @@
 //! State of one page: what it has been shown, and the next picture for it.
 
 use messages::layout::Sample;
-use messages::picture::{PictureHeader, PictureIdentity, PictureTrack, picture_bits};
-use messages::{Identity, TrackState};
+use messages::picture::{PictureHeader, PictureIdentity, PictureSensorTrack, PictureTrack, picture_bits};
+use messages::{Contribution, Identity, TrackState};
 use runtime::Now;
 use rustc_hash::FxHashMap;
 
 use crate::history::Then;
+use crate::reports::Latest;
 use crate::wire::{Filter, Layer, Past, Wish};
 use crate::world::{Heard, World};
 
@@ -62,6 +63,8 @@ struct PastView {
     /// When it asked, monotonic, nanoseconds.
     since_ns: i64,
     then: Then,
+    /// Sensor tracks of that moment.
+    latest: Latest,
 }
 
 /// A state as a picture is made of it.
@@ -117,13 +120,19 @@ impl Viewer {
             };
         }
         if let Some(past) = wish.past {
-            // Stamps of the present and numbers of the past are not to be taken for each other.
-            self.full |= past.is_some() != self.past.is_some();
-            let then = self.past.take().map(|view| view.then).unwrap_or_default();
+            // Stamps of the present and numbers of the past are not to be taken for each other, and a leap through the
+            // past leaves nothing of the moment before.
+            self.full |= past.is_some() || self.past.is_some();
+            let (then, latest) = self
+                .past
+                .take()
+                .map(|view| (view.then, view.latest))
+                .unwrap_or_default();
             self.past = past.map(|asked| PastView {
                 asked,
                 since_ns: now.mono_ns,
                 then,
+                latest,
             });
         }
         // An acknowledgement of an earlier picture says nothing of the one that is on its way.
@@ -153,18 +162,32 @@ impl Viewer {
         self.past.as_ref().map(|past| &past.then)
     }
 
+    /// Latest report of a contributor at the moment of the past that is shown.
+    pub(crate) fn report_then(&self, world: &World, part: &Contribution) -> Option<PictureSensorTrack> {
+        let number = self
+            .past
+            .as_ref()?
+            .latest
+            .reports
+            .get(&(part.source, part.track_number))?;
+        Some(world.reports.get(*number)?.record)
+    }
+
     /// The next picture, all of it that has changed.
     pub(crate) fn picture(&mut self, world: &World, now: Now) -> Vec<u8> {
         let past_ns = self.past_ns(world, now);
         let time_ns = past_ns.unwrap_or_else(|| world.time_ns(now));
         if let Some(past) = &mut self.past {
             world.history.go_to(&mut past.then, time_ns);
+            if self.layers.sensor_tracks.is_some() || !self.selected.is_empty() {
+                world.reports.go_to(&mut past.latest, time_ns);
+            }
         }
         if self.generation != world.generation {
             (self.generation, self.full) = (world.generation, true);
-            self.layers.forget();
         }
         if std::mem::take(&mut self.full) {
+            self.layers.forget();
             self.shown.clear();
             self.named.clear();
             self.sequence = self.sequence.wrapping_add(1);
@@ -248,13 +271,27 @@ impl Viewer {
         blocks.octets(self.sequence, flags)
     }
 
-    /// Adds what has come of the layers that are asked for; of the past, only the system tracks are kept.
+    /// Adds what has come of the layers that are asked for; of the past, only system and sensor tracks are kept.
     fn layers(&mut self, world: &World, blocks: &mut Blocks) {
-        if self.past.is_some() {
-            return;
-        }
         let (view, time_ns) = (self.view, blocks.time_ns);
         let in_view = |east_m, north_m| view.is_none_or(|view| contains(view, east_m, north_m));
+        if let Some(past) = &self.past {
+            if let Some(stamp) = &mut self.layers.sensor_tracks {
+                let mut new: Vec<u64> = past.latest.reports.values().copied().collect();
+                new.retain(|number| *number > *stamp);
+                new.sort_unstable();
+                *stamp = new.last().copied().unwrap_or(*stamp);
+                for report in new.into_iter().filter_map(|number| world.reports.get(number)) {
+                    if in_view(report.record.east_m, report.record.north_m) {
+                        blocks.sensor_tracks.push(PictureSensorTrack {
+                            age_ms: age_ms(time_ns, report.time_ns),
+                            ..report.record
+                        });
+                    }
+                }
+            }
+            return;
+        }
         if let Some(stamp) = &mut self.layers.sensor_tracks {
             let new = world.sensor_tracks.values().filter(|heard| heard.stamp > *stamp);
             for heard in new.filter(|heard| in_view(heard.record.east_m, heard.record.north_m)) {
@@ -349,7 +386,7 @@ struct Blocks {
     removed: Vec<u32>,
     tracks: Vec<PictureTrack>,
     identities: Vec<PictureIdentity>,
-    sensor_tracks: Vec<messages::picture::PictureSensorTrack>,
+    sensor_tracks: Vec<PictureSensorTrack>,
     detections: Vec<messages::picture::PictureDetection>,
     bearings: Vec<messages::picture::PictureBearing>,
     areas: Vec<messages::picture::PictureArea>,

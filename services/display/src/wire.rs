@@ -22,7 +22,8 @@
 //!   `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `limits` {`rate_hz` [2], `select`}
 //! - `selected`: after each picture, while something is selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
-//! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `history` {`from_s`, `to_s`}, `clients`,
+//! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `data_offset_s` (of the newest states from
+//!   the clock, positive: ahead), `history` {`from_s`, `to_s`}, `clients`,
 //!   `skipped`, `sources`, `alarms`, `latency`, `processes`, `system`, see [`crate::status`]
 //! - `refused`: before the server closes: `error`
 //!

@@ -1,8 +1,6 @@
 //! Knowledge that the display has of a deployment. Pure: samples and times go in, pictures and texts are made of it.
 //!
-//! Time in the picture is that of the data: it is where the latest state was, and goes on from there, so that a
-//! recording that is replayed is shown as what was live then. It never goes back, unless another fusion process begins
-//! earlier.
+//! Which time the picture has is in [`crate::clock`].
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -17,10 +15,12 @@ use messages::{
 };
 use runtime::Now;
 use rustc_hash::FxHashMap;
-use telemetry::{HealthBook, Journey, JourneyEnd, Stages};
+use telemetry::{DataOffset, HealthBook, Journey, JourneyEnd, Stages};
 
+use crate::clock::PictureClock;
 use crate::history::History;
 use crate::records::{self, Place};
+use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
 
 /// Most system tracks, sensor tracks, and identities of the past.
@@ -106,7 +106,9 @@ pub(crate) struct World {
     pub(crate) areas: VecDeque<Heard<PictureArea>>,
     pub(crate) decisions: VecDeque<Decision>,
     pub(crate) history: History,
+    pub(crate) reports: Reports,
     pub(crate) history_s: i64,
+    history_octets: usize,
     pub(crate) book: HealthBook,
     pub(crate) stages: Stages,
     pub(crate) alarms: Present,
@@ -115,7 +117,9 @@ pub(crate) struct World {
     fusion: u64,
     /// When fusion last said how it is, monotonic, nanoseconds.
     fusion_said_ns: i64,
-    clock: DataClock,
+    clock: PictureClock,
+    /// Offset of the data from the machine's clock.
+    data_offset: DataOffset,
     clean_up_ns: i64,
 }
 
@@ -145,26 +149,6 @@ impl Rates {
     }
 }
 
-/// Time of the data.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct DataClock {
-    /// Latest time, and when it was, monotonic.
-    latest: Option<(i64, i64)>,
-}
-
-impl DataClock {
-    pub(crate) fn hear(&mut self, time_ns: i64, mono_ns: i64) {
-        if self.at(mono_ns).is_none_or(|running_ns| time_ns > running_ns) {
-            self.latest = Some((time_ns, mono_ns));
-        }
-    }
-
-    pub(crate) fn at(&self, mono_ns: i64) -> Option<i64> {
-        let (time_ns, heard_ns) = self.latest?;
-        Some(time_ns + (mono_ns - heard_ns).max(0))
-    }
-}
-
 impl World {
     /// Nothing is known yet. `history_s` is how far back the past is kept, in at most `history_octets`.
     pub(crate) fn new(instance: &str, sources: Vec<SourceFact>, history_s: i64, history_octets: usize) -> Self {
@@ -186,23 +170,39 @@ impl World {
             bearings: VecDeque::new(),
             areas: VecDeque::new(),
             decisions: VecDeque::new(),
-            history: History::new(history_s * NS_PER_S, history_octets),
+            // A quarter of the memory is for the sensor tracks.
+            history: History::new(history_s * NS_PER_S, history_octets / 4 * 3),
+            reports: Reports::new(history_s * NS_PER_S, LAYER_AGE_S * NS_PER_S, history_octets / 4),
             history_s,
+            history_octets,
             book: HealthBook::new(sources.len()),
             stages: Stages::new(journey),
             alarms: Present::default(),
             rates: Rates::default(),
             fusion: 0,
             fusion_said_ns: i64::MIN,
-            clock: DataClock::default(),
+            clock: PictureClock::of(false),
+            data_offset: DataOffset::default(),
             clean_up_ns: i64::MIN,
             sources,
         }
     }
 
+    /// From now on, the picture has the time of this clock.
+    pub(crate) fn set_clock(&mut self, clock: PictureClock) {
+        self.clock = clock;
+    }
+
+    /// Offset of the data from the clock of the picture, nanoseconds, positive: they are ahead. `None` if that is the
+    /// data's own, or no state came lately.
+    pub(crate) fn data_offset_ns(&self, now: Now) -> Option<i64> {
+        let is_machine = self.recording.is_none() && matches!(self.clock, PictureClock::Machine { .. });
+        is_machine.then(|| self.data_offset.ns(now.mono_ns))?
+    }
+
     /// Time of the picture, UTC, nanoseconds.
     pub(crate) fn time_ns(&self, now: Now) -> i64 {
-        let running_ns = || self.clock.at(now.mono_ns).unwrap_or(now.utc_ns);
+        let running_ns = || self.clock.at(now).unwrap_or(now.utc_ns);
         self.recording
             .as_ref()
             .map_or_else(running_ns, |recording| recording.at_ns)
@@ -223,7 +223,7 @@ impl World {
     /// Forgets everything but what the configuration says.
     pub(crate) fn rewind(&mut self) {
         let sources = std::mem::take(&mut self.sources);
-        let empty = Self::new(&self.instance, sources, self.history_s, self.history.octets_max());
+        let empty = Self::new(&self.instance, sources, self.history_s, self.history_octets);
         *self = Self {
             recording: self.recording.take(),
             generation: self.generation + 1,
@@ -257,11 +257,14 @@ impl World {
                 self.tracks.clear();
             }
             self.fusion = header.incarnation;
-            self.clock = DataClock::default();
+            self.clock.restart();
         }
+        // Whoever publishes is not silent: health messages are rare in a recording that was made in a hurry.
+        self.fusion_said_ns = now.mono_ns;
         for track in tracks {
             self.stages.record(track, now.mono_ns, now.utc_ns);
-            self.clock.hear(track.reference_time_ns, now.mono_ns);
+            self.clock.hear(track.reference_time_ns, now);
+            self.data_offset.take(track.reference_time_ns, now.mono_ns, now.utc_ns);
             self.keep(track, self.time_ns(now));
         }
     }
@@ -309,7 +312,8 @@ impl World {
     }
 
     /// Reports of a source have come.
-    pub(crate) fn hear_sensor_tracks(&mut self, reports: &[SensorTrack]) {
+    pub(crate) fn hear_sensor_tracks(&mut self, reports: &[SensorTrack], now: Now) {
+        let at_ns = self.time_ns(now);
         for report in reports {
             self.stamp += 1;
             let key = (report.source, report.track_number);
@@ -326,6 +330,10 @@ impl World {
                 }
             } else if is_room {
                 self.sensor_tracks.insert(key, heard);
+            }
+            // A recording is its own past.
+            if self.recording.is_none() {
+                self.reports.keep(at_ns, heard.time_ns, heard.record);
             }
         }
     }

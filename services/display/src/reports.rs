@@ -1,0 +1,166 @@
+//! The past of the sensor tracks: every report, as far back as configured and as memory allows.
+//!
+//! A picture of the past shows the sensor tracks, and where contributors of a selected track were, as of its own moment.
+//! Reports are kept in the order in which they came, each with the time that the picture had then. A moment's sensor
+//! tracks are the latest reports before it that are not older than a layer shows them.
+
+use std::collections::VecDeque;
+
+use messages::picture::PictureSensorTrack;
+use rustc_hash::FxHashMap;
+
+/// Report of a sensor track.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Report {
+    /// Time of the picture when it came, UTC, nanoseconds.
+    at_ns: i64,
+    /// Time of measurement, UTC, nanoseconds.
+    pub(crate) time_ns: i64,
+    /// The report; its age says nothing.
+    pub(crate) record: PictureSensorTrack,
+}
+
+/// See the module's documentation.
+#[derive(Debug)]
+pub(crate) struct Reports {
+    span_ns: i64,
+    /// Age at which a sensor track is shown no longer, nanoseconds.
+    age_ns: i64,
+    most: usize,
+    reports: VecDeque<Report>,
+    /// Number of the oldest; numbers begin with 1.
+    first: u64,
+}
+
+/// Sensor tracks at a moment: the number of each one's report, by source and track number.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Latest {
+    pub(crate) reports: FxHashMap<(u16, u32), u64>,
+    /// Number of the first report that came later.
+    next: u64,
+}
+
+impl Reports {
+    /// Nothing yet; it will keep the last `span_ns`, in at most `octets_max`.
+    pub(crate) fn new(span_ns: i64, age_ns: i64, octets_max: usize) -> Self {
+        Self {
+            span_ns,
+            age_ns,
+            most: (octets_max / size_of::<Report>()).max(1),
+            reports: VecDeque::new(),
+            first: 1,
+        }
+    }
+
+    /// Keeps a report, which came when the picture had the time `at_ns`.
+    pub(crate) fn keep(&mut self, at_ns: i64, time_ns: i64, record: PictureSensorTrack) {
+        let newest_ns = self.reports.back().map_or(at_ns, |newest| newest.at_ns);
+        if at_ns < newest_ns - self.age_ns {
+            // Time begins anew.
+            self.first += self.reports.len() as u64;
+            self.reports.clear();
+        }
+        let at_ns = self.reports.back().map_or(at_ns, |newest| newest.at_ns.max(at_ns));
+        self.reports.push_back(Report { at_ns, time_ns, record });
+        let too_old = |oldest: &Report| oldest.at_ns < at_ns - self.span_ns - self.age_ns;
+        while self.reports.len() > self.most || self.reports.front().is_some_and(too_old) {
+            self.reports.pop_front();
+            self.first += 1;
+        }
+    }
+
+    /// Report of this number; `None` if it is forgotten.
+    pub(crate) fn get(&self, number: u64) -> Option<&Report> {
+        self.reports.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
+    }
+
+    /// Brings `latest` to the time `at_ns`.
+    pub(crate) fn go_to(&self, latest: &mut Latest, at_ns: i64) {
+        let before = |ns: i64| self.first + self.reports.partition_point(|report| report.at_ns < ns) as u64;
+        let (begin, end) = (before(at_ns - self.age_ns), before(at_ns.saturating_add(1)));
+        if latest.next > end || latest.next < begin {
+            latest.reports.clear();
+            latest.next = begin;
+        }
+        for number in latest.next..end {
+            let Some(report) = self.get(number) else { break };
+            let key = (report.record.source, report.record.track_number);
+            let known = latest.reports.get(&key).and_then(|known| self.get(*known));
+            if known.is_none_or(|known| known.time_ns <= report.time_ns) {
+                latest.reports.insert(key, number);
+            }
+        }
+        latest.next = end;
+        let oldest_ns = at_ns - self.age_ns;
+        let is_shown = |number: u64| self.get(number).is_some_and(|report| report.time_ns >= oldest_ns);
+        latest.reports.retain(|_, number| is_shown(*number));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use test_support::S;
+
+    use super::*;
+
+    fn record(source: u16, track_number: u32, east_m: f32) -> PictureSensorTrack {
+        PictureSensorTrack {
+            source,
+            track_number,
+            east_m,
+            ..PictureSensorTrack::default()
+        }
+    }
+
+    fn shown(reports: &Reports, latest: &mut Latest, at_s: i64) -> Vec<(u16, f32)> {
+        reports.go_to(latest, at_s * S);
+        let mut shown: Vec<_> = latest
+            .reports
+            .values()
+            .map(|number| reports.get(*number).unwrap().record)
+            .map(|record| (record.source, record.east_m))
+            .collect();
+        shown.sort_by_key(|(source, _)| *source);
+        shown
+    }
+
+    #[test]
+    fn a_moment_has_its_own_reports_whichever_way_one_comes_there() {
+        let mut reports = Reports::new(600 * S, 30 * S, usize::MAX);
+        for second in 0..200 {
+            reports.keep(second * S, second * S - S / 2, record(0, 7, second as f32));
+            if second < 100 {
+                reports.keep(second * S, second * S, record(1, 7, -second as f32));
+            }
+        }
+        let mut latest = Latest::default();
+        for (at_s, expected) in [
+            (50, vec![(0, 50.0), (1, -50.0)]),
+            (52, vec![(0, 52.0), (1, -52.0)]),
+            (120, vec![(0, 120.0), (1, -99.0)]),
+            (135, vec![(0, 135.0)]),
+            (10, vec![(0, 10.0), (1, -10.0)]),
+            (199, vec![(0, 199.0)]),
+            (-5, vec![]),
+        ] {
+            assert_eq!(shown(&reports, &mut latest, at_s), expected, "{at_s} s");
+            assert_eq!(
+                shown(&reports, &mut Latest::default(), at_s),
+                expected,
+                "{at_s} s, anew"
+            );
+        }
+    }
+
+    #[test]
+    fn memory_is_bounded_and_time_may_begin_anew() {
+        let mut reports = Reports::new(600 * S, 30 * S, 100 * size_of::<Report>());
+        for second in 0..500 {
+            reports.keep(second * S, second * S, record(0, second as u32, 0.0));
+        }
+        assert_eq!(reports.reports.len(), 100);
+        assert_eq!(shown(&reports, &mut Latest::default(), 499).len(), 31);
+        reports.keep(0, 0, record(0, 1, 5.0));
+        assert_eq!(shown(&reports, &mut Latest::default(), 0), [(0, 5.0)]);
+    }
+}
