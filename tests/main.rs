@@ -33,6 +33,7 @@ mod captures;
 mod continuity;
 mod deployment;
 mod kills;
+mod levels;
 mod live_asterix;
 mod live_bearings;
 mod live_centres;

@@ -224,6 +224,8 @@ def drive(page, url, folder, demo):
     until(page, "held => koseki.picture.time < held - 5", argument=held)
     page.wait_for_timeout(300)
     past.append(page.evaluate(TRACKS))
+    ringed = page.evaluate("[...koseki.picture.system.values()].filter(({ handOver }) => handOver > 0).length")
+    check(ringed == 0, "a leap through time is no hand-over")
     scrubbed = page.evaluate("koseki.picture.time")
     page.keyboard.press(" ")
     until(page, "then => koseki.picture.time > then + 1", argument=scrubbed)
@@ -237,10 +239,10 @@ def drive(page, url, folder, demo):
     page.keyboard.type("fl>50 sources>1")
     page.keyboard.press("Enter")
     page.wait_for_timeout(500)
-    drawn = page.evaluate("koseki.painter.drawn.map(({ track }) => [track.up, track.sourceCount])")
+    drawn = page.evaluate("koseki.painter.drawn.map(({ track }) => [track.height, track.sourceCount])")
     whole = page.evaluate("koseki.picture.system.size")
     check(
-        0 < len(drawn) < whole and all(up > 50 * 30.48 and n > 1 for up, n in drawn),
+        0 < len(drawn) < whole and all(height > 50 * 30.48 and n > 1 for height, n in drawn),
         f"{len(drawn)} of {whole} tracks pass",
     )
     for key in ["o", "q", "]", "d"]:
