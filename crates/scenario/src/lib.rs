@@ -11,9 +11,10 @@
 //! A sensor process that is restarted in mid-scenario therefore finds the same truth and the same measurements; only
 //! its tracks begin anew, as those of a real sensor would.
 //!
-//! Heights are above the ellipsoid ([`Truth::round`]), so that far from the origin targets are where the curvature of the
-//! earth puts them. Simplifications: paths are drawn in the plane of the system's frame, radars measure the range
-//! already corrected for slant, false targets have their heights above the plane, and no sensor confuses two targets with each other; a radar that delivers plots may see several as one.
+//! Heights are above the ellipsoid ([`Truth::round`]), so that far from the origin targets are where the curvature of
+//! the earth puts them. Simplifications: paths are drawn in the plane of the system's frame, radars measure the range
+//! already corrected for slant, false targets have their heights above the plane, and no sensor confuses two targets
+//! with each other; a radar that delivers plots may see several as one.
 
 #![forbid(unsafe_code)]
 
