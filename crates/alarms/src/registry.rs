@@ -170,7 +170,8 @@ alarms! {
         "Raise `reorder_s` of its `[source.recorded]`, or `wait_s` of its `[source.tracker]`, to what its reports are late by.";
     DataOff = 28, "data-off", Major, raise 5 s, clear 10 s,
         "The newest system tracks are {offset} off the clock of this machine.",
-        "Set this machine's clock, or that of the source that has a `clock-off`. Tracks that are behind without one show          that fusion does not keep up: look at the latencies.";
+        "Set this machine's clock, or that of the source that has a `clock-off`. Tracks that are behind without one show \
+         that fusion does not keep up: look at the latencies.";
     MachineClockOff = 30, "machine-clock-off", Critical, raise 1 s, clear 30 s,
         "This machine's clock is {offset} off: the clocks of {sources} agree with each other, and not with it.",
         "Set this machine's clock (NTP, PTP). Fusion goes on meanwhile, in the time of the sources.";
