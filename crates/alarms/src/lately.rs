@@ -8,6 +8,9 @@ use std::collections::{BTreeMap, VecDeque};
 use crate::registry::AlarmKind;
 use crate::subject::Subject;
 
+/// Counts and when they were noted, monotonic, nanoseconds; the oldest first.
+type Past<const N: usize> = VecDeque<([u64; N], i64)>;
+
 /// Steps in which the while moves on.
 const STEPS: i64 = 60;
 
@@ -15,7 +18,7 @@ const STEPS: i64 = 60;
 #[derive(Clone, Debug)]
 pub struct Lately<const N: usize> {
     while_ns: i64,
-    past: BTreeMap<(AlarmKind, Subject), VecDeque<([u64; N], i64)>>,
+    past: BTreeMap<(AlarmKind, Subject), Past<N>>,
 }
 
 impl<const N: usize> Lately<N> {

@@ -133,11 +133,10 @@ impl Credibility {
                     .filter(|other| distance(other) > CONTRADICTS)
                     .filter(agrees_with_first)
                     .count() as u32;
+                let is_outvoted = united >= 2 || (against == 1 && is_worse(entry.source, first.source));
                 if agreeing + 1 > against {
                     Standing::Holds
-                } else if agreeing == 0 && united >= 2 {
-                    Standing::Contradicted
-                } else if agreeing == 0 && against == 1 && is_worse(entry.source, first.source) {
+                } else if agreeing == 0 && is_outvoted {
                     Standing::Contradicted
                 } else {
                     Standing::Open
