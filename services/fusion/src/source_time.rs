@@ -73,7 +73,12 @@ impl SourceTime {
     /// Its slice states this offset of the source's clock, milliseconds; 0: not known.
     pub(crate) fn state(&mut self, offset_ms: i32) {
         if let Self::Stated { offset_s, .. } = self {
-            *offset_s = (offset_ms != 0).then(|| 1e-3 * f64::from(offset_ms));
+            // A publisher beside the adapter states none: that is no reason to believe it more.
+            *offset_s = if offset_ms == 0 {
+                *offset_s
+            } else {
+                Some(1e-3 * f64::from(offset_ms))
+            };
         }
     }
 
@@ -107,7 +112,10 @@ impl SourceTime {
             Self::Unpaced => return true,
             Self::Stated { .. } => {
                 let known = self.known(clocks.ahead_s);
-                return known.is_none_or(|known| agrees(&known, clocks.host_offset_s));
+                // Adapters mark reports that are farther ahead; a publisher beside the adapter may not.
+                let ahead_s = time_ns.saturating_sub(now.utc_ns) as f64 / messages::NS_PER_S;
+                let is_due = |known: &Known| ahead_s <= known.offset_s + known.step_s;
+                return known.is_none_or(|known| agrees(&known, clocks.host_offset_s) && is_due(&known));
             }
             Self::Received { .. } | Self::Paced { .. } => {}
         }
@@ -186,6 +194,21 @@ mod tests {
         }
         assert!(!time.believes(BEGIN_NS + 250 * S, at(20).mono_ns, at(20), Common::default()));
         assert!(time.clock_offset(0.0).is_some());
+    }
+
+    #[test]
+    fn a_report_far_ahead_beside_an_adapter_is_not_believed() {
+        let mut time = SourceTime::Stated {
+            offset_s: None,
+            step_s: 5.0,
+        };
+        let mut believes = |offset_ms, ahead_s: i64| {
+            time.state(offset_ms);
+            time.believes(at(ahead_s).utc_ns, at(0).mono_ns, at(0), Common::default())
+        };
+        assert!(believes(-200, 0) && believes(-200, 4), "what its adapter lets pass");
+        assert!(!believes(0, 700), "a publisher that states no offset");
+        assert!(believes(0, 0) && believes(0, -60), "old reports change no track");
     }
 
     #[test]
