@@ -2,17 +2,18 @@
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_m` (as it is shown: the transponder's level, else above the ellipsoid), `climb_mps` (rate of the height above
-//! the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`, `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
+//! `height_m` (as it is shown: the transponder's level, else above the ellipsoid), `climb_mps` (rate of the height
+//! above the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`, `on_ground`,
+//! `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
 //! (the 21 elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
 //! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`, each with `source`, `name`,
 //! `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another centre), `origin`
 //! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns`, `position_m` [2] and `height_m`, where the
-//! sensor track was last. Of the past, position and velocity have no up component, and there are no `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and
-//! `decisions`.
+//! sensor track was last. Of the past, position and velocity have no up component, and there are no `level`,
+//! `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and `decisions`.
 //!
-//! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest first;
-//! `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
+//! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest
+//! first; `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{

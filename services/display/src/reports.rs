@@ -1,8 +1,8 @@
 //! The past of the sensor tracks: every report, as far back as configured and as memory allows.
 //!
-//! A picture of the past shows the sensor tracks, and where contributors of a selected track were, as of its own moment.
-//! Reports are kept in the order in which they came, each with the time that the picture had then. A moment's sensor
-//! tracks are the latest reports before it that are not older than a layer shows them.
+//! A picture of the past shows the sensor tracks, and where contributors of a selected track were, as of its own
+//! moment. Reports are kept in the order in which they came, each with the time that the picture had then. A moment's
+//! sensor tracks are the latest reports before it that are not older than a layer shows them.
 
 use std::collections::VecDeque;
 
