@@ -60,6 +60,22 @@ fn a_leader_that_stands_still_before_anybody_has_seen_it_is_replaced_too() {
 }
 
 #[test]
+fn a_fusion_that_dies_again_and_again_is_restarted_without_a_pause() {
+    const TIMES: usize = 6;
+    let home = Home::new();
+    let demo = home.demo();
+    for restart in 1..=TIMES {
+        kill(home.status_row("fusion").pid, Signal::KILL);
+        demo.until_said(&format!("fusion restarted ({restart}), back after "));
+    }
+    let (status, said) = demo.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let at_once = "fusion was killed by SIGKILL; restarting it in 0.0 s";
+    assert_eq!(said.matches(at_once).count(), TIMES, "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
 fn numbers_are_not_given_again_after_the_machines_death() {
     let home = Home::new();
     let folder = format!("checkpoint.folder=\"{}\"", home.path("disk").display());

@@ -459,14 +459,14 @@ fn a_condition_is_ordered_while_running_and_a_slip_of_the_pen_is_refused() {
 fn killed_children_are_restarted_and_counted() {
     let home = Home::new();
     let demo = home.demo();
-    for (name, title) in [
-        ("radar-west", "adapter radar-west"),
-        ("fusion", "fusion"),
-        ("monitor", "monitor"),
+    for (name, title, pause) in [
+        ("radar-west", "adapter radar-west", "0.1"),
+        ("fusion", "fusion", "0.0"),
+        ("monitor", "monitor", "0.1"),
     ] {
         let before = home.status_row(name);
         kill(before.pid, Signal::KILL);
-        demo.until_said(&format!("{title} was killed by SIGKILL; restarting it in 0.1 s"));
+        demo.until_said(&format!("{title} was killed by SIGKILL; restarting it in {pause} s"));
         demo.until_said(&format!("{title} restarted (1), back after "));
         let after = home.status_row(name);
         assert_ne!(after.pid, before.pid);

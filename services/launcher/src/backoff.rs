@@ -4,6 +4,9 @@
 //! would then be started hundreds of times a second. So the pause doubles with each end, up to a limit, and is
 //! forgotten once a child has lived for a while. There is no end to it: a port that another program holds may be given
 //! back tomorrow, and until then the others do their work.
+//!
+//! Fusion is different: its tracks end when it is away for longer than they may be old. So the pause of fusion has a
+//! limit of its own, and a fusion that had come up is started again at once while no other one can lead.
 
 use std::time::Duration;
 
@@ -18,14 +21,22 @@ const WELL: Duration = Duration::from_secs(10);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Backoff {
     pause: Duration,
+    longest: Duration,
     failures: u32,
 }
 
 impl Backoff {
     /// Nothing has happened yet.
     pub(crate) fn new() -> Self {
+        Self::with_longest(LONGEST_PAUSE)
+    }
+
+    /// The same, with no pause longer than `longest`.
+    pub(crate) fn with_longest(longest: Duration) -> Self {
+        let longest = longest.min(LONGEST_PAUSE);
         Self {
-            pause: FIRST_PAUSE,
+            pause: FIRST_PAUSE.min(longest),
+            longest,
             failures: 0,
         }
     }
@@ -38,11 +49,11 @@ impl Backoff {
     /// The child has ended after having lived so long. Returns the pause before its next start.
     pub(crate) fn ended(&mut self, lived: Duration, came_up: bool) -> Duration {
         if came_up && lived >= WELL {
-            *self = Self::new();
+            *self = Self::with_longest(self.longest);
         }
         self.failures += 1;
         let pause = self.pause;
-        self.pause = (2 * pause).min(LONGEST_PAUSE);
+        self.pause = (2 * pause).min(self.longest);
         pause
     }
 }
@@ -65,5 +76,15 @@ mod tests {
         assert_eq!(backoff.ended(WELL, false), LONGEST_PAUSE, "it lived, but never came up");
         assert_eq!((backoff.ended(WELL, true), backoff.failures()), (FIRST_PAUSE, 1));
         assert_eq!(backoff.ended(ms(9999), true), ms(200));
+    }
+
+    #[test]
+    fn no_pause_is_longer_than_its_limit() {
+        let mut backoff = Backoff::with_longest(ms(250));
+        let pauses: Vec<Duration> = (0..5).map(|_| backoff.ended(ms(10), true)).collect();
+        assert_eq!(pauses, [ms(100), ms(200), ms(250), ms(250), ms(250)]);
+        assert_eq!(backoff.ended(WELL, true), FIRST_PAUSE);
+        assert_eq!(backoff.ended(ms(10), true), ms(200));
+        assert_eq!(Backoff::with_longest(ms(5)).ended(ms(0), false), ms(5));
     }
 }

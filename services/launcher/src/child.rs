@@ -57,7 +57,12 @@ enum State {
         condemned: bool,
     },
     /// It has ended, and will be started again.
-    Waiting { ended: Instant, until: Instant },
+    Waiting {
+        ended: Instant,
+        until: Instant,
+        /// Whether the process that ended had come up.
+        had_come_up: bool,
+    },
     /// It has ended for good.
     Ended,
 }
@@ -76,11 +81,12 @@ pub(crate) enum Sequel {
 }
 
 impl Child {
-    pub(crate) fn new(part: Part) -> Self {
+    /// Child that was not started yet, and is to be restarted after pauses by `backoff`.
+    pub(crate) fn new(part: Part, backoff: Backoff) -> Self {
         Self {
             part,
             state: State::Unborn { gap_since: None },
-            backoff: Backoff::new(),
+            backoff,
             restarts: 0,
             was_up: false,
             last_end: None,
@@ -160,6 +166,22 @@ impl Child {
         match self.state {
             State::Waiting { until, .. } => Some(until),
             _ => None,
+        }
+    }
+
+    /// Ends the pause before its next start, if its process had come up. Returns whether there was a pause to end.
+    pub(crate) fn hasten(&mut self, now: Instant) -> bool {
+        match &mut self.state {
+            State::Waiting {
+                until,
+                had_come_up: true,
+                ..
+            } => {
+                let is_hastened = *until > now;
+                *until = now.min(*until);
+                is_hastened
+            }
+            _ => false,
         }
     }
 
@@ -301,6 +323,7 @@ impl Child {
         self.state = State::Waiting {
             ended: now,
             until: now + pause,
+            had_come_up: came_up,
         };
         Sequel::RestartIn(pause)
     }
@@ -382,12 +405,13 @@ mod tests {
     use messages::NO_SOURCE;
 
     fn child_of(kind: ProcessKind, required: bool) -> Child {
-        Child::new(Part {
+        let part = Part {
             kind,
             name: kind.word().to_owned(),
             source: NO_SOURCE,
             required,
-        })
+        };
+        Child::new(part, Backoff::new())
     }
 
     fn child() -> Child {
@@ -455,6 +479,26 @@ mod tests {
         );
         child.kill();
         assert!(child.pid().is_none() && child.restart_due().is_none());
+    }
+
+    #[test]
+    fn only_the_pause_of_one_that_had_come_up_can_be_ended() {
+        for comes_up in [false, true] {
+            let mut child = child();
+            child.start(&mut shell("kill -STOP $$"), None);
+            if comes_up {
+                child.hear(said(LifeState::Running, 1), Instant::now());
+            }
+            let State::Alive { process, .. } = &child.state else {
+                panic!("it has a process");
+            };
+            signal(process, Signal::KILL);
+            assert!(matches!(until_ended(&mut child), Sequel::RestartIn(_)));
+            let now = child.restart_due().unwrap() - Duration::from_nanos(1);
+            assert_eq!(child.hasten(now), comes_up);
+            assert_eq!(child.restart_due().unwrap() <= now, comes_up);
+            assert!(!child.hasten(now), "there is no pause left, or none that may be ended");
+        }
     }
 
     #[test]

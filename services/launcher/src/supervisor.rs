@@ -36,6 +36,9 @@ const TICK: Duration = Duration::from_millis(50);
 /// Time between two words to the keeper without a reason.
 const TELL_PERIOD: Duration = Duration::from_millis(200);
 
+/// The longest pause of fusion is this part of `checkpoint.max_age_s`.
+const PAUSES_PER_AGE: u32 = 5;
+
 /// A child refuses its configuration or how it was called: exit code 2, here as there.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{child} refuses its configuration (exit code 2), for the reason it has given above")]
@@ -120,7 +123,13 @@ impl<'a> Supervisor<'a> {
             orders,
             instance,
             executable: std::env::current_exe().context("finding the executable")?,
-            children: parts(config).into_iter().map(Child::new).collect(),
+            children: parts(config)
+                .into_iter()
+                .map(|part| {
+                    let backoff = backoff(&part, config);
+                    Child::new(part, backoff)
+                })
+                .collect(),
             keeper: None,
             stop,
             wake,
@@ -367,7 +376,11 @@ impl<'a> Supervisor<'a> {
                 anyhow::bail!("{title} {end} near the end of the recordings: what it had still to do is missing")
             }
             Sequel::RestartIn(pause) => {
-                let pause = pause.as_secs_f64();
+                let pause = if self.hasten_fusion(now, index) {
+                    0.0
+                } else {
+                    pause.as_secs_f64()
+                };
                 say(&format!("{title} {end}; restarting it in {pause:.1} s"));
                 self.suspect(index, now);
                 self.hand_over(index);
@@ -382,6 +395,20 @@ impl<'a> Supervisor<'a> {
                 anyhow::bail!("{title} failed {times} at its start; the last time it {end}. What it said is above")
             }
         }
+    }
+
+    /// Ends the pauses of fusion processes where none is up that could lead: tracks end when none leads for long.
+    /// Returns whether the pause of the child at `index` is among them.
+    fn hasten_fusion(&mut self, now: Instant, index: usize) -> bool {
+        let is_fusion = |child: &Child| child.part().kind == ProcessKind::Fusion;
+        if self.children.iter().any(|child| is_fusion(child) && child.is_up()) {
+            return false;
+        }
+        let mut is_hastened = false;
+        for (place, child) in self.children.iter_mut().enumerate() {
+            is_hastened |= is_fusion(child) && child.hasten(now) && place == index;
+        }
+        is_hastened
     }
 
     /// Where the fusion that leads has ended, the one that stood by leads from now on, and the successor stands by.
@@ -595,6 +622,16 @@ impl<'a> Supervisor<'a> {
                 child.part().title()
             ));
         }
+    }
+}
+
+/// Pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks end.
+fn backoff(part: &Part, config: &Config) -> Backoff {
+    match (part.kind, config.fusion.checkpoint) {
+        (ProcessKind::Fusion, Some(checkpoint)) => {
+            Backoff::with_longest(Duration::from_nanos(checkpoint.max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
+        }
+        _ => Backoff::new(),
     }
 }
 
