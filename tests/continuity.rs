@@ -76,6 +76,44 @@ fn a_fusion_that_dies_again_and_again_is_restarted_without_a_pause() {
 }
 
 #[test]
+fn the_core_of_fusion_belongs_to_whoever_leads() {
+    if runtime::cores::available().len() < 2 {
+        println!("skipped: it takes two cores");
+        return;
+    }
+    let home = Home::new();
+    let cores = [
+        "fusion.standby=true",
+        "fusion.core=0",
+        "fusion.standby_core=1",
+        "fusion.required=true",
+    ];
+    let demo = home.demo_with(&cores.iter().flat_map(|each| ["--set", *each]).collect::<Vec<_>>());
+    let runs_on = |pid: u32| {
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+        let cores = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed_list:"));
+        cores.map(|cores| cores.trim().to_owned())
+    };
+    let mut before = None;
+    for _ in 0..3 {
+        let mut leader = 0;
+        until("leader and standby run on their cores", || {
+            let standby = home.status_row("standby");
+            leader = leading_fusion(&home.root("demo")).unwrap_or(0);
+            Some(leader) != before
+                && standby.pid != leader
+                && runs_on(leader).as_deref() == Some("0")
+                && runs_on(standby.pid).as_deref() == Some("1")
+        });
+        before = Some(leader);
+        kill(leader, Signal::KILL);
+    }
+    let (status, said) = demo.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    home.assert_nothing_is_left("demo");
+}
+
+#[test]
 fn numbers_are_not_given_again_after_the_machines_death() {
     let home = Home::new();
     let folder = format!("checkpoint.folder=\"{}\"", home.path("disk").display());

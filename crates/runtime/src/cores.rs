@@ -57,12 +57,9 @@ pub fn available() -> Vec<usize> {
 pub fn take_place(placement: Placement) -> Vec<String> {
     let mut refused = Vec::new();
     if let Some(core) = placement.core
-        && !core_affinity::set_for_current(core_affinity::CoreId { id: core })
+        && let Err(reason) = pin_to(core)
     {
-        refused.push(format!(
-            "core {core} cannot be taken: the machine has cores {:?}, of which its cpuset or container may grant fewer",
-            online()
-        ));
+        refused.push(reason);
     }
     if let Some(priority) = placement.realtime_priority
         && let Err(reason) = become_fifo(priority)
@@ -80,6 +77,32 @@ pub fn take_place(placement: Placement) -> Vec<String> {
         }
     }
     refused
+}
+
+/// Has the calling thread run on `core` alone.
+///
+/// # Errors
+/// One sentence, if the machine refuses.
+pub fn pin_to(core: usize) -> Result<(), String> {
+    let is_pinned = core_affinity::set_for_current(core_affinity::CoreId { id: core });
+    is_pinned.then_some(()).ok_or_else(|| {
+        format!(
+            "core {core} cannot be taken: the machine has cores {:?}, of which its cpuset or container may grant fewer",
+            online()
+        )
+    })
+}
+
+/// Lets the calling thread run on every core that is switched on.
+///
+/// # Errors
+/// One sentence, if the machine refuses.
+pub fn unpin() -> Result<(), String> {
+    let mut all = CpuSet::new();
+    for core in online().into_iter().filter(|core| *core < CpuSet::MAX_CPU) {
+        all.set(core);
+    }
+    sched_setaffinity(None, &all).map_err(|error| format!("the core cannot be left: {error}"))
 }
 
 /// Keeps the calling thread off `core`, if there is any other. Best effort: where the machine refuses, it stays.

@@ -28,6 +28,7 @@ use std::sync::Arc;
 
 use bus::WaitMode;
 use configuration::Process;
+use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
 
@@ -52,14 +53,18 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     // The process as a whole, and each source.
     let entries_max = 1 + config.sources.len();
     let standby = config.standby();
-    let mut lock = standby.map(|_| LeadLock::open(process)).transpose()?;
-    let placement = match standby.zip(lock.as_mut()) {
-        Some((standby, lock)) => lock.placement(process, standby),
+    let lock = standby.map(|_| LeadLock::open(process)).transpose()?;
+    // With a standby, each fusion stands by at first: `fusion.core` belongs to the one that leads.
+    let placement = match standby {
+        Some(standby) => Placement {
+            core: standby.core,
+            ..fusion.placement
+        },
         None => fusion.placement,
     };
     // Before this thread takes its place: threads inherit core and priority.
-    let housekeeper = Housekeeper::start(process, placement.core, entries_max, Arc::clone(&queues))?;
-    let mut part = Part::new(process, placement, lock, queues, Now::read())?;
+    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
+    let mut part = Part::new(process, lock, queues, Now::read())?;
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

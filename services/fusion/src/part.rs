@@ -6,7 +6,7 @@ use std::time::Duration;
 use bus::SharedMemory;
 use configuration::Process;
 use messages::ProcessKind;
-use runtime::cores::Placement;
+use runtime::cores;
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
@@ -19,7 +19,6 @@ use crate::standby::{self, Lead, LeadLock, Standby};
 pub(crate) struct Part<'a> {
     process: &'a Process,
     queues: Arc<Queues>,
-    placement: Placement,
     state: State,
 }
 
@@ -42,17 +41,16 @@ impl<'a> Part<'a> {
     /// If a setting cannot work, or a topic cannot be opened.
     pub(crate) fn new(
         process: &'a Process,
-        placement: Placement,
         lock: Option<LeadLock>,
         queues: Arc<Queues>,
         now: Now,
     ) -> anyhow::Result<Self> {
         let (config, speed) = (&process.config, process.options.speed);
-        let ready = Ready::new(config, speed, placement.core, &process.bus, process.incarnation)?;
+        let core = config.fusion.placement.core;
+        let ready = Ready::new(config, speed, core, &process.bus, process.incarnation)?;
         let mut part = Self {
             process,
             queues,
-            placement,
             state: State::Changes,
         };
         match config.standby().zip(lock) {
@@ -92,14 +90,34 @@ impl<'a> Part<'a> {
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
         }
-        if let Some(lead) = &lead {
-            lead.say_core(self.placement.core)?;
+        if lead.is_some() {
+            self.take_core(take_over)?;
             self.call(ProcessKind::Fusion.word());
         }
         self.state = State::Leads {
             agent: Box::new(agent),
             _lead: lead,
         };
+        Ok(())
+    }
+}
+
+impl Part<'_> {
+    /// Moves from the core of the fusion that stands by to that of the one that leads.
+    ///
+    /// # Errors
+    /// If the core is required and refused. A fusion that takes over goes on without it.
+    fn take_core(&self, take_over: TakeOver) -> anyhow::Result<()> {
+        let fusion = &self.process.config.fusion;
+        let refused = match (fusion.placement.core, fusion.standby.and_then(|standby| standby.core)) {
+            (Some(core), _) => cores::pin_to(core),
+            (None, Some(_)) => cores::unpin(),
+            (None, None) => Ok(()),
+        };
+        if let Err(reason) = refused {
+            anyhow::ensure!(!fusion.required || take_over.from_another, "{reason}");
+            eprintln!("warning: {reason}; going on without");
+        }
         Ok(())
     }
 }

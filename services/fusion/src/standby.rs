@@ -23,8 +23,6 @@
 //! it ran itself: a look that comes late counts as one pause.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::Read as _;
-use std::os::unix::fs::FileExt as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -34,7 +32,6 @@ use fusion::checkpoint::{Clock, Layout, clock_of, position_of};
 use messages::Control;
 use runtime::Now;
 use runtime::clock::mono_ns;
-use runtime::cores::Placement;
 use runtime::housekeeping::Queues;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -55,13 +52,15 @@ const TAKEN_NS: i64 = 1_000_000_000;
 /// Name of the process that stands by.
 pub(crate) const NAME: &str = "standby";
 
-/// The lock that the one who leads holds. It also says on which core that one runs.
+/// Lock that the fusion that leads holds.
 #[derive(Debug)]
 pub(crate) struct LeadLock(File);
 
 /// The right to lead, of which the system makes sure that one process at a time has it.
 #[derive(Debug)]
-pub(crate) struct Lead(File);
+pub(crate) struct Lead {
+    _lock: File,
+}
 
 impl LeadLock {
     /// The lock of the process's instance.
@@ -73,37 +72,6 @@ impl LeadLock {
         let mut options = OpenOptions::new();
         let opened = options.read(true).write(true).create(true).truncate(false).open(&path);
         Ok(Self(opened.with_context(|| format!("opening {}", path.display()))?))
-    }
-
-    /// Placement of this process: on the core that the one who leads leaves free.
-    pub(crate) fn placement(&mut self, process: &Process, settings: Settings) -> Placement {
-        let first = process.config.fusion.placement;
-        let second = Placement {
-            core: settings.core,
-            ..first
-        };
-        let mut text = String::new();
-        let leads_on = match self.0.try_lock() {
-            Ok(()) => self.0.unlock().err().map(|_| None),
-            Err(_) => self.0.read_to_string(&mut text).ok().map(|_| text.trim().parse().ok()),
-        };
-        let is_second = match leads_on {
-            Some(core) => core == first.core,
-            None => process.name == NAME,
-        };
-        if is_second { second } else { first }
-    }
-}
-
-impl Lead {
-    /// Says on which core the one who leads runs.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(crate) fn say_core(&self, core: Option<usize>) -> std::io::Result<()> {
-        let text = core.map_or_else(String::new, |core| core.to_string());
-        self.0.set_len(0)?;
-        self.0.write_all_at(text.as_bytes(), 0)
     }
 }
 
@@ -211,7 +179,10 @@ impl Standby {
                     from_another: self.has_followed,
                     stood_still: self.killed,
                 };
-                return Ok(Some((Lead(lock.try_clone()?), how)));
+                let lead = Lead {
+                    _lock: lock.try_clone()?,
+                };
+                return Ok(Some((lead, how)));
             }
             Err(TryLockError::WouldBlock) => self.follow(process, now)?,
             Err(TryLockError::Error(error)) => return Err(error.into()),
