@@ -106,7 +106,8 @@ impl Root {
         folder_itself.map_err(io_error("write", folder))
     }
 
-    /// Publishes what was copied to `folder`, but for what is there still; how many of them.
+    /// Publishes what was copied to `folder`, but for what is there still; how many of them. In the place of a copy that
+    /// is empty or cannot be read, one blank word is published.
     ///
     /// # Errors
     /// If there is no memory for it.
@@ -123,12 +124,12 @@ impl Root {
                 continue;
             }
             let path = entry.path();
-            let octets = fs::read(&path).map_err(io_error("read", &path))?;
+            // One that is empty or cannot be read becomes a blank word, which every reader refuses: that there was a
+            // copy matters to a successor, also where its contents are lost.
+            let octets = fs::read(&path).unwrap_or_default();
             let words = octets.as_chunks::<{ size_of::<u64>() }>().0;
-            if words.is_empty() {
-                continue;
-            }
-            let memory = self.make_outlasting_as(&format!("{name}.{:08x}{REVIVED}", random()), name, words.len())?;
+            let count = words.len().max(1);
+            let memory = self.make_outlasting_as(&format!("{name}.{:08x}{REVIVED}", random()), name, count)?;
             for (to, word) in memory.words().iter().zip(words) {
                 to.store(u64::from_ne_bytes(*word), Ordering::Relaxed);
             }
@@ -321,5 +322,22 @@ mod tests {
         root.remove_outlasting();
         root.remove_copies(&folder);
         assert_eq!(root.revive_outlasting(&folder).unwrap(), 0);
+    }
+
+    #[test]
+    fn a_copy_that_is_empty_or_unreadable_is_revived_as_a_blank_word() {
+        let base = tempfile::tempdir().unwrap();
+        let folder = base.path().join("disk");
+        let root = Root::in_base(base.path(), "spoilt").unwrap();
+        fs::create_dir_all(folder.join("spoilt.folder")).unwrap();
+        fs::write(folder.join("spoilt.empty"), []).unwrap();
+        fs::write(folder.join("spoilt.short"), [1; 5]).unwrap();
+        assert_eq!(root.revive_outlasting(&folder).unwrap(), 3);
+        for name in ["folder", "empty", "short"] {
+            let revived = root.outlasting(name).unwrap().unwrap();
+            let words: Vec<u64> = revived.words().iter().map(|word| word.load(Relaxed)).collect();
+            assert_eq!((words, revived.is_revived()), (vec![0], true), "{name}");
+        }
+        root.remove_outlasting();
     }
 }

@@ -342,11 +342,6 @@ impl Snapshot {
         self.all(Kind::Clock).map(|(_, clock)| clock).next()
     }
 
-    /// A number that no track has been given yet, nor any after it.
-    pub fn reserved(&self) -> u32 {
-        self.all(Kind::Numbers).map(|(_, number)| number).next().unwrap_or(1)
-    }
-
     /// How far each source's reports had been worked off, by source number.
     pub fn positions(&self) -> impl Iterator<Item = (u16, Position)> {
         self.all(Kind::Positions)

@@ -46,6 +46,7 @@ mod merger;
 mod message;
 mod motion;
 mod number_hasher;
+pub mod numbering;
 mod outlet;
 mod places;
 mod publishing;

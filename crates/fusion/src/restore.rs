@@ -13,6 +13,7 @@ use crate::existence::Tally;
 use crate::explanation::Sink;
 use crate::life;
 use crate::manoeuvres::{CLASSES, Class};
+use crate::numbering;
 use crate::registration::{KeptErrors, Pair};
 use crate::source_model::SourceModel;
 use crate::system_tracks::{KeptTrack, SystemSlot};
@@ -112,7 +113,7 @@ impl Engine {
             .collect();
         self.tracks.remember(members);
         let reserved = snapshot.all::<u32>(Kind::Numbers).map(|(_, number)| number).next();
-        let least = numbers.last().map_or(1, |(number, _)| number + 1);
+        let least = numbers.last().map_or(1, |(number, _)| numbering::following(*number));
         self.start_numbers_at(reserved.unwrap_or(least));
     }
 

@@ -13,6 +13,7 @@ use crate::border::Ownership;
 use crate::description::Description;
 use crate::filter::{Filter, KeptFilter};
 use crate::number_hasher::{NumberHasher, table};
+use crate::numbering;
 use crate::places::{self, Place};
 use crate::quota::Quota;
 use crate::rules::Memory;
@@ -265,7 +266,7 @@ impl SystemTracks {
         let number = self.next_number;
         let entry = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
         let slot = self.take_in(entry, deadline_ns)?;
-        self.next_number = self.next_number.checked_add(1).unwrap_or(1);
+        self.next_number = numbering::following(self.next_number);
         Some(slot)
     }
 

@@ -11,6 +11,7 @@ use crate::dependence::Dependence;
 use crate::filter::Filter;
 use crate::lifetimes::Lifetimes;
 use crate::number_hasher::{NumberHasher, table};
+use crate::numbering;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
@@ -32,8 +33,6 @@ pub(crate) struct Tracks {
 /// Time between two states of a system track that are kept, nanoseconds, and states of which one is.
 const KEPT_EVERY_NS: i64 = 100_000_000;
 const KEPT_EVERY: u8 = 2;
-/// Numbers of system tracks that are reserved at a time.
-const NUMBERS: u32 = 256;
 
 kept! {
     /// A sensor track's membership, as a checkpoint keeps it.
@@ -134,15 +133,15 @@ impl Tracks {
     pub(crate) fn reserve_numbers(&mut self) {
         let next = self.systems.next_number();
         if let Some(checkpoint) = &mut self.checkpoint
-            && next.is_multiple_of(NUMBERS)
+            && next.is_multiple_of(numbering::BLOCK)
         {
-            checkpoint.write(Kind::Numbers, 0, &reserved(next));
+            checkpoint.write(Kind::Numbers, 0, &numbering::reserved(next));
         }
     }
 
     /// Begins to keep what there is in `checkpoint`.
     pub(crate) fn keep_in(&mut self, mut checkpoint: Checkpoint) {
-        checkpoint.write(Kind::Numbers, 0, &reserved(self.systems.next_number()));
+        checkpoint.write(Kind::Numbers, 0, &numbering::reserved(self.systems.next_number()));
         for ((source, track_number), (_, system_track, place)) in &self.remembered {
             let member = Member {
                 source: *source,
@@ -379,9 +378,4 @@ impl Tracks {
             ..Decision::default()
         }
     }
-}
-
-/// The first number that is not reserved when `next` comes next: the end of the block after its own.
-fn reserved(next: u32) -> u32 {
-    (next / NUMBERS + 2).wrapping_mul(NUMBERS)
 }

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use bus::{Root, Transport};
 use configuration::{Checkpoint, Process};
 use fusion::checkpoint::{Clock, Layout, Snapshot};
+use fusion::numbering::anew;
 use fusion::{Engine, Sink};
 use runtime::Now;
 use runtime::clock::mono_ns;
@@ -28,11 +29,6 @@ const NOTE_NS: i64 = 1_000_000;
 const ROUND_NS: i64 = 5_000_000_000;
 /// Most records of what was learned that are written in a turn.
 const RECORDS_PER_TURN: usize = 64;
-/// Numbers a second, and seconds, over which numbering begins anew where nobody knows which were given.
-const NUMBERS_PER_S: u32 = 49_710;
-const DAY_S: i64 = 86_400;
-/// Numbers that are passed over where some may have been given after the copy was made that is gone on from.
-const PASSED_OVER: u32 = 100_000;
 
 /// How the lead was come by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -137,9 +133,8 @@ impl Start {
                 order.restored();
                 engine.resume(snapshot, *ends, sink);
                 if *is_revived {
-                    let number = snapshot.reserved().saturating_add(PASSED_OVER);
-                    order.numbers(number);
-                    engine.start_numbers_at(number);
+                    // How many were given after the copy was made, nobody knows.
+                    begin_anew(engine, order, now);
                 }
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
@@ -147,12 +142,7 @@ impl Start {
                     }
                 }
             }
-            Found::Refused => {
-                let second = now.utc_ns.div_euclid(1_000_000_000).rem_euclid(DAY_S) as u32;
-                let number = second * NUMBERS_PER_S + 1;
-                order.numbers(number);
-                engine.start_numbers_at(number);
-            }
+            Found::Refused => begin_anew(engine, order, now),
         }
         let mut keeping = Keeping::new(self.epoch, now);
         keeping.clock.ahead_ns = self.clocks().0;
@@ -173,6 +163,13 @@ impl Start {
             }
         }
     }
+}
+
+/// Begins numbering anew, since nobody knows which numbers were given.
+fn begin_anew(engine: &mut Engine, order: &mut OrderOfWork, now: Now) {
+    let number = anew(now.utc_ns);
+    order.numbers(number);
+    engine.start_numbers_at(number);
 }
 
 fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
