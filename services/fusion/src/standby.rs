@@ -47,6 +47,8 @@ pub(crate) const LOOK: Duration = Duration::from_millis(5);
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that is to stand by at its start leaves the lead to another.
 const COURTESY: Duration = Duration::from_secs(3);
+/// A leader that has just begun may stand still for so long: it has its tables to fill, beside all others that start.
+const BEGINS: Duration = Duration::from_secs(1);
 /// Time in which a leader has taken what was sent to it, nanoseconds: far longer than it takes.
 const TAKEN_NS: i64 = 1_000_000_000;
 /// Name of the process that stands by.
@@ -101,6 +103,8 @@ struct Leader {
     memory: Outlasting,
     clock: Clock,
     process: OwnedFd,
+    /// Monotonic time at which it was first seen to lead, nanoseconds.
+    since_ns: i64,
 }
 
 impl Leader {
@@ -210,7 +214,9 @@ impl Standby {
             false => 0,
         };
         leader.clock = clock;
-        if self.still_ns >= self.settings.takeover_ns && !self.killed {
+        let begins = now.mono_ns.saturating_sub(leader.since_ns) < COURTESY.as_nanos() as i64;
+        let least_ns = if begins { BEGINS.as_nanos() as i64 } else { 0 };
+        if self.still_ns >= self.settings.takeover_ns.max(least_ns) && !self.killed {
             self.killed = true;
             // It fails only if the process has ended, which is what is wanted.
             let _ = pidfd_send_signal(&leader.process, Signal::KILL);
@@ -239,7 +245,12 @@ impl Standby {
         };
         let leads = || leading_fusion(process.bus.root()) == Some(clock.process_id);
         if let Some(process) = opened.filter(|_| lives(&memory) || leads()) {
-            self.leader = Some(Leader { memory, clock, process });
+            self.leader = Some(Leader {
+                memory,
+                clock,
+                process,
+                since_ns: mono_ns(),
+            });
             (self.still_ns, self.has_followed, self.killed) = (0, true, false);
         }
     }
