@@ -106,8 +106,8 @@ impl Root {
         folder_itself.map_err(io_error("write", folder))
     }
 
-    /// Publishes what was copied to `folder`, but for what is there still; how many of them. In the place of a copy that
-    /// is empty or cannot be read, one blank word is published.
+    /// Publishes what was copied to `folder`, but for what is there still; how many of them. In the place of a copy
+    /// that is empty or cannot be read, one blank word is published.
     ///
     /// # Errors
     /// If there is no memory for it.

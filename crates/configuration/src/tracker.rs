@@ -67,8 +67,8 @@ impl Tracking {
     }
 }
 
-/// The tracker of the source numbered `number`, which looks around once in `period_s`, if that is configured. Its links are found when all
-/// sources and sensors are known.
+/// The tracker of the source numbered `number`, which looks around once in `period_s`, if that is configured. Its links
+/// are found when all sources and sensors are known.
 pub(crate) fn source_tracker(
     table: &SourceTrackerTable,
     number: u16,

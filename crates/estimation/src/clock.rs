@@ -2,9 +2,9 @@
 //!
 //! Each report claims a time of measurement. Received, it is a little older than it says: the time it took to measure,
 //! work out and send. A clock that is wrong shows as an offset beyond that. A small steady one is no harm, and can be
-//! corrected. The time of a report is not to be believed where the clock jumps, or where it lies far from the clock that
-//! the caller compares it with. Whether that clock is right is not decided here: a steady offset that several sources
-//! share is the receiver's own.
+//! corrected. The time of a report is not to be believed where the clock jumps, or where it lies far from the clock
+//! that the caller compares it with. Whether that clock is right is not decided here: a steady offset that several
+//! sources share is the receiver's own.
 //!
 //! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
 //! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
@@ -54,8 +54,8 @@ impl SourceClock {
 
     /// Whether the time of a report may be believed that claims to be of `time_ns` and was received at `received_ns`,
     /// both UTC in nanoseconds, whatever they are. With `common_s`, the offset (seconds) that sound clocks have against
-    /// times of receipt, it may not be farther from that than the greatest distance. Without `common_s` only jumps count,
-    /// and, until the offset is known, that distance from the time of receipt.
+    /// times of receipt, it may not be farther from that than the greatest distance. Without `common_s` only jumps
+    /// count, and, until the offset is known, that distance from the time of receipt.
     pub fn believes(&mut self, time_ns: i64, received_ns: i64, common_s: Option<f64>) -> bool {
         let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
         let is_known = self.reports >= AGREEING;

@@ -12,8 +12,8 @@
 //! second collection, of another part, has shown it again, and it explains much more than no error does.
 //!
 //! Two sources show that one of them is off, not which. A third one that agrees with one of them does, or a reference
-//! source; addresses do where the error needs a place that only one of them has; and the times of receipt do where it is
-//! one of time.
+//! source; addresses do where the error needs a place that only one of them has; and the times of receipt do where it
+//! is one of time.
 //!
 //! Limits: targets that hardly move say too little; errors beyond [`LIMIT`], or two kinds at once, are not found.
 //!

@@ -6,9 +6,9 @@
 //! others see the same targets. Of three sources on one target, of which two agree and the third contradicts both, the
 //! third is wrong. Of two, the one whose clock is off by the times of receipt is.
 //!
-//! So each report is compared with what the others last reported of its target, where it is far from the track. A report
-//! that is contradicted is not used. Each source's share of contradicted reports is followed; a source of which most
-//! are is *set aside*: it contributes to no track to which others do, until its reports agree again. A track whose
+//! So each report is compared with what the others last reported of its target, where it is far from the track. A
+//! report that is contradicted is not used. Each source's share of contradicted reports is followed; a source of which
+//! most are is *set aside*: it contributes to no track to which others do, until its reports agree again. A track whose
 //! filter has been misled begins anew with what the others report. Comparisons that registration learns from go on, so
 //! that a steady error is found, taken off, and the source comes back.
 //!
@@ -23,8 +23,8 @@ use crate::registration::ClockError;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::tracks::Tracks;
 
-/// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3 %
-/// and 3 in ten million by chance.
+/// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3
+/// % and 3 in ten million by chance.
 const AGREES: f64 = 12.0;
 const CONTRADICTS: f64 = 30.0;
 /// Acceleration that nobody foresees between two reports, metres per second squared.

@@ -165,21 +165,21 @@ impl Engine {
         self.publisher.accuracies.set_condition(&self.settings, name)
     }
 
-    /// Sets the host offset: how far the sources' time is ahead of the engine's from now on, nanoseconds; 0 at the start.
-    /// It is taken off the times of reports, and put on those of states and decisions.
+    /// Sets the host offset: how far the sources' time is ahead of the engine's from now on, nanoseconds; 0 at the
+    /// start. It is taken off the times of reports, and put on those of states and decisions.
     pub fn set_host_offset(&mut self, offset_ns: i64) {
         self.host_clock.offset_ns = offset_ns;
     }
 
-    /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if it
-    /// is not known.
+    /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if
+    /// it is not known.
     pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
         self.sources.set_clock(&self.settings, source, offset_s);
     }
 
-    /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks whose
-    /// contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh time
-    /// set, so is the state of every system track at each whole multiple of it.
+    /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks
+    /// whose contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh
+    /// time set, so is the state of every system track at each whole multiple of it.
     ///
     /// What happens, happens at times that reports have set, in the order of these times; how often and in how large
     /// steps time passes changes nothing.
@@ -586,8 +586,8 @@ impl Engine {
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
     }
 
-    /// Whether the filter of a sensor track's system track is of a time to come, to which a clock that has been corrected
-    /// since had led it.
+    /// Whether the filter of a sensor track's system track is of a time to come, to which a clock that has been
+    /// corrected since had led it.
     #[inline]
     fn is_ahead(&self, sensor: SensorSlot) -> bool {
         self.sources.corrects_clocks() && {

@@ -1,8 +1,8 @@
 //! The engine's time and the sources' time.
 //!
-//! The engine's time passes by a clock that nobody sets. Where all sources are far from it alike, the machine's clock is
-//! wrong (or all of theirs are): then that *host offset* is taken off the times of reports, and put on the times of all
-//! that the engine hands out. The offset may change while tracks live, and disturbs none of them.
+//! The engine's time passes by a clock that nobody sets. Where all sources are far from it alike, the machine's clock
+//! is wrong (or all of theirs are): then that *host offset* is taken off the times of reports, and put on the times of
+//! all that the engine hands out. The offset may change while tracks live, and disturbs none of them.
 
 use messages::{Decision, SensorTrack, SystemTrack};
 use serde::{Deserialize, Serialize};

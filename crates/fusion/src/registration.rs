@@ -87,8 +87,8 @@ const POINTS_MAX_M2: f64 = 100.0 * 100.0;
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
-/// Standard deviations of a time offset whose clock is off by the times of receipt, seconds: of one that is ahead, and of
-/// one that is late, as data that take long to come look like that, too.
+/// Standard deviations of a time offset whose clock is off by the times of receipt, seconds: of one that is ahead, and
+/// of one that is late, as data that take long to come look like that, too.
 const CLOCK_SIGMA_S: [f64; 2] = [0.3, 1.0];
 
 /// Error of a source's clock, as times of receipt show it.
@@ -498,8 +498,8 @@ impl Registration {
     }
 
     /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due. What was learned of a
-    /// source whose errors are beyond reason is dropped, and the source given to `restarted`. `clocks` are the errors of
-    /// the sources' clocks by the times of receipt.
+    /// source whose errors are beyond reason is dropped, and the source given to `restarted`. `clocks` are the errors
+    /// of the sources' clocks by the times of receipt.
     pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
         let Some((mut sweep, mut own)) = self.solution.next.take() else {
             return false;
@@ -689,7 +689,8 @@ impl Registration {
     }
 }
 
-/// The median of values with weights, of this total, in rising order: between two where it lies between them; 0 of none.
+/// The median of values with weights, of this total, in rising order: between two where it lies between them; 0 of
+/// none.
 fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
     let mut before = 0.0;
     let reaches_half = |(_, weight): &(f64, f64)| {

@@ -41,8 +41,8 @@ bits! {
 sample! {
     /// Step of fusion's work: with the reports, all steps since a beginning give the same system tracks again.
     WorkStep, size 16 {
-        /// Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see
-        /// `StepKind`.
+        /// Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings:
+        /// see `StepKind`.
         time_ns: i64,
         /// Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
         /// `sequence`.

@@ -258,8 +258,8 @@ impl SystemReports {
         })
     }
 
-    /// For a system of up to `tracks` tracks at a time, beside which ended ones rest. No more have numbers than the category
-    /// has.
+    /// For a system of up to `tracks` tracks at a time, beside which ended ones rest. No more have numbers than the
+    /// category has.
     #[must_use]
     pub fn with_tracks(self, tracks: usize) -> Self {
         Self {

@@ -11,8 +11,8 @@
 //! ([`Boundaries::Period`]), boundaries are at whole multiples of the period. After a silence the next scan begins with
 //! the first detection.
 //!
-//! Where the period is not configured, it is found first ([`TurnTime`]), and until then all detections wait. It is that of the
-//! data alone, too.
+//! Where the period is not configured, it is found first ([`TurnTime`]), and until then all detections wait. It is that
+//! of the data alone, too.
 //!
 //! # Numbers
 //!

@@ -19,8 +19,8 @@ use crate::capture::Capture;
 
 /// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// Longest time for which a datagram waits in the kernel, nanoseconds; a stamp farther from the present is of a UTC that
-/// has been set since.
+/// Longest time for which a datagram waits in the kernel, nanoseconds; a stamp farther from the present is of a UTC
+/// that has been set since.
 const WAITED_MAX_NS: i64 = 10_000_000_000;
 
 /// Reads datagrams and publishes what is in them.

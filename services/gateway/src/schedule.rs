@@ -51,8 +51,8 @@ impl<T: Copy> Schedule<T> {
         }
     }
 
-    /// Takes out the track that has been unheard for the longest, where the table is full and `number` is new: the engine
-    /// has no more tracks than the table, so the end of that one was lost.
+    /// Takes out the track that has been unheard for the longest, where the table is full and `number` is new: the
+    /// engine has no more tracks than the table, so the end of that one was lost.
     pub(crate) fn displaced_by(&mut self, number: u32, now_ns: i64) -> Option<T> {
         if self.entries.len() < self.capacity || self.entries.contains_key(&number) {
             return None;

@@ -52,7 +52,8 @@ pub(crate) struct Found {
     pub(crate) first_time_ns: Option<i64>,
     /// Time of day of the last target report that was looked at, nanoseconds.
     pub(crate) last_time_ns: Option<i64>,
-    /// Turn of the antenna that it shows, of a source whose tracks are made of its plots, if every record was looked at.
+    /// Turn of the antenna that it shows, of a source whose tracks are made of its plots, if every record was looked
+    /// at.
     pub(crate) turn: Option<Turn>,
 }
 
@@ -365,7 +366,9 @@ mod tests {
         fs::write(folder.path().join("x.ast"), bytes).unwrap();
         let text = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\
                     [[source]]\nname = \"radar\"\n[source.recorded]\nfile = \"x.ast\"\n";
-        let overrides: Vec<String> = [EDITION_10].iter().chain(more).map(|each| (*each).to_owned()).collect();
+        let is_asterix = !more.iter().any(|each| each.contains("format="));
+        let edition = is_asterix.then_some(&EDITION_10);
+        let overrides: Vec<String> = edition.into_iter().chain(more).map(|each| (*each).to_owned()).collect();
         let config = Config::parse(Path::new("t.toml"), text, &overrides).unwrap();
         match inspect(&config, folder.path(), Depth::Records) {
             Ok(mut found) => Ok(found.remove(0)),

@@ -60,8 +60,8 @@ impl<S: Transport> AlarmDesk<S> {
         self.conditions.receive(header, tracks, now);
     }
 
-    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change. While the
-    /// deployment is being stopped nothing is raised or cleared: processes that end are no fault.
+    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change.
+    /// While the deployment is being stopped nothing is raised or cleared: processes that end are no fault.
     ///
     /// # Errors
     /// If shared memory fails.

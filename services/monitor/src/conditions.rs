@@ -128,8 +128,8 @@ struct Watched {
 }
 
 impl Watched {
-    /// Part of a clock's offset, seconds, that the way of the data does not explain: a sensor may take one of its periods
-    /// to send what it has measured.
+    /// Part of a clock's offset, seconds, that the way of the data does not explain: a sensor may take one of its
+    /// periods to send what it has measured.
     fn clock_excess_s(&self, offset_s: f64) -> f64 {
         match offset_s < 0.0 {
             true => -offset_s - self.period_ns as f64 / messages::NS_PER_S,

@@ -47,7 +47,8 @@ pub struct Converter {
     model: SourceModel,
     day: Option<DayUnroller>,
     first_day_ns: i64,
-    /// Time of receipt of what is converted now, UTC and by a clock that nobody sets, nanoseconds; `None` for recordings.
+    /// Time of receipt of what is converted now, UTC and by a clock that nobody sets, nanoseconds; `None` for
+    /// recordings.
     received_ns: Option<(i64, i64)>,
     /// The source's clock against times of receipt.
     clock: SourceClock,
@@ -77,9 +78,10 @@ impl Converter {
     }
 
     /// Sets the time at which the reports that follow were received, nanoseconds: `utc_ns` by the machine's UTC,
-    /// `steady_ns` by a UTC that is not set while the process runs. Times of day are of the day that brings them nearest
-    /// to `utc_ns`. Times that jump against `steady_ns` are not believed; a steady offset is: fusion compares it with
-    /// other sources' ([`Self::clock`]). A recording has no such time; there the source's running time takes its place.
+    /// `steady_ns` by a UTC that is not set while the process runs. Times of day are of the day that brings them
+    /// nearest to `utc_ns`. Times that jump against `steady_ns` are not believed; a steady offset is: fusion compares
+    /// it with other sources' ([`Self::clock`]). A recording has no such time; there the source's running time takes
+    /// its place.
     pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
         self.received_ns = Some((utc_ns, steady_ns));
     }

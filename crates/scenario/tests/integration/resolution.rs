@@ -105,11 +105,12 @@ fn those_that_differ_enough_give_two_plots() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// A target that is told apart is measured as by a radar that tells all apart. A plot of several stands for at least
-    /// two targets, which have no plot of their own in that turn, and the same settings give the same plots.
+    /// A target that is told apart is measured as by a radar that tells all apart. A plot of several stands for at
+    /// least two targets, which have no plot of their own in that turn, and the same settings give the same plots.
     ///
-    /// A radar that tells all apart need not have two plots in the place of one: who is with whom is decided for a turn,
-    /// in whose middle a neighbour may be in view that crosses the edge of coverage, or north, until the antenna comes.
+    /// A radar that tells all apart need not have two plots in the place of one: who is with whom is decided for a
+    /// turn, in whose middle a neighbour may be in view that crosses the edge of coverage, or north, until the antenna
+    /// comes.
     #[test]
     fn resolution_takes_plots_away_and_changes_no_other(seed: u64, resolved in 0.0..1.0f64, range_m in 10.0..2000.0f64) {
         let world = ScenarioSettings {
