@@ -1,9 +1,10 @@
 //! The picture as it is now: the newest state of every system track.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use messages::layout::Sample as _;
-use messages::{BatchHeader, SystemTrack, TrackState};
+use messages::{BatchHeader, Epochs, SystemTrack, TrackState};
 
 use crate::wire::Message;
 
@@ -15,6 +16,7 @@ pub(crate) struct Picture {
     ended: BTreeMap<u32, u64>,
     /// Header of a slice that would come next.
     header: BatchHeader,
+    epochs: Epochs,
 }
 
 /// Octets after which a part of the picture is full.
@@ -26,9 +28,10 @@ const ENDED_MAX: usize = 4096;
 impl Picture {
     /// Takes a slice of states. What comes from a fusion before the one heard last is left aside.
     pub(crate) fn hear(&mut self, header: &BatchHeader, states: &[SystemTrack]) {
-        if header.epoch < self.header.epoch {
+        if self.epochs.compare(header).is_lt() {
             return;
         }
+        self.epochs.follow(header);
         self.header = BatchHeader {
             first_sequence: header.first_sequence.wrapping_add(states.len() as u64),
             ..*header
@@ -49,8 +52,10 @@ impl Picture {
 
     /// Whether a state of a slice with this header is newer than what is known of its track.
     pub(crate) fn is_news(&self, header: &BatchHeader, state: &SystemTrack) -> bool {
-        if header.epoch != self.header.epoch {
-            return header.epoch > self.header.epoch;
+        match self.epochs.compare(header) {
+            Ordering::Less => return false,
+            Ordering::Greater => return true,
+            Ordering::Equal => {}
         }
         let ended = self.ended.get(&state.track_number);
         let known = self.states.get(&state.track_number).map(|known| &known.sequence);
@@ -126,6 +131,23 @@ mod tests {
         picture.hear(&header(1), &[state(3, 9, TrackState::Confirmed)]);
         assert_eq!(picture.state(1).map(|state| state.sequence), Some(2));
         assert!(picture.state(2).is_none() && picture.state(3).is_none());
+    }
+
+    #[test]
+    fn a_rebooted_host_is_heard_again_though_its_clock_is_behind() {
+        let mut picture = Picture::default();
+        let header = |epoch, boot: u32| BatchHeader {
+            epoch,
+            flags: boot << BatchHeader::BOOT_SHIFT,
+            ..BatchHeader::default()
+        };
+        picture.hear(&header(900, 1), &[state(1, 5, TrackState::Confirmed)]);
+        let again = state(1, 0, TrackState::Confirmed);
+        assert!(picture.is_news(&header(3, 2), &again), "another boot");
+        picture.hear(&header(3, 2), &[again]);
+        assert_eq!(picture.state(1).map(|state| state.sequence), Some(0));
+        assert!(!picture.is_news(&header(901, 1), &state(1, 6, TrackState::Confirmed)), "the boot before");
+        assert!(picture.is_news(&header(4, 2), &again));
     }
 
     #[test]

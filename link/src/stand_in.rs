@@ -98,7 +98,7 @@ impl<T: Payload> StandIn<T> {
             let publisher = bus.publisher(&self.topic, now.mono_ns as u64)?;
             let publisher = publisher.of_sensor(header.sensor_uid).of_origin(origin);
             self.open = Some(Open {
-                publisher: publisher.with_epoch(header.epoch),
+                publisher: publisher.with_epoch(header.epoch).of_boot(header.boot()),
                 stands_for,
                 next_sequence: None,
             });

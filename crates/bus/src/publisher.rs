@@ -87,6 +87,14 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
+    /// This publisher, stating in every slice the identity of the boot of the machine that its samples come from.
+    #[must_use]
+    pub fn of_boot(mut self, boot: u16) -> Self {
+        let flags = self.header.flags & !(u32::from(u16::MAX) << BatchHeader::BOOT_SHIFT);
+        self.header.flags = flags | u32::from(boot) << BatchHeader::BOOT_SHIFT;
+        self
+    }
+
     /// States in every slice from now on that this fusion goes on with the tracks of the one before it.
     pub fn go_on(&mut self) {
         self.header.flags |= BatchHeader::GOES_ON;

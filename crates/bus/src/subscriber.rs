@@ -17,7 +17,7 @@
 //! publisher: each leaves a [line](crate::line) that says how far it had come, and a subscriber that finds its queue
 //! empty looks at the lines of those that ended.
 //!
-//! Of a topic with an *epoch* (see `messages::BatchHeader`), the highest one that was heard is the present one: slices
+//! Of a topic with an *epoch* (see `messages::Epochs`), the latest one that was heard is the present one: slices
 //! of older epochs, of a fusion that has been replaced, are dropped and counted, unless they are asked for.
 //!
 //! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
@@ -28,7 +28,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use iceoryx2::port::ReceiveError;
-use messages::{BatchHeader, Topic};
+use messages::{BatchHeader, Epochs, Topic};
 
 use crate::error::BusError;
 use crate::line::{Ends, PublisherLine, fold};
@@ -48,7 +48,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
     ends: Option<Ends>,
     counts: SubscriberCounts,
     /// Epoch of the latest slice.
-    epoch: u64,
+    epochs: Epochs,
     takes_older: bool,
     failed_connections: Arc<AtomicU64>,
 }
@@ -128,7 +128,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             publishers: Publishers::with_room_for(topic.capacity.publishers),
             ends,
             counts: SubscriberCounts::default(),
-            epoch: 0,
+            epochs: Epochs::default(),
             takes_older: false,
             failed_connections: opened.failed_connections,
         }
@@ -175,7 +175,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             self.counts.schema_mismatch += 1;
             return Ok(Received::Rejected);
         }
-        let (count, epoch) = (slice.samples().len(), header.epoch);
+        let (count, standing) = (slice.samples().len(), self.epochs.compare(header));
         match self
             .publishers
             .follow(slice.0.origin().value(), header, count, self.joined_ns)
@@ -183,11 +183,13 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             Step::Next { skipped } => self.counts.lost += skipped,
             Step::Passed => self.counts.out_of_order += count as u64,
         }
-        if epoch < self.epoch && !self.takes_older {
+        if standing.is_lt() && !self.takes_older {
             self.counts.of_older_epochs += count as u64;
             return Ok(Received::OfOlderEpoch);
         }
-        self.epoch = self.epoch.max(epoch);
+        if standing.is_gt() {
+            self.epochs.follow(header);
+        }
         self.counts.slices += 1;
         self.counts.taken += count as u64;
         Ok(Received::Slice(slice))
@@ -247,7 +249,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 
     /// Epoch of the latest slice; 0 before the first one, and on topics without.
     pub fn epoch(&self) -> u64 {
-        self.epoch
+        self.epochs.epoch()
     }
 
     /// Counts so far.

@@ -85,7 +85,7 @@ impl<T: Payload> Subscription<T> {
                 Received::Slice(inner) => {
                     let lost = self.subscriber.counts().lost;
                     let next = Slice {
-                        starts_epoch: inner.header().epoch > epoch,
+                        starts_epoch: inner.header().epoch != epoch,
                         inner,
                         lost: lost - self.told,
                     };

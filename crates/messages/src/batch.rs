@@ -1,5 +1,7 @@
 //! The header of every slice.
 
+use std::cmp::Ordering;
+
 use crate::layout::sample;
 
 sample! {
@@ -17,9 +19,11 @@ sample! {
         progress_ns: i64,
         /// Monotonic time of the send, nanoseconds.
         sent_ns: i64,
-        /// Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
+        /// Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up. 0: not
+        /// fusion.
         epoch: u64,
-        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
+        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. Bits 16
+        /// to 31: identity of the machine's boot, 0: unknown.
         flags: u32,
         /// Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         sensor_uid: u32,
@@ -37,4 +41,90 @@ impl BatchHeader {
     /// Bit of [`BatchHeader::flags`]: this fusion goes on with the tracks of the one before it, under their numbers, or
     /// tells them ended. Without it, nobody knows of older epochs' tracks any more.
     pub const GOES_ON: u32 = 2;
+    /// First of the bits of [`BatchHeader::flags`] that hold the identity of the machine's boot.
+    pub const BOOT_SHIFT: u32 = 16;
+
+    /// Identity of the boot of the machine that the publisher runs on; 0: unknown.
+    pub fn boot(&self) -> u16 {
+        (self.flags >> Self::BOOT_SHIFT) as u16
+    }
+}
+
+/// Order of the starts of fusion, as a reader hears them.
+///
+/// An epoch is the UTC at which a fusion came to lead, and greater than that of the fusion before it, so epochs rise across
+/// restarts and reboots. After a reboot the machine's UTC may be wrong, and the epoch smaller than the one before: then
+/// the identity of the boot, which is another one, tells that the start is later. A process of the boot before that one is
+/// no longer running.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Epochs {
+    epoch: u64,
+    boot: u16,
+    /// Identity of the boot before.
+    boot_before: u16,
+}
+
+impl Epochs {
+    /// How the start of the publisher of a slice stands to the present one: later (`Greater`), the same, or earlier.
+    pub fn compare(&self, header: &BatchHeader) -> Ordering {
+        let is_of_another_boot = header.boot() != self.boot && header.boot() != 0 && self.boot != 0;
+        match is_of_another_boot {
+            true if header.boot() == self.boot_before => Ordering::Less,
+            true => Ordering::Greater,
+            false => header.epoch.cmp(&self.epoch),
+        }
+    }
+
+    /// Takes a slice whose start is not earlier: it is the present one now.
+    pub fn follow(&mut self, header: &BatchHeader) {
+        if header.boot() != self.boot && header.boot() != 0 {
+            (self.boot_before, self.boot) = (self.boot, header.boot());
+        }
+        self.epoch = header.epoch;
+    }
+
+    /// The present epoch; 0 before the first slice, and on topics without.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(epoch: u64, boot: u16) -> BatchHeader {
+        BatchHeader {
+            epoch,
+            flags: BatchHeader::END | u32::from(boot) << BatchHeader::BOOT_SHIFT,
+            ..BatchHeader::default()
+        }
+    }
+
+    #[test]
+    fn a_rebooted_machine_is_later_whatever_its_clock_and_the_boot_before_is_over() {
+        let mut epochs = Epochs::default();
+        assert_eq!(epochs.compare(&header(0, 0)), Ordering::Equal, "a topic without");
+        for (epoch, boot, standing) in [
+            (100, 7, Ordering::Greater),
+            (100, 7, Ordering::Equal),
+            (90, 7, Ordering::Less),
+            (200, 7, Ordering::Greater),
+            // After a reboot, with a clock that is behind.
+            (50, 8, Ordering::Greater),
+            (60, 8, Ordering::Greater),
+            (55, 8, Ordering::Less),
+            (300, 7, Ordering::Less),
+            // A publisher that does not state its boot.
+            (40, 0, Ordering::Less),
+            (70, 0, Ordering::Greater),
+            (65, 8, Ordering::Less),
+        ] {
+            let header = header(epoch, boot);
+            assert_eq!(epochs.compare(&header), standing, "{epoch} of {boot}");
+            if standing != Ordering::Less {
+                epochs.follow(&header);
+            }
+        }
+    }
 }

@@ -45,7 +45,7 @@ mod wide_area;
 mod work_step;
 
 pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
-pub use batch::BatchHeader;
+pub use batch::{BatchHeader, Epochs};
 pub use codes::Constant;
 pub use control::{Control, Progress};
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};

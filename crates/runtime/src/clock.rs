@@ -62,6 +62,20 @@ impl SteadyClock {
     }
 }
 
+/// Identity of the machine's present boot: another one after each reboot but for one in 65,535, and never 0; 0 where the
+/// kernel does not tell.
+pub fn boot_identity() -> u16 {
+    let identity = std::fs::read("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    if identity.is_empty() {
+        return 0;
+    }
+    // FNV-1a, folded.
+    let hash = identity.iter().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    (hash % u64::from(u16::MAX)) as u16 + 1
+}
+
 /// Reads the monotonic clock, nanoseconds.
 pub fn mono_ns() -> i64 {
     read(ClockId::Monotonic)

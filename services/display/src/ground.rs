@@ -145,6 +145,7 @@ fn to_metres(coordinates: &mut Value, projection: &Projection) -> Result<(), Str
     let list = coordinates.as_array_mut().ok_or("coordinates are lists")?;
     if let [Value::Number(longitude), Value::Number(latitude), ..] = &list[..] {
         let degrees = longitude.as_f64().zip(latitude.as_f64());
+        let degrees = degrees.filter(|(longitude, latitude)| longitude.abs() <= 180.0 && latitude.abs() <= 90.0);
         let place = degrees.and_then(|(longitude, latitude)| projection.project(longitude, latitude));
         let ([east, north], _) = place.ok_or_else(|| format!("[{longitude}, {latitude}] is no place"))?;
         *coordinates = json!([east, north]);

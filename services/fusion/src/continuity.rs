@@ -75,8 +75,8 @@ impl Start {
         };
         Self {
             // Of the time at which it leads, not of its start: the one before may have started later than one that has
-            // stood by since, and what that one's epoch was may be lost.
-            epoch: (now.mono_ns as u64).max(last.saturating_add(1)),
+            // stood by since, and what that one's epoch was may be lost. Of UTC, which goes on across a reboot.
+            epoch: now.utc_ns.max(1).cast_unsigned().max(last.saturating_add(1)),
             root: root.clone(),
             layout,
             found,

@@ -6,7 +6,7 @@ use bus::{Bus, Mark, Publisher, Transport};
 use configuration::{Config, Order};
 use fusion::Sink;
 use messages::{Counter, Decision, ProcessKind, StreamId, SystemTrack};
-use runtime::clock::mono_ns;
+use runtime::clock::{boot_identity, mono_ns};
 use runtime::flow::Flow;
 use runtime::housekeeping::Queues;
 
@@ -75,14 +75,18 @@ impl<S: Transport> Output<S> {
         let settings = &config.fusion.settings;
         // The ends of all tracks at once fit too.
         let room = topic.capacity.slice_len + settings.capacity.system_tracks();
+        let boot = boot_identity();
         let own = || -> anyhow::Result<_> {
             Ok(OwnTracks {
-                publisher: bus.publisher(&messages::own_tracks(), incarnation)?.with_epoch(epoch),
+                publisher: bus
+                    .publisher(&messages::own_tracks(), incarnation)?
+                    .with_epoch(epoch)
+                    .of_boot(boot),
                 waiting: Vec::with_capacity(room),
             })
         };
         Ok(Self {
-            publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch),
+            publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch).of_boot(boot),
             waiting: Vec::with_capacity(room),
             own: settings.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,

@@ -241,6 +241,9 @@ mod tests {
         assert!(believes(&mut time, 28.0, 0.0), "others say the same");
         assert!(believes(&mut time, 0.0, 29.0), "the machine was set back by as much");
         time.state(0);
-        assert!(!believes(&mut time, 0.0, 0.0), "a publisher beside the adapter states none");
+        assert!(
+            !believes(&mut time, 0.0, 0.0),
+            "a publisher beside the adapter states none"
+        );
     }
 }

@@ -15,9 +15,11 @@ use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use configuration::{Config, ConfigError};
+use configuration::Config;
 use offline::values::seconds;
 use runtime::{Now, Options, Speed};
+
+use crate::instances;
 
 use bearings::BEARINGS_EXAMPLES;
 pub(crate) use bearings::MeasureBearings;
@@ -543,7 +545,11 @@ pub(crate) struct Shared {
 ///
 /// # Errors
 /// If the configuration cannot be used.
-pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> Result<(Config, Options), ConfigError> {
+pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> anyhow::Result<(Config, Options)> {
+    // Before the file: a name that cannot be is wrong whatever the file has.
+    if let Some(instance) = &shared.instance {
+        instances::named(instance)?;
+    }
     let config = Config::read(path, &shared.set)?;
     let instance = shared.instance.unwrap_or_else(|| config.name.clone());
     let options = Options {

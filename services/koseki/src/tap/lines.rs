@@ -215,7 +215,10 @@ mod tests {
         assert_eq!(json["contributions"].as_array().map(Vec::len), Some(2));
         assert_eq!(json["contributions"][1]["source"], 3);
         let is_unused = |name: &str| matches!(name, "spare" | "reserved");
-        assert!(json.as_object().is_some_and(|fields| !fields.keys().any(|name| is_unused(name))));
+        assert!(
+            json.as_object()
+                .is_some_and(|fields| !fields.keys().any(|name| is_unused(name)))
+        );
         let named = SystemTrack::LAYOUT.fields.iter().filter(|field| !is_unused(field.name));
         assert_eq!(json.as_object().map(serde_json::Map::len), Some(named.count()));
     }
