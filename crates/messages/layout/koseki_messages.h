@@ -242,7 +242,7 @@ typedef struct KosekiBatchHeader {
     uint64_t first_sequence; /* Samples sent by this incarnation before this slice: the sequence number of its first sample. */
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
-    uint64_t epoch; /* Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion. */
+    uint64_t epoch; /* Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up. */
     uint32_t flags; /* Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
     uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
@@ -737,7 +737,7 @@ static_assert(offsetof(KosekiFrameOrigin, longitude_deg) == 8, "offset");
 static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
 
 typedef struct KosekiWorkStep {
-    int64_t time_ns; /* Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see */
+    int64_t time_ns; /* Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: */
     uint32_t sequence; /* Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own */
     uint16_t source; /* Number of the source; 65535 if the step is of none. */
     uint8_t kind; /* Kind of step: a `StepKind` code. */

@@ -294,7 +294,7 @@ class BatchHeader(ctypes.Structure):
         ("first_sequence", ctypes.c_uint64),  # Samples sent by this incarnation before this slice: the sequence number of its first sample.
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
-        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start; tracks of smaller ones are not kept up. 0: not fusion.
+        ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up.
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
@@ -933,7 +933,7 @@ assert FrameOrigin.height_m.offset == 16
 
 class WorkStep(ctypes.Structure):
     _fields_ = [
-        ("time_ns", ctypes.c_int64),  # Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: see
+        ("time_ns", ctypes.c_int64),  # Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings:
         ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
         ("source", ctypes.c_uint16),  # Number of the source; 65535 if the step is of none.
         ("kind", ctypes.c_uint8),  # Kind of step: a `StepKind` code.

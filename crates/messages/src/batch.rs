@@ -19,11 +19,11 @@ sample! {
         progress_ns: i64,
         /// Monotonic time of the send, nanoseconds.
         sent_ns: i64,
-        /// Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up. 0: not
-        /// fusion.
+        /// Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up.
+        /// 0: not fusion.
         epoch: u64,
-        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. Bits 16
-        /// to 31: identity of the machine's boot, 0: unknown.
+        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
+        /// Bits 16 to 31: identity of the machine's boot, 0: unknown.
         flags: u32,
         /// Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
         sensor_uid: u32,
@@ -52,10 +52,10 @@ impl BatchHeader {
 
 /// Order of the starts of fusion, as a reader hears them.
 ///
-/// An epoch is the UTC at which a fusion came to lead, and greater than that of the fusion before it, so epochs rise across
-/// restarts and reboots. After a reboot the machine's UTC may be wrong, and the epoch smaller than the one before: then
-/// the identity of the boot, which is another one, tells that the start is later. A process of the boot before that one is
-/// no longer running.
+/// An epoch is the UTC at which a fusion came to lead, and greater than that of the fusion before it, so epochs rise
+/// across restarts and reboots. After a reboot the machine's UTC may be wrong, and the epoch smaller than the one
+/// before: then the identity of the boot, which is another one, tells that the start is later. A process of the boot
+/// before that one is no longer running.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Epochs {
     epoch: u64,

@@ -62,8 +62,8 @@ impl SteadyClock {
     }
 }
 
-/// Identity of the machine's present boot: another one after each reboot but for one in 65,535, and never 0; 0 where the
-/// kernel does not tell.
+/// Identity of the machine's present boot: another one after each reboot but for one in 65,535, and never 0; 0 where
+/// the kernel does not tell.
 pub fn boot_identity() -> u16 {
     let identity = std::fs::read("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     if identity.is_empty() {
