@@ -195,6 +195,10 @@ impl Record {
     #[inline]
     fn learn(&mut self, contradicted: bool) {
         self.samples = self.samples.saturating_add(1);
+        // Nearly always.
+        if !contradicted && self.share == 0.0 {
+            return;
+        }
         let gain = (1.0 / f64::from(self.samples)).max(GAIN_MIN);
         self.share += gain * (f64::from(u8::from(contradicted)) - self.share);
     }

@@ -41,6 +41,8 @@ pub(crate) struct Sources {
     pub(crate) credibility: Credibility,
     /// Error of each source's clock.
     clocks: Vec<ClockError>,
+    /// Whether the clock of some source is taken off.
+    corrects_clocks: bool,
 }
 
 impl Sources {
@@ -60,6 +62,7 @@ impl Sources {
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
             credibility: Credibility::new(count),
             clocks: vec![ClockError::default(); count],
+            corrects_clocks: false,
         }
     }
 
@@ -88,6 +91,7 @@ impl Sources {
         let clock = &mut self.clocks[usize::from(source)];
         if clock.removed_s != removed_s {
             (clock.removed_s, clock.excess_s) = (removed_s, 0.0);
+            self.corrects_clocks = self.clocks.iter().any(|clock| clock.removed_s != 0.0);
             self.registration.forget(usize::from(source));
             self.alignment.begin_epoch(source);
         }
@@ -108,7 +112,7 @@ impl Sources {
     /// Whether the clock of some source is taken off.
     #[inline]
     pub(crate) fn corrects_clocks(&self) -> bool {
-        self.clocks.iter().any(|clock| clock.removed_s != 0.0)
+        self.corrects_clocks
     }
 
     /// Whether the latest report of a sensor track may be used: see [`Credibility::admits`].
