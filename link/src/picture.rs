@@ -146,7 +146,10 @@ mod tests {
         assert!(picture.is_news(&header(3, 2), &again), "another boot");
         picture.hear(&header(3, 2), &[again]);
         assert_eq!(picture.state(1).map(|state| state.sequence), Some(0));
-        assert!(!picture.is_news(&header(901, 1), &state(1, 6, TrackState::Confirmed)), "the boot before");
+        assert!(
+            !picture.is_news(&header(901, 1), &state(1, 6, TrackState::Confirmed)),
+            "the boot before"
+        );
         assert!(picture.is_news(&header(4, 2), &again));
     }
 

@@ -76,7 +76,9 @@ impl<T: Payload> StandIn<T> {
     /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         let next = self.next.get(&header.incarnation).filter(|_| self.is_open_for(header));
-        header.first_sequence.checked_sub(next.copied().unwrap_or(header.first_sequence))
+        header
+            .first_sequence
+            .checked_sub(next.copied().unwrap_or(header.first_sequence))
     }
 
     /// Publishes samples of a slice with this header, of the deployment whose number is `origin`. `last` is called for
