@@ -48,7 +48,8 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         link,
         launcher: process.options.launcher.unwrap_or_default(),
         subscriber: process.bus.subscriber(&topic, || process.incarnation)?,
-        // Another one than the process's own, which publishes on the same topic: readers elsewhere know publishers by it.
+        // Another one than the process's own, which publishes on the same topic: readers elsewhere know publishers by
+        // it.
         publisher: process.bus.publisher(&topic, process.incarnation + 1)?,
         facts: None,
         heard: Heard::default(),
