@@ -25,25 +25,75 @@ const FOLLOWED_MAX: usize = 256;
 /// Publishers here that stand, one after another, for those of a topic elsewhere.
 pub(crate) struct StandIn<T: Payload> {
     pub(crate) topic: Topic<T>,
-    open: Option<Open<T>>,
-    /// Number that comes next of each publisher there, by its incarnation.
-    next: BTreeMap<u64, u64>,
+    open: Option<Publisher<SharedMemory, T>>,
+    numbers: Numbers,
     /// Samples left out, as the sender said last.
     conflated: u64,
 }
 
-struct Open<T: Payload> {
-    publisher: Publisher<SharedMemory, T>,
-    /// Incarnation and epoch that it stands for; of many publishers, 0 in place of the incarnation.
-    stands_for: (u64, u64),
+/// Numbers of the publishers elsewhere that a stand-in stands for.
+#[derive(Debug)]
+struct Numbers {
+    /// Whether the topic is one of many publishers at a time.
+    is_of_many: bool,
+    /// Incarnation and epoch that the stand-in stands for; of many publishers, 0 in place of the incarnation.
+    present: Option<(u64, u64)>,
+    /// Number that comes next of each publisher there, by its incarnation.
+    next: BTreeMap<u64, u64>,
+}
+
+impl Numbers {
+    /// Of a topic that has so many publishers at most.
+    fn new(publishers: usize) -> Self {
+        Self {
+            is_of_many: publishers > SUCCESSORS_MAX,
+            present: None,
+            next: BTreeMap::new(),
+        }
+    }
+
+    fn identity(&self, header: &BatchHeader) -> (u64, u64) {
+        (if self.is_of_many { 0 } else { header.incarnation }, header.epoch)
+    }
+
+    /// Whether the stand-in stands for the publisher of a slice with this header.
+    fn is_of(&self, header: &BatchHeader) -> bool {
+        self.present == Some(self.identity(header))
+    }
+
+    /// From now on the stand-in stands for the publisher of a slice with this header.
+    fn turn_to(&mut self, header: &BatchHeader) {
+        self.present = Some(self.identity(header));
+        self.next.clear();
+    }
+
+    /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
+    fn missing(&self, header: &BatchHeader) -> Option<u64> {
+        let next = self.next.get(&header.incarnation).filter(|_| self.is_of(header));
+        let next = next.copied().unwrap_or(header.first_sequence);
+        header.first_sequence.checked_sub(next)
+    }
+
+    /// Number that comes next of the publisher of a slice with this header, which begins there if it is new; `None` if the
+    /// stand-in does not stand for it.
+    fn follow(&mut self, header: &BatchHeader) -> Option<&mut u64> {
+        if !self.is_of(header) {
+            return None;
+        }
+        if self.next.len() >= FOLLOWED_MAX && !self.next.contains_key(&header.incarnation) {
+            // The oldest: incarnations are times.
+            self.next.pop_first();
+        }
+        Some(self.next.entry(header.incarnation).or_insert(header.first_sequence))
+    }
 }
 
 impl<T: Payload> StandIn<T> {
     pub(crate) fn new(topic: Topic<T>) -> Self {
         Self {
+            numbers: Numbers::new(topic.capacity.publishers),
             topic,
             open: None,
-            next: BTreeMap::new(),
             conflated: 0,
         }
     }
@@ -75,10 +125,7 @@ impl<T: Payload> StandIn<T> {
 
     /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
-        let next = self.next.get(&header.incarnation).filter(|_| self.is_open_for(header));
-        header
-            .first_sequence
-            .checked_sub(next.copied().unwrap_or(header.first_sequence))
+        self.numbers.missing(header)
     }
 
     /// Publishes samples of a slice with this header, of the deployment whose number is `origin`. `last` is called for
@@ -99,25 +146,22 @@ impl<T: Payload> StandIn<T> {
         } else {
             self.missing(header).unwrap_or(0)
         };
-        if !self.is_open_for(header) {
+        if !self.numbers.is_of(header) {
             // The one before is gone first: a topic has room for one and its successor.
             self.open = None;
-            self.next.clear();
             let publisher = bus.publisher(&self.topic, now.mono_ns as u64)?;
             let publisher = publisher.of_sensor(header.sensor_uid).of_origin(origin);
-            self.open = Some(Open {
-                publisher: publisher.with_epoch(header.epoch).of_boot(header.boot()),
-                stands_for: self.stands_for(header),
-            });
+            self.open = Some(publisher.with_epoch(header.epoch).of_boot(header.boot()));
+            self.numbers.turn_to(header);
         }
-        let open = self.open.as_mut().context("it was just opened")?;
-        open.publisher.pass_over(missing);
+        let publisher = self.open.as_mut().context("it was just opened")?;
+        publisher.pass_over(missing);
         let mark = Mark {
             progress_ns: header.progress_ns,
             sent_ns: now.mono_ns,
             end: header.flags & BatchHeader::END != 0,
         };
-        open.publisher.send(mark, samples.len(), |index, sequence| {
+        publisher.send(mark, samples.len(), |index, sequence| {
             let mut sample = samples[index];
             last(&mut sample, sequence);
             sample
@@ -127,8 +171,7 @@ impl<T: Payload> StandIn<T> {
 
     /// All samples of the other publisher up to the end of a slice of so many have been published, or never will be.
     pub(crate) fn pass(&mut self, header: &BatchHeader, count: usize) {
-        if self.is_open_for(header) {
-            let next = self.follow(header);
+        if let Some(next) = self.numbers.follow(header) {
             *next = (*next).max(header.first_sequence + count as u64);
         }
     }
@@ -136,61 +179,47 @@ impl<T: Payload> StandIn<T> {
     /// Nothing has come of the other publisher before a slice with this header, or how far it is stays as it is: what
     /// came apart from the sequence makes nothing less missing.
     pub(crate) fn begin(&mut self, header: &BatchHeader) {
-        if self.is_open_for(header) {
-            self.follow(header);
-        }
-    }
-
-    /// Number that comes next of the publisher of a slice with this header, which begins there if it is new.
-    fn follow(&mut self, header: &BatchHeader) -> &mut u64 {
-        if self.next.len() >= FOLLOWED_MAX && !self.next.contains_key(&header.incarnation) {
-            // The oldest: incarnations are times.
-            self.next.pop_first();
-        }
-        self.next.entry(header.incarnation).or_insert(header.first_sequence)
-    }
-
-    fn stands_for(&self, header: &BatchHeader) -> (u64, u64) {
-        let is_of_many = self.topic.capacity.publishers > SUCCESSORS_MAX;
-        (if is_of_many { 0 } else { header.incarnation }, header.epoch)
-    }
-
-    fn is_open_for(&self, header: &BatchHeader) -> bool {
-        let stands_for = self.stands_for(header);
-        self.open.as_ref().is_some_and(|open| open.stands_for == stands_for)
+        self.numbers.follow(header);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use bus::Root;
+
+    /// Takes slices of one sample each, given by incarnation and number; what is missing before each.
+    fn missing(publishers: usize, slices: &[(u64, u64)]) -> Vec<Option<u64>> {
+        let mut numbers = Numbers::new(publishers);
+        let take = |(incarnation, first_sequence): &(u64, u64)| {
+            let header = BatchHeader {
+                incarnation: *incarnation,
+                first_sequence: *first_sequence,
+                ..BatchHeader::default()
+            };
+            let missing = numbers.missing(&header);
+            if !numbers.is_of(&header) {
+                numbers.turn_to(&header);
+            }
+            if let Some(next) = numbers.follow(&header) {
+                *next = (*next).max(first_sequence + 1);
+            }
+            missing
+        };
+        slices.iter().map(take).collect()
+    }
 
     #[test]
     fn the_numbers_of_many_publishers_are_followed_one_by_one() {
-        let folder = tempfile::tempdir().unwrap();
-        let bus: Bus<SharedMemory> = Bus::open(&Root::in_base(folder.path(), "t").unwrap(), "test").unwrap();
-        let _held = bus.hold(&messages::health()).unwrap();
-        let mut stand_in = StandIn::new(messages::health());
-        let mut take = |incarnation, first_sequence| {
-            let header = BatchHeader {
-                incarnation,
-                first_sequence,
-                ..BatchHeader::default()
-            };
-            let missing = stand_in.missing(&header);
-            let now = Now { mono_ns: 1, utc_ns: 1 };
-            let sample = [messages::Health::default()];
-            stand_in.publish(&bus, (&header, 0), &sample, now, |_, _| {}).unwrap();
-            stand_in.pass(&header, 1);
-            missing
-        };
-        for sequence in 0..20 {
-            assert_eq!(take(7, 100 + sequence), Some(0));
-            assert_eq!(take(9, 5000 + sequence), Some(0));
-        }
-        assert_eq!(take(7, 125), Some(5), "a gap of one of them");
-        assert_eq!(take(9, 5020), Some(0));
-        assert_eq!(take(7, 125), None, "it repeats");
+        let slices = [(7, 100), (9, 5000), (7, 101), (9, 5001), (7, 107), (9, 5002), (7, 107)];
+        let expected = [0, 0, 0, 0, 5, 0].map(Some);
+        let found = missing(messages::health().capacity.publishers, &slices);
+        assert_eq!((&found[..6], found[6]), (&expected[..], None), "the last one repeats");
+    }
+
+    #[test]
+    fn a_publisher_and_its_successor_follow_one_another() {
+        let slices = [(7, 100), (7, 103), (8, 0), (8, 1)];
+        let found = missing(messages::system_tracks().capacity.publishers, &slices);
+        assert_eq!(found, [0, 2, 0, 0].map(Some));
     }
 }
