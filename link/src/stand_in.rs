@@ -74,8 +74,8 @@ impl Numbers {
         header.first_sequence.checked_sub(next)
     }
 
-    /// Number that comes next of the publisher of a slice with this header, which begins there if it is new; `None` if the
-    /// stand-in does not stand for it.
+    /// Number that comes next of the publisher of a slice with this header, which begins there if it is new; `None` if
+    /// the stand-in does not stand for it.
     fn follow(&mut self, header: &BatchHeader) -> Option<&mut u64> {
         if !self.is_of(header) {
             return None;
