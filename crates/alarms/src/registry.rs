@@ -178,6 +178,10 @@ alarms! {
     ClocksDiffer = 31, "clocks-differ", Major, raise 1 s, clear 30 s,
         "The clocks of {source} and of this machine are {offset} apart, and no other source shows which one is wrong.",
         "Compare both with a third clock, and set the wrong one. Fusion goes on meanwhile, in the time of the source.";
+    ReportQuarantined = 32, "report-quarantined", Major, raise 0 s, clear 60 s,
+        "{process} died twice while it worked off the same report of a source, and passes over it: {count} so far.",
+        "Report the fault with the file that the log of fusion names (the report, and the checkpoint before it) and, if \
+         there is one, the recording. All other reports are used.";
 }
 
 #[cfg(test)]

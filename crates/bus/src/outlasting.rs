@@ -177,13 +177,19 @@ impl Root {
         remove_files(&self.kept_prefix(), None);
     }
 
+    /// Copies what is published under `name` to a file beside it, whose name has the `ending`, for somebody to look at;
+    /// where it is then.
+    pub fn copy_outlasting_aside(&self, name: &str, ending: &str) -> Option<PathBuf> {
+        let link = self.outlasting_link(name);
+        let aside = link.with_extension(format!("{name}-{ending}"));
+        fs::copy(&link, &aside).is_ok().then_some(aside)
+    }
+
     /// Puts what was published under `name` aside, for somebody to look at; where it is then.
     pub fn put_outlasting_aside(&self, name: &str) -> Option<PathBuf> {
-        let link = self.outlasting_link(name);
-        let aside = link.with_extension(format!("{name}-refused"));
-        let copied = fs::copy(&link, &aside).is_ok();
-        let _ = fs::remove_file(&link);
-        copied.then_some(aside)
+        let aside = self.copy_outlasting_aside(name, "refused");
+        let _ = fs::remove_file(self.outlasting_link(name));
+        aside
     }
 
     fn outlasting_link(&self, name: &str) -> PathBuf {

@@ -8,7 +8,8 @@
 //! |---|---|---|
 //! | numbers | the numbers that are reserved | before the first of a block is used |
 //! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
-//! | positions | each source: how far its reports have been worked off | with each report |
+//! | suspects | reports in which fusion has died ([`suspects`](crate::suspects)) | at the start, and when one is cleared |
+//! | positions | each source: how far its reports have been worked off | after each report |
 //! | systems | each system track: number, state, life, identity | when it changes; every second state |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
@@ -19,6 +20,8 @@
 //!
 //! How a record is written so that a kill costs one at most, the crate [`kept`](mod@kept) tells. Its writing takes no
 //! system call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
+//!
+//! One word before the areas ([`IN_WORK`]) names the report in work. Its writer stores the word before each report.
 //!
 //! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
 //! sensor track that was a member brings it back to its system track.
@@ -32,9 +35,12 @@ use kept::{Area, Found, Get, HEAD, Kept, Put, is_marked, kept, mark, mixed};
 pub use kept::{Memory, Refused};
 
 use crate::settings::Settings;
+use crate::suspects::Suspects;
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 5;
+const FORMAT: u64 = 6;
+/// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
+pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.
 const RECORD_MAX: usize = 128;
 /// Records that a kill can leave torn.
@@ -45,6 +51,7 @@ const TORN_MAX: usize = 1;
 pub(crate) enum Kind {
     Numbers,
     Clock,
+    Suspects,
     Positions,
     Systems,
     Members,
@@ -55,9 +62,10 @@ pub(crate) enum Kind {
     Cells,
 }
 
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 11] = [
     Kind::Numbers,
     Kind::Clock,
+    Kind::Suspects,
     Kind::Positions,
     Kind::Systems,
     Kind::Members,
@@ -122,11 +130,12 @@ impl Layout {
     pub(crate) fn new(settings: &Settings, sizes: Sizes) -> Self {
         let sources = settings.sources.len();
         let (systems, sensors) = (settings.capacity.system_tracks(), settings.capacity.sensor_tracks());
-        let mut first = HEAD;
+        let mut first = IN_WORK + 1;
         let areas = KINDS.map(|kind| {
             let (places, words) = match kind {
                 Kind::Numbers => (1, u32::WORDS),
                 Kind::Clock => (1, Clock::WORDS),
+                Kind::Suspects => (1, Suspects::WORDS),
                 Kind::Positions => (sources, Position::WORDS),
                 Kind::Systems => (systems, sizes.systems),
                 Kind::Members | Kind::Remembered => (sensors, sizes.members),
@@ -157,7 +166,7 @@ impl Layout {
     /// Words of memory that a checkpoint takes.
     #[expect(clippy::len_without_is_empty, reason = "it never is")]
     pub fn len(&self) -> usize {
-        HEAD + self.areas.iter().map(Area::len).sum::<usize>()
+        IN_WORK + 1 + self.areas.iter().map(Area::len).sum::<usize>()
     }
 
     /// Differs where records are laid out otherwise, or sources have other numbers.

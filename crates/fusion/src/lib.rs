@@ -65,6 +65,7 @@ pub mod settings;
 mod source_model;
 mod sources;
 mod state;
+pub mod suspects;
 mod system_tracks;
 #[cfg(test)]
 mod testing;

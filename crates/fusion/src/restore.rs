@@ -16,6 +16,7 @@ use crate::manoeuvres::{CLASSES, Class};
 use crate::numbering;
 use crate::registration::{KeptErrors, Pair};
 use crate::source_model::SourceModel;
+use crate::suspects::Suspects;
 use crate::system_tracks::{KeptTrack, SystemSlot};
 use crate::tracks::Member;
 
@@ -149,6 +150,13 @@ impl Engine {
     pub fn keep_position(&mut self, source: u16, position: Position) {
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
             checkpoint.write(Kind::Positions, usize::from(source), &position);
+        }
+    }
+
+    /// Stores the reports in which fusion has died.
+    pub fn keep_suspects(&mut self, suspects: &Suspects) {
+        if let Some(checkpoint) = &mut self.tracks.checkpoint {
+            checkpoint.write(Kind::Suspects, 0, suspects);
         }
     }
 

@@ -127,6 +127,7 @@
 #define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`. */
 #define KOSEKI_STEP_HOST_OFFSET UINT64_C(0x9) /* The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset. */
 #define KOSEKI_STEP_SOURCE_CLOCK UINT64_C(0xa) /* The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it. */
+#define KOSEKI_STEP_QUARANTINE UINT64_C(0xb) /* The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */

@@ -129,6 +129,7 @@ STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows
 STEP_IMAGE = 0x8  # An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
 STEP_HOST_OFFSET = 0x9  # The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
 STEP_SOURCE_CLOCK = 0xa  # The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
+STEP_QUARANTINE = 0xb  # The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.

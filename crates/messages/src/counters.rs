@@ -371,6 +371,8 @@ counters! {
         "Level: 1 once the launcher stops the deployment.";
     ScanPeriodMs = "scan_period_ms", Level by [],
         "Level: milliseconds that a turn takes, by which an adapter cuts detections into scans; 0 until it is known.";
+    Quarantined = "quarantined", FusionRejection by [Fusion],
+        "Reports passed over because fusion had died twice while it worked them off.";
 }
 
 #[cfg(test)]

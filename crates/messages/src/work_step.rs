@@ -27,6 +27,9 @@ codes! {
         HostOffset = 9, "host_offset";
         /// The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
         SourceClock = 10, "source_clock";
+        /// The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the
+        /// report twice.
+        Quarantine = 11, "quarantine";
     }
 }
 

@@ -11,6 +11,7 @@
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
 //!   loop ── decisions, where they are asked for ──▶ housekeeper ──▶ topic `system/decisions`
 //!   loop ── what it starts from, or has ──────────▶ housekeeper ──▶ topic `system/restored`
+//!   loop ── reports in quarantine ────────────────▶ housekeeper ──▶ a file in the base folder
 //! ```
 //!
 //! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
@@ -20,6 +21,8 @@
 //! The housekeeper is started before the loop takes its core and priority, which threads inherit, and stays away from
 //! that core.
 
+use std::fs::OpenOptions;
+use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, mpsc};
 use std::thread::JoinHandle;
@@ -28,13 +31,14 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Root, SharedMemory, Subscriber};
 use crossbeam_queue::ArrayQueue;
-use messages::{Control, Decision, Health, LifeState, RESTORED_WORDS, Restored};
+use messages::layout::Sample as _;
+use messages::{Control, Decision, Health, LifeState, RESTORED_WORDS, Restored, SensorTrack};
 
 use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
 use crate::cores;
 use crate::health::{HealthEntry, Reporter};
-use crate::instance::Deployment;
+use crate::instance::{Deployment, QUARANTINED};
 use crate::process::Process;
 
 /// Orders that wait for the loop.
@@ -43,6 +47,8 @@ const ORDERS_MAX: usize = 16;
 const DECISIONS_MAX: usize = 8192;
 /// Changes of part that wait to be said.
 const NAMES_MAX: usize = 4;
+/// Reports in quarantine that wait to be written.
+const QUARANTINED_MAX: usize = 4;
 /// Buffers that go back and forth.
 const BUFFERS: usize = 2;
 /// Slices of what a loop has started from that are published at a time: however many there are, a reader that looks in
@@ -60,6 +66,8 @@ pub struct Queues {
     pub decisions: Option<ArrayQueue<Decision>>,
     /// What the loop has started from, or has.
     pub restored: ArrayQueue<Whole>,
+    /// Reports in quarantine, to be written to a file.
+    pub quarantined: ArrayQueue<SensorTrack>,
     /// Names by which the process goes from now on: it has changed its part.
     pub names: ArrayQueue<&'static str>,
 }
@@ -112,6 +120,7 @@ impl Queues {
             orders: ArrayQueue::new(ORDERS_MAX),
             decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
             restored: ArrayQueue::new(1),
+            quarantined: ArrayQueue::new(QUARANTINED_MAX),
             names: ArrayQueue::new(NAMES_MAX),
         })
     }
@@ -344,6 +353,9 @@ fn keep_house(
             publish_decisions(queue, publisher)?;
         }
         whole.go_on(&desk.queues.restored)?;
+        while let Some(report) = desk.queues.quarantined.pop() {
+            write_quarantined(whole.bus.root(), &report);
+        }
         let orders = &desk.queues.orders;
         let room = orders.capacity() - orders.len();
         control.take(room, |_, slice| {
@@ -356,6 +368,28 @@ fn keep_house(
             return Ok(());
         }
         std::thread::sleep(PAUSE);
+    }
+}
+
+/// Appends a report in quarantine, as the bytes of its sample, to a file in the base folder.
+fn write_quarantined(root: &Root, report: &SensorTrack) {
+    let path = root.base().join(format!("{}.report-{QUARANTINED}", root.instance()));
+    let file = OpenOptions::new().create(true).append(true).open(&path);
+    let written = file.and_then(|mut file| file.write_all(SensorTrack::octets(std::slice::from_ref(report))));
+    let what = format!(
+        "fusion died twice in the same report (source {}, track {}, number {}); the report is in quarantine",
+        report.source, report.track_number, report.sequence
+    );
+    match written {
+        Ok(()) => eprintln!(
+            "warning: {what}; the report is in {}, the checkpoint before it in {}.checkpoint-{QUARANTINED} beside it",
+            path.display(),
+            root.instance()
+        ),
+        Err(error) => eprintln!(
+            "warning: {what}; writing the report to {} failed: {error}",
+            path.display()
+        ),
     }
 }
 

@@ -36,6 +36,9 @@ const PROGRESS_PUBLISHERS: usize = 4;
 /// too, but for an orderly end.
 pub const CHECKPOINT: &str = "checkpoint";
 
+/// Ending of the names of files in the base folder that keep a report in quarantine and the checkpoint before it.
+pub const QUARANTINED: &str = "quarantined";
+
 /// Name of the file, in the instance's folder, whose lock the fusion that leads holds where another one stands by.
 pub const FUSION_LEADS: &str = "fusion-leads";
 

@@ -6,9 +6,11 @@ use std::time::Duration;
 use bus::{Bus, Transport, Waiter};
 use configuration::{Config, Order, Source};
 use fusion::checkpoint::Position;
+use fusion::suspects::Verdict;
 use fusion::{Engine, Merger, Pushed};
 use messages::{
-    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Restored, Stream, StreamId, TrackState,
+    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Restored, SensorTrack, Stream, StreamId,
+    TrackState,
 };
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
@@ -18,7 +20,7 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 use crate::clocks::Clocks;
 use crate::continuity::{Keeping, Start, TakeOver};
 use crate::inputs::{Input, Taken};
-use crate::order::OrderOfWork;
+use crate::order::{Numbered, OrderOfWork};
 use crate::output::Output;
 use crate::source_time::{Common, SourceTime};
 
@@ -334,16 +336,18 @@ impl<S: Transport> FusionAgent<S> {
             return Ok(());
         };
         let passed_ns = self.passed_ns(now);
-        let (input, output) = (&self.inputs[index], &mut self.output);
-        // Before: no report is worked off twice.
-        let position = Position {
-            incarnation: number.publisher,
-            next_sequence: number.sequence.wrapping_add(1),
-        };
-        self.engine.keep_position(input.source, position);
-        self.engine.take_at(&report, passed_ns, output);
-        self.order.report(input.source, number, self.engine.now_ns());
-        self.progress_ns = self.progress_ns.max(input.progress_ns);
+        let source = self.inputs[index].source;
+        let keeping = self.keeping.as_ref();
+        let verdict = keeping.map_or(Verdict::Sound, |keeping| keeping.begin_report(source, number));
+        if verdict != Verdict::Quarantine {
+            self.engine.take_at(&report, passed_ns, &mut self.output);
+            self.keep_position(source, number);
+            self.order.report(source, number, self.engine.now_ns());
+        }
+        if verdict != Verdict::Sound {
+            self.pass_suspect(&report, number, verdict);
+        }
+        self.progress_ns = self.progress_ns.max(self.inputs[index].progress_ns);
         if last || self.output.waiting() >= SENT_TOGETHER {
             self.output.send(self.progress_ns, false)?;
         }
@@ -352,6 +356,33 @@ impl<S: Transport> FusionAgent<S> {
             self.inputs[index].reach(mono_ns)?;
         }
         Ok(())
+    }
+
+    /// Stores that a report has been worked off: after the work, so that a successor works a report off again in which
+    /// this process dies, and before the event log has the report, so that no report is in the log twice.
+    #[inline]
+    fn keep_position(&mut self, source: u16, number: Numbered) {
+        let position = Position {
+            incarnation: number.publisher,
+            next_sequence: number.sequence.wrapping_add(1),
+        };
+        self.engine.keep_position(source, position);
+    }
+
+    /// Goes past a report in which fusion has died. A report in quarantine has no effect but a count, and is kept.
+    #[cold]
+    fn pass_suspect(&mut self, report: &SensorTrack, number: Numbered, verdict: Verdict) {
+        let source = report.source;
+        if verdict == Verdict::Quarantine {
+            self.order.quarantine(source, number, self.engine.now_ns());
+            self.keep_position(source, number);
+            self.engine.counts_mut().add(source, Counter::Quarantined);
+            // Further reports are counted, and not kept.
+            let _ = self.queues.quarantined.push(*report);
+        }
+        if let Some(keeping) = &mut self.keeping {
+            keeping.clear(&mut self.engine, source, number);
+        }
     }
 
     /// Order `time`: reports wait until their turn has come.

@@ -9,19 +9,21 @@
 //! at a place that depends on the time of day, so that no number comes again within a day.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
 
-use bus::{Root, Transport};
-use configuration::{Checkpoint, Process};
-use fusion::checkpoint::{Clock, Layout, Snapshot};
+use bus::{Outlasting, Root, Transport};
+use configuration::Checkpoint;
+use fusion::checkpoint::{Clock, IN_WORK, Layout, Memory as _, Snapshot};
 use fusion::numbering::anew;
+use fusion::suspects::{Suspects, Verdict, report_key};
 use fusion::{Engine, Sink};
 use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::housekeeping::Whole;
-use runtime::instance::CHECKPOINT;
+use runtime::instance::{CHECKPOINT, QUARANTINED};
 
 use crate::inputs::Input;
-use crate::order::OrderOfWork;
+use crate::order::{Numbered, OrderOfWork};
 
 /// Time between two notes that the process lives, nanoseconds.
 const NOTE_NS: i64 = 1_000_000;
@@ -58,6 +60,8 @@ enum Found {
         ends: bool,
         /// Whether it is a copy, from before the machine died.
         is_revived: bool,
+        /// Reports in which fusion has died.
+        suspects: Suspects,
     },
     /// There was one, and nothing is known of it.
     Refused,
@@ -65,8 +69,7 @@ enum Found {
 
 impl Start {
     /// Looks for what the fusion before this one has left, while it writes no more.
-    pub(crate) fn look(process: &Process, settings: Checkpoint, engine: &Engine, now: Now) -> Self {
-        let root = process.bus.root();
+    pub(crate) fn look(root: &Root, settings: Checkpoint, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
         let found = find(root, settings, &layout, now);
         let last = match &found {
@@ -90,6 +93,14 @@ impl Start {
                 .clock()
                 .map_or((0, 0), |clock| (clock.ahead_ns, clock.host_offset_ns)),
             _ => (0, 0),
+        }
+    }
+
+    /// Reports in which fusion has died.
+    fn suspects(&self) -> Suspects {
+        match self.found {
+            Found::Tracks { suspects, .. } => suspects,
+            _ => Suspects::default(),
         }
     }
 
@@ -129,6 +140,7 @@ impl Start {
                 snapshot,
                 ends,
                 is_revived,
+                ..
             } => {
                 order.restored();
                 engine.resume(snapshot, *ends, sink);
@@ -144,19 +156,21 @@ impl Start {
             }
             Found::Refused => begin_anew(engine, order, now),
         }
-        let mut keeping = Keeping::new(self.epoch, now);
-        keeping.clock.ahead_ns = self.clocks().0;
         let kept = self
             .root
             .make_outlasting(CHECKPOINT, self.layout.len())
             .and_then(|memory| {
                 let memory = Arc::new(memory);
                 engine.keep_checkpoint(Box::new(Arc::clone(&memory)));
+                let mut keeping = Keeping::new(memory, self.epoch, self.suspects(), now);
+                keeping.clock.ahead_ns = self.clocks().0;
+                engine.keep_suspects(&keeping.suspects);
                 keeping.note(engine, now);
-                memory.publish()
+                keeping.memory.publish()?;
+                Ok(keeping)
             });
         match kept {
-            Ok(()) => Ok(Some(keeping)),
+            Ok(keeping) => Ok(Some(keeping)),
             Err(error) => {
                 eprintln!("warning: going on without a checkpoint: {error}");
                 Ok(None)
@@ -185,7 +199,13 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
             Ok(snapshot) => {
                 let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
                 let ends = age_ns.is_none_or(|age_ns| age_ns > settings.max_age_ns);
+                let suspects = Suspects::found(memory.words(), &snapshot);
+                if suspects.has_quarantined() {
+                    // The state before the report, to reproduce the fault with.
+                    root.copy_outlasting_aside(CHECKPOINT, QUARANTINED);
+                }
                 Found::Tracks {
+                    suspects,
                     snapshot: Box::new(snapshot),
                     ends,
                     is_revived: memory.is_revived(),
@@ -197,9 +217,11 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
     }
 }
 
-/// Keeps what changes without a report.
+/// Keeps what changes without a report, and names the report in work.
 #[derive(Debug)]
 pub(crate) struct Keeping {
+    memory: Arc<Outlasting>,
+    suspects: Suspects,
     clock: Clock,
     noted_ns: i64,
     /// When the present round over what was learned began, and how many of its records are written.
@@ -208,8 +230,10 @@ pub(crate) struct Keeping {
 }
 
 impl Keeping {
-    fn new(epoch: u64, now: Now) -> Self {
+    fn new(memory: Arc<Outlasting>, epoch: u64, suspects: Suspects, now: Now) -> Self {
         Self {
+            memory,
+            suspects,
             clock: Clock {
                 epoch,
                 process_id: std::process::id(),
@@ -219,6 +243,25 @@ impl Keeping {
             round_ns: now.mono_ns,
             written: 0,
         }
+    }
+
+    /// Names the report that is about to be worked off. Returns whether the report is in quarantine.
+    #[inline]
+    pub(crate) fn begin_report(&self, source: u16, report: Numbered) -> Verdict {
+        let key = report_key(source, report.publisher, report.sequence);
+        self.memory.words()[IN_WORK].store(key, Relaxed);
+        match self.suspects.is_empty() {
+            true => Verdict::Sound,
+            false => self.suspects.verdict(key),
+        }
+    }
+
+    /// Fusion is past a suspect, and lives.
+    #[cold]
+    pub(crate) fn clear(&mut self, engine: &mut Engine, source: u16, report: Numbered) {
+        self.suspects
+            .clear(report_key(source, report.publisher, report.sequence));
+        engine.keep_suspects(&self.suspects);
     }
 
     /// Does what is due.

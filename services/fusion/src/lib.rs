@@ -19,6 +19,8 @@ mod inputs;
 mod order;
 mod output;
 mod part;
+#[cfg(test)]
+mod quarantine_tests;
 mod source_time;
 mod standby;
 

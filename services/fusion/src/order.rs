@@ -39,11 +39,7 @@ impl OrderOfWork {
     /// A report was worked off, and time has passed up to `passed_ns`.
     #[inline]
     pub(crate) fn report(&mut self, source: u16, report: Numbered, passed_ns: i64) {
-        let last = &mut self.publishers[usize::from(source)];
-        if *last != Some(report.publisher) {
-            *last = Some(report.publisher);
-            self.write(StepKind::Publisher, source, 0, report.publisher.cast_signed());
-        }
+        self.publisher(source, report.publisher);
         self.log.write(&WorkStep {
             time_ns: passed_ns,
             sequence: report.sequence as u32,
@@ -51,6 +47,23 @@ impl OrderOfWork {
             kind: StepKind::Report as u8,
             flags: u8::from(report.is_wild) * work_step_bits::WILD_CLOCK,
         });
+    }
+
+    /// The report is in quarantine, and has no effect.
+    #[cold]
+    pub(crate) fn quarantine(&mut self, source: u16, report: Numbered, passed_ns: i64) {
+        self.publisher(source, report.publisher);
+        self.write(StepKind::Quarantine, source, report.sequence as u32, passed_ns);
+    }
+
+    /// The next reports of `source` are those of `publisher`.
+    #[inline]
+    fn publisher(&mut self, source: u16, publisher: u64) {
+        let last = &mut self.publishers[usize::from(source)];
+        if *last != Some(publisher) {
+            *last = Some(publisher);
+            self.write(StepKind::Publisher, source, 0, publisher.cast_signed());
+        }
     }
 
     /// Time has passed up to `passed_ns`, and changed something.

@@ -80,7 +80,7 @@ impl<'a> Part<'a> {
         let incarnation = self.process.incarnation;
         // Recordings come again.
         let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
-        let start = kept.map(|settings| Start::look(self.process, settings, &ready.engine, now));
+        let start = kept.map(|settings| Start::look(bus.root(), settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
             // There is one start, and room for it.

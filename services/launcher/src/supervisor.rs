@@ -431,7 +431,13 @@ impl<'a> Supervisor<'a> {
         let keeper_cannot_use_it = is_keeper && !end.is_killed();
         // Who stands still once may have been stopped by somebody; but its successor, too?
         let was_stopped = matches!(end, End::StoodStill(_)) && child.failures() == 1;
-        let is_suspect = !was_stopped && end.may_be_of_memory() && self.suspicion.raise(now, index, child.failures());
+        // Leader and standby read the same: a report in which one dies may be the end of the other.
+        let readers_kind = |other: &Child| other.part().kind == ProcessKind::Fusion;
+        let reader = match child.part().kind {
+            ProcessKind::Fusion => self.children.iter().position(readers_kind).unwrap_or(index),
+            _ => index,
+        };
+        let is_suspect = !was_stopped && end.may_be_of_memory() && self.suspicion.raise(now, reader, child.failures());
         if (keeper_cannot_use_it && !was_stopped) || is_suspect {
             self.corrupt = Some(format!("{} {end}", child.part().title()));
         }

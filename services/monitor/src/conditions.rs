@@ -75,6 +75,12 @@ const GROWING: &[Growing] = {
             &[Adapter, Gateway],
         ),
         (
+            AlarmKind::ReportQuarantined,
+            &[Counter::Quarantined],
+            "report",
+            &[Fusion],
+        ),
+        (
             AlarmKind::LayoutMismatch,
             &[Counter::RejectedSchema],
             "slice",

@@ -180,6 +180,11 @@ impl Again {
                         }
                     }
                 },
+                // The report has no effect, but its place in the order of its publisher.
+                Some(StepKind::Quarantine) => match self.find(step.source, step.sequence) {
+                    Found::NotYet if can_wait => return Ok(()),
+                    Found::NotYet | Found::Report(_) | Found::Missing => {}
+                },
                 Some(StepKind::Publisher) => {
                     if let Some(publisher) = self.publishers.get_mut(usize::from(step.source)) {
                         *publisher = step.time_ns.cast_unsigned();

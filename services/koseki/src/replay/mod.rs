@@ -1,6 +1,8 @@
 //! `koseki replay`: a recording of all topics, fused again as it was, bit for bit (FM-10), or otherwise.
 
 mod again;
+#[cfg(test)]
+mod again_tests;
 mod live;
 mod verification;
 
