@@ -184,6 +184,19 @@ pub enum Error {
         /// The field reference number.
         frn: u8,
     },
+    /// A latitude beyond a pole in a record that another edition reads without one: wrong edition.
+    #[error(
+        "byte {offset}: category {category:03}: latitude {latitude_deg}°, the limit is 90°: \
+         another edition fits"
+    )]
+    LatitudeImpossible {
+        /// Offset of the record.
+        offset: usize,
+        /// The category.
+        category: u8,
+        /// The latitude, rounded away from zero, degrees.
+        latitude_deg: i32,
+    },
     /// A spare bit is set; an error in strict mode only.
     #[error("byte {offset}: I{category:03}/{item} has a spare bit set, expected all zero")]
     SpareBitSet {
@@ -214,6 +227,7 @@ impl Error {
             | Self::ExtensionUndefined { offset, .. }
             | Self::SubitemUndefined { offset, .. }
             | Self::SequenceUndefined { offset, .. }
+            | Self::LatitudeImpossible { offset, .. }
             | Self::SpareBitSet { offset, .. } => offset,
         }
     }
@@ -235,6 +249,7 @@ impl Error {
             | Self::ExtensionUndefined { category, .. }
             | Self::SubitemUndefined { category, .. }
             | Self::SequenceUndefined { category, .. }
+            | Self::LatitudeImpossible { category, .. }
             | Self::SpareBitSet { category, .. } => Some(category),
         }
     }
@@ -268,6 +283,7 @@ impl Error {
             Self::ExplicitLength { .. } => "explicit item of length 0",
             Self::ExtensionUndefined { .. } => "undefined extension",
             Self::SubitemUndefined { .. } => "undefined subitem",
+            Self::LatitudeImpossible { .. } => "impossible latitude",
             Self::SequenceUndefined { .. } => "undefined item in a sequence",
             Self::SpareBitSet { .. } => "spare bit set",
         }

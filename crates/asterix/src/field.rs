@@ -333,6 +333,19 @@ pub const fn added(editions: &[&Category], path: &[&str]) -> Field {
     field
 }
 
+/// The elements of this name in the items of `table`: one an item, not those in subitems.
+pub fn named(table: &Category, name: &str) -> Vec<Elements<1>> {
+    let items = table.uap().items.iter().zip(1..);
+    let found = items.filter_map(|(item, frn)| {
+        let field = find(&item.as_ref()?.layout, &[name], table.edition)?;
+        Some(Elements {
+            item: Frn(frn),
+            fields: [field],
+        })
+    });
+    found.collect()
+}
+
 impl Field {
     const fn is_like(self, other: Self) -> bool {
         self.byte == other.byte

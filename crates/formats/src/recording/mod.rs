@@ -14,6 +14,8 @@
 //! - A **block** is given as a whole or not at all: only if its records fill it to the last octet.
 //! - A **category** is given only if at least half of its blocks fit. Otherwise it is *withheld*, and the survey says
 //!   which other editions fit the blocks that this one does not.
+//! - A block with a latitude beyond a pole does not fit if another edition fits the block without such a value. An
+//!   edition that the caller has chosen is not doubted so.
 //!
 //! So a recording is read twice: once to [survey](Recording::survey) it, once to give its
 //! [records](Recording::for_each). Finding the items of all records costs little beside decoding them.
@@ -31,11 +33,15 @@ pub use expansions::{Expansions, Failures};
 pub use refusals::{Refusal, Refusals};
 pub use statistics::{Rate, Sender, SenderSummary, Statistics};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::containers::{Container, Counts, Datagram, Datagrams, TimeStamp};
 use asterix::choice::ChosenEdition;
+use asterix::field::{self, Elements};
 use asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
+
+/// Largest latitude, degrees.
+const POLE_DEG: f64 = 90.0;
 
 /// The bytes of a recording, and how to read them.
 #[derive(Debug, Clone)]
@@ -43,6 +49,8 @@ pub struct Recording<'a> {
     bytes: &'a [u8],
     container: Container,
     tables: BTreeMap<u8, &'static Category>,
+    /// Categories whose edition the caller has chosen.
+    chosen: BTreeSet<u8>,
     mode: Mode,
 }
 
@@ -81,6 +89,8 @@ pub struct CategorySurvey {
     pub records: u64,
     /// For each other edition, how many of the blocks refused fit it; the default first, then by number.
     pub others: Vec<(Edition, u64)>,
+    /// Latitudes in its records, where impossible ones count against the edition.
+    latitudes: Vec<Elements<1>>,
 }
 
 impl<'a> Recording<'a> {
@@ -90,6 +100,7 @@ impl<'a> Recording<'a> {
             bytes,
             container: Container::detect(bytes),
             tables: registry::defaults().map(|table| (table.number, table)).collect(),
+            chosen: BTreeSet::new(),
             mode: Mode::Lenient,
         }
     }
@@ -111,6 +122,7 @@ impl<'a> Recording<'a> {
     /// Reads a category with this edition's table instead of the default.
     pub fn with_table(mut self, table: &'static Category) -> Self {
         self.tables.insert(table.number, table);
+        self.chosen.insert(table.number);
         self
     }
 
@@ -154,9 +166,13 @@ impl<'a> Recording<'a> {
                 }
             };
             let table = self.tables.get(&block.category).copied();
-            let category = categories
-                .entry(block.category)
-                .or_insert_with(|| CategorySurvey::new(block.category, table));
+            let category = categories.entry(block.category).or_insert_with(|| {
+                let mut category = CategorySurvey::new(block.category, table);
+                if self.chosen.contains(&block.category) {
+                    category.latitudes.clear();
+                }
+                category
+            });
             if let Err(error) = category.add(&block, table, self.mode) {
                 refusals.error(&error, block.bytes.len());
             }
@@ -173,7 +189,7 @@ impl<'a> Recording<'a> {
                 let Some((table, category)) = self.believed(survey, block.category) else {
                     continue;
                 };
-                if category.blocks_refused > 0 && fit(&block, table, self.mode).is_err() {
+                if category.blocks_refused > 0 && category.judge(&block, table, self.mode).is_err() {
                     continue;
                 }
                 for record in block.records(table, self.mode).flatten() {
@@ -210,6 +226,7 @@ impl CategorySurvey {
             blocks_refused: 0,
             records: 0,
             others: others.map(|other| (other.edition, 0)).collect(),
+            latitudes: table.map(latitudes).unwrap_or_default(),
         }
     }
 
@@ -232,7 +249,7 @@ impl CategorySurvey {
     pub fn add(&mut self, block: &Block<'_>, table: Option<&'static Category>, mode: Mode) -> Result<(), Error> {
         self.blocks += 1;
         let fitted = match table {
-            Some(table) => fit(block, table, mode),
+            Some(table) => self.judge(block, table, mode),
             None => Err(Error::NoTable {
                 offset: block.offset,
                 category: block.category,
@@ -244,20 +261,64 @@ impl CategorySurvey {
                 self.blocks_refused += 1;
                 for (edition, fitting) in &mut self.others {
                     let other = registry::find(block.category, *edition);
-                    *fitting += u64::from(other.is_some_and(|other| fit(block, other, mode).is_ok()));
+                    *fitting += u64::from(other.is_some_and(|other| fits_well(block, other, mode)));
                 }
             }
         }
         fitted.map(|_| ())
     }
+
+    /// The number of records in a block, if they fill the block and their latitudes do not tell of another edition.
+    ///
+    /// # Errors
+    /// Fault of the first that does not fit.
+    fn judge(&self, block: &Block<'_>, table: &'static Category, mode: Mode) -> Result<u64, Error> {
+        match fit(block, table, mode, &self.latitudes)? {
+            (_, Some(impossible)) if self.has_better(block, mode) => Err(impossible),
+            (records, _) => Ok(records),
+        }
+    }
+
+    /// Whether another edition reads a block without an impossible latitude.
+    fn has_better(&self, block: &Block<'_>, mode: Mode) -> bool {
+        let mut others = self.others.iter();
+        others.any(|(edition, _)| {
+            registry::find(block.category, *edition).is_some_and(|other| fits_well(block, other, mode))
+        })
+    }
 }
 
-/// The number of records in a block, if they fill it.
+fn latitudes(table: &Category) -> Vec<Elements<1>> {
+    field::named(table, "LAT")
+}
+
+fn fits_well(block: &Block<'_>, table: &'static Category, mode: Mode) -> bool {
+    matches!(fit(block, table, mode, &latitudes(table)), Ok((_, None)))
+}
+
+/// The number of records in a block, if they fill it, and the first of these `latitudes` beyond a pole, if there is one.
 ///
 /// # Errors
 /// Fault of the first that does not fit.
-fn fit(block: &Block<'_>, table: &'static Category, mode: Mode) -> Result<u64, Error> {
+fn fit(
+    block: &Block<'_>,
+    table: &'static Category,
+    mode: Mode,
+    latitudes: &[Elements<1>],
+) -> Result<(u64, Option<Error>), Error> {
     block
         .records(table, mode)
-        .try_fold(0, |count, record| record.map(|_| count + 1))
+        .try_fold((0, None), |(count, impossible), record| {
+            let record = record?;
+            let beyond = || {
+                let values = latitudes.iter().filter_map(|latitude| latitude.quantity(&record));
+                values.map(f64::to_degrees).find(|degrees| degrees.abs() > POLE_DEG)
+            };
+            let error = |latitude: f64| Error::LatitudeImpossible {
+                offset: record.offset(),
+                category: block.category,
+                latitude_deg: (latitude.signum() * latitude.abs().ceil()) as i32,
+            };
+            Ok((count + 1, impossible.or_else(|| beyond().map(error))))
+        })
 }

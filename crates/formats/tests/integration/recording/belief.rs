@@ -87,6 +87,49 @@ fn the_editions_that_fit_are_named() {
     assert_eq!((given.len(), survey.categories[&21].better()), (3, None));
 }
 
+/// Fits ed 2.4 with a latitude of 217°, and ed 0.24 to 0.26 with one of 41.3°.
+#[test]
+fn an_impossible_latitude_counts_against_the_edition_unless_the_caller_has_chosen_it() {
+    let report = vec![
+        0b1101_0010,
+        0,
+        107,
+        1,
+        1,
+        0x00,
+        0x75,
+        0x4D,
+        0x10,
+        0x00,
+        0x06,
+        0x10,
+        0x00,
+        0x00,
+        0x00,
+    ];
+    let bytes = block(21, &[report]).repeat(2);
+    let (survey, given) = read(&Recording::new(&bytes));
+    let category = &survey.categories[&21];
+    assert_eq!((category.is_withheld(), given.len()), (true, 0));
+    let (editions, blocks) = category.better().unwrap();
+    assert_eq!(
+        (editions.contains(&Edition::new(0, 26)), blocks),
+        (true, 2),
+        "{editions:?}"
+    );
+    let refusal = survey.refusals.by_count()[0];
+    assert_eq!(refusal.reason, "impossible latitude");
+    assert!(
+        refusal.first.contains("latitude 217°, the limit is 90°"),
+        "{}",
+        refusal.first
+    );
+    let (survey, given) = read(&in_edition(&bytes, 21, 0, 26));
+    assert_eq!((survey.categories[&21].is_withheld(), given.len()), (false, 2));
+    let (survey, given) = read(&in_edition(&bytes, 21, 2, 4));
+    assert_eq!((survey.categories[&21].is_withheld(), given.len()), (false, 2));
+}
+
 #[test]
 fn where_no_edition_fits_none_is_named() {
     let bytes = block(21, &[vec![0xFF; 4]]);
