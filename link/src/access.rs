@@ -1,7 +1,7 @@
 //! Access control: which other link may have, and give, which keys.
 //!
-//! Where a link names those it deals with, whatever is not said here is refused: each of them may ask for the topics
-//! that it may have, all of them may give what this link takes, and compare clocks. Zenoh's interceptors see to it at
+//! Where a link names those it deals with, whatever is not listed here is refused: each of them may ask for the topics
+//! that it may have, may give what this link takes of its own deployment, and may compare clocks. Zenoh's interceptors see to it at
 //! the network's edge, by the common name of the certificate or by the user.
 
 use configuration::Link;
@@ -44,11 +44,6 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
         }
     };
     allow(&mut common, "clocks", &["koseki-clock/**".to_owned()], &ALL, &ALL);
-    let given = link.receive.iter();
-    let given: Vec<String> = given
-        .map(|topic| keys::topic_of_any_layout(&topic.deployment, &topic.topic))
-        .collect();
-    allow(&mut common, "given", &given, &["put"], &["declare_subscriber"]);
     let mut subjects = Vec::new();
     let mut policies = Vec::new();
     for (index, peer) in link.peers.iter().enumerate() {
@@ -57,6 +52,7 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
             .iter()
             .map(|topic| keys::topic_of_any_layout(deployment, topic))
             .collect();
+        had.extend(had.clone().iter().map(|key| keys::again(key)));
         if peer.read.iter().any(|topic| topic == system_tracks().name.as_str()) {
             had.push(keys::picture::<SystemTrack>(deployment));
         }
@@ -64,6 +60,12 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
         let id = format!("had-{index}");
         let (asked, answered) = (["declare_subscriber", "query"], ["put", "reply", "declare_queryable"]);
         allow(&mut own, &id, &had, &asked, &answered);
+        let of_peer = link.receive.iter().filter(|topic| topic.deployment == peer.deployment);
+        let mut given: Vec<String> = of_peer
+            .map(|topic| keys::topic_of_any_layout(&topic.deployment, &topic.topic))
+            .collect();
+        given.extend(given.clone().iter().map(|key| keys::again(key)));
+        allow(&mut own, &format!("given-{index}"), &given, &answered, &asked);
         let mut identities = Vec::new();
         for (kind, is_used) in [
             ("cert_common_names", link.tls.is_some()),

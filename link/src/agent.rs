@@ -17,10 +17,12 @@ use zenoh::{Session, Wait as _};
 
 use crate::clocks::{self, Clocks, Comparison};
 use crate::feed;
+use crate::history::{self, History, Position, SharedHistory};
 use crate::inbound::Inbound;
 use crate::keys;
 use crate::outbound::{self, Outbound, Sender, SharedPicture, Stream, Tracks};
 use crate::outbox::Outbox;
+use crate::refused;
 use crate::session;
 use crate::wire::{Head, Part};
 
@@ -41,7 +43,12 @@ pub(crate) struct LinkAgent {
     /// Deployments that something is to come from.
     expected: Vec<String>,
     /// Before the session.
-    _there: (Queryable<()>, Option<Queryable<()>>, LivelinessToken),
+    _there: (
+        Queryable<()>,
+        Option<Queryable<()>>,
+        Vec<Queryable<()>>,
+        LivelinessToken,
+    ),
     session: Session,
 }
 
@@ -69,6 +76,8 @@ impl LinkAgent {
             lanes: Vec::new(),
             keys: Vec::new(),
             picture: None,
+            histories: Vec::new(),
+            history_room: link.queue_octets / link.send.len().max(1),
             sender,
         };
         for topic in &link.send {
@@ -85,6 +94,11 @@ impl LinkAgent {
             .picture
             .map(|picture| tell_picture(&session, deployment, sender, picture));
         let picture = picture.transpose().map_err(|error| refused("the picture", error))?;
+        let histories = open.histories.into_iter().map(|(lane, history)| {
+            let key = &open.keys[lane];
+            send_again(&session, key, sender, history).map_err(|error| refused(key, error))
+        });
+        let histories = histories.collect::<anyhow::Result<Vec<_>>>()?;
         let own_clock = keys::clock(deployment, &link.name);
         let clock =
             clocks::answer(&session, &own_clock, link.pretended_ns).map_err(|error| refused("the clock", error))?;
@@ -108,7 +122,7 @@ impl LinkAgent {
             own_clock,
             compare_ns: i64::MIN,
             expected,
-            _there: (clock, picture, token),
+            _there: (clock, picture, histories, token),
             session,
         })
     }
@@ -122,6 +136,10 @@ struct Open<'a> {
     /// Keys of the lanes.
     keys: Vec<String>,
     picture: Option<SharedPicture>,
+    /// What was sent lately, with the place of its lane.
+    histories: Vec<(usize, SharedHistory)>,
+    /// Bytes of each history.
+    history_room: usize,
     sender: Sender,
 }
 
@@ -141,7 +159,11 @@ impl Visitor for &mut Open<'_> {
                 }
                 Box::new(Tracks::open(bus, topic, lane, joined_ns, picture)?)
             }
-            None => Box::new(Stream::open(bus, &topic, lane, joined_ns)?),
+            None => {
+                let history = History::with_room(self.history_room);
+                self.histories.push((self.lanes.len(), Arc::clone(&history)));
+                Box::new(Stream::open(bus, &topic, lane, joined_ns, history)?)
+            }
         };
         self.waiter.watch(bus, &topic)?;
         self.lanes.push(outbound);
@@ -171,6 +193,24 @@ fn tell_picture(
             };
             // Whoever asked is gone if it fails.
             let _ = query.reply(of_answers.as_str(), ZBytes::from(part.finish(head))).wait();
+        }
+    };
+    session.declare_queryable(key).callback(answer).wait()
+}
+
+/// Sends what was sent to `key` lately again, to whoever has missed some.
+fn send_again(session: &Session, key: &str, sender: Sender, history: SharedHistory) -> zenoh::Result<Queryable<()>> {
+    let key = keys::again(key);
+    let of_answers = key.clone();
+    let answer = move |query: Query| {
+        let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
+        let Some(position) = payload.and_then(|payload| Position::of_bytes(&payload)) else {
+            return;
+        };
+        let answers = history::lock(&history).after(position, sender.head(Now::read(), 0));
+        for answer in answers {
+            // Whoever asked is gone if it fails.
+            let _ = query.reply(of_answers.as_str(), ZBytes::from(answer)).wait();
         }
     };
     session.declare_queryable(key).callback(answer).wait()
@@ -212,7 +252,13 @@ impl Agent for LinkAgent {
         }
         self.inbound.report(&mut entry);
         entry.set(Counter::SendFailures, self.outbox.failures());
-        peers(entries, entry, &self.clocks.present(Now::read()), &self.expected);
+        peers(
+            entries,
+            entry,
+            &self.clocks.present(Now::read()),
+            &self.expected,
+            &self.session,
+        );
     }
 }
 
@@ -223,7 +269,11 @@ pub(crate) fn peers(
     mut entry: HealthEntry,
     present: &[(String, String, Comparison)],
     expected: &[String],
+    session: &Session,
 ) {
+    // Connected, and without an answer: the access control of the other link gives nothing.
+    let is_connected = || session.info().peers_zid().wait().next().is_some();
+    let why_missing = refused::own().or_else(|| is_connected().then_some("it does not name this host"));
     let ms = |ns: i64| ns as f64 / 1e6;
     let is_missing = |name: &&String| !present.iter().any(|(there, ..)| there == *name);
     let missing: Vec<&String> = expected.iter().filter(is_missing).collect();
@@ -242,8 +292,11 @@ pub(crate) fn peers(
             away / 2.0
         )
     });
-    let missing = missing.into_iter().map(|name| format!("{name} is not there"));
-    let notes: Vec<String> = missing.chain(there).collect();
+    let missing = missing.into_iter().map(|name| match why_missing {
+        Some(cause) => format!("{name} is not there: {cause}"),
+        None => format!("{name} is not there"),
+    });
+    let notes: Vec<String> = missing.chain(there).chain(refused::notes()).collect();
     entry.note = notes.join(", ");
     entries.push(entry);
     entries.extend(notes.into_iter().zip(0..).map(|(note, source)| HealthEntry {

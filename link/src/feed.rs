@@ -7,14 +7,19 @@
 //! as taken in when it came.
 
 use anyhow::anyhow;
-use bus::Payload;
+use bus::{Bus, Payload, SharedMemory};
+
 use configuration::{Config, Link, RemoteTopic};
 use frames::{FrameChange, SystemFrame};
 use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea, sensor_track_bits};
+use runtime::Now;
 
 use crate::frame::{self, Placed};
+use crate::in_order::{InOrder, Outlet};
 use crate::inbound::{Arrival, Counts, Inlet, Wanted};
-use crate::stand_in::StandIn;
+use crate::keys;
+use crate::stand_in::{Numbers, StandIn};
+use crate::wire::{Head, Slice};
 
 /// What `link` receives, for external sources of the deployment that `config` describes.
 ///
@@ -26,6 +31,7 @@ pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>
     let wanted = |remote: &RemoteTopic| {
         let mut parts = remote.into.split('/');
         let (kind, name) = (parts.next(), parts.next().unwrap_or_default().to_owned());
+        let again = keys::again(&keys::topic_of_any_layout(&remote.deployment, &remote.topic));
         let inlet: Box<dyn FnOnce() -> Box<dyn Inlet> + Send> = match kind {
             Some("sensor") if pictures.iter().any(|picture| picture.name.as_str() == remote.topic) => {
                 let uids: Vec<u32> = config.sources.iter().map(|source| source.uid).collect();
@@ -38,15 +44,15 @@ pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>
                     report.valid &= !unnamed;
                     Some(report)
                 };
-                Box::new(move || Feed::open(frame, messages::sensor_tracks(&name), report))
+                Box::new(move || Feed::open(None, frame, messages::sensor_tracks(&name), report))
             }
             Some("sensor") => {
                 let copy = |sample: &SensorTrack| Some(*sample);
-                Box::new(move || Feed::open(frame, messages::sensor_tracks(&name), copy))
+                Box::new(move || Feed::open(Some(again), frame, messages::sensor_tracks(&name), copy))
             }
             Some("wide-area") => {
                 let copy = |sample: &WideArea| Some(*sample);
-                Box::new(move || Feed::open(frame, messages::wide_area(&name), copy))
+                Box::new(move || Feed::open(Some(again), frame, messages::wide_area(&name), copy))
             }
             _ => return Err(anyhow!("{} is no topic that is fed from outside", remote.into)),
         };
@@ -71,21 +77,41 @@ struct Feed<R, T: Payload> {
 }
 
 impl<R: Payload, T: Outgoing + Payload + Placed> Feed<R, T> {
-    fn open(frame: SystemFrame, topic: Topic<T>, reading: impl Fn(&R) -> Option<T> + 'static) -> Box<dyn Inlet> {
-        Box::new(Self {
+    /// Takes what comes to `topic` here; what is missing can be had at the key `again`.
+    fn open(
+        again: Option<String>,
+        frame: SystemFrame,
+        topic: Topic<T>,
+        reading: impl Fn(&R) -> Option<T> + 'static,
+    ) -> Box<dyn Inlet> {
+        let feed = Self {
             stand_in: StandIn::new(topic),
             reading: Box::new(reading),
             frame,
             change: (FrameOrigin::default(), None),
-        })
+        };
+        Box::new(InOrder::new(feed, again))
     }
 }
 
-impl<R: Payload, T: Outgoing + Payload + Placed> Inlet for Feed<R, T> {
-    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = self.stand_in.read::<R>(&arrival, counts) else {
-            return Ok(());
-        };
+impl<R: Payload, T: Outgoing + Payload + Placed> Outlet for Feed<R, T> {
+    type Came = R;
+
+    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<R>>)> {
+        self.stand_in.read(arrival, counts)
+    }
+
+    fn numbers(&self) -> &Numbers {
+        &self.stand_in.numbers
+    }
+
+    fn publish(
+        &mut self,
+        bus: &Bus<SharedMemory>,
+        now: Now,
+        (head, (header, samples)): (&Head, &Slice<R>),
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
         if self.change.0 != head.frame {
             self.change = match frame::change(&head.frame, &self.frame) {
                 Some(change) => (head.frame, change),
@@ -95,28 +121,20 @@ impl<R: Payload, T: Outgoing + Payload + Placed> Inlet for Feed<R, T> {
                 }
             };
         }
-        let (change, now) = (self.change.1, arrival.now);
-        for (header, samples) in slices {
-            let Some(missing) = self.stand_in.missing(&header) else {
-                counts.rejected += 1;
-                continue;
-            };
-            counts.missing += missing;
-            let taken: Vec<T> = samples.iter().filter_map(&self.reading).collect();
-            counts.published += taken.len() as u64;
-            let origin = (&header, head.origin);
-            self.stand_in
-                .publish(arrival.bus, origin, &taken, now, |sample, sequence| {
-                    if sample.ingested_ns() == 0 {
-                        sample.came_in(now.mono_ns);
-                    }
-                    if let Some(change) = &change {
-                        sample.change_frame(change);
-                    }
-                    sample.leave(sequence, now.mono_ns);
-                })?;
-            self.stand_in.pass(&header, samples.len());
-        }
+        let change = self.change.1;
+        let taken: Vec<T> = samples.iter().filter_map(&self.reading).collect();
+        counts.published += taken.len() as u64;
+        let origin = (header, head.origin);
+        self.stand_in.publish(bus, origin, &taken, now, |sample, sequence| {
+            if sample.ingested_ns() == 0 {
+                sample.came_in(now.mono_ns);
+            }
+            if let Some(change) = &change {
+                sample.change_frame(change);
+            }
+            sample.leave(sequence, now.mono_ns);
+        })?;
+        self.stand_in.pass(header, samples.len());
         Ok(())
     }
 }

@@ -26,9 +26,11 @@ use crate::session::MESSAGE_MAX;
 /// Messages that wait to be published at most.
 const WAITING: usize = 1024;
 /// Their octets at most, whoever sends them.
-const WAITING_OCTETS: usize = 4 * MESSAGE_MAX;
+pub(crate) const WAITING_OCTETS: usize = 4 * MESSAGE_MAX;
 /// Longest sleep, so that the end is noticed.
 const SLEEP: Duration = Duration::from_millis(100);
+/// Time after which a question that nobody answers is at its end.
+const ANSWER_PATIENCE: Duration = Duration::from_secs(5);
 /// Time between two questions for what is lacking, nanoseconds.
 const ASK_NS: i64 = 500_000_000;
 /// The same at most, where something is lost again as soon as it has been had: a whole picture is much to send, and
@@ -81,8 +83,19 @@ pub(crate) struct Inbound {
     thread: Option<JoinHandle<anyhow::Result<()>>>,
 }
 
-/// A message and the place of its topic among those wanted.
-type Arrived = (usize, Vec<u8>);
+/// Something for the topic in this place among those wanted.
+struct Arrived {
+    index: usize,
+    what: What,
+}
+
+enum What {
+    Message(Vec<u8>),
+    /// A message that was asked for.
+    Answer(Vec<u8>),
+    /// No further answer comes to the latest question.
+    EndOfAnswers,
+}
 
 /// Where what comes waits for the thread.
 #[derive(Clone)]
@@ -98,11 +111,41 @@ impl Entrance {
         let has_room = self.octets.fetch_add(octets, Ordering::Relaxed) + octets <= WAITING_OCTETS;
         let message = has_room.then(|| sample.payload().to_bytes().into_owned());
         // What finds no room is missing from the sequence, and counted there; what is dropped at the end is not.
-        let offered = message.map(|message| self.sender.try_send((index, message)));
+        let offered = message.map(|message| {
+            let what = What::Message(message);
+            self.sender.try_send(Arrived { index, what })
+        });
         if let None | Some(Err(TrySendError::Full(_))) = offered {
             self.octets.fetch_sub(octets, Ordering::Relaxed);
             self.overrun.fetch_add(1, Ordering::Relaxed);
         }
+    }
+}
+
+/// Takes the answers to one question, and tells of their end.
+struct Answers {
+    index: usize,
+    entrance: Entrance,
+}
+
+impl Answers {
+    fn arrive(&self, sample: &Sample) {
+        let message = sample.payload().to_bytes().into_owned();
+        self.entrance.octets.fetch_add(message.len(), Ordering::Relaxed);
+        // Waits for room: the sender has more, and is to wait as well. It fails at the end of this process only.
+        let _ = self.entrance.sender.send(Arrived {
+            index: self.index,
+            what: What::Answer(message),
+        });
+    }
+}
+
+impl Drop for Answers {
+    fn drop(&mut self) {
+        let _ = self.entrance.sender.send(Arrived {
+            index: self.index,
+            what: What::EndOfAnswers,
+        });
     }
 }
 
@@ -209,32 +252,47 @@ impl Work {
         while !self.is_closed.load(Ordering::Relaxed) {
             let arrived = receiver.recv_timeout(SLEEP);
             let now = Now::read();
-            if let Ok((index, message)) = arrived {
-                self.entrance.octets.fetch_sub(message.len(), Ordering::Relaxed);
+            if let Ok(Arrived { index, what }) = arrived {
                 let (deployment, inlet) = &mut inlets[index];
+                let (message, is_answer) = match &what {
+                    What::Message(message) => (Some(message), false),
+                    What::Answer(message) => (Some(message), true),
+                    What::EndOfAnswers => (None, true),
+                };
+                let octets = message.map_or(0, Vec::len);
+                self.entrance.octets.fetch_sub(octets, Ordering::Relaxed);
                 let offset = self.clocks.of(deployment);
                 let arrival = Arrival {
                     bus: &bus,
-                    message: &message,
+                    message: message.map_or(&[], Vec::as_slice),
+                    is_answer,
                     now,
                     offset_ns: offset.map(|comparison| comparison.mono_offset_ns),
                 };
                 let mut counts = *lock(&self.counts);
-                counts.messages += 1;
-                inlet.take(arrival, &mut counts)?;
+                counts.messages += u64::from(message.is_some());
+                match message {
+                    Some(_) => inlet.take(arrival, &mut counts)?,
+                    None => inlet.answered(arrival, &mut counts)?,
+                }
                 *lock(&self.counts) = counts;
             }
-            for (index, (_, inlet)) in inlets.iter().enumerate() {
+            for (index, (_, inlet)) in inlets.iter_mut().enumerate() {
                 // It may be a while until somebody answers.
-                if let Some(key) = asking[index].is_due(inlet.lacks(), now) {
-                    let entrance = self.entrance.clone();
+                if let Some(Question { key, payload }) = asking[index].is_due(inlet.lacks(), now) {
+                    let answers = Answers {
+                        index,
+                        entrance: self.entrance.clone(),
+                    };
                     let take = move |reply: Reply| {
                         if let Ok(sample) = reply.result() {
-                            entrance.arrive(index, sample);
+                            answers.arrive(sample);
                         }
                     };
+                    inlet.asked();
                     // Without anybody there is no answer, and it is asked again.
                     let question = self.session.get(key).consolidation(ConsolidationMode::None);
+                    let question = question.payload(payload).timeout(ANSWER_PATIENCE);
                     let _ = question.callback(take).wait();
                 }
             }
@@ -260,7 +318,7 @@ impl Asking {
     };
 
     /// What is to be asked for now, of what is lacking.
-    fn is_due(&mut self, lacks: Option<String>, now: Now) -> Option<String> {
+    fn is_due(&mut self, lacks: Option<Question>, now: Now) -> Option<Question> {
         self.was_had |= lacks.is_none();
         let since_ns = now.mono_ns.saturating_sub(self.at_ns);
         let due = lacks.filter(|_| since_ns >= self.pause_ns)?;
@@ -282,6 +340,8 @@ impl Asking {
 pub(crate) struct Arrival<'a> {
     pub(crate) bus: &'a Bus<SharedMemory>,
     pub(crate) message: &'a [u8],
+    /// Whether it was asked for.
+    pub(crate) is_answer: bool,
     pub(crate) now: Now,
     /// The other host's monotonic clock less this one's, nanoseconds.
     pub(crate) offset_ns: Option<i64>,
@@ -295,10 +355,28 @@ pub(crate) trait Inlet {
     /// If shared memory fails.
     fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()>;
 
-    /// Key at which what it lacks can be asked for; `None` if it lacks nothing.
-    fn lacks(&self) -> Option<String> {
-        None
+    /// Question for what it lacks; `None` if it lacks nothing.
+    fn lacks(&self) -> Option<Question>;
+
+    /// The question has been asked.
+    fn asked(&mut self) {}
+
+    /// All answers to the latest question have come, if any have.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    fn answered(&mut self, _arrival: Arrival<'_>, _counts: &mut Counts) -> anyhow::Result<()> {
+        Ok(())
     }
+}
+
+/// Question for what a topic lacks.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Question {
+    /// Key at which somebody answers.
+    pub(crate) key: String,
+    /// What there is already.
+    pub(crate) payload: Vec<u8>,
 }
 
 #[cfg(test)]
@@ -313,7 +391,7 @@ mod tests {
                 mono_ns: ms * 1_000_000,
                 utc_ns: 0,
             };
-            asking.is_due(lacks.then(String::new), now).is_some()
+            asking.is_due(lacks.then(Question::default), now).is_some()
         };
         assert!(ask(true, 0), "at once");
         assert!(

@@ -12,6 +12,11 @@ pub(crate) fn topic_of_any_layout(deployment: &str, topic: &str) -> String {
     format!("koseki/*/{deployment}/{topic}")
 }
 
+/// Key at which what was sent to a topic's `key` lately can be had again.
+pub(crate) fn again(key: &str) -> String {
+    format!("{key}/again")
+}
+
 /// Key at which the picture of a deployment as it is now can be had.
 pub(crate) fn picture<T: Sample>(deployment: &str) -> String {
     format!("koseki/{:016x}/{deployment}/picture", T::SCHEMA)

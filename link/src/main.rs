@@ -9,6 +9,8 @@ mod agent;
 mod clocks;
 mod feed;
 mod frame;
+mod history;
+mod in_order;
 mod inbound;
 mod keys;
 mod mirror;
@@ -69,6 +71,10 @@ struct Mirror {
     /// Use the certificates, or user and password, of the configuration's first link
     #[arg(long)]
     certificates: bool,
+    /// Allow TCP to other machines, without encryption, where the network is your own [default: as the configuration's
+    /// first link]
+    #[arg(long)]
+    insecure: bool,
     /// Topics [default: system/tracks,system/alarms,health,system/frame-origin]
     #[arg(
         long,
@@ -115,7 +121,11 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("koseki-link: {error:#}");
-            ExitCode::from(if error.is::<ConfigError>() { 2 } else { 1 })
+            ExitCode::from(if error.is::<ConfigError>() || error.is::<mirror::Usage>() {
+                2
+            } else {
+                1
+            })
         }
     }
 }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
-use bus::Payload;
+use bus::{Bus, Payload, SharedMemory};
 use configuration::{Config, Link, Process};
 use messages::{BatchHeader, Counter, ProcessKind, SystemTrack, Topic, TrackState, Visitor};
 use runtime::instance::{Instance, hold_topics};
@@ -21,10 +21,11 @@ use zenoh::Session;
 
 use crate::Mirror;
 use crate::clocks::Clocks;
-use crate::inbound::{Arrival, Counts, Inbound, Inlet, Wanted};
+use crate::in_order::{InOrder, Outlet};
+use crate::inbound::{Arrival, Counts, Inbound, Inlet, Question, Wanted};
 use crate::picture::Picture;
-use crate::stand_in::{StandIn, UNNUMBERED};
-use crate::wire::{Part, Slice};
+use crate::stand_in::{Numbers, StandIn, UNNUMBERED};
+use crate::wire::{Head, Part, Slice};
 use crate::{agent, keys, session};
 
 /// Processes for which there is room.
@@ -34,6 +35,18 @@ const SLEEP: Duration = Duration::from_millis(100);
 /// Time between two comparisons of clocks, nanoseconds.
 const COMPARE_NS: i64 = 1_000_000_000;
 
+/// Wrong use of the command line.
+#[derive(Debug)]
+pub(crate) struct Usage(String);
+
+impl std::fmt::Display for Usage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Usage {}
+
 /// Runs a mirror until it is told to stop.
 ///
 /// # Errors
@@ -41,6 +54,13 @@ const COMPARE_NS: i64 = 1_000_000_000;
 pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     let config = Config::read(&mirror.config, &[])?;
     let instance = mirror.instance.unwrap_or_else(|| config.name.clone());
+    let is_insecure = mirror.insecure || config.links.first().is_some_and(|link| link.insecure);
+    for endpoint in mirror.listen.iter().chain(&mirror.connect) {
+        configuration::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
+            let what = what.replace("authority, certificate and private_key", "--certificates");
+            Usage(what.replace("set insecure = true", "give --insecure"))
+        })?;
+    }
     let stop = Stop::on_signals().context("catching signals")?;
     let claimed = Instance::claim(&config, &instance, PROCESSES, &stop, |text| {
         eprintln!("koseki-link: {text}")
@@ -123,7 +143,10 @@ impl Visitor for Reflect<'_> {
                     reaches: 0,
                     parts: Parts::default(),
                 }),
-                None => Box::new(Copied(StandIn::new(topic))),
+                None => {
+                    let key = keys::topic_of_any_layout(&deployment, topic.name.as_str());
+                    Box::new(InOrder::new(Copied(StandIn::new(topic)), Some(keys::again(&key))))
+                }
             }
         };
         Wanted {
@@ -137,22 +160,27 @@ impl Visitor for Reflect<'_> {
 /// A topic that is published as it comes.
 struct Copied<T: Payload>(StandIn<T>);
 
-impl<T: Payload> Inlet for Copied<T> {
-    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
-        let Some((head, slices)) = self.0.read::<T>(&arrival, counts) else {
-            return Ok(());
-        };
-        for (header, samples) in slices {
-            let Some(missing) = self.0.missing(&header) else {
-                counts.rejected += 1;
-                continue;
-            };
-            counts.missing += missing;
-            counts.published += samples.len() as u64;
-            let origin = (&header, head.origin);
-            self.0.publish(arrival.bus, origin, &samples, arrival.now, |_, _| {})?;
-            self.0.pass(&header, samples.len());
-        }
+impl<T: Payload> Outlet for Copied<T> {
+    type Came = T;
+
+    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<T>>)> {
+        self.0.read(arrival, counts)
+    }
+
+    fn numbers(&self) -> &Numbers {
+        &self.0.numbers
+    }
+
+    fn publish(
+        &mut self,
+        bus: &Bus<SharedMemory>,
+        now: Now,
+        (head, (header, samples)): (&Head, &Slice<T>),
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
+        counts.published += samples.len() as u64;
+        self.0.publish(bus, (header, head.origin), samples, now, |_, _| {})?;
+        self.0.pass(header, samples.len());
         Ok(())
     }
 }
@@ -212,6 +240,7 @@ impl Inlet for Tracks {
             return self.complete(&arrival, head.origin, &slices, counts);
         }
         for (header, states) in slices {
+            counts.came += states.len() as u64;
             // The picture may have come first; then there is no news in it, and nothing lacks that it had.
             let missing = self.stand_in.missing(&header).unwrap_or(0);
             counts.missing += missing;
@@ -227,8 +256,11 @@ impl Inlet for Tracks {
         Ok(())
     }
 
-    fn lacks(&self) -> Option<String> {
-        self.lacks.then(|| self.key.clone())
+    fn lacks(&self) -> Option<Question> {
+        self.lacks.then(|| Question {
+            key: self.key.clone(),
+            payload: Vec::new(),
+        })
     }
 }
 
@@ -308,7 +340,13 @@ impl Agent for MirrorAgent {
         entry.set(Counter::Conflated, came.conflated);
         self.inbound.report(&mut entry);
         let expected = std::slice::from_ref(&*self.deployment);
-        agent::peers(entries, entry, &self.clocks.present(Now::read()), expected);
+        agent::peers(
+            entries,
+            entry,
+            &self.clocks.present(Now::read()),
+            expected,
+            &self.session,
+        );
     }
 }
 

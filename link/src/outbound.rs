@@ -12,6 +12,7 @@ use bus::{Bus, Payload, SharedMemory, Subscriber};
 use messages::{BatchHeader, FrameOrigin, SystemTrack, Topic};
 use runtime::Now;
 
+use crate::history::{self, SharedHistory};
 use crate::outbox::Outbox;
 use crate::picture::Picture;
 use crate::wire::{Head, Message};
@@ -106,15 +107,24 @@ pub(crate) struct Stream<T: Payload> {
     subscriber: Subscriber<SharedMemory, T>,
     counts: Counts,
     reached: Reached,
+    history: SharedHistory,
 }
 
 impl<T: Payload> Stream<T> {
-    pub(crate) fn open(bus: &Bus<SharedMemory>, topic: &Topic<T>, lane: Lane, joined_ns: u64) -> anyhow::Result<Self> {
+    /// Opens a topic, what is sent of which is kept in `history`.
+    pub(crate) fn open(
+        bus: &Bus<SharedMemory>,
+        topic: &Topic<T>,
+        lane: Lane,
+        joined_ns: u64,
+        history: SharedHistory,
+    ) -> anyhow::Result<Self> {
         Ok(Self {
             lane,
             subscriber: bus.subscriber(topic, || joined_ns)?,
             counts: Counts::default(),
             reached: Reached::default(),
+            history,
         })
     }
 }
@@ -123,11 +133,16 @@ impl<T: Payload> Outbound for Stream<T> {
     fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
         let ((lane, sender), counts) = (self.lane, &mut self.counts);
         let mut message = Message::new();
-        let mut send = |message: Message| {
+        let history = &self.history;
+        let mut send = |message: Message, reached: &Reached| {
             let samples = message.samples() as u64;
             if outbox.has_room(message.octets()) {
                 counts.sent += samples;
-                outbox.put(lane, message.finish(sender.head(now, 0)));
+                let message = message.finish(sender.head(now, 0));
+                if let Some(header) = &reached.header {
+                    history::lock(history).keep(&message, header);
+                }
+                outbox.put(lane, message);
             } else {
                 counts.unsent += samples;
             }
@@ -137,12 +152,16 @@ impl<T: Payload> Outbound for Stream<T> {
             reached.pass(header, samples.len(), now);
             message.add(header, samples);
             if message.octets() >= MESSAGE_OCTETS {
-                send(std::mem::replace(&mut message, Message::new()));
+                send(std::mem::replace(&mut message, Message::new()), reached);
             }
         })?;
-        let sign = || reached.say::<T>(now);
-        if let Some(message) = Some(message).filter(|message| !message.is_empty()).or_else(sign) {
-            send(message);
+        match message.is_empty() {
+            false => send(message, reached),
+            true => {
+                if let Some(sign) = reached.say::<T>(now) {
+                    send(sign, reached);
+                }
+            }
         }
         Ok(slices == SLICES_PER_TURN)
     }
@@ -191,7 +210,8 @@ impl Tracks {
         picture: SharedPicture,
     ) -> anyhow::Result<Self> {
         Ok(Self {
-            stream: Stream::open(bus, topic, lane, joined_ns)?,
+            // Newer states take the place of those that are missed.
+            stream: Stream::open(bus, topic, lane, joined_ns, SharedHistory::default())?,
             picture,
             held_back: BTreeSet::new(),
             conflated: 0,

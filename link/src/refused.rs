@@ -1,42 +1,183 @@
-//! Counts connections that were turned away: by a certificate that nobody vouches for, by a wrong password.
+//! Connections that fail, and why: those of others that this process turns away, and its own that others refuse.
 //!
-//! Zenoh tells of them in its log alone, at two places, each once for each connection. So this process listens to those
-//! two, and to nothing else.
+//! Zenoh reports both in its log alone. So this process listens to the few places of that log, and puts each message
+//! into one of the [`Cause`]s.
 
+use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use runtime::clock::mono_ns;
 use tracing::field::{Field, Visit};
 use tracing::level_filters::LevelFilter;
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Level, Metadata, Subscriber};
 
-/// Where handshakes of links end that others have begun, and what is said of those that end well.
-const HANDSHAKES: (&str, Level) = ("zenoh_transport::unicast::establishment::accept", Level::DEBUG);
+/// A part of Zenoh that reports failures at a level of its log.
+type Place = (&'static str, Level);
+/// Handshakes of links that others have begun.
+const HANDSHAKES: Place = ("zenoh_transport::unicast::establishment::accept", Level::DEBUG);
 const ACCEPTED: &str = "New transport link accepted";
-/// One that both sides have begun at once is closed without harm.
+/// A connection that both sides have begun at once is closed without harm.
 const TWICE: &str = "max links";
-/// Where handshakes of TLS fail.
-const OF_TLS: (&str, Level) = ("zenoh_link_tls::unicast", Level::WARN);
+/// Handshakes of TLS that others have begun.
+const OF_TLS: Place = ("zenoh_link_tls::unicast", Level::WARN);
+/// Sessions of others that the access control gives nothing.
+const UNNAMED: Place = ("zenoh::net::routing::interceptor::access_control", Level::INFO);
+const NO_SUBJECT: &str = "did not match any configured ACL subject";
+/// Connections of this process.
+const OWN: Place = ("zenoh::net::runtime::orchestrator", Level::DEBUG);
+const FAILED: &str = "Unable to connect to";
+/// Time after which a failure of an own connection is no news, nanoseconds: longer than the pause between two tries.
+const NEWS_NS: i64 = 5_000_000_000;
 
-static REFUSED: AtomicU64 = AtomicU64::new(0);
+/// Why a connection failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Cause {
+    Expired,
+    OtherAuthority,
+    OtherName,
+    NoCertificate,
+    User,
+    Unnamed,
+    /// Bytes that are no handshake, or none within the time.
+    NoHandshake,
+    NobodyListens,
+    Unreachable,
+}
+
+impl Cause {
+    /// The cause of a message of the log about a connection.
+    fn of(message: &str) -> Self {
+        let causes: [(&[&str], Self); 8] = [
+            (&["Expired"], Self::Expired),
+            (
+                &[
+                    "UnknownIssuer",
+                    "UnknownCA",
+                    "BadSignature",
+                    "DecryptError",
+                    "BadCertificate",
+                ],
+                Self::OtherAuthority,
+            ),
+            (&["NotValidForName"], Self::OtherName),
+            (
+                &["CertificateRequired", "NoCertificatesPresented", "sent no certificates"],
+                Self::NoCertificate,
+            ),
+            (
+                &["UsrPwd", "reason INVALID", "Invalid user", "Invalid password"],
+                Self::User,
+            ),
+            (&[NO_SUBJECT], Self::Unnamed),
+            (&["Connection refused"], Self::NobodyListens),
+            (
+                &["timed out", "timeout", "unreachable", "No route", "lookup"],
+                Self::Unreachable,
+            ),
+        ];
+        let found = causes
+            .iter()
+            .find(|(words, _)| words.iter().any(|word| message.contains(word)));
+        found.map_or(Self::NoHandshake, |(_, cause)| *cause)
+    }
+
+    /// What was wrong with the connection of another host.
+    fn of_other(self) -> &'static str {
+        match self {
+            Self::Expired => "certificate has expired",
+            Self::OtherAuthority => "certificate of another authority",
+            Self::OtherName => "certificate of another name",
+            Self::NoCertificate => "no certificate",
+            Self::User => "wrong user or password",
+            Self::Unnamed => "not named in [[link.peer]]",
+            Self::NoHandshake | Self::NobodyListens | Self::Unreachable => "no handshake of a link",
+        }
+    }
+
+    /// Why a connection of this host failed.
+    fn of_own(self) -> &'static str {
+        match self {
+            Self::Expired => "a certificate has expired",
+            Self::OtherAuthority => "certificate of another authority",
+            Self::OtherName => "certificate of another name",
+            Self::NoCertificate => "it wants a certificate",
+            Self::User => "wrong user or password",
+            Self::Unnamed => "not named there",
+            Self::NoHandshake => "connection refused or lost",
+            Self::NobodyListens => "nobody listens there",
+            Self::Unreachable => "cannot be reached",
+        }
+    }
+}
+
+/// Failures so far.
+#[derive(Debug)]
+struct Failures {
+    /// Connections of others, by cause.
+    others: BTreeMap<Cause, u64>,
+    /// The latest failure of an own connection, and when, monotonic, nanoseconds.
+    own: Option<(Cause, i64)>,
+}
+
+static FAILURES: Mutex<Failures> = Mutex::new(Failures {
+    others: BTreeMap::new(),
+    own: None,
+});
+
+fn failures() -> MutexGuard<'static, Failures> {
+    FAILURES.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Counts from now on.
 pub(crate) fn count() {
-    // Somebody else who listens would count.
+    // Another listener would count.
     let _ = tracing::subscriber::set_global_default(Listener);
 }
 
 /// Connections of others that this process has turned away.
 pub(crate) fn so_far() -> u64 {
-    REFUSED.load(Ordering::Relaxed)
+    failures().others.values().sum()
+}
+
+/// The same by cause, as notes.
+pub(crate) fn notes() -> Vec<String> {
+    let failures = failures();
+    let notes = failures.others.iter();
+    notes
+        .map(|(cause, count)| format!("turned away {count}: {}", cause.of_other()))
+        .collect()
+}
+
+/// Why the own connections fail at present; `None` if none has failed lately.
+pub(crate) fn own() -> Option<&'static str> {
+    let (cause, at_ns) = failures().own?;
+    (mono_ns() - at_ns < NEWS_NS).then(|| cause.of_own())
+}
+
+/// Takes a message of the log.
+fn take((target, level): (&str, Level), message: &str) {
+    let place = |place: Place| place == (target, level);
+    if place(OWN) {
+        // What both sides have begun at once is there already.
+        if message.starts_with(FAILED) && !message.to_lowercase().contains(TWICE) {
+            failures().own = Some((Cause::of(message), mono_ns()));
+        }
+        return;
+    }
+    let is_sound = (place(HANDSHAKES) && (message.starts_with(ACCEPTED) || message.to_lowercase().contains(TWICE)))
+        || (place(UNNAMED) && !message.contains(NO_SUBJECT));
+    if !is_sound {
+        *failures().others.entry(Cause::of(message)).or_default() += 1;
+    }
 }
 
 struct Listener;
 
 impl Subscriber for Listener {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        [HANDSHAKES, OF_TLS].contains(&(metadata.target(), *metadata.level()))
+        [HANDSHAKES, OF_TLS, UNNAMED, OWN].contains(&(metadata.target(), *metadata.level()))
     }
 
     fn max_level_hint(&self) -> Option<LevelFilter> {
@@ -44,11 +185,10 @@ impl Subscriber for Listener {
     }
 
     fn event(&self, event: &Event<'_>) {
-        let mut said = Said(String::new());
-        event.record(&mut said);
-        if !said.0.starts_with(ACCEPTED) && !said.0.to_lowercase().contains(TWICE) {
-            REFUSED.fetch_add(1, Ordering::Relaxed);
-        }
+        let mut message = Message(String::new());
+        event.record(&mut message);
+        let metadata = event.metadata();
+        take((metadata.target(), *metadata.level()), &message.0);
     }
 
     fn new_span(&self, _: &Attributes<'_>) -> Id {
@@ -65,12 +205,49 @@ impl Subscriber for Listener {
 }
 
 /// The message of an event.
-struct Said(String);
+struct Message(String);
 
-impl Visit for Said {
+impl Visit for Message {
     fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
         if field.name() == "message" {
             self.0 = format!("{value:?}");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_message_has_its_cause() {
+        let messages = [
+            ("invalid peer certificate: Expired. Hint: increase", Cause::Expired),
+            ("received fatal alert: CertificateExpired", Cause::Expired),
+            ("invalid peer certificate: UnknownIssuer", Cause::OtherAuthority),
+            ("received fatal alert: UnknownCA", Cause::OtherAuthority),
+            ("received fatal alert: CertificateRequired", Cause::NoCertificate),
+            ("UsrPwd extension - Accept. Invalid password.", Cause::User),
+            (
+                "Received a close message (reason INVALID) in response to an OpenSyn",
+                Cause::User,
+            ),
+            ("abc did not match any configured ACL subject. Default", Cause::Unnamed),
+            (
+                "Unable to connect to tcp/h:1! Connection refused (os error 111)",
+                Cause::NobodyListens,
+            ),
+            ("peer sent HTTP/1.1", Cause::NoHandshake),
+        ];
+        for (message, cause) in messages {
+            assert_eq!(Cause::of(message), cause, "{message}");
+        }
+    }
+
+    #[test]
+    fn notes_of_causes_fit_a_health_message() {
+        let note = |cause: &Cause| format!("turned away 123456: {}", cause.of_other());
+        let causes = [Cause::OtherAuthority, Cause::Unnamed, Cause::OtherName];
+        assert!(causes.iter().all(|cause| note(cause).len() <= 56));
     }
 }

@@ -10,6 +10,19 @@ use crate::{access, refused};
 /// Octets of a message at most: a picture of some ten thousand tracks.
 pub(crate) const MESSAGE_MAX: usize = 16 << 20;
 
+/// Time that a handshake of another host may take, milliseconds, for TLS and for the link each.
+const HANDSHAKE_MS: u64 = 1500;
+/// Handshakes of other hosts at a time: as many as silent connections can be opened within their time.
+const HANDSHAKES_MAX: usize = 20_000;
+
+/// An endpoint at which handshakes of TLS have that time.
+fn with_patience(endpoint: &str) -> String {
+    match endpoint.starts_with("tls/") {
+        true => format!("{endpoint}#tls_handshake_timeout_ms={HANDSHAKE_MS}"),
+        false => endpoint.to_owned(),
+    }
+}
+
 /// Joins the links that `deployment`'s `link` names.
 ///
 /// # Errors
@@ -25,7 +38,11 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
     // Nobody is looked for: whom a link meets, its configuration says.
     set("scouting/multicast/enabled", json!(false))?;
     set("scouting/gossip/enabled", json!(false))?;
-    set("listen/endpoints", json!(link.listen))?;
+    let listen: Vec<String> = link.listen.iter().map(|endpoint| with_patience(endpoint)).collect();
+    set("listen/endpoints", json!(listen))?;
+    // Silent connections are closed soon, and keep nobody else out meanwhile.
+    set("transport/unicast/accept_timeout", json!(HANDSHAKE_MS))?;
+    set("transport/unicast/accept_pending", json!(HANDSHAKES_MAX))?;
     set("connect/endpoints", json!(link.connect))?;
     set("connect/timeout_ms", json!(-1))?;
     set("connect/exit_on_failure", json!(false))?;
@@ -42,6 +59,9 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
         set("access_control", rules)?;
     }
     if let Some(tls) = &link.tls {
+        for file in [&tls.authority, &tls.certificate, &tls.key] {
+            std::fs::File::open(file).with_context(|| format!("reading {}", file.display()))?;
+        }
         set("transport/link/tls/root_ca_certificate", json!(tls.authority))?;
         set("transport/link/tls/enable_mtls", json!(true))?;
         for side in ["listen", "connect"] {
@@ -59,6 +79,7 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
         set("transport/auth/usrpwd/password", json!(password))?;
     }
     if let Some(file) = &link.users_file {
+        std::fs::File::open(file).with_context(|| format!("reading {}", file.display()))?;
         set("transport/auth/usrpwd/dictionary_file", json!(file))?;
     }
     let at = || format!("{} {}", link.listen.join(" "), link.connect.join(" "));

@@ -11,6 +11,7 @@ use bus::{Bus, Mark, Payload, Publisher, SharedMemory};
 use messages::{BatchHeader, Topic};
 use runtime::Now;
 
+use crate::history::Position;
 use crate::inbound::{Arrival, Counts};
 use crate::stamps;
 use crate::wire::{self, Head, Slice};
@@ -26,14 +27,14 @@ const FOLLOWED_MAX: usize = 256;
 pub(crate) struct StandIn<T: Payload> {
     pub(crate) topic: Topic<T>,
     open: Option<Publisher<SharedMemory, T>>,
-    numbers: Numbers,
+    pub(crate) numbers: Numbers,
     /// Samples left out, as the sender said last.
     conflated: u64,
 }
 
 /// Numbers of the publishers elsewhere that a stand-in stands for.
 #[derive(Debug)]
-struct Numbers {
+pub(crate) struct Numbers {
     /// Whether the topic is one of many publishers at a time.
     is_of_many: bool,
     /// Incarnation and epoch that the stand-in stands for; of many publishers, 0 in place of the incarnation.
@@ -68,10 +69,24 @@ impl Numbers {
     }
 
     /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
-    fn missing(&self, header: &BatchHeader) -> Option<u64> {
+    pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         let next = self.next.get(&header.incarnation).filter(|_| self.is_of(header));
         let next = next.copied().unwrap_or(header.first_sequence);
         header.first_sequence.checked_sub(next)
+    }
+
+    /// Whether samples are missing before a slice with this header, or may be: the end of a publisher that another one
+    /// has followed. Many publishers at a time have no order among each other, and no gap to fill.
+    pub(crate) fn has_gap(&self, header: &BatchHeader) -> bool {
+        let has_other = !self.is_of_many && self.present.is_some() && !self.is_of(header);
+        has_other || (!self.is_of_many && self.missing(header).is_some_and(|missing| missing > 0))
+    }
+
+    /// How far the samples of the present publisher have come; `None` before the first, and of many at a time.
+    pub(crate) fn position(&self) -> Option<Position> {
+        let (publisher, _) = self.present.filter(|_| !self.is_of_many)?;
+        let next = *self.next.get(&publisher)?;
+        Some(Position { publisher, next })
     }
 
     /// Number that comes next of the publisher of a slice with this header, which begins there if it is new; `None` if
@@ -115,7 +130,6 @@ impl<T: Payload> StandIn<T> {
         if head.part.is_none() {
             let before = std::mem::replace(&mut self.conflated, head.conflated);
             counts.conflated += head.conflated.saturating_sub(before);
-            counts.came += slices.iter().map(|(_, samples)| samples.len() as u64).sum::<u64>();
         }
         for sample in slices.iter_mut().flat_map(|(_, samples)| samples) {
             stamps::bring_here(sample, arrival.offset_ns, arrival.now);

@@ -156,6 +156,11 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
     Some((head, slices))
 }
 
+/// The slices of a message that [`Message::finish`] has made, to be added to another one.
+pub(crate) fn slices_of(message: &[u8]) -> &[u8] {
+    message.get(HEAD..).unwrap_or_default()
+}
+
 /// Whether the first slice of a message that could not be read says that it is of another layout than `T`.
 pub(crate) fn is_of_another_layout<T: Sample>(octets: &[u8]) -> bool {
     let header = octets.get(HEAD..HEAD + size_of::<BatchHeader>());

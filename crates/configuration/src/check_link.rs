@@ -48,7 +48,8 @@ fn check_link(
     }
     for (part, endpoints) in [("listen", &raw.listen), ("connect", &raw.connect)] {
         for endpoint in endpoints {
-            check_endpoint(&key(part), endpoint, raw)?;
+            check_endpoint(endpoint, raw.certificate.is_some(), raw.insecure)
+                .map_err(|what| SettingsError::new(key(part), what))?;
         }
     }
     let read = |part: &str, path: &Option<String>| {
@@ -92,6 +93,7 @@ fn check_link(
         user,
         users_file: raw.users_file.as_ref().map(PathBuf::from),
         peers,
+        insecure: raw.insecure,
     })
 }
 
@@ -107,10 +109,22 @@ fn check_peers(key: &impl Fn(&str) -> String, raw: &LinkTable) -> Checked<Vec<Li
             let what = format!("\"{unsent}\" is not sent; give it in send, too");
             return Err(SettingsError::new(key("peer.read"), what));
         }
-        let name = peer.name.clone();
-        Ok(LinkPeer { name, read })
+        Ok(LinkPeer {
+            name: peer.name.clone(),
+            read,
+            deployment: peer.deployment.as_ref().unwrap_or(&peer.name).clone(),
+        })
     };
-    raw.peers.iter().map(check_peer).collect()
+    let peers = raw.peers.iter().map(check_peer).collect::<Checked<Vec<LinkPeer>>>()?;
+    let gives = |deployment: &String| peers.is_empty() || peers.iter().any(|peer| peer.deployment == *deployment);
+    if let Some(received) = raw.receive.iter().find(|received| !gives(&received.deployment)) {
+        let what = format!(
+            "no [[link.peer]] may give the topics of \"{0}\"; give the one that does deployment = \"{0}\"",
+            received.deployment
+        );
+        return Err(SettingsError::new(key("peer.deployment"), what));
+    }
+    Ok(peers)
 }
 
 fn remote(
@@ -153,13 +167,14 @@ fn is_topic(name: &str) -> bool {
     messages::visit(name, Known).is_some()
 }
 
-/// An endpoint: `tcp/HOST:PORT` or `tls/HOST:PORT`. Without TLS, only this machine may be at the other end, unless the
-/// configuration says that the network is trusted.
-fn check_endpoint(key: &str, endpoint: &str, raw: &LinkTable) -> Checked<()> {
-    let malformed = || {
-        let what = format!("\"{endpoint}\" is no endpoint; write it as in \"tcp/127.0.0.1:7447\" or \"tls/host:7447\"");
-        SettingsError::new(key, what)
-    };
+/// Checks an endpoint of a link: `tcp/HOST:PORT`, or with certificates `tls/HOST:PORT`. Without TLS, only this machine
+/// may be at the other end, unless the network is trusted (`is_insecure`).
+///
+/// # Errors
+/// A sentence that states what is wrong, and what to write.
+pub fn check_endpoint(endpoint: &str, has_certificates: bool, is_insecure: bool) -> Result<(), String> {
+    let malformed =
+        || format!("\"{endpoint}\" is no endpoint; write it as in \"tcp/127.0.0.1:7447\" or \"tls/host:7447\"");
     let (protocol, place) = endpoint.split_once('/').ok_or_else(malformed)?;
     let (host, port) = place.rsplit_once(':').ok_or_else(malformed)?;
     let port: u16 = port.parse().map_err(|_| malformed())?;
@@ -169,19 +184,13 @@ fn check_endpoint(key: &str, endpoint: &str, raw: &LinkTable) -> Checked<()> {
     let address = place.parse::<SocketAddr>().map(|address| address.ip());
     let is_local = host == "localhost" || address.is_ok_and(|ip: IpAddr| ip.is_loopback());
     match protocol {
-        "tls" if raw.certificate.is_none() => {
-            let what = format!("{endpoint} needs authority, certificate and private_key");
-            Err(SettingsError::new(key, what))
-        }
+        "tls" if !has_certificates => Err(format!("{endpoint} needs authority, certificate and private_key")),
         "tls" => Ok(()),
-        "tcp" if is_local || raw.insecure => Ok(()),
-        "tcp" => {
-            let what = format!(
-                "{endpoint} can be reached from other machines, and nothing is encrypted; use tls/…, or set \
-                 insecure = true where the network is your own"
-            );
-            Err(SettingsError::new(key, what))
-        }
+        "tcp" if is_local || is_insecure => Ok(()),
+        "tcp" => Err(format!(
+            "{endpoint} can be reached from other machines, and nothing is encrypted; use tls/…, or set \
+             insecure = true where the network is your own"
+        )),
         _ => Err(malformed()),
     }
 }

@@ -39,6 +39,7 @@ use settings::{Document, SettingsError, Table, Value};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
+pub use check_link::check_endpoint;
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic};
 pub use locating::locating_settings;
 pub use network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};

@@ -27,6 +27,8 @@ pub struct Link {
     pub users_file: Option<PathBuf>,
     /// Others that it deals with; empty: all that may connect.
     pub peers: Vec<LinkPeer>,
+    /// Whether TCP without encryption may reach other machines.
+    pub insecure: bool,
 }
 
 /// Another link that a link deals with.
@@ -36,6 +38,8 @@ pub struct LinkPeer {
     pub name: String,
     /// Topics that it may have.
     pub read: Vec<String>,
+    /// Deployment whose topics it may give.
+    pub deployment: String,
 }
 
 /// A topic of another deployment, and where its samples go here.

@@ -360,6 +360,8 @@ settings::settings! {
         name: String;
         /// Topics that it may have.
         read: Option<Vec<String>> = None, usually "all that are sent";
+        /// Deployment whose topics the peer may give.
+        deployment: Option<String> = None, usually "that of its name";
     }
 
     /// A topic of another deployment.

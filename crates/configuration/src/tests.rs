@@ -89,6 +89,9 @@ fn a_link_that_others_can_reach_says_who_they_are() {
     let tls = "listen = [\"tls/[::]:7447\"]\nauthority = \"a\"\ncertificate = \"b\"\nprivate_key = \"c\"";
     let peer = "[[link.peer]]\nname = \"centre\"";
     let unsent = format!("{tls}\n{peer}\nread = [\"health\"]");
+    let receive = "[[link.receive]]\ndeployment = \"west\"\ntopic = \"sensor/a/tracks\"\ninto = \"sensor/a/tracks\"";
+    let more = "[[source]]\nname = \"a\"\n[source.external]\n";
+    let foreign = format!("{tls}\n{peer}\n{receive}\n{more}");
     let cases = [
         ("", "meets nobody"),
         ("listen = [\"7447\"]", "is no endpoint"),
@@ -105,6 +108,7 @@ fn a_link_that_others_can_reach_says_who_they_are() {
         ),
         (&format!("{local}\n{peer}"), "nobody can be told from others"),
         (&unsent, "\"health\" is not sent"),
+        (&foreign, "no [[link.peer]] may give the topics of \"west\""),
     ];
     for (lines, said) in cases {
         let error = read(lines).unwrap_err();
@@ -115,6 +119,8 @@ fn a_link_that_others_can_reach_says_who_they_are() {
         (link.peers[0].name.as_str(), &link.peers[0].read),
         ("centre", &link.send)
     );
+    let giver = format!("{tls}\n{peer}\ndeployment = \"west\"\n{receive}\n{more}");
+    assert_eq!(read(&giver).unwrap().links[0].peers[0].deployment, "west");
 }
 
 #[test]

@@ -1,8 +1,12 @@
 //! A sensor on another host.
 
-use std::time::Duration;
+use std::cell::Cell;
+use std::time::{Duration, Instant};
 
-use crate::host::{Host, free_port};
+use koseki_client::messages::{SensorTrack, sensor_tracks};
+use koseki_client::{Root, Subscription};
+
+use crate::host::{Host, free_port, until};
 use crate::relay::{Delays, Relay};
 
 const COMMON: &str = r#"
@@ -65,9 +69,61 @@ position_sigma_m = 5.0
 "#;
 /// A minute of recordings in six seconds.
 const FAST: [&str; 2] = ["--speed", "10"];
+/// The same in fifteen, so that a cut falls into it.
+const SLOWER: [&str; 2] = ["--speed", "4"];
+/// Pause between two looks.
+const PAUSE: Duration = Duration::from_millis(10);
+/// Reports that have come before the cut.
+const BEFORE_CUT: usize = 100;
+/// Longer than the lease of a session: both sides have noticed.
+const CUT: Duration = Duration::from_secs(3);
 
 #[test]
 fn fusion_in_order_of_time_makes_the_same_of_a_sensor_behind_a_slow_line() {
+    is_the_same_as_on_one_host(&FAST, |_, _| {});
+}
+
+#[test]
+fn a_cut_loses_no_report_and_fusion_in_order_of_time_makes_the_same() {
+    is_the_same_as_on_one_host(&SLOWER, |relay, east| {
+        let root = Root::in_base(east.shared(), "east").unwrap();
+        let mut reports: Subscription<SensorTrack> = Subscription::at(&root, &sensor_tracks("radar-south")).unwrap();
+        let come = Cell::new(0);
+        let mut read = || {
+            let mut more = 0;
+            while let Some(slice) = reports.next(Duration::ZERO).unwrap() {
+                more += slice.len();
+            }
+            come.set(come.get() + more);
+            more
+        };
+        until(
+            || {
+                read();
+                come.get() >= BEFORE_CUT
+            },
+            || east.status("east"),
+        );
+        relay.cut();
+        let cut = Instant::now();
+        // What had passed the relay.
+        while cut.elapsed() < CUT / 2 {
+            read();
+            std::thread::sleep(PAUSE);
+        }
+        while cut.elapsed() < CUT {
+            assert_eq!(read(), 0, "the relay still lets reports pass");
+            std::thread::sleep(PAUSE);
+        }
+        relay.mend();
+        until(|| read() > 0, || east.status("east"));
+        let status = east.status("east");
+        assert!(!status.contains("lost on the way"), "{status}");
+    });
+}
+
+/// Runs a deployment on one host, and on two of which one has a sensor, whose line `meanwhile` may disturb.
+fn is_the_same_as_on_one_host(speed: &[&str], meanwhile: impl FnOnce(&Relay, &Host)) {
     let Some(host) = Host::new() else { return };
     let local = format!("name = \"local\"{COMMON}{NORTH}{SOUTH}{MULTILATERATION}");
     host.up("local", &local, &["--speed", "max"]).until_ended();
@@ -85,12 +141,13 @@ fn fusion_in_order_of_time_makes_the_same_of_a_sensor_behind_a_slow_line() {
          [[link.receive]]\ndeployment = \"west\"\ntopic = \"sensor/radar-south/tracks\"\n"
     );
     let config = format!("name = \"east\"{COMMON}{NORTH}{SOUTH_ELSEWHERE}{MULTILATERATION}{link}");
-    let mut fused = east.up("east", &config, &FAST);
+    let mut fused = east.up("east", &config, speed);
     fused.until_up();
     let link = format!(
         "[[link]]\nname = \"out\"\nlisten = [\"tcp/127.0.0.1:{port}\"]\nsend = [\"sensor/radar-south/tracks\"]\n"
     );
-    let sensor = west.up("west", &format!("name = \"west\"{COMMON}{SOUTH}{link}"), &FAST);
+    let sensor = west.up("west", &format!("name = \"west\"{COMMON}{SOUTH}{link}"), speed);
+    meanwhile(&relay, &east);
     sensor.until_ended();
     let said = fused.until_ended();
     assert!(east.system_tracks("east") == host.system_tracks("local"), "{said}");
