@@ -17,6 +17,7 @@ use zenoh::{Session, Wait as _};
 
 use crate::clocks::{self, Clocks, Comparison};
 use crate::feed;
+use crate::gate::Gates;
 use crate::history::{self, History, Position, SharedHistory};
 use crate::inbound::Inbound;
 use crate::keys;
@@ -50,6 +51,7 @@ pub(crate) struct LinkAgent {
         LivelinessToken,
     ),
     session: Session,
+    _gates: Gates,
 }
 
 impl LinkAgent {
@@ -68,7 +70,7 @@ impl LinkAgent {
             },
             origin: process.config.origin,
         };
-        let session = session::open(deployment, link)?;
+        let (session, gates) = session::open(deployment, link)?;
         let refused = |what: &str, error: zenoh::Error| anyhow!("{what}: {error}");
         let mut open = Open {
             process,
@@ -124,6 +126,7 @@ impl LinkAgent {
             expected,
             _there: (clock, picture, histories, token),
             session,
+            _gates: gates,
         })
     }
 }

@@ -9,6 +9,7 @@ mod agent;
 mod clocks;
 mod feed;
 mod frame;
+mod gate;
 mod history;
 mod in_order;
 mod inbound;

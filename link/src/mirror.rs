@@ -97,7 +97,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
 fn reflect(config: Config, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
     let process = Process::connect(config, options, ProcessKind::Link, &link.name)?;
     let _held = hold_topics(&process.config, &process.bus)?;
-    let session = session::open(&process.config.name, link)?;
+    let (session, _gates) = session::open(&process.config.name, link)?;
     let deployment = Arc::new(process.config.name.clone());
     let wanted = topics.iter().map(|topic| {
         let wanted = messages::visit(topic, Reflect(&deployment));

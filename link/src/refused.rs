@@ -24,7 +24,8 @@ const TWICE: &str = "max links";
 const OF_TLS: Place = ("zenoh_link_tls::unicast", Level::WARN);
 /// Sessions of others that the access control gives nothing.
 const UNNAMED: Place = ("zenoh::net::routing::interceptor::access_control", Level::INFO);
-const NO_SUBJECT: &str = "did not match any configured ACL subject";
+/// In lower case, as messages are compared.
+const NO_SUBJECT: &str = "did not match any configured acl subject";
 /// Connections of this process.
 const OWN: Place = ("zenoh::net::runtime::orchestrator", Level::DEBUG);
 const FAILED: &str = "Unable to connect to";
@@ -50,33 +51,35 @@ impl Cause {
     /// The cause of a message of the log about a connection.
     fn of(message: &str) -> Self {
         let causes: [(&[&str], Self); 8] = [
-            (&["Expired"], Self::Expired),
+            (&["expired"], Self::Expired),
             (
                 &[
-                    "UnknownIssuer",
-                    "UnknownCA",
-                    "BadSignature",
-                    "DecryptError",
-                    "BadCertificate",
+                    "unknownissuer",
+                    "unknownca",
+                    "badsignature",
+                    "decrypterror",
+                    "badcertificate",
                 ],
                 Self::OtherAuthority,
             ),
-            (&["NotValidForName"], Self::OtherName),
+            (&["notvalidforname"], Self::OtherName),
             (
-                &["CertificateRequired", "NoCertificatesPresented", "sent no certificates"],
+                &["certificaterequired", "nocertificatespresented", "sent no certificates"],
                 Self::NoCertificate,
             ),
+            // The other side ends the handshake of a link, after that of TLS, for no other reason.
             (
-                &["UsrPwd", "reason INVALID", "Invalid user", "Invalid password"],
+                &["usrpwd", "invalid user", "invalid password", "in response to an"],
                 Self::User,
             ),
             (&[NO_SUBJECT], Self::Unnamed),
-            (&["Connection refused"], Self::NobodyListens),
+            (&["connection refused"], Self::NobodyListens),
             (
-                &["timed out", "timeout", "unreachable", "No route", "lookup"],
+                &["timed out", "timeout", "unreachable", "no route", "lookup"],
                 Self::Unreachable,
             ),
         ];
+        let message = message.to_lowercase();
         let found = causes
             .iter()
             .find(|(words, _)| words.iter().any(|word| message.contains(word)));
@@ -136,6 +139,11 @@ pub(crate) fn count() {
     let _ = tracing::subscriber::set_global_default(Listener);
 }
 
+/// A connection of another that was silent, or one of too many, was turned away.
+pub(crate) fn turn_away() {
+    *failures().others.entry(Cause::NoHandshake).or_default() += 1;
+}
+
 /// Connections of others that this process has turned away.
 pub(crate) fn so_far() -> u64 {
     failures().others.values().sum()
@@ -167,7 +175,7 @@ fn take((target, level): (&str, Level), message: &str) {
         return;
     }
     let is_sound = (place(HANDSHAKES) && (message.starts_with(ACCEPTED) || message.to_lowercase().contains(TWICE)))
-        || (place(UNNAMED) && !message.contains(NO_SUBJECT));
+        || (place(UNNAMED) && !message.to_lowercase().contains(NO_SUBJECT));
     if !is_sound {
         *failures().others.entry(Cause::of(message)).or_default() += 1;
     }
@@ -222,7 +230,10 @@ mod tests {
     #[test]
     fn each_message_has_its_cause() {
         let messages = [
-            ("invalid peer certificate: Expired. Hint: increase", Cause::Expired),
+            (
+                "invalid peer certificate: certificate expired: verification time. Hint: increase",
+                Cause::Expired,
+            ),
             ("received fatal alert: CertificateExpired", Cause::Expired),
             ("invalid peer certificate: UnknownIssuer", Cause::OtherAuthority),
             ("received fatal alert: UnknownCA", Cause::OtherAuthority),

@@ -5,6 +5,7 @@ use configuration::Link;
 use serde_json::json;
 use zenoh::{Config, Session, Wait as _};
 
+use crate::gate::Gates;
 use crate::{access, refused};
 
 /// Octets of a message at most: a picture of some ten thousand tracks.
@@ -12,8 +13,8 @@ pub(crate) const MESSAGE_MAX: usize = 16 << 20;
 
 /// Time that a handshake of another host may take, milliseconds, for TLS and for the link each.
 const HANDSHAKE_MS: u64 = 1500;
-/// Handshakes of other hosts at a time: as many as silent connections can be opened within their time.
-const HANDSHAKES_MAX: usize = 20_000;
+/// Handshakes of other hosts at a time; the gates bound those of each address.
+const HANDSHAKES_MAX: usize = 1000;
 
 /// An endpoint at which handshakes of TLS have that time.
 fn with_patience(endpoint: &str) -> String {
@@ -23,11 +24,11 @@ fn with_patience(endpoint: &str) -> String {
     }
 }
 
-/// Joins the links that `deployment`'s `link` names.
+/// Joins the links that `deployment`'s `link` names. The gates stay open as long as the session.
 ///
 /// # Errors
 /// If an endpoint cannot be listened at, or a file for TLS, users or the password cannot be read.
-pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
+pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<(Session, Gates)> {
     refused::count();
     let mut config = Config::default();
     let mut set = |key: &str, value: serde_json::Value| {
@@ -38,8 +39,9 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
     // Nobody is looked for: whom a link meets, its configuration says.
     set("scouting/multicast/enabled", json!(false))?;
     set("scouting/gossip/enabled", json!(false))?;
-    let listen: Vec<String> = link.listen.iter().map(|endpoint| with_patience(endpoint)).collect();
-    set("listen/endpoints", json!(listen))?;
+    let (gates, behind) = Gates::open(&link.listen)?;
+    let behind: Vec<String> = behind.iter().map(|endpoint| with_patience(endpoint)).collect();
+    set("listen/endpoints", json!(behind))?;
     // Silent connections are closed soon, and keep nobody else out meanwhile.
     set("transport/unicast/accept_timeout", json!(HANDSHAKE_MS))?;
     set("transport/unicast/accept_pending", json!(HANDSHAKES_MAX))?;
@@ -83,7 +85,8 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<Session> {
         set("transport/auth/usrpwd/dictionary_file", json!(file))?;
     }
     let at = || format!("{} {}", link.listen.join(" "), link.connect.join(" "));
-    zenoh::open(config)
+    let session = zenoh::open(config)
         .wait()
-        .map_err(|error| anyhow!("joining {}: {error}", at().trim()))
+        .map_err(|error| anyhow!("joining {}: {error}", at().trim()))?;
+    Ok((session, gates))
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair};
+use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, DnType, IsCa, KeyPair, date_time_ymd};
 
 use crate::host::Host;
 
@@ -20,7 +20,13 @@ impl Authority {
 
     /// Keys of a link's configuration for whoever is called `name` on `host`, and trusts `trusted`.
     pub(crate) fn certify(&self, host: &Host, name: &str, trusted: &Self) -> String {
+        self.certify_until(2096, host, name, trusted)
+    }
+
+    /// The same, valid until this year begins.
+    pub(crate) fn certify_until(&self, year: i32, host: &Host, name: &str, trusted: &Self) -> String {
         let mut params = CertificateParams::new(vec!["127.0.0.1".to_owned()]).unwrap();
+        params.not_after = date_time_ymd(year, 1, 1);
         params.distinguished_name.push(DnType::CommonName, name);
         let own = KeyPair::generate().unwrap();
         let certificate = params.signed_by(&own, &self.0).unwrap();

@@ -16,3 +16,4 @@ mod network;
 mod refusals;
 mod relay;
 mod remote_sensor;
+mod silent;

@@ -1,5 +1,6 @@
 //! Those who may not join, and messages that are none.
 
+use std::path::Path;
 use std::time::Duration;
 
 use koseki_client::messages::layout::Sample as _;
@@ -35,12 +36,24 @@ fn until_refused(there: &Host, count: u64) {
     );
 }
 
-/// A mirror that the others are compared with, and one that must learn nothing.
-fn only_the_first_sees(there: &Host, allowed: (&Host, &Mirror), refused: &[(Host, Mirror)], from: &str) {
-    for (host, _) in refused {
+/// A mirror on a host that is refused, and what its status gives as the cause.
+type Refused = ((Host, Mirror), &'static str);
+
+/// Waits until the status of the deployment `there` gives all these causes of refusals.
+fn until_named(there: &Host, causes: &[&str]) {
+    until(
+        || causes.iter().all(|cause| there.status("tower").contains(cause)),
+        || format!("{causes:?}: {}", there.status("tower")),
+    );
+}
+
+/// A mirror that the others are compared with, and those that must learn nothing but why.
+fn only_the_first_sees(there: &Host, allowed: (&Host, &Mirror), refused: &[Refused], from: &str) {
+    for ((host, _), cause) in refused {
+        let named = format!("tower is not there: {cause}");
         until(
-            || host.status("tower").contains("tower is not there"),
-            || format!("{from}: {}", host.status("tower")),
+            || host.status("tower").contains(&named),
+            || format!("{from}, {cause}: {}", host.status("tower")),
         );
     }
     let mut original = Reader::of(there, "tower");
@@ -53,7 +66,7 @@ fn only_the_first_sees(there: &Host, allowed: (&Host, &Mirror), refused: &[(Host
         },
         || allowed.0.status("tower"),
     );
-    for (host, _) in refused {
+    for ((host, _), _) in refused {
         let status = host.status("tower");
         assert!(status.contains("tower is not there"), "{status}");
         let mut reader = Reader::of(host, "tower");
@@ -78,11 +91,50 @@ fn who_has_no_certificate_of_the_authority_or_is_not_named_learns_nothing() {
         let mirror = mirror(&host, &config(&identity), &format!("tls/127.0.0.1:{port}"), &IDENTIFIED);
         (host, mirror)
     };
-    let refused = [join("display", &forger), join("stranger", &authority)];
+    let expired = {
+        let host = Host::new().unwrap();
+        let identity = authority.certify_until(2020, &host, "display", &authority);
+        let mirror = mirror(&host, &config(&identity), &format!("tls/127.0.0.1:{port}"), &IDENTIFIED);
+        (host, mirror)
+    };
+    let refused = [
+        (join("display", &forger), "certificate of another authority"),
+        (join("stranger", &authority), "it does not name this host"),
+        (expired, "a certificate has expired"),
+    ];
     let (host, display) = join("display", &authority);
     only_the_first_sees(&there, (&host, &display), &refused, "certificates");
-    // It tries again and again.
-    until_refused(&there, 2);
+    // They try again and again.
+    until_refused(&there, 3);
+    let causes = [
+        "certificate of another authority",
+        "not named in [[link.peer]]",
+        "certificate has expired",
+    ];
+    until_named(&there, &causes);
+}
+
+#[test]
+fn a_mirror_that_cannot_begin_names_the_cause_and_ends() {
+    let Some(host) = Host::new() else { return };
+    let path = host.path("tower.toml");
+    let absent = "authority = \"absent.pem\"\ncertificate = \"absent.pem\"\nprivate_key = \"absent.pem\"\n";
+    std::fs::write(&path, tower("tls/127.0.0.1:1", absent)).unwrap();
+    let ends = |options: &[&str], code: i32, said: &str| {
+        let mut command = host.command(Path::new(env!("CARGO_BIN_EXE_koseki-link")));
+        command.args(["mirror", "--config"]).arg(&path).args(options);
+        let output = command.output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(code) && error.contains(said),
+            "{:?}: {error}",
+            output.status
+        );
+    };
+    ends(&["--connect", "tls/127.0.0.1:1", "--certificates"], 1, "absent.pem");
+    ends(&["--connect", "tls/127.0.0.1:1"], 2, "needs --certificates");
+    ends(&["--connect", "tcp/192.0.2.1:7447"], 2, "--insecure");
+    ends(&["--connect", "nonsense"], 2, "is no endpoint");
 }
 
 #[test]
@@ -106,15 +158,16 @@ fn who_is_no_user_or_has_no_password_learns_nothing() {
     let anonymous = Host::new().unwrap();
     let nobody = mirror(&anonymous, &tower(&endpoint, ""), &endpoint, &[]);
     let refused = [
-        join("display", "two"),
-        join("stranger", "one"),
+        (join("display", "two"), "wrong user or password"),
+        (join("stranger", "one"), "wrong user or password"),
         // A user, but none that the link deals with.
-        join("recorder", "two"),
-        (anonymous, nobody),
+        (join("recorder", "two"), "it does not name this host"),
+        ((anonymous, nobody), "wrong user or password"),
     ];
     let (host, display) = join("display", "one");
     only_the_first_sees(&there, (&host, &display), &refused, "users");
     until_refused(&there, 2);
+    until_named(&there, &["wrong user or password", "not named in [[link.peer]]"]);
 }
 
 /// A message with no slice, and an octet too many.
