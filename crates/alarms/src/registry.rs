@@ -110,8 +110,9 @@ alarms! {
         "{source} and {partner} have no track in common, and {pairs} of each fly side by side, all {shift} apart.",
         "Compare the places of the two sensors: one of them is configured wrongly, or both are of one place.";
     SamplesLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
-        "{process} has lost {count}{of}, because it fell behind.",
-        "Give the process more of the machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
+        "{process} has lost {count}{of}: {process} fell behind, or a connection between hosts was interrupted.",
+        "If `lost-on-the-way` stands as well, look at the network between the hosts. Else give the process more of the \
+         machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
     DatagramsDropped = 11, "datagrams-dropped", Major, raise 0 s, clear 10 s,
         "The kernel has dropped {count} before {process} had read them.",
         "Raise `buffer_bytes` of the receiver, and `net.core.rmem_max` of the machine.";
@@ -182,6 +183,10 @@ alarms! {
         "{process} died twice while it worked off the same report of a source, and passes over it: {count} so far.",
         "Report the fault with the file that the log of fusion names (the report, and the checkpoint before it) and, if \
          there is one, the recording. All other reports are used.";
+    LostOnTheWay = 33, "lost-on-the-way", Major, raise 0 s, clear 10 s,
+        "{count} of another host did not reach {process}: the connection was interrupted, or is too slow.",
+        "Look at cable and network between the hosts. Reports of sensors come again after an interruption, as far as \
+         `queue_mb` of the sender's link holds them.";
 }
 
 #[cfg(test)]

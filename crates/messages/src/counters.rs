@@ -214,7 +214,7 @@ counters! {
     Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Samples taken from the source's topic.";
     Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
-        "Samples missing from the source's sequence: dropped because the reader fell behind.";
+        "Samples missing from the source's sequence: dropped because the reader fell behind, or lost between hosts.";
     RejectedOutOfOrder = "rejected_out_of_order", FusionRejection by [Fusion, Monitor],
         "Samples not newer than one already worked off: repeated, or out of order.";
     RejectedInvalid = "rejected_invalid", FusionRejection by [Fusion, Monitor],

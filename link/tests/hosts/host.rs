@@ -15,8 +15,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 pub(crate) struct Host {
     folder: TempDir,
     koseki: PathBuf,
-    /// Process in its namespace, if it has one.
-    inside: Option<u32>,
+    /// Processes in its namespaces of network and time, if it has them.
+    inside: Option<[u32; 2]>,
 }
 
 /// The executable; `None` if it has not been built.
@@ -47,16 +47,23 @@ impl Host {
 
     /// What is started on it enters the namespaces of the process `inside` from now on.
     pub(crate) fn enters(&mut self, inside: u32) {
-        self.inside = Some(inside);
+        self.inside = Some([inside; 2]);
+    }
+
+    /// What is started on it has the clocks of the process `inside` from now on, as after a reboot.
+    pub(crate) fn has_clocks_of(&mut self, inside: u32) {
+        let [network, _] = self.inside.unwrap_or([inside; 2]);
+        self.inside = Some([network, inside]);
     }
 
     /// A command of `program` on this host.
     pub(crate) fn command(&self, program: &Path) -> Command {
         let mut command = match self.inside {
-            Some(inside) => {
+            Some([network, time]) => {
                 let mut enter = Command::new("nsenter");
-                enter.args(["--target", &inside.to_string(), "--net", "--time", "--"]);
-                enter.arg(program);
+                enter.arg(format!("--net=/proc/{network}/ns/net"));
+                enter.arg(format!("--time=/proc/{time}/ns/time"));
+                enter.arg("--").arg(program);
                 enter
             }
             None => Command::new(program),

@@ -13,6 +13,7 @@ mod host;
 mod kills;
 mod mirror;
 mod network;
+mod reboot;
 mod refusals;
 mod relay;
 mod remote_sensor;

@@ -10,6 +10,8 @@ use crate::host::{Host, free_port, until};
 
 /// Seconds by which the monotonic clocks of the namespaces are ahead of the machine's.
 const AHEAD_S: [u32; 2] = [100_000, 5_000_000];
+/// The same after a reboot.
+const REBOOTED_S: u32 = 300;
 /// Addresses of the namespaces, in a network that only they know.
 const ADDRESSES: [&str; 2] = ["10.77.0.1", "10.77.0.2"];
 
@@ -64,6 +66,8 @@ pub(crate) struct Network {
     pub(crate) hosts: [Host; 2],
     pub(crate) endpoint: String,
     namespaces: Option<[Namespace; 2]>,
+    /// That of the first host's clocks after a reboot.
+    rebooted: Option<Namespace>,
 }
 
 fn namespaces() -> Option<[Namespace; 2]> {
@@ -104,6 +108,21 @@ impl Network {
             hosts,
             endpoint,
             namespaces,
+            rebooted: None,
+        })
+    }
+
+    /// Has the first host's monotonic clock begin again, for what is started on it from now on. Without namespaces it
+    /// cannot, which is `false`.
+    pub(crate) fn reboot(&mut self) -> bool {
+        if self.namespaces.is_none() {
+            return false;
+        }
+        self.rebooted = Namespace::ahead_by(REBOOTED_S);
+        let inside = self.rebooted.as_ref().map(|namespace| namespace.inside);
+        inside.is_some_and(|inside| {
+            self.hosts[0].has_clocks_of(inside);
+            true
         })
     }
 

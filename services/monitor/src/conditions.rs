@@ -35,14 +35,15 @@ const GROWING: &[Growing] = {
     &[
         (
             AlarmKind::SamplesLost,
-            &[
-                Counter::Lost,
-                Counter::RecordedLost,
-                Counter::Unsent,
-                Counter::LostOnTheWay,
-            ],
+            &[Counter::Lost, Counter::RecordedLost],
             "sample",
             &[Fusion, Recorder, Gateway, Adapter, Link],
+        ),
+        (
+            AlarmKind::LostOnTheWay,
+            &[Counter::Unsent, Counter::LostOnTheWay],
+            "sample",
+            &[Link],
         ),
         (
             AlarmKind::RecordingFailed,

@@ -242,7 +242,7 @@ impl Report {
             several(self.losses.reports_lost, "report")
         ));
         if hops().any(|hop| hop.lost > 0) {
-            text.push_str("Lost: the reader fell behind, and its oldest samples gave way.\n");
+            text.push_str("Lost: the reader fell behind and its oldest samples gave way, or the samples were lost between hosts.\n");
         }
         if hops().any(|hop| hop.unread > 0) {
             text.push_str(

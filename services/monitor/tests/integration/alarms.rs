@@ -121,7 +121,16 @@ fn what_is_lost_dropped_or_does_not_fit_is_told() {
     let fusion = (ProcessKind::Fusion, "fusion", 3);
     assert_eq!(
         growing(AlarmKind::SamplesLost, fusion, Counter::Lost),
-        "fusion has lost 1,234 samples of ads-b, because it fell behind."
+        "fusion has lost 1,234 samples of ads-b: fusion fell behind, or a connection between hosts was interrupted."
+    );
+    let link = (ProcessKind::Link, "in", NO_SOURCE);
+    assert_eq!(
+        growing(AlarmKind::LostOnTheWay, link, Counter::LostOnTheWay),
+        "1,234 samples of another host did not reach link in: the connection was interrupted, or is too slow."
+    );
+    assert_eq!(
+        growing(AlarmKind::ReportQuarantined, fusion, Counter::Quarantined),
+        "fusion died twice while it worked off the same report of a source, and passes over it: 1,234 reports so far."
     );
     assert_eq!(
         growing(AlarmKind::CapacityReached, fusion, Counter::DroppedTable),
