@@ -58,7 +58,7 @@ pub use key::{Key, Range, unit_of, within};
 pub use place::Place;
 pub use quantities::{Degrees, Seconds};
 pub use reference::{help, reference};
-pub use table::{check, check_table, read_table};
+pub use table::{check, check_table, nearest, read_table};
 pub use value::{Node, Table, Value};
 pub use words::not_known;
 

@@ -30,11 +30,14 @@ pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Res
     check_all_together(table, at)
 }
 
-/// Name that `name` may have been meant as: the most similar one, where it is similar at all.
-fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
+/// The most similar of `names`, where one is so similar to `name` that it may have been meant: much alike, or one letter
+/// missing, added, exchanged or wrong.
+pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     let similar = names.iter().map(|known| (strsim::jaro_winkler(name, known), *known));
     let (similarity, known) = similar.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    (similarity > 0.85).then_some(known)
+    let is_near = |known: &&&str| name.len() > 1 && strsim::damerau_levenshtein(name, known) == 1;
+    let near = names.iter().find(is_near).copied();
+    (similarity > 0.85).then_some(known).or(near)
 }
 
 /// Reads one key of a table or of its base; whether there is such a key.

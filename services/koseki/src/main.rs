@@ -114,6 +114,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
+            display::check_overlays(&config, &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),

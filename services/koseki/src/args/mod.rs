@@ -13,7 +13,7 @@ mod values;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ErrorKind};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use configuration::Config;
 use offline::values::seconds;
@@ -597,13 +597,31 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
             commands.join(", ")
         );
     }
-    let what = offline::refusal(error);
+    let what = unknown_option(error, std::env::args()).unwrap_or_else(|| offline::refusal(error));
     let first = std::env::args().nth(1);
     let command = first.filter(|word| Cli::command().find_subcommand(word).is_some());
     match command {
         Some(command) => format!("{what} (see `koseki {command} --help`)"),
         None => format!("{what} (see `koseki --help`)"),
     }
+}
+
+/// Message about an option that the command of these words does not have, with the nearest that it has.
+fn unknown_option(error: &clap::Error, words: impl Iterator<Item = String>) -> Option<String> {
+    let found = error
+        .get(ContextKind::InvalidArg)
+        .filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
+    let found = found.to_string();
+    let name = found.strip_prefix("--")?;
+    let mut command = Cli::command();
+    for word in words.skip(1) {
+        if let Some(inner) = command.find_subcommand(&word) {
+            command = inner.clone();
+        }
+    }
+    let options: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
+    let meant = settings::nearest(name, &options).map_or_else(String::new, |near| format!("; did you mean --{near}?"));
+    Some(format!("unexpected argument '{found}' found{meant}"))
 }
 
 #[cfg(test)]
@@ -613,6 +631,22 @@ mod tests {
     #[test]
     fn the_definitions_are_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn an_unknown_option_comes_with_the_nearest() {
+        let said = |words: &[&str]| {
+            let error = Cli::try_parse_from(words).unwrap_err();
+            unknown_option(&error, words.iter().map(|word| (*word).to_owned()))
+        };
+        let said_of = |option: &str| said(&["koseki", "up", "a.toml", option, "5"]).unwrap();
+        assert_eq!(said_of("--fr"), "unexpected argument '--fr' found; did you mean --for?");
+        assert_eq!(
+            said_of("--instnce"),
+            "unexpected argument '--instnce' found; did you mean --instance?"
+        );
+        assert_eq!(said_of("--standby"), "unexpected argument '--standby' found");
+        assert_eq!(said(&["koseki", "upp"]), None);
     }
 
     #[test]
