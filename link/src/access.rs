@@ -1,8 +1,8 @@
 //! Access control: which other link may have, and give, which keys.
 //!
 //! Where a link names those it deals with, whatever is not listed here is refused: each of them may ask for the topics
-//! that it may have, may give what this link takes of its own deployment, and may compare clocks. Zenoh's interceptors see to it at
-//! the network's edge, by the common name of the certificate or by the user.
+//! that it may have, may give what this link takes of its own deployment, and may compare clocks. Zenoh's interceptors
+//! see to that at the network's edge, by the common name of the certificate or by the user.
 
 use configuration::Link;
 use messages::{SystemTrack, system_tracks};

@@ -89,8 +89,8 @@ impl History {
         }
     }
 
-    /// Messages with all that follows `position`, as far as the history reaches back, and an empty slice at the end that
-    /// states how far the topic is. Readers drop what they have already.
+    /// Messages with all that follows `position`, as far as the history reaches back, and an empty slice at the end
+    /// that states how far the topic is. Readers drop what they have already.
     pub(crate) fn after(&self, position: Position, head: Head) -> Vec<Vec<u8>> {
         let Some(reached) = self.reached else {
             return Vec::new();

@@ -8,7 +8,7 @@
 //! |---|---|---|
 //! | numbers | the numbers that are reserved | before the first of a block is used |
 //! | clock | the time that has passed, the process, and the state of its clocks | by the caller, in each turn |
-//! | suspects | reports in which fusion has died ([`suspects`](crate::suspects)) | at the start, and when one is cleared |
+//! | suspects | reports in which fusion has died | at the start, and when one is cleared |
 //! | positions | each source: how far its reports have been worked off | after each report |
 //! | systems | each system track: number, state, life, identity | when it changes; every second state |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
@@ -35,7 +35,6 @@ use kept::{Area, Found, Get, HEAD, Kept, Put, is_marked, kept, mark, mixed};
 pub use kept::{Memory, Refused};
 
 use crate::settings::Settings;
-use crate::suspects::Suspects;
 
 /// Must be raised with each change of what a record holds.
 const FORMAT: u64 = 6;
@@ -118,6 +117,7 @@ pub struct Layout {
 /// Words of the records whose contents the engine's parts define.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sizes {
+    pub(crate) suspects: usize,
     pub(crate) systems: usize,
     pub(crate) members: usize,
     pub(crate) sources: usize,
@@ -135,7 +135,7 @@ impl Layout {
             let (places, words) = match kind {
                 Kind::Numbers => (1, u32::WORDS),
                 Kind::Clock => (1, Clock::WORDS),
-                Kind::Suspects => (1, Suspects::WORDS),
+                Kind::Suspects => (1, sizes.suspects),
                 Kind::Positions => (sources, Position::WORDS),
                 Kind::Systems => (systems, sizes.systems),
                 Kind::Members | Kind::Remembered => (sensors, sizes.members),

@@ -54,6 +54,7 @@ impl Engine {
     pub fn checkpoint_layout(&self) -> Layout {
         let coverage = &self.life.coverage;
         let sizes = Sizes {
+            suspects: Suspects::WORDS,
             systems: KeptTrack::WORDS,
             members: Member::WORDS,
             sources: Learned::WORDS,

@@ -30,8 +30,8 @@ pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Res
     check_all_together(table, at)
 }
 
-/// The most similar of `names`, where one is so similar to `name` that it may have been meant: much alike, or one letter
-/// missing, added, exchanged or wrong.
+/// The most similar of `names`, where one is so similar to `name` that it may have been meant: much alike, or one
+/// letter missing, added, exchanged or wrong.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     let similar = names.iter().map(|known| (strsim::jaro_winkler(name, known), *known));
     let (similarity, known) = similar.max_by(|(a, _), (b, _)| a.total_cmp(b))?;

@@ -22,7 +22,8 @@ fn silent(port: u16, count: usize) -> Vec<TcpStream> {
         .collect()
 }
 
-/// A mirror joins a link at an endpoint beside silent connections, which are renewed until the mirror shows the picture.
+/// A mirror joins a link at an endpoint beside silent connections, which are renewed until the mirror shows the
+/// picture.
 fn a_mirror_joins_beside_silence(is_encrypted: bool) {
     let Some(there) = Host::new() else { return };
     let count = std::env::var("KOSEKI_SILENT").ok().and_then(|count| count.parse().ok());

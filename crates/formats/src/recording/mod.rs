@@ -296,7 +296,8 @@ fn fits_well(block: &Block<'_>, table: &'static Category, mode: Mode) -> bool {
     matches!(fit(block, table, mode, &latitudes(table)), Ok((_, None)))
 }
 
-/// The number of records in a block, if they fill it, and the first of these `latitudes` beyond a pole, if there is one.
+/// The number of records in a block, if they fill it, and the first of these `latitudes` beyond a pole, if there is
+/// one.
 ///
 /// # Errors
 /// Fault of the first that does not fit.
