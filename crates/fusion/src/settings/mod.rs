@@ -1,0 +1,286 @@
+//! The engine's settings: the keys of `[fusion]`, and what is known of each source.
+
+mod association;
+mod rule;
+mod source;
+
+pub use association::{AssociationSettings, GateProbability};
+pub use rule::{
+    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
+    RuleSettings, Tie,
+};
+pub(crate) use source::FRESH_PERIODS;
+pub use source::{
+    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CoverageArea, CoverageTable, ReportLimits, Shares, SourceRef,
+    SourceSettings, Weighing,
+};
+
+use messages::{NO_SOURCE, NS_PER_S};
+use settings::{Seconds, SettingsError};
+
+use crate::region::Region;
+
+/// Most stored reports per source and target.
+pub const STORED_REPORTS_MAX: usize = 64;
+/// Most sources.
+pub const SOURCES_MAX: usize = 64;
+
+settings::settings! {
+    /// Fusion.
+    pub struct Settings beside [sources: Vec<SourceSettings>] {
+        /// Spectral density of the white-noise acceleration with which states are carried forward.
+        process_noise_m2ps3: f64 = 1.0, in [0, 1e6];
+        /// Covariances that claim too much are inflated (BF-5).
+        consistency: bool = true;
+        /// Time between two states of a system track: published at its whole multiples for every system track (QF-6).
+        refresh_s: Option<Seconds> = None, in [1e-3, 3600], usually "whenever a report has changed a system track";
+        /// Time after a refresh time at which its states are formed. Reports measured meanwhile lie on the far side of
+        /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
+        refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
+        /// States by the sources here alone are published for other centres, beside those with what they say.
+        exchange: bool = false;
+        /// Borders with other centres.
+        border: BorderSettings = BorderSettings::default();
+        /// Sizes of the tables.
+        capacity: Capacity = Capacity::default();
+        /// Association of reports with system tracks (TI-3).
+        association: AssociationSettings = AssociationSettings::default();
+        /// Life of system tracks.
+        life: LifeSettings = LifeSettings::default();
+        /// Existence of targets, as far as it shows in what sources report and do not report (BF-2).
+        existence: ExistenceSettings = ExistenceSettings::default();
+        /// Systematic errors of the sources (BF-3).
+        registration: RegistrationSettings = RegistrationSettings::default();
+        /// Weighing of the sources.
+        rule: RuleSettings = RuleSettings::default();
+    }
+
+    /// Borders with other centres, where there are regions: `[[region]]`.
+    pub struct BorderSettings beside [regions: Vec<Region>] {
+        /// Distance from another centre's region within which it is told of targets.
+        strip_m: f64 = 20e3, in [0, 1e6];
+        /// Distance beyond its owner's region, and time spent there, after which a target changes hands.
+        hand_over_m: f64 = 500.0, in [0, 1e5];
+        /// See `hand_over_m`.
+        hand_over_s: Seconds = Seconds::of(10.0), in [0, 3600];
+    }
+
+    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A
+    /// source may always have its fair share of a table, an equal part for each; above that it gets what the others
+    /// have not needed yet.
+    #[derive(Copy)]
+    pub struct Capacity {
+        /// System tracks.
+        system_tracks: Option<usize> = None, in [1, 1e6], usually "2000; offline as seen";
+        /// Live sensor tracks of all sources together.
+        sensor_tracks: Option<usize> = None, in [1, 1e7], usually "8000; offline as seen";
+        /// Earlier reports kept per source and target, beside the latest (N of TI-4).
+        stored_reports: usize = 5, in [1, STORED_REPORTS_MAX];
+        /// Reports that wait per source in order `time`: a source must be able to hand over a whole slice at any time.
+        queue: usize = 4096, in [128, 1e7];
+    }
+
+    /// Life of system tracks (QF-8 names the counts; TI has none).
+    #[derive(Copy)]
+    pub struct LifeSettings {
+        /// Reports until a tentative track is confirmed.
+        confirm_reports: u32 = 3, in [1, 1e6];
+        /// Time without a report after which a confirmed track ends.
+        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`";
+        /// Time without a report after which a tentative track ends.
+        tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
+    }
+
+    /// Existence of targets, as far as it shows in what sources report and do not report (BF-2). Worths are logarithms
+    /// of how much likelier a target is than a false track; those of one claim add up.
+    #[derive(Copy)]
+    pub struct ExistenceSettings {
+        /// Worth above which a target is believed that one source alone reports; the silence of each source that covers
+        /// the place counts against it.
+        believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
+        /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
+        persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";
+        /// Reports before persistence counts.
+        persistence_reports: u32 = 3, in [0, 1e6];
+        /// Worth of an address: noise does not answer interrogations.
+        address: f64 = 5.0, in [0, 20];
+        /// Sum of ln(1 − probability of detection) over the misses since any source has seen it, at which a confirmed
+        /// target is taken to be gone, and not shown until one sees it again.
+        gone: f64 = -6.9, in [-50, -0.1], usually "-6.9: one target in a thousand would be missed that often";
+        /// Misses in a row of one source that count for that: what hides a target once hides it again.
+        misses: u32 = 2, in [1, 1000];
+    }
+
+    /// Systematic errors of the sources (BF-3).
+    pub struct RegistrationSettings {
+        /// They are estimated and removed.
+        enabled: bool = true;
+        /// Name of the source that is taken as true.
+        reference_source: Option<SourceRef> = None, usually "the middle of all sources";
+        /// Time constant with which old comparisons are forgotten.
+        memory_s: f64 = 600.0, in [1, 1e6];
+        /// Gross errors of azimuth, range, time or place, of which a source's tracks join none, are taken off where a
+        /// third source, the reference source or addresses tell whose they are. They are told in any case.
+        gross: bool = false;
+    }
+
+}
+
+impl Capacity {
+    /// System tracks.
+    pub fn system_tracks(&self) -> usize {
+        self.system_tracks.unwrap_or(2_000)
+    }
+
+    /// Live sensor tracks of all sources together.
+    pub fn sensor_tracks(&self) -> usize {
+        self.sensor_tracks.unwrap_or(8_000)
+    }
+}
+
+impl LifeSettings {
+    /// Time without a report after which a confirmed track ends, nanoseconds, where reports count for up to `fresh_ns`.
+    pub fn terminate_ns(&self, fresh_ns: i64) -> i64 {
+        self.terminate_s.map_or(20_000_000_000.max(fresh_ns + 1), Seconds::ns)
+    }
+
+    /// Time without a report after which a tentative track ends, nanoseconds, where reports count for up to `fresh_ns`.
+    pub fn tentative_ns(&self, fresh_ns: i64) -> i64 {
+        self.tentative_s.map_or(6_000_000_000.max(fresh_ns), Seconds::ns)
+    }
+}
+
+impl Settings {
+    /// Names of the conditions (weather) that can hold, each in its place: first the one that does at the start. A name
+    /// may come again.
+    pub fn conditions(&self) -> impl Iterator<Item = &str> {
+        let of_sources = self.sources.iter().flat_map(|source| &source.accuracy.conditions);
+        std::iter::once("normal").chain(of_sources.map(|(name, _)| name.as_str()))
+    }
+
+    /// Rank of a source where one has to come first, the least being the first: the reference source, then by priority.
+    pub(crate) fn rank(&self, source: u16) -> (bool, u32, u16) {
+        let reference = self.registration.reference_source.as_ref();
+        let is_reference = reference.is_some_and(|reference| reference.number == source);
+        (!is_reference, self.sources[usize::from(source)].priority, source)
+    }
+
+    /// Whether one source comes before another, if there are both.
+    pub(crate) fn comes_before(&self, source: u16, other: u16) -> bool {
+        source != NO_SOURCE && other != NO_SOURCE && self.rank(source) < self.rank(other)
+    }
+
+    /// The settings for these sources, with the numbers of those that keys name.
+    ///
+    /// # Errors
+    /// A key, beginning with that of a table of `[fusion]`, whose source there is not.
+    pub fn with_sources(mut self, mut sources: Vec<SourceSettings>) -> Result<Self, SettingsError> {
+        let rule = &mut self.rule;
+        let mut named = vec![(
+            "registration.reference_source".to_owned(),
+            self.registration.reference_source.as_mut(),
+        )];
+        named.push(("rule.reference_source".to_owned(), rule.reference_source.as_mut()));
+        for (index, pair) in rule.hand_over.pairs.iter_mut().enumerate() {
+            named.push((format!("rule.hand_over.pair[{index}].from"), Some(&mut pair.from)));
+            named.push((format!("rule.hand_over.pair[{index}].to"), Some(&mut pair.to)));
+        }
+        named.extend(
+            rule.mosaic
+                .default
+                .iter_mut()
+                .map(|source| ("rule.mosaic.default".to_owned(), Some(source))),
+        );
+        for (index, cell) in rule.mosaic.cells.iter_mut().enumerate() {
+            let key = format!("rule.mosaic.cell[{index}].sources");
+            named.extend(cell.sources.iter_mut().map(|source| (key.clone(), Some(source))));
+        }
+        let names: Vec<String> = sources.iter().map(|source| source.name.clone()).collect();
+        for source in &mut sources {
+            for (key, others) in [
+                ("shares", &mut source.shares),
+                ("independent_of", &mut source.independent_of),
+            ] {
+                named.extend(others.iter_mut().map(|other| (key.to_owned(), Some(other))));
+            }
+        }
+        for (key, source) in named {
+            let Some(source) = source.filter(|source| !source.name.is_empty()) else {
+                continue;
+            };
+            let number = names.iter().position(|other| *other == source.name);
+            source.number = number.ok_or_else(|| {
+                let what = format!(
+                    "there is no source named \"{}\"; there are: {}",
+                    source.name,
+                    names.join(", ")
+                );
+                SettingsError::new(key, what)
+            })? as u16;
+        }
+        self.rule.mosaic.cells.sort_by_key(|cell| (cell.east, cell.north));
+        self.sources = sources;
+        self.check_sources()?;
+        Ok(self)
+    }
+
+    /// Looks for settings that cannot work.
+    ///
+    /// # Errors
+    /// The first such setting, with key, value and remedy.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        settings::check(self)?;
+        self.check_sources()
+    }
+
+    /// Whether all rules give accuracy values (TI-9).
+    pub(crate) fn accuracy_values(&self) -> bool {
+        self.rule.accuracy_values.unwrap_or(self.refresh_s.is_some())
+    }
+
+    /// Time between two states of a system track, nanoseconds; `None`: whenever a report has changed a system track.
+    pub fn refresh_ns(&self) -> Option<i64> {
+        self.refresh_s.map(Seconds::ns)
+    }
+
+    /// Longest time between two reports of any source, seconds.
+    pub(crate) fn longest_period_s(&self) -> f64 {
+        let longest = self.sources.iter().map(|source| source.period_ns).max();
+        longest.unwrap_or(0) as f64 / NS_PER_S
+    }
+
+    /// TI-8: alpha cannot be normalised by a source whose alpha is 0.
+    fn check_sources(&self) -> Result<(), SettingsError> {
+        let refused = |source: &str, reason: &str| {
+            let what = format!("{source}: {reason}");
+            Err(SettingsError::new("rule.reference_source", what))
+        };
+        if !(1..=SOURCES_MAX).contains(&self.sources.len()) {
+            let what = format!("{} sources; there must be 1 to {SOURCES_MAX}", self.sources.len());
+            return Err(SettingsError::new("", what));
+        }
+        let Some(reference) = &self.rule.reference_source else {
+            return Ok(());
+        };
+        let number = reference.number;
+        let Some(source) = self.sources.get(usize::from(number)) else {
+            return refused(&number.to_string(), "there is no such source");
+        };
+        let smallest = match source.accuracy.base {
+            AccuracyBase::Constant { sigma_m } => sigma_m,
+            AccuracyBase::Polar { range_sigma_m, .. } => range_sigma_m,
+            AccuracyBase::Estimated { initial_m, .. } => initial_m,
+            AccuracyBase::Reported => {
+                let reason = "its accuracy is what it reports, so nothing is known of it where it reports nothing; \
+                              name a source with another model";
+                return refused(&source.name, reason);
+            }
+        };
+        if source.adjustment * smallest > 0.0 {
+            return Ok(());
+        }
+        let reason = "its adjustment × accuracy is 0, so nothing can be expressed relative to it; \
+                      give that source an accuracy and an adjustment above 0, or name another";
+        refused(&source.name, reason)
+    }
+}

@@ -1,0 +1,223 @@
+//! Settings of the rule by which sources are weighed, and of hand-over and mosaic.
+
+use std::collections::BTreeSet;
+
+use messages::FusionRule;
+use settings::SettingsError;
+
+use super::source::SourceRef;
+use crate::quality::SCANS_MAX;
+
+/// Most refreshes that a hand-over can take.
+pub const RAMP_MAX: usize = 256;
+
+settings::settings! {
+    /// Weighing of the sources.
+    pub struct RuleSettings {
+        /// Name of the rule; `koseki fuse --help` lists them.
+        name: RuleName = RuleName::default();
+        /// Residual V (TI-6): `position`, norm of the position difference over the axes; `velocity`, of the velocity
+        /// difference; `per-axis`, position difference with an accuracy value, a choice and a weight per axis;
+        /// `innovation`, |measured − predicted| where raw detections are delivered, else `position`.
+        residual: Residual = Residual::Position;
+        /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is
+        /// plain.
+        recency: f64 = 1.0, in [1e-6, 1];
+        /// Name of the source whose alpha is normalised to 1 (TI-8).
+        reference_source: Option<SourceRef> = None;
+        /// Accuracy values lambda (TI-9) are given also by rules that need none, whose states are those of the target's
+        /// filter: of each sensor track the last reports are then kept. Where each report gives a state, that makes the
+        /// engine's work 7 % more.
+        accuracy_values: Option<bool> = None, usually "true with refresh_s, else false";
+        /// Decision between equal accuracy values (TI-11): the source chosen last time, then priority; or priority
+        /// alone.
+        tie: Tie = Tie::LastThenPriority;
+        /// Age beyond which a source has missed its expected report, in periods of its own (TI-15).
+        overdue_periods: f64 = 1.5, in [0.5, 1e3];
+        /// Due scans over which the quality index is summed (N of QF-4).
+        quality_scans: u32 = 10, in [2, SCANS_MAX];
+        /// Factor by which another source's lambda must be below that of the present one (h of TI-18); 1 is TI-11.
+        hysteresis: f64 = 1.0, in [1e-6, 1];
+        /// Refreshes for which a chosen source is kept at least (TI-18).
+        hold_refreshes: u32 = 0, in [0, 1e6];
+        /// Measure that covariance intersection makes small: the determinant of the covariance of position and
+        /// velocity, or the trace of that of position.
+        intersection: Intersection = Intersection::Determinant;
+        /// Spectral density of the process noise that the sources' errors have in common.
+        common_noise_m2ps3: Option<f64> = None, in [0, 1e6], usually "that of fusion";
+        /// Passing of the output from one source to another (TI-13 … TI-16).
+        hand_over: HandOverSettings = HandOverSettings::default();
+        /// Cells of the area and the sources that hold there (QF-9).
+        mosaic: MosaicSettings = MosaicSettings::default();
+    }
+
+    /// Passing of the output from one source to another (TI-13 … TI-16).
+    pub struct HandOverSettings {
+        check HandOverSettings::check;
+        /// Coefficients eta_0 of the new source at the first refresh and those that follow, rising; after the last it
+        /// is 1. Empty: at once.
+        ramp: Vec<f64> = Vec::new(), in [0, 1];
+        /// Eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
+        /// used the ramp holds.
+        by_traces: bool = false;
+        /// Blending when the source that is left has missed its expected report (TI-15): `switch`, the new one gets all
+        /// at once; `blend`, by its last stored report, moved to the reference time.
+        drop_out: DropOut = DropOut::Switch;
+        /// Ordered pair of sources with a ramp of its own.
+        pairs as "pair": Vec<PairRamp> = Vec::new();
+    }
+
+    /// The ramp from one source to another.
+    pub struct PairRamp {
+        check PairRamp::check;
+        /// Name of the source that is left.
+        from: SourceRef;
+        /// Name of the source that takes over.
+        to: SourceRef;
+        /// Coefficients eta_0 at successive refreshes, as for those that are no pair.
+        ramp: Vec<f64>, in [0, 1];
+    }
+
+    /// Cells of the area and the sources that hold there (QF-9).
+    pub struct MosaicSettings {
+        check MosaicSettings::check;
+        /// Width of a cell. Cell (0, 0) begins at the system origin and lies north-east of it.
+        cell_m: f64 = 10_000.0, in [1, 1e7];
+        /// Names of sources, the most wanted first, where no cell says otherwise. Empty: by the sources' priorities.
+        default: Vec<SourceRef> = Vec::new();
+        /// Cell with a list of its own.
+        cells as "cell": Vec<MosaicCell> = Vec::new();
+    }
+
+    /// One cell.
+    pub struct MosaicCell {
+        /// Column, counted from the system origin to the east.
+        east: i32;
+        /// Row, counted from the system origin to the north.
+        north: i32;
+        /// Names of sources, the most wanted first. Those left out are not used there.
+        sources: Vec<SourceRef>;
+    }
+}
+
+settings::words! {
+    /// Variants of the residual V (TI-6).
+    pub enum Residual {
+        /// Norm of the position difference over the axes.
+        Position = "position",
+        /// Norm of the velocity difference over the axes.
+        Velocity = "velocity",
+        /// Position difference, each axis on its own: an accuracy value, a choice and a weight per axis.
+        PerAxis = "per-axis",
+        /// |measured − predicted| where raw detections are delivered; `Position` for sources that deliver none.
+        Innovation = "innovation",
+    }
+
+    /// Decision between equal accuracy values (TI-11).
+    pub enum Tie {
+        /// The source chosen last time, then priority.
+        LastThenPriority = "last-then-priority",
+        /// Priority alone.
+        Priority = "priority",
+    }
+
+    /// Blending when the source that is left has missed its expected report (TI-15).
+    pub enum DropOut {
+        /// The new one gets all at once.
+        Switch = "switch",
+        /// It is blended by its last stored report, moved to the reference time.
+        Blend = "blend",
+    }
+
+    /// Measure that covariance intersection makes small.
+    pub enum Intersection {
+        /// The determinant of the covariance of position and velocity.
+        Determinant = "determinant",
+        /// The trace of the covariance of position.
+        Trace = "trace",
+    }
+}
+
+/// The name of a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RuleName(pub FusionRule);
+
+impl Default for RuleName {
+    /// The best there is for unknown data.
+    fn default() -> Self {
+        Self(FusionRule::Auto)
+    }
+}
+
+settings::spelt_as!(
+    RuleName,
+    String,
+    "name of a rule",
+    |word| FusionRule::from_word(&word)
+        .map(Self)
+        .ok_or_else(|| settings::not_known(&word, &FusionRule::ALL.map(FusionRule::word))),
+    |rule| rule.0.word().to_owned()
+);
+
+/// A rising sequence within [0, 1] (TI-14).
+fn check_ramp(ramp: &[f64]) -> Result<(), SettingsError> {
+    let what = match ramp.len() {
+        length if length > RAMP_MAX => format!("{length} values; at most {RAMP_MAX} are possible"),
+        _ if !ramp.is_sorted() => format!("{ramp:?}: a ramp must rise"),
+        _ => return Ok(()),
+    };
+    Err(SettingsError::new("ramp", what))
+}
+
+impl PairRamp {
+    fn check(&self) -> Result<(), SettingsError> {
+        check_ramp(&self.ramp)
+    }
+}
+
+impl HandOverSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        check_ramp(&self.ramp)?;
+        let mut known = BTreeSet::new();
+        for (index, pair) in self.pairs.iter().enumerate() {
+            let (from, to) = (&pair.from, &pair.to);
+            if !known.insert([(&from.name, from.number), (&to.name, to.number)]) {
+                let what = format!("from \"{}\" to \"{}\" has been given before", from.name, to.name);
+                return Err(SettingsError::new(format!("pair[{index}].from"), what));
+            }
+        }
+        Ok(())
+    }
+
+    /// The ramp from source `from` to source `to`.
+    pub(crate) fn ramp(&self, from: u16, to: u16) -> &[f64] {
+        let pair = self
+            .pairs
+            .iter()
+            .find(|pair| (pair.from.number, pair.to.number) == (from, to));
+        pair.map_or(&self.ramp, |pair| &pair.ramp)
+    }
+}
+
+impl MosaicSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        let mut known = BTreeSet::new();
+        for (index, cell) in self.cells.iter().enumerate() {
+            if !known.insert((cell.east, cell.north)) {
+                let what = format!("cell {} east, {} north has been given before", cell.east, cell.north);
+                return Err(SettingsError::new(format!("cell[{index}].east"), what));
+            }
+        }
+        Ok(())
+    }
+
+    /// The list that holds at a place (east, north, up, metres); `None` where priorities decide.
+    pub(crate) fn list_at(&self, place_m: [f64; 3]) -> Option<&[SourceRef]> {
+        let cell = |metres: f64| (metres / self.cell_m).floor() as i32;
+        let here = (cell(place_m[0]), cell(place_m[1]));
+        match self.cells.binary_search_by_key(&here, |cell| (cell.east, cell.north)) {
+            Ok(index) => Some(&self.cells[index].sources),
+            Err(_) => (!self.default.is_empty()).then_some(&self.default),
+        }
+    }
+}

@@ -1,0 +1,387 @@
+//! Settings of one source: its keys, and what the engine knows of the source.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
+
+/// Word for `shares` where the sources are not known.
+const UNKNOWN: &str = "unknown";
+/// Periods for which a report is fresh unless configured: two reports may be missed.
+pub(crate) const FRESH_PERIODS: f64 = 2.5;
+
+settings::settings! {
+    /// Weighing of one source (TI-2).
+    pub struct Weighing {
+        /// Time between two reports of one target. A tracker of plots finds it in north marks, or in the plots.
+        period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
+        /// Age beyond which a report no longer contributes, at least a period.
+        fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
+        /// Priority for ties: of equally good sources the one with the smallest number is taken (TI-11).
+        priority: Option<u32> = None, usually "its place";
+        /// Height above the system origin beyond which this source cannot see targets.
+        ceiling_m: Option<f64> = None;
+        /// Names of sources whose measurements are in its tracks too: together they count once; or "unknown": its
+        /// tracks are the system tracks of another centre, of whatever sensors.
+        shares: Shares = Shares::default();
+        /// Names of sources that are never taken for the same, however alike their reports are.
+        independent_of: Vec<SourceRef> = Vec::new();
+        /// Sensor accuracy (TI-7).
+        accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
+        /// Where it sees.
+        coverage: Option<CoverageTable> = None, usually "learned from its reports";
+    }
+
+    /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
+    pub struct AccuracyTable {
+        /// Kind of accuracy: `constant`, the same everywhere; `polar`, range and azimuth errors, turned into a position
+        /// error at the target's place; `reported`, root mean square of the horizontal standard deviations that the
+        /// source states; `estimated`, root mean square of the source's own residuals over its recent reports.
+        model: AccuracyModel = AccuracyModel::Constant;
+        /// Constant accuracy.
+        sigma_m: f64 = 20.0, in [0, 1e6];
+        /// Polar: range error.
+        range_sigma_m: f64 = 20.0, in [0, 1e6];
+        /// Polar: azimuth error.
+        azimuth_sigma_deg: Degrees = Degrees::of(0.1), in [0, 90];
+        /// Estimated: accuracy until there are residuals.
+        initial_m: f64 = 20.0, in [1e-3, 1e6];
+        /// Estimated: number of residuals that the mean reaches back over.
+        memory: f64 = 200.0, in [1, 1e9];
+        /// Accuracy that is added per m/s of target speed.
+        per_speed_s: f64 = 0.0, in [0, 1e6];
+        /// Adjustment coefficient k (TI-8): small for a main source, large for a standby one.
+        adjustment: f64 = 1.0, in [0, 1e9];
+        /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+        conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
+    }
+
+    /// Where a source sees; a key that is left out does not limit it.
+    pub struct CoverageTable {
+        check CoverageTable::check;
+        /// Farthest horizontal distance.
+        range_m: Option<f64> = None, in [1, 2e6];
+        /// First and last azimuth of the sector that is seen, clockwise from north.
+        sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
+        /// Corners of the area that is seen, east and north in the system frame.
+        polygon_m: Vec<[f64; 2]> = Vec::new(), in [-2e6, 2e6];
+        /// Probability that it follows a target in there.
+        probability: f64 = 0.9, in [0.01, 1];
+    }
+}
+
+settings::words! {
+    /// Kinds of sensor accuracy.
+    pub enum AccuracyModel {
+        /// The same everywhere.
+        Constant = "constant",
+        /// Range and azimuth errors.
+        Polar = "polar",
+        /// Root mean square of the standard deviations that the source states.
+        Reported = "reported",
+        /// Root mean square of the source's own residuals.
+        Estimated = "estimated",
+    }
+}
+
+/// A source that a key names: its number follows when all sources are known.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SourceRef {
+    pub(super) name: String,
+    /// Its number, its place among the sources.
+    pub number: u16,
+}
+
+impl From<u16> for SourceRef {
+    fn from(number: u16) -> Self {
+        Self {
+            name: String::new(),
+            number,
+        }
+    }
+}
+
+settings::spelt_as!(
+    SourceRef,
+    String,
+    "name of a source",
+    |name| Ok(Self { name, number: 0 }),
+    |source| source.name.clone()
+);
+
+/// Sources whose measurements are in a source's tracks too.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shares {
+    /// These.
+    With(Vec<SourceRef>),
+    /// Nobody knows: its tracks are another centre's.
+    Unknown,
+}
+
+impl Default for Shares {
+    fn default() -> Self {
+        Self::With(Vec::new())
+    }
+}
+
+impl Value for Shares {
+    fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        if node.get_ref().as_str() == Some(UNKNOWN) {
+            *self = Self::Unknown;
+            return Ok(());
+        }
+        let mut sources = Vec::new();
+        Value::read(&mut sources, node, range, at)?;
+        *self = Self::With(sources);
+        Ok(())
+    }
+
+    fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
+        match self {
+            Self::With(sources) => sources.check(range, at),
+            Self::Unknown => Ok(()),
+        }
+    }
+
+    fn kind(&self) -> String {
+        format!("{}, or \"{UNKNOWN}\"", Vec::<SourceRef>::new().kind())
+    }
+
+    fn text(&self) -> String {
+        match self {
+            Self::With(sources) => sources.text(),
+            Self::Unknown => format!("\"{UNKNOWN}\""),
+        }
+    }
+}
+
+/// One source (TI-2).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SourceSettings {
+    /// Name, for messages to people.
+    pub name: String,
+    /// Identity of the sensor, the same in every deployment that hears it; 0: unknown.
+    pub sensor_uid: u32,
+    /// Time between two reports of one target, nanoseconds.
+    pub period_ns: i64,
+    /// Whether that is only the least, since nobody has stated it: a longer one is learned, and the next follows it.
+    pub learns_period: bool,
+    /// Age beyond which a report no longer contributes, nanoseconds.
+    pub fresh_ns: i64,
+    /// Sensor accuracy s (TI-7).
+    pub accuracy: Accuracy,
+    /// Adjustment coefficient k (TI-8).
+    pub adjustment: f64,
+    /// Priority for ties, smaller first (TI-11).
+    pub priority: u32,
+    /// Sources whose measurements are in its tracks too.
+    pub shares: Vec<SourceRef>,
+    /// Whether its tracks are the system tracks of another centre.
+    pub is_centre: bool,
+    /// Sources that are never taken for the same as this one.
+    pub independent_of: Vec<SourceRef>,
+    /// Height above the system origin beyond which it cannot see targets, metres.
+    pub ceiling_m: f64,
+    /// Where it sees; `None`: learned from its reports.
+    pub coverage: Option<CoverageArea>,
+    /// East and north of the sensor in the system frame, metres, from where it measures range and azimuth; `None`:
+    /// unknown.
+    pub place_m: Option<[f64; 2]>,
+    /// What its reports may say, where nobody has looked at that before.
+    pub limits: ReportLimits,
+}
+
+/// Limits of what a source's reports may say; what is beyond is rejected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReportLimits {
+    /// East and north of the sensor in the system frame, metres.
+    pub place_m: [f64; 2],
+    /// Largest horizontal distance from there, metres.
+    pub range_m: f64,
+    /// Greatest horizontal speed, metres per second.
+    pub speed_mps: f64,
+}
+
+impl Default for ReportLimits {
+    /// What a sensor on this planet can report.
+    fn default() -> Self {
+        Self {
+            place_m: [0.0; 2],
+            range_m: 1e8,
+            speed_mps: 1e5,
+        }
+    }
+}
+
+impl SourceSettings {
+    /// The source called `name`, whose sensor stands at `place_m` (east and north, metres) and reports every
+    /// `period_s`. It is weighed as the file says, else it has this `accuracy` and `priority`.
+    ///
+    /// # Errors
+    /// If its reports are not fresh for a period.
+    pub fn new(
+        name: &str,
+        weighing: &Weighing,
+        (period_s, priority): (f64, u32),
+        place_m: [f64; 2],
+        accuracy: &AccuracyTable,
+    ) -> Result<Self, SettingsError> {
+        let fresh_s = weighing.fresh_s.unwrap_or(FRESH_PERIODS * period_s);
+        settings::within("fresh_s", fresh_s, period_s, 1e5)?;
+        let accuracy = weighing.accuracy.as_ref().unwrap_or(accuracy);
+        Ok(Self {
+            name: name.to_owned(),
+            sensor_uid: 0,
+            period_ns: Seconds::of(period_s).ns(),
+            learns_period: weighing.period_s.is_none() && weighing.fresh_s.is_none(),
+            fresh_ns: Seconds::of(fresh_s).ns(),
+            accuracy: accuracy.at(place_m),
+            adjustment: accuracy.adjustment,
+            priority: weighing.priority.unwrap_or(priority),
+            shares: match &weighing.shares {
+                Shares::With(sources) => sources.clone(),
+                Shares::Unknown => Vec::new(),
+            },
+            is_centre: weighing.shares == Shares::Unknown,
+            independent_of: weighing.independent_of.clone(),
+            ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
+            coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
+            place_m: None,
+            limits: ReportLimits::default(),
+        })
+    }
+}
+
+/// Where a source sees targets, and how surely.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoverageArea {
+    /// East and north of the sensor in the system frame, metres.
+    pub place_m: [f64; 2],
+    /// Farthest horizontal distance, metres.
+    pub range_m: f64,
+    /// First and last azimuth of the sector that is seen, clockwise from north, radians; `None`: all around.
+    pub sector_rad: Option<[f64; 2]>,
+    /// Corners, east and north in the system frame, metres, of the area that is seen; empty: no further limit.
+    pub polygon_m: Vec<[f64; 2]>,
+    /// Probability that it follows a target in there.
+    pub probability: f64,
+}
+
+impl CoverageArea {
+    /// Probability that the source follows a target at this place.
+    pub fn probability_at(&self, position_m: [f64; 3]) -> f64 {
+        let (dx, dy) = (position_m[0] - self.place_m[0], position_m[1] - self.place_m[1]);
+        let in_sector = self.sector_rad.is_none_or(|[first, last]| {
+            let turn = std::f64::consts::TAU;
+            (dx.atan2(dy) - first).rem_euclid(turn) <= (last - first).rem_euclid(turn)
+        });
+        let inside = dx.hypot(dy) <= self.range_m && in_sector && self.polygon_holds(position_m[0], position_m[1]);
+        if inside { self.probability } else { 0.0 }
+    }
+
+    /// Whether a ray from (x, y) crosses the polygon's edges an odd number of times.
+    fn polygon_holds(&self, x: f64, y: f64) -> bool {
+        let corners = &self.polygon_m;
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        let crosses = |([ax, ay], [bx, by]): &(&[f64; 2], &[f64; 2])| {
+            (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax
+        };
+        corners.is_empty() || edges.filter(crosses).count() % 2 == 1
+    }
+}
+
+/// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Accuracy {
+    /// What s is at rest and in the normal condition.
+    pub base: AccuracyBase,
+    /// Added per metre per second of target speed, seconds.
+    pub per_speed_s: f64,
+    /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+    pub conditions: Vec<(String, f64)>,
+}
+
+/// The part of the sensor accuracy that depends on the kind of sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AccuracyBase {
+    /// The same everywhere, metres.
+    Constant {
+        /// s, metres.
+        sigma_m: f64,
+    },
+    /// Range and azimuth errors, turned into a position error at the target's place.
+    Polar {
+        /// East and north of the sensor in the system frame, metres.
+        place_m: [f64; 2],
+        /// Range error, metres.
+        range_sigma_m: f64,
+        /// Azimuth error, radians.
+        azimuth_sigma_rad: f64,
+    },
+    /// Root mean square of the horizontal standard deviations that the source states in its latest report.
+    Reported,
+    /// Root mean square of the source's own residuals over its recent reports, all targets together.
+    Estimated {
+        /// s until there are residuals, metres.
+        initial_m: f64,
+        /// How many residuals the mean reaches back over.
+        memory: f64,
+    },
+}
+
+impl AccuracyTable {
+    /// The accuracy of a sensor at this place, east and north, metres.
+    fn at(&self, place_m: [f64; 2]) -> Accuracy {
+        Accuracy {
+            base: match self.model {
+                AccuracyModel::Constant => AccuracyBase::Constant { sigma_m: self.sigma_m },
+                AccuracyModel::Polar => AccuracyBase::Polar {
+                    place_m,
+                    range_sigma_m: self.range_sigma_m,
+                    azimuth_sigma_rad: self.azimuth_sigma_deg.rad(),
+                },
+                AccuracyModel::Reported => AccuracyBase::Reported,
+                AccuracyModel::Estimated => AccuracyBase::Estimated {
+                    initial_m: self.initial_m,
+                    memory: self.memory,
+                },
+            },
+            per_speed_s: self.per_speed_s,
+            conditions: self.conditions.clone().into_iter().collect(),
+        }
+    }
+}
+
+impl CoverageTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        if !(1..3).contains(&self.polygon_m.len()) {
+            return Ok(());
+        }
+        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
+        Err(SettingsError::new("polygon_m", what))
+    }
+
+    /// Where the source at this place sees, east and north, metres.
+    fn at(&self, place_m: [f64; 2]) -> CoverageArea {
+        CoverageArea {
+            place_m,
+            range_m: self.range_m.unwrap_or(f64::INFINITY),
+            sector_rad: self.sector_deg.map(|sector| sector.map(Degrees::rad)),
+            polygon_m: self.polygon_m.clone(),
+            probability: self.probability,
+        }
+    }
+}
+
+impl CoverageArea {
+    /// The coverage of a sensor whose silence says nothing, like that of a direction finder: probability 0.
+    pub fn none() -> Self {
+        Self {
+            place_m: [0.0; 2],
+            range_m: f64::INFINITY,
+            sector_rad: None,
+            polygon_m: Vec::new(),
+            probability: 0.0,
+        }
+    }
+}
