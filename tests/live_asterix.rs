@@ -495,9 +495,9 @@ fn mutated_datagrams_are_all_counted() {
 }
 
 #[test]
-#[ignore = "takes minutes: the same with a million"]
-fn a_million_mutated_datagrams_are_all_counted() {
-    mutated_datagrams_are_counted(1_000_000);
+#[ignore = "takes a minute: the same with 300,000"]
+fn many_mutated_datagrams_are_all_counted() {
+    mutated_datagrams_are_counted(300_000);
 }
 
 #[test]
