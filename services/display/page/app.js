@@ -204,7 +204,7 @@ export class App {
     if (address !== location.hash) history.replaceState(null, "", address);
   }
 
-  // ---- What the server says
+  // ---- Messages of the server
 
   /**
    * @param {{instance: string, origin: import("./geodesy.js").Place | null,
@@ -219,7 +219,7 @@ export class App {
     if (recording) {
       this.historyFrom = recording.from_s;
       this.liveTime = recording.to_s;
-      // It goes on where it is, unless the address says otherwise.
+      // A recording continues at its position, unless the address names another.
       if (this.settings.at === 0) Object.assign(this.settings, { at: recording.time_s, speed: recording.speed });
     }
     if (origin && JSON.stringify(origin) !== JSON.stringify(this.known.origin)) {
@@ -244,7 +244,7 @@ export class App {
       for (const number of picture.system.keys()) if (!present.has(number)) picture.system.delete(number);
     }
     if (full) picture.clearLayers();
-    // After a leap through time, what was before says nothing of what is now.
+    // After a jump through time, earlier values do not apply.
     const leap = full || time < before || time - before > HAND_OVER_AFTER_S;
     if (leap) for (const track of picture.system.values()) forgetMains(track, time);
     for (const number of removed) picture.system.delete(number);
@@ -302,7 +302,7 @@ export class App {
     this.facts.set(number, { stateTime, facts, decisions });
     const track = this.picture.system.get(number);
     if (track) this.remember(number, track.time, track.height, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
-    // Map and panel speak of the same instant.
+    // Map and panel show the same instant.
     if (this.settings.tab === "track") this.panelDue = 0;
     this.dirty = true;
   }
@@ -422,7 +422,7 @@ export class App {
     if (tracks.length === 0) return;
     const east = tracks.map((track) => track.east).sort((a, b) => a - b);
     const north = tracks.map((track) => track.north).sort((a, b) => a - b);
-    // A few far away shall not make all others small.
+    // A few distant tracks must not make all others small.
     const [low, high] = [Math.floor(tracks.length * 0.02), Math.ceil(tracks.length * 0.98) - 1];
     this.moved(() => this.view.show(east[low], north[low], east[high], north[high]));
   }
@@ -690,7 +690,7 @@ export class App {
   showPanel() {
     const { settings, known } = this;
     const panel = byId("panel");
-    // Figures that somebody is marking or changing are left alone.
+    // Figures that the user is marking or changing are left alone.
     const busy = panel.contains(document.activeElement) && settings.tab === "view";
     if (settings.tab === "" || busy || (settings.tab !== "tracks" && !getSelection()?.isCollapsed)) return;
     const scroll = panel.scrollTop;

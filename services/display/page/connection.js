@@ -169,7 +169,7 @@ export class Connection {
       if (this.socket === socket && socket?.readyState === WebSocket.OPEN)
         socket.send(JSON.stringify({ ack: header.sequence }));
     };
-    // No frames are painted where nobody looks.
+    // A hidden page paints no frames.
     if (document.hidden) setTimeout(answer, 500);
     else requestAnimationFrame(answer);
   }

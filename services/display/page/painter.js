@@ -291,7 +291,7 @@ export class Painter {
         const pointX = m.a * trail.east[at] + m.c * trail.north[at] + m.x0;
         const pointY = m.b * trail.east[at] + m.d * trail.north[at] + m.y0;
         if (Math.abs(pointX - lastX) + Math.abs(pointY - lastY) < 1.5) continue;
-        // A gap of half a minute is no trail.
+        // A gap of half a minute interrupts the trail.
         if (next - time > 30) path.moveTo(pointX, pointY);
         else path.lineTo(pointX, pointY);
         lastX = pointX;
@@ -449,7 +449,7 @@ export class Painter {
     for (const { track, x, y } of order) {
       const full = selected.has(track.number);
       const lines = full ? 3 : settings.labels;
-      // Whoever was selected or is in distress is labelled whatever stands there; distress needs but its first line.
+      // Selected tracks and tracks in distress always have a label; distress needs only the first line.
       const always = full || isGrave(track);
       const least = full ? lines : Math.min(lines, 1);
       const placed =
@@ -480,7 +480,7 @@ export class Painter {
       ctx.globalAlpha = 1;
     }
     let colour = "";
-    // At whole pixels: letters are sharp, and drawn once for all.
+    // Whole pixels keep letters sharp and allow drawing each only once.
     for (const { track, left, top, lines } of this.labels) {
       const own = this.colourOf(scene, track);
       if (own !== colour) ctx.fillStyle = colour = own;

@@ -174,7 +174,7 @@ export class TrackPanel {
     const speeds = units === "metric" ? 1 : 3600 / 1852;
     const heights = history.heights.map((height) => (units === "metric" ? height : levelOf({ height })));
     const canvases = this.plots.map(({ canvas }) => canvas);
-    // Noise of level flight is not to look like climbing.
+    // Noise of level flight must not look like climbing.
     plot(canvases[0], one(heights), {
       ...axes,
       unit: units === "metric" ? "m" : "FL",

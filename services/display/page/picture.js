@@ -225,7 +225,7 @@ export class Picture {
    * @param {Area[]} areas
    */
   addLayers(since, sensor, detections, bearings, areas) {
-    // Numbers of tracks have 32 bits, those of sources 16: together they are a whole number that is still exact.
+    // Track numbers have 32 bits, source numbers 16: their combination is an exact integer.
     for (const spot of sensor) this.sensor.set(spot.source * 2 ** 32 + spot.number, spot);
     for (const [key, spot] of this.sensor) if (spot.time < since) this.sensor.delete(key);
     this.detections = recent(this.detections, detections, since);

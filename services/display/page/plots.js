@@ -102,7 +102,7 @@ export function histogram(canvas, buckets, colours) {
   ctx.fillStyle = colours.bar;
   const step = width / bins.length;
   bins.forEach((count, k) => {
-    // By the logarithm as well: the tail matters more than the mass.
+    // Logarithmic as well: the tail matters more than the mass.
     const tall = count > 0 ? ((bottom - 2) * Math.log1p(count)) / Math.log1p(most) : 0;
     ctx.fillRect(k * step, bottom - tall, step - 1, tall);
   });

@@ -61,7 +61,7 @@ export class TrackTable {
     const key = keyOf(column, mainName);
     const keyed = tracks.map((track) => /** @type {const} */ ([key(track), track]));
     keyed.sort(([a, x], [b, y]) => {
-      // What is unknown comes last in either order.
+      // Unknown values come last in either order.
       const missing = Number(a === "" || Number.isNaN(a)) - Number(b === "" || Number.isNaN(b));
       if (missing !== 0) return missing;
       const less = a < b ? -1 : a > b ? 1 : 0;

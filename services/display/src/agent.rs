@@ -1,6 +1,7 @@
-//! The duty cycle of the display: it takes what has come and puts it into the world.
+//! Duty cycle of the display: receives samples from the topics and puts them into the world.
 //!
-//! It listens to nobody and looks every few milliseconds instead, so that no publisher ever has to wake it.
+//! The agent polls every few milliseconds instead of waiting for events, so no publisher ever has to wake the
+//! display.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -17,15 +18,15 @@ use web::Counts;
 
 use crate::pages::Shared;
 
-/// Slices taken from one topic in one turn: as many as can wait.
+/// Slices taken from one topic in one turn: the capacity of its queue.
 const SLICES_PER_TURN: usize = 256;
-/// Time between two looks: at the highest rates, a queue holds what comes in some of them.
+/// Time between two polls: at the highest rates, a queue holds the slices of several polls.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
 
-/// The display as an agent; generic over the transport, so that tests drive it in process.
+/// Display agent; generic over the transport, so that tests drive it in process.
 pub(crate) struct DisplayAgent<S: Transport> {
     shared: Arc<Shared>,
-    /// Refusals of the server.
+    /// Requests that the server refused.
     refused: Arc<Counts>,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
@@ -40,7 +41,7 @@ pub(crate) struct DisplayAgent<S: Transport> {
 }
 
 impl<S: Transport> DisplayAgent<S> {
-    /// The display of the deployment of `config`, which fills `shared`.
+    /// Creates the display agent of the deployment `config`; it fills `shared`.
     ///
     /// # Errors
     /// If a topic cannot be opened.
@@ -87,7 +88,7 @@ impl<S: Transport> DisplayAgent<S> {
     }
 }
 
-/// Takes what has come on all of `topics`.
+/// Takes the waiting slices of all `topics`.
 fn take<S: Transport, T: Payload>(
     topics: &mut [Subscriber<S, T>],
     mut visit: impl FnMut(&[T]),
@@ -110,7 +111,7 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         })?;
         self.alarms
             .take(SLICES_PER_TURN, |header, slice| world.hear_alarms(header, slice))?;
-        // Reports before the states that they led to.
+        // Reports come before the states that result from them.
         take(&mut self.sensor_tracks, |reports| {
             world.hear_sensor_tracks(reports, now)
         })?;

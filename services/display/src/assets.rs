@@ -1,4 +1,4 @@
-//! The page's files, as they are in the executable.
+//! Files of the page, embedded in the executable.
 
 /// A file of the page: name, media type, content.
 pub(crate) type Asset = (&'static str, &'static str, &'static [u8]);
@@ -9,7 +9,7 @@ macro_rules! assets {
     };
 }
 
-/// The files, all in one folder.
+/// Embedded files, all from one folder.
 pub(crate) const ASSETS: &[Asset] = assets! {
     "app.js"
     "coast.bin"
@@ -35,7 +35,7 @@ pub(crate) const ASSETS: &[Asset] = assets! {
     "wire.js"
 };
 
-/// Media type by the name's ending.
+/// Returns the media type for the extension of `name`.
 const fn media_type(name: &str) -> &'static str {
     match name.as_bytes() {
         [.., b'.', b'j', b's'] => "text/javascript; charset=utf-8",
@@ -46,7 +46,7 @@ const fn media_type(name: &str) -> &'static str {
     }
 }
 
-/// Content of a file.
+/// Returns the file `name`.
 pub(crate) fn asset(name: &str) -> Option<&'static Asset> {
     ASSETS.iter().find(|(known, ..)| *known == name)
 }

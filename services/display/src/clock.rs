@@ -1,33 +1,34 @@
-//! Time of a picture.
+//! Time of the track picture.
 //!
-//! Live, it is the machine's: what the data say of the time is no measure of it, and how far the newest states are from
-//! it is shown (`telemetry::DataOffset`). Where inputs are recordings, it is that of the data: where the latest state
-//! was, and from there on it goes as the machine's does.
+//! In live operation the picture's time is the machine's clock. The data do not influence it;
+//! `telemetry::DataOffset` shows the distance of the newest states from it. If inputs are recordings, the picture's
+//! time is data time: it starts at the latest state and then runs at the machine's rate.
 //!
-//! A clock of the data does not go back, since the past of the picture is in its order. States that are all behind it
-//! for [`PATIENCE_NS`] show that it is ahead, after the machine stood still: then it waits for them.
+//! A data clock never goes back, because the past of the picture is stored in its order. If all states are behind
+//! the clock for [`PATIENCE_NS`], the clock is ahead, as after a standstill of the machine. The clock then waits
+//! for the states.
 
 use runtime::Now;
 
-/// Time for which all states must be behind the clock before it waits, nanoseconds.
+/// Time for which all states must be behind the clock before the clock waits, nanoseconds.
 const PATIENCE_NS: i64 = 5_000_000_000;
-/// How far states may be behind it, nanoseconds: they take that on their way.
+/// Permitted lag of states behind the clock, nanoseconds: the latency of processing.
 const BEHIND_NS: i64 = 500_000_000;
 
-/// See the module's documentation.
+/// Clock of the track picture, see the module's documentation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PictureClock {
-    /// The machine's, from the first state on.
+    /// Machine clock, valid from the first state on.
     Machine {
-        /// Whether there was one.
+        /// Whether a state has arrived.
         has_begun: bool,
     },
-    /// That of the data.
+    /// Data clock.
     Data(DataClock),
 }
 
 impl PictureClock {
-    /// For a deployment whose inputs are recordings, or are not.
+    /// Creates the clock for a deployment with recorded or live inputs.
     pub(crate) fn of(is_recorded: bool) -> Self {
         match is_recorded {
             true => Self::Data(DataClock::default()),
@@ -35,14 +36,14 @@ impl PictureClock {
         }
     }
 
-    /// Begins anew: whoever made the states is gone.
+    /// Restarts the clock because the publisher of the states was replaced.
     pub(crate) fn restart(&mut self) {
         if let Self::Data(clock) = self {
             *clock = DataClock::default();
         }
     }
 
-    /// A state of the time `time_ns` has come.
+    /// Updates the clock with a state of the time `time_ns`.
     pub(crate) fn hear(&mut self, time_ns: i64, now: Now) {
         match self {
             Self::Machine { has_begun } => *has_begun = true,
@@ -50,7 +51,7 @@ impl PictureClock {
         }
     }
 
-    /// Time of the picture, UTC, nanoseconds; `None` before the first state.
+    /// Returns the time of the picture, UTC, nanoseconds; `None` before the first state.
     pub(crate) fn at(&self, now: Now) -> Option<i64> {
         match self {
             Self::Machine { has_begun } => has_begun.then_some(now.utc_ns),
@@ -59,19 +60,19 @@ impl PictureClock {
     }
 }
 
-/// Time of the data.
+/// Clock that follows the data.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DataClock {
     set: Option<Set>,
 }
 
-/// Time that the clock had, when (monotonic), and how long it waited then.
+/// Reference point of the clock: its time, the monotonic time, and the accumulated wait.
 #[derive(Clone, Copy, Debug)]
 struct Set {
     time_ns: i64,
     mono_ns: i64,
     wait_ns: i64,
-    /// Since when all states have been behind, and by how much at least.
+    /// Start and smallest amount of the current lag of all states.
     behind_since_ns: i64,
     behind_ns: i64,
 }

@@ -1,19 +1,20 @@
-//! All that is known of single tracks, and lists of all tracks, as JSON.
+//! JSON with all details of single tracks, and lists of all tracks.
 //!
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
-//! `height_m` (as it is shown: the transponder's level, else above the ellipsoid), `climb_mps` (rate of the height
-//! above the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`, `on_ground`,
-//! `merged_into`, `owner_track_number` (0: this centre owns it), `nis`, `covariance`
-//! (the 21 elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
-//! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`, each with `source`, `name`,
-//! `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another centre), `origin`
-//! (which centre; `null`: not known), `time_s`, `time_of_measurement_ns`, `position_m` [2] and `height_m`, where the
-//! sensor track was last. Of the past, position and velocity have no up component, and there are no `level`,
-//! `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and `decisions`.
+//! `height_m` (as shown: the transponder's level, else the height above the ellipsoid), `climb_mps` (rate of the
+//! height above the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
+//! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
+//! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
+//! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`. Each contribution has
+//! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
+//! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
+//! of the sensor track: `position_m` [2] and `height_m`. In the past, position and velocity have no up component,
+//! and `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and `decisions` are absent.
 //!
 //! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest
-//! first; `nis`, the normalised innovation squared of the report that caused the state, is `null` where none did.
+//! first. `nis` is the normalised innovation squared of the report that caused the state; without such a report it
+//! is `null`.
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
@@ -27,19 +28,19 @@ use crate::vertical;
 use crate::viewer::Viewer;
 use crate::world::World;
 
-/// Rows of a history at most.
+/// Maximum number of rows of a history.
 const ROWS_MAX: usize = 3_000;
-/// Decisions that are told of a track at most.
+/// Maximum number of decisions listed for a track.
 const DECISIONS_MAX: usize = 20;
 const FEET_PER_M: f64 = 1.0 / 0.3048;
 const KNOTS_PER_MPS: f64 = 3_600.0 / 1_852.0;
 
-/// Seconds since 1970 as JavaScript has them.
+/// Converts nanoseconds to seconds since 1970, for JavaScript.
 pub(crate) fn seconds(ns: i64) -> f64 {
     ns as f64 / messages::NS_PER_S
 }
 
-/// Everything about the tracks that `viewer` has selected, for the picture of `time_ns`.
+/// Returns the details of the tracks selected by `viewer`, for the picture at `time_ns`.
 pub(crate) fn selected(world: &World, viewer: &Viewer, time_ns: i64) -> Value {
     let tracks = viewer.selected.iter().filter_map(|number| match viewer.then() {
         None => live(world, *number),
@@ -127,12 +128,12 @@ fn word<T>(value: Option<T>, word: impl Fn(T) -> &'static str) -> Option<&'stati
     value.map(word)
 }
 
-/// A value that is known.
+/// Returns the value if it is finite; NaN means unknown.
 fn finite(value: f32) -> Option<f32> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// Normalised innovation squared, where there is one.
+/// Returns the normalised innovation squared if present.
 fn nis(nis: f32) -> Option<f32> {
     Some(nis).filter(|nis| *nis > 0.0)
 }
@@ -141,13 +142,13 @@ fn source(number: u16) -> Option<u16> {
     Some(number).filter(|number| *number != NO_SOURCE)
 }
 
-/// Name of a source.
+/// Returns the name of a source.
 fn name(world: &World, number: u16) -> String {
     let known = world.sources.iter().find(|source| source.number == number);
     known.map_or_else(|| format!("source {}", number + 1), |source| source.name.clone())
 }
 
-/// A contribution, and where its sensor track was in what is shown.
+/// Returns a contribution with the position of its sensor track in the shown picture.
 fn contribution(world: &World, part: &Contribution, report: Option<PictureSensorTrack>) -> Value {
     let position = report.map(|report| (report.east_m, report.north_m));
     let height_m = report.and_then(|report| finite(report.height_m));
@@ -205,7 +206,7 @@ fn identity(identity: &Identity, target_type: &TargetType) -> Value {
     })
 }
 
-/// Identity and type of a record.
+/// Returns identity and type of a record.
 fn named(record: &PictureIdentity) -> (Identity, TargetType) {
     let identity = Identity {
         address: record.address,
@@ -223,7 +224,7 @@ fn named(record: &PictureIdentity) -> (Identity, TargetType) {
     (identity, target_type)
 }
 
-/// Past of the track `number` up to the time `until_ns`; `None` if nothing is.
+/// Returns the past of the track `number` up to `until_ns`; `None` if there is none.
 pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value> {
     let states = world.history.of_track(number, until_ns).take(ROWS_MAX);
     let mut rows: Vec<Value> = states
@@ -247,13 +248,14 @@ pub(crate) fn history(world: &World, number: u32, until_ns: i64) -> Option<Value
     (!rows.is_empty()).then(|| json!({"type": "history", "number": number, "rows": rows}))
 }
 
-/// All system tracks.
+/// Returns all system tracks.
 pub(crate) fn tracks(world: &World, now: Now) -> Value {
     let tracks: Vec<Value> = world.tracks.keys().filter_map(|number| live(world, *number)).collect();
     json!({"time_s": seconds(world.time_ns(now)), "tracks": tracks})
 }
 
-/// All system tracks in the form of readsb's `aircraft.json`, for pages that read it: feet, knots, degrees.
+/// Returns all system tracks in the form of readsb's `aircraft.json`, for pages that read this format: feet, knots,
+/// degrees.
 pub(crate) fn aircraft(world: &World, now: Now) -> Value {
     let time_ns = world.time_ns(now);
     let shown = |state: u8| {
@@ -268,7 +270,7 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         let place = world.frame.as_ref()?.to_geodetic(track.position_m);
         let [east, north, _] = track.velocity_mps;
         let seen_s = seconds(time_ns - live.measured_ns).max(0.0);
-        // Numbers that are no aircraft's address begin with a tilde there.
+        // In that format, numbers other than aircraft addresses start with a tilde.
         let hex = track.identity.address().map_or_else(
             || format!("~{:06x}", track.track_number & 0xff_ffff),
             |address| format!("{address:06x}"),
@@ -313,7 +315,7 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
     json!({"now": seconds(time_ns), "messages": world.stamp, "aircraft": aircraft})
 }
 
-/// Receiver's facts in readsb's form.
+/// Returns the receiver's description in readsb's form.
 pub(crate) fn receiver(world: &World) -> Value {
     json!({
         "version": concat!("koseki ", env!("CARGO_PKG_VERSION")),

@@ -1,26 +1,26 @@
 //! Ground under the tracks: coasts and borders of the world, and the operator's overlays, in metres of the system
 //! frame.
 //!
-//! The frame is the plane that touches the Earth at the origin; a place is mapped to the point of the plane to which
-//! the origin's vertical leads from it (`frames::SystemFrame::to_local`, without the height). That folds back beyond
-//! 90 degrees of arc from the origin, so places beyond [`REACH_DEG`] are put at that distance in the same direction,
-//! and lines that lie wholly beyond are left out.
+//! The frame is the plane that touches the Earth at the origin. A place is projected onto the plane along the
+//! origin's vertical (`frames::SystemFrame::to_local`, without the height). This projection folds back beyond 90
+//! degrees of arc from the origin. Places beyond [`REACH_DEG`] are therefore drawn at that distance in the same
+//! direction, and lines wholly beyond it are omitted.
 
 use frames::{Geodetic, SystemFrame};
 use serde_json::{Value, json};
 
 /// Greatest distance from the origin, degrees of arc.
 const REACH_DEG: f64 = 60.0;
-/// Steps of the file of coasts per degree.
+/// Resolution of the coast file, in steps per degree.
 const STEP_DEG: f64 = 0.0025;
-/// First octets of that file.
+/// First bytes of the coast file.
 const MAGIC: &[u8] = b"KCOAST1\n";
 
 /// Projection of places at the origin's height.
 #[derive(Clone, Copy, Debug)]
 struct Projection {
     frame: SystemFrame,
-    /// Direction of the origin's vertical.
+    /// Unit vector of the origin's vertical.
     up: [f64; 3],
     latitude_rad: f64,
     longitude_rad: f64,
@@ -43,7 +43,8 @@ impl Projection {
         }
     }
 
-    /// Metres east and north of a place, and whether it lies within reach; `None` if it is no place.
+    /// Returns metres east and north of a place, and whether the place lies within reach; `None` for an invalid
+    /// place.
     fn project(&self, longitude_deg: f64, latitude_deg: f64) -> Option<([f64; 2], bool)> {
         let [latitude_rad, longitude_rad] = [latitude_deg, longitude_deg].map(f64::to_radians);
         let there = direction(latitude_rad, longitude_rad);
@@ -53,7 +54,7 @@ impl Projection {
             let [east, north, _] = self.frame.to_local(place);
             return Some(([east, north], true));
         }
-        // On the sphere, along the great circle in the direction of the place.
+        // Great circle on the sphere, in the direction of the place.
         let difference = longitude_rad - self.longitude_rad;
         let east = latitude_rad.cos() * difference.sin();
         let north = self.latitude_rad.cos() * latitude_rad.sin()
@@ -71,8 +72,9 @@ impl Projection {
     }
 }
 
-/// Coasts and borders, from the file that `coastlines.py` makes: pairs of metres east and north (f32, little-endian);
-/// NaN, NaN ends a line, and infinity, infinity what is land. `None` if the file is none.
+/// Projects coasts and borders from the file made by `coastlines.py`. The result holds pairs of metres east and
+/// north (f32, little-endian); NaN, NaN ends a line, and infinity, infinity separates the land polygons from the
+/// borders. `None` if the file has another format.
 pub(crate) fn coast(file: &[u8], frame: &SystemFrame) -> Option<Vec<u8>> {
     let projection = Projection::new(*frame);
     let mut rest = file.strip_prefix(MAGIC)?;
@@ -124,10 +126,10 @@ fn signed(zigzag: u64) -> i64 {
     (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64)
 }
 
-/// GeoJSON with its coordinates, longitudes and latitudes, turned into metres east and north.
+/// Converts the coordinates of GeoJSON from longitudes and latitudes to metres east and north.
 ///
 /// # Errors
-/// If it is no collection of features, in a sentence.
+/// A sentence, if the text is no collection of features.
 pub(crate) fn overlay(name: &str, text: &str, frame: &SystemFrame) -> Result<Value, String> {
     let mut collection: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
     let projection = Projection::new(*frame);

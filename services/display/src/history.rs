@@ -1,9 +1,9 @@
-//! The past of the picture: every state of every system track, as far back as configured and as memory allows.
+//! Past of the track picture: every state of every system track, within the configured time span and memory.
 //!
-//! States are kept in the order in which they came, each with the time that the picture had then, so that a picture of
-//! the past is exactly what was shown. To find one quickly, it is noted now and then which states were the latest ones:
-//! from the note before a moment, only the states that came since have to be looked at. When half of the memory is
-//! taken, a track's states are kept once a second, or when something else about it than its motion has changed.
+//! States are stored in the order of arrival, each with the picture's time at that moment. A picture of the past is
+//! therefore exactly the picture shown then. Periodic notes list the latest state of every track; a search starts
+//! at the note before the wanted moment and visits only the states after it. Once half of the memory is used, the
+//! history stores one state per track and second, plus every state in which anything but the motion has changed.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -12,33 +12,33 @@ use messages::{Contribution, SystemTrack, TrackState};
 
 /// Time between two notes of the latest states, nanoseconds.
 const NOTE_NS: i64 = 5_000_000_000;
-/// Time between two states of a track where memory is scarce, nanoseconds.
+/// Time between two stored states of a track when memory is scarce, nanoseconds.
 const STEP_NS: i64 = 1_000_000_000;
-/// Time by which the picture's clock has to go back for the past to begin anew, nanoseconds.
+/// Backward step of the picture's clock that clears the past, nanoseconds.
 const LEAP_NS: i64 = 10_000_000_000;
-/// Number of a state that is none.
+/// Number that stands for no state.
 const NONE: u64 = u64::MAX;
 
-/// State of a track, or, with number 0, the end of all tracks.
+/// State of a track; number 0 marks the end of all tracks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moment {
-    /// Time of the picture when it came, UTC, nanoseconds.
+    /// Time of the picture at the state's arrival, UTC, nanoseconds.
     pub(crate) at_ns: i64,
     /// Reference time, UTC, nanoseconds.
     pub(crate) time_ns: i64,
     /// Time of the latest measurement, UTC, nanoseconds.
     pub(crate) measured_ns: i64,
-    /// Normalised innovation squared of the report that caused it; 0: none did.
+    /// Normalised innovation squared of the causing report; 0 if there was no report.
     pub(crate) nis: f32,
-    /// The state; its ages say nothing.
+    /// Record of the state; its ages are not set.
     pub(crate) track: PictureTrack,
-    /// Number of its first contribution.
+    /// Number of the state's first contribution.
     contribution: u64,
-    /// Number of the state before of the same track.
+    /// Number of the previous state of the same track.
     previous: u64,
 }
 
-/// See the module's documentation.
+/// History of system tracks, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct History {
     span_ns: i64,
@@ -53,24 +53,24 @@ pub(crate) struct History {
     latest: BTreeMap<u32, u64>,
 }
 
-/// The latest states of all tracks before the state `next`.
+/// Latest states of all tracks before the state `next`.
 #[derive(Debug)]
 struct Note {
     next: u64,
     latest: Vec<(u32, u64)>,
 }
 
-/// Tracks at a moment: the number of each one's state.
+/// Tracks at a moment, by the numbers of their states.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Then {
-    /// State by number of the track.
+    /// State number by track number.
     pub(crate) states: BTreeMap<u32, u64>,
-    /// Number of the first state that came later.
+    /// Number of the first later state.
     next: u64,
 }
 
 impl History {
-    /// Nothing yet; it will keep the last `span_ns`, in at most `octets_max`.
+    /// Creates an empty history for the last `span_ns`, in at most `octets_max` bytes.
     pub(crate) fn new(span_ns: i64, octets_max: usize) -> Self {
         Self {
             span_ns,
@@ -84,7 +84,7 @@ impl History {
         }
     }
 
-    /// Keeps a state, which came when the picture had the time `at_ns`.
+    /// Stores a state that arrived at picture time `at_ns`.
     pub(crate) fn keep(&mut self, at_ns: i64, record: PictureTrack, measured_ns: i64, track: &SystemTrack) {
         let at_ns = self.in_order(at_ns);
         let previous = self.latest.get(&record.number).copied().unwrap_or(NONE);
@@ -112,7 +112,7 @@ impl History {
         };
     }
 
-    /// All tracks have ended: whoever made them is gone.
+    /// Ends all tracks because their fusion process was replaced.
     pub(crate) fn end_all(&mut self, at_ns: i64) {
         let at_ns = self.in_order(at_ns);
         self.latest.clear();
@@ -127,8 +127,8 @@ impl History {
         });
     }
 
-    /// A time that is not before those of the states so far: a machine's clock that is set goes back a little. After a
-    /// leap back, these are of no use.
+    /// Returns a time not before the stored states: a machine's clock that is set may go back a little. After a
+    /// larger step back, the stored states are useless and are dropped.
     fn in_order(&mut self, at_ns: i64) -> i64 {
         let last_ns = self.moments.back().map_or(at_ns, |last| last.at_ns);
         if at_ns >= last_ns - LEAP_NS {
@@ -176,23 +176,23 @@ impl History {
         }
     }
 
-    /// Octets that are taken.
+    /// Returns the memory in use, bytes.
     fn octets(&self) -> usize {
         let notes = self.notes.len() * self.latest.len() * size_of::<(u32, u64)>();
         size_of::<Moment>() * self.moments.len() + size_of::<Contribution>() * self.contributions.len() + notes
     }
 
-    /// From when to when it reaches, UTC, nanoseconds; `None` while there is nothing.
+    /// Returns start and end of the history, UTC, nanoseconds; `None` while it is empty.
     pub(crate) fn span_ns(&self) -> Option<[i64; 2]> {
         Some([self.moments.front()?.at_ns, self.moments.back()?.at_ns])
     }
 
-    /// State of this number; `None` if it is forgotten or none.
+    /// Returns the state of this number; `None` if it was dropped or never existed.
     pub(crate) fn moment(&self, number: u64) -> Option<&Moment> {
         self.moments.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }
 
-    /// Contributions to the state of this number.
+    /// Returns the contributions to the state of this number.
     pub(crate) fn contributions(&self, number: u64) -> impl Iterator<Item = &Contribution> {
         let end = self.first_contribution + self.contributions.len() as u64;
         let range = self.moment(number).map_or(end..end, |moment| {
@@ -203,7 +203,7 @@ impl History {
         self.contributions.range(place(range.start)..place(range.end))
     }
 
-    /// States of a track that came at `until_ns` or before, the latest first, with their numbers.
+    /// Returns the states of a track up to `until_ns`, the latest first, with their numbers.
     pub(crate) fn of_track(&self, track: u32, until_ns: i64) -> impl Iterator<Item = (u64, &Moment)> {
         let mut number = match self.latest.get(&track) {
             Some(number) => *number,
@@ -220,7 +220,7 @@ impl History {
         states.skip_while(move |(_, moment)| moment.at_ns > until_ns)
     }
 
-    /// Brings `then` to the time `at_ns`.
+    /// Moves `then` to the time `at_ns`.
     pub(crate) fn go_to(&self, then: &mut Then, at_ns: i64) {
         let end = self.first + self.moments.partition_point(|moment| moment.at_ns <= at_ns) as u64;
         let note = self.notes.iter().rfind(|note| note.next <= end);
@@ -242,7 +242,7 @@ impl History {
             }
         }
         then.next = end;
-        // What is no longer known of was shown long before.
+        // Dropped states are too old to be shown.
         then.states.retain(|_, state| *state >= self.first);
     }
 }
@@ -308,7 +308,7 @@ mod tests {
         }
         let mut then = Then::default();
         for step in 0..500 {
-            // Forwards in small steps, and now and then to anywhere.
+            // Small steps forwards, and an occasional jump to a random place.
             let place = if step % 50 == 0 {
                 below(&mut random, 3_000)
             } else {

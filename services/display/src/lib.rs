@@ -1,22 +1,21 @@
-//! The display process: shows the picture in browsers.
+//! Display process: shows the track picture in browsers.
 //!
-//! It is a subscriber like any other: whatever happens to it, fusion does not notice, and it can be killed at any time.
-//! One thread takes what the topics have and keeps the world up to date; another serves pages, over HTTP and
-//! WebSockets (crate `web`). They share the world under a lock, which is held for as long as it takes to put a few
-//! slices in or to make one picture.
+//! The display is an ordinary subscriber. It can be killed at any time without any effect on fusion. One thread
+//! reads the topics and updates the world; another serves pages over HTTP and WebSockets (crate `web`). Both share
+//! the world under a lock, which is held only while a few slices are inserted or one picture is made.
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
-//! | `wire` | says what server and page say to each other |
-//! | `agent` | takes what has come |
-//! | `tape` | puts in what was recorded |
-//! | `world` | knows what there is |
-//! | `records` | makes records of a picture from samples |
-//! | `history` | keeps the past of the picture |
-//! | `viewer` | knows what one page has been shown, and makes the next picture for it |
-//! | `details`, `status` | say all that is known of single tracks, and of the deployment, as JSON |
-//! | `ground` | brings coasts and overlays into the system frame |
-//! | `pages`, `assets` | serve all that |
+//! | `wire` | protocol between server and page |
+//! | `agent` | reads the topics |
+//! | `tape` | replays a recording |
+//! | `world` | current state of the deployment |
+//! | `records` | converts samples to records of a picture |
+//! | `history` | past of the picture |
+//! | `viewer` | state of one page, and the next picture for it |
+//! | `details`, `status` | details of single tracks, and status of the deployment, as JSON |
+//! | `ground` | projects coasts and overlays into the system frame |
+//! | `pages`, `assets` | HTTP server and the page's files |
 
 #![forbid(unsafe_code)]
 
@@ -55,10 +54,10 @@ use crate::tape::Tape;
 use crate::wire::Past;
 use crate::world::{Recording, SourceFact, World};
 
-/// Time between two looks at how far a recording is to be shown.
+/// Time between two updates of a recording's position.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// Runs the display until the process is told to stop.
+/// Runs the display until the process is asked to stop.
 ///
 /// # Errors
 /// If the configuration has no display, no port is free, or shared memory fails.
@@ -83,15 +82,15 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     runtime::service::run(process, &mut agent)
 }
 
-/// Files that the display draws under the tracks, in the folder `data`.
+/// Returns the paths of the overlays in the folder `data`.
 fn overlays(display: &Display, data: &Path) -> Vec<PathBuf> {
     display.overlays.iter().map(|file| data.join(file)).collect()
 }
 
-/// Whether every overlay of the display can be drawn.
+/// Checks that every overlay of the display can be drawn.
 ///
 /// # Errors
-/// In a sentence, the first file that is missing or is no GeoJSON of places.
+/// A sentence about the first file that is missing or not valid GeoJSON.
 pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
     let files = config.display.as_ref().map(|display| overlays(display, data));
     for (number, path) in files.unwrap_or_default().iter().enumerate() {
@@ -103,8 +102,8 @@ pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Shows the recording `path`, which consists of `files` and was made by the deployment of `config`, on this machine
-/// until the process is told to stop. No deployment is needed.
+/// Shows the recording `path` on this machine until the process is asked to stop. The recording consists of `files`
+/// and was made by the deployment of `config`. No running deployment is needed.
 ///
 /// # Errors
 /// If the recording cannot be read or no port is free.
@@ -120,7 +119,7 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
         overlays: Vec::new(),
     };
     let mut tape = Tape::open(config, files)?;
-    // Not `latest`.
+    // The real name instead of the link `latest`.
     let name = path.canonicalize()?;
     let sources = config.sources.iter().map(source).collect();
     let mut world = World::new(&config.name, sources, display.history_s, display.history_octets);
@@ -154,7 +153,7 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
     Ok(())
 }
 
-/// Serves what `shared` has on the first port that is free.
+/// Serves `shared` on the first free port.
 fn serve(display: &Display, shared: &std::sync::Arc<Shared>) -> anyhow::Result<Server> {
     let guard = Guard {
         hosts: display.hosts.clone(),
@@ -177,10 +176,10 @@ fn listen(display: &Display) -> anyhow::Result<TcpListener> {
     Err(refusal.map_or_else(|| anyhow::anyhow!("no port"), anyhow::Error::from)).context("display.listen")
 }
 
-/// Says where the display is.
+/// Prints the address of the display.
 fn say(server: &Server, display: &Display) {
     let token = display.token.as_ref().map_or("", |_| "?token=…");
-    // Standard error may be closed; that is no reason to end a display.
+    // Standard error may be closed; the display continues without it.
     let _ = writeln!(
         std::io::stderr(),
         "koseki: the picture is at http://{}/{token}",

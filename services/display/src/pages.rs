@@ -1,4 +1,4 @@
-//! Pages that are served: the picture, its socket, and JSON for scripts.
+//! HTTP server of the display: the picture, its socket, and JSON for scripts.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,17 +24,16 @@ use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
 use crate::world::World;
 
-/// Most pages that look on at a time.
+/// Maximum number of pages at a time.
 pub(crate) const PAGES_MAX: u64 = 32;
-/// Time that a message may take to leave, and a picture to be acknowledged. A page that is not looked at is slow, not
-/// dead.
+/// Maximum time to send a message and to acknowledge a picture. A page in the background is slow, not dead.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Longest message that may wait to be sent, octets, beside what the operating system takes.
+/// Maximum size of queued messages, bytes, beside the operating system's buffers.
 const WAITING_MAX: usize = 16 << 20;
-/// Time between two words on how the deployment is, nanoseconds.
+/// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
 
-/// State that the agent and the server share.
+/// State shared by the agent and the server.
 #[derive(Debug)]
 pub(crate) struct Shared {
     world: Mutex<World>,
@@ -50,12 +49,12 @@ pub(crate) struct Traffic {
     pub(crate) pages: AtomicU64,
     pub(crate) sent: AtomicU64,
     pub(crate) skipped: AtomicU64,
-    /// Pages that were refused or closed: too many, malformed, too slow.
+    /// Pages refused or closed: too many, malformed, too slow.
     pub(crate) refused: AtomicU64,
 }
 
 impl Shared {
-    /// A world to be served, with files of overlays.
+    /// Creates the shared state of a world and the files of its overlays.
     pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
         Arc::new(Self {
             world: Mutex::new(world),
@@ -65,9 +64,9 @@ impl Shared {
         })
     }
 
-    /// The world, for as long as it is held.
+    /// Locks the world.
     pub(crate) fn world(&self) -> MutexGuard<'_, World> {
-        // A page that brought down its task has changed nothing.
+        // A page whose task panicked has changed nothing.
         self.world.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -79,11 +78,11 @@ impl Shared {
     }
 }
 
-/// A page that looks on, as long as it lives.
+/// Seat of a connected page; its drop frees the seat.
 struct Seat(Arc<Shared>);
 
 impl Seat {
-    /// `None` if there is none left.
+    /// Takes a seat; `None` if all are taken.
     fn take(shared: &Arc<Shared>) -> Option<Self> {
         let pages = &shared.traffic.pages;
         let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
@@ -99,7 +98,7 @@ impl Drop for Seat {
     }
 }
 
-/// Everything that is served of `shared`.
+/// Creates the router of all pages of `shared`.
 pub(crate) fn router(shared: Arc<Shared>) -> Router {
     let text = |of: fn(&World, Now) -> Value| {
         move |State(shared): State<Arc<Shared>>| async move {
@@ -174,10 +173,10 @@ fn overlay(path: &std::path::Path, frame: &SystemFrame) -> Value {
     read_overlay(path, frame).unwrap_or_else(|error| json!({"name": name_of(path), "features": [], "error": error}))
 }
 
-/// The overlay in the file `path`, as the page draws it.
+/// Reads the overlay in the file `path`, in the form drawn by the page.
 ///
 /// # Errors
-/// In a sentence, if it cannot be read or drawn.
+/// A sentence, if the file cannot be read or drawn.
 pub(crate) fn read_overlay(path: &std::path::Path, frame: &SystemFrame) -> Result<Value, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     ground::overlay(&name_of(path), &text, frame)
@@ -204,16 +203,16 @@ async fn socket(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) ->
         })
 }
 
-/// How a page left.
+/// Reason for the end of a page's connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Parting {
-    /// By itself.
+    /// Closed by the page.
     Left,
-    /// A browser that was too slow, or whose message could not be read.
+    /// Refused: a browser was too slow, or its message could not be read.
     Refused,
 }
 
-/// Serves one page until it leaves.
+/// Serves one page until the connection ends.
 async fn look_on(mut socket: WebSocket, shared: &Shared) -> Parting {
     let mut page = Page::new(shared);
     let mut ticks = ticks(page.viewer.rate_hz());
@@ -231,7 +230,8 @@ async fn look_on(mut socket: WebSocket, shared: &Shared) -> Parting {
                 Some(Ok(Message::Binary(_))) => Err("messages are text".to_owned()),
                 Some(Ok(Message::Ping(_) | Message::Pong(_))) => Ok(()),
                 Some(Ok(Message::Close(_))) | None => return Parting::Left,
-                // Too long, or no frame at all; a connection that broke is none of these, but tells nobody which.
+                // Too long, or an invalid frame. A broken connection ends up here as well; the error does not
+                // distinguish the two.
                 Some(Err(_)) => return Parting::Refused,
             },
             _ = ticks.tick() => match page.show(&mut socket).await {
@@ -259,19 +259,19 @@ fn ticks(rate_hz: f64) -> web::tokio::time::Interval {
     ticks
 }
 
-/// One page on its way through time.
+/// Connection of one page.
 struct Page<'a> {
     shared: &'a Shared,
     viewer: Viewer,
-    /// Selected tracks whose past it has.
+    /// Selected tracks with their history already sent.
     remembered: Vec<u32>,
-    /// Generation of the world of which it knows that.
+    /// Generation of the world at that time.
     generation: u64,
-    /// Whether it knows where the frame lies; `None`: it knows nothing yet.
+    /// Whether the sent greeting had the frame's origin; `None`: no greeting sent yet.
     greeted: Option<bool>,
-    /// When the next status is due, monotonic, nanoseconds.
+    /// Time of the next status, monotonic, nanoseconds.
     status_due_ns: i64,
-    /// Until when the picture that is on its way must be acknowledged.
+    /// Deadline for the acknowledgement of the picture in transit.
     ack_until_ns: i64,
 }
 
@@ -306,7 +306,7 @@ impl<'a> Page<'a> {
         Ok(())
     }
 
-    /// Sends what is due.
+    /// Sends the messages due.
     async fn show(&mut self, socket: &mut WebSocket) -> Result<(), Parting> {
         let messages = self.due()?;
         for message in messages {

@@ -1,4 +1,4 @@
-//! The display's server over real sockets.
+//! Tests of the display's server over real sockets.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -17,7 +17,7 @@ use web::{Guard, Server};
 use super::*;
 use crate::world::SourceFact;
 
-/// How long a test waits for what must come.
+/// Time limit of a test for an expected event.
 const LONG: Duration = Duration::from_secs(30);
 
 fn now() -> Now {
@@ -27,12 +27,12 @@ fn now() -> Now {
     }
 }
 
-/// World of two tracks, and a server of it.
+/// World of two tracks, and its server.
 fn served() -> (Arc<Shared>, Server) {
     served_at(now)
 }
 
-/// The same, at the time that `clock` says.
+/// World of two tracks and its server, at the time of `clock`.
 fn served_at(clock: fn() -> Now) -> (Arc<Shared>, Server) {
     let sources = vec![SourceFact {
         number: 0,
@@ -87,7 +87,7 @@ fn track(number: u32, east_m: f64) -> SystemTrack {
     track
 }
 
-/// The same clocks, so many seconds later.
+/// The clocks of `now`, this number of seconds later.
 fn later(seconds: i64) -> Now {
     Now {
         mono_ns: now().mono_ns + seconds * 1_000_000_000,
@@ -169,7 +169,7 @@ fn the_clock_is_the_machines_and_an_offset_of_the_data_is_told() {
     world.receive(&header(1), &[track(9, 0.0)], later(20));
     let told = status::status(&world, Audience::default(), later(20));
     assert_eq!(told["data_offset_s"], json!(-20.0), "and when it is gone, it is gone");
-    // Of recorded inputs, the time is that of the data.
+    // With recorded inputs, the picture has data time.
     world.set_clock(crate::clock::PictureClock::of(true));
     world.receive(&header(1), &[ahead], later(20));
     assert_eq!(world.time_ns(later(21)), later(8).utc_ns);
@@ -193,7 +193,7 @@ fn get_json(server: &Server, path: &str) -> Value {
     serde_json::from_slice(&body).unwrap()
 }
 
-/// A page that speaks WebSocket by hand.
+/// Page that implements WebSocket by hand.
 struct Socket(TcpStream);
 
 impl Socket {
@@ -217,7 +217,7 @@ impl Socket {
         }
     }
 
-    /// The next message: its kind, and what it says. `None` at the end.
+    /// Returns the next message: its kind and content. `None` at the end.
     fn receive(&mut self) -> Option<(u8, Vec<u8>)> {
         let mut head = [0; 2];
         self.0.read_exact(&mut head).ok()?;
@@ -237,7 +237,7 @@ impl Socket {
         Some(octets.iter().fold(0, |number, octet| number << 8 | u64::from(*octet)))
     }
 
-    /// The next text of this type, and the pictures before it.
+    /// Returns the next text of this type; pictures before it are skipped.
     fn until(&mut self, kind: &str) -> Value {
         loop {
             let (code, octets) = self.receive().expect("the server is there");
@@ -272,7 +272,7 @@ impl Socket {
         // The mask is 0.
         frame.extend([0; 4]);
         frame.extend(octets);
-        // It may have closed already.
+        // The server may have closed already.
         let _ = self.0.write_all(&frame);
     }
 
@@ -431,7 +431,7 @@ fn there_are_only_so_many_seats() {
 fn scripts_get_json_and_nothing_but_what_is_there() {
     let (shared, server) = served();
     let tracks = get_json(&server, "/api/tracks.json");
-    // A level flight 185 km east and outbound: the plane rises above it.
+    // A level flight 185 km east and outbound: the plane rises above the target.
     let mut far = SystemTrack {
         level: 1_441,
         level_valid: 1,

@@ -1,4 +1,4 @@
-//! Records of a picture, made from samples.
+//! Conversion of samples to records of a picture.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,11 +14,10 @@ use messages::{
 
 use crate::vertical;
 
-/// Sources whose contribution a record tells.
+/// Number of sources with a bit in a record's contributors.
 const SOURCES_TOLD: u16 = 64;
 
-/// Record of a state whose track had the flags `before` in the state before; its ages are left to whoever knows the
-/// time.
+/// Returns the record of a state; `before` holds the flags of the track's previous state. The caller sets the ages.
 pub(crate) fn track(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> PictureTrack {
     let [east, north, _] = track.position_m;
     let [east_mps, north_mps, _] = track.velocity_mps.map(|speed| speed as f32);
@@ -55,14 +54,14 @@ pub(crate) fn track(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
     }
 }
 
-/// Time of the latest measurement behind a state, UTC, nanoseconds; that of the state if none is known.
+/// Returns the time of the latest measurement in a state, UTC, nanoseconds; the state's own time if there is none.
 pub(crate) fn measured_ns(track: &SystemTrack) -> i64 {
     let measured = track.contributions().iter().map(|part| part.time_of_measurement_ns);
     measured.max().unwrap_or(track.reference_time_ns)
 }
 
-/// Ellipse of one standard deviation: longer and shorter half axis, metres, and direction of the longer one, radians
-/// clockwise from north; zeros if the covariance is none.
+/// Returns the ellipse of one standard deviation: longer and shorter half axis, metres, and direction of the longer
+/// axis, radians clockwise from north; zeros for an invalid covariance.
 fn ellipse(covariance: &Covariance) -> [f32; 3] {
     let [east, both, north] = [(0, 0), (0, 1), (1, 1)].map(|(row, column)| covariance.get(row, column));
     let (mean, half) = ((east + north) / 2.0, ((east - north) / 2.0).hypot(both));
@@ -78,7 +77,7 @@ fn ellipse(covariance: &Covariance) -> [f32; 3] {
     ]
 }
 
-/// Record of a track's identity and type.
+/// Returns the record of a track's identity and type.
 pub(crate) fn identity(track: &SystemTrack) -> PictureIdentity {
     let (identity, target_type) = (&track.identity, &track.target_type);
     PictureIdentity {
@@ -102,7 +101,7 @@ pub(crate) fn identity(track: &SystemTrack) -> PictureIdentity {
     }
 }
 
-/// Record of a report; its age, and the system track, are left to whoever knows.
+/// Returns the record of a report. The caller sets its age and system track.
 pub(crate) fn sensor_track(report: &SensorTrack, frame: Option<&SystemFrame>) -> PictureSensorTrack {
     let [east, north, _] = report.position_m;
     let height = report.has(sensor_track_bits::HEIGHT);
@@ -128,7 +127,7 @@ pub(crate) fn sensor_track(report: &SensorTrack, frame: Option<&SystemFrame>) ->
     }
 }
 
-/// Height above the ellipsoid of a position of which all is known, metres; else NaN.
+/// Returns the height above the ellipsoid of a complete position, metres; else NaN.
 fn height_m(position_m: Option<[f64; 3]>, frame: Option<&SystemFrame>) -> f32 {
     let place = position_m
         .zip(frame)
@@ -136,7 +135,7 @@ fn height_m(position_m: Option<[f64; 3]>, frame: Option<&SystemFrame>) -> f32 {
     place.map_or(f32::NAN, |place| place.height_m() as f32)
 }
 
-/// Place of a detection, or the ray on which its target is, if only a direction was measured.
+/// Place of a detection; a ray if only a direction was measured.
 pub(crate) enum Place {
     /// A point.
     Spot(PictureDetection),
@@ -144,7 +143,7 @@ pub(crate) enum Place {
     Ray(PictureBearing),
 }
 
-/// Record of a detection; `None` if its kind is not known.
+/// Returns the record of a detection; `None` if its kind is unknown.
 pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>) -> Option<Place> {
     let quantities = DetectionKind::from_code(detection.kind)?.quantities();
     let value = |wanted: Quantity| {
@@ -187,7 +186,7 @@ pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>
     }))
 }
 
-/// Record of a bearing.
+/// Returns the record of a bearing.
 pub(crate) fn bearing(bearing: &SensorBearing) -> PictureBearing {
     PictureBearing {
         east_m: bearing.platform_m[0] as f32,
@@ -199,7 +198,7 @@ pub(crate) fn bearing(bearing: &SensorBearing) -> PictureBearing {
     }
 }
 
-/// Record of a count.
+/// Returns the record of a count.
 pub(crate) fn count(count: &WideArea) -> PictureArea {
     PictureArea {
         east_m: count.position_m[0] as f32,
@@ -213,7 +212,7 @@ pub(crate) fn count(count: &WideArea) -> PictureArea {
     }
 }
 
-/// Record of a cue.
+/// Returns the record of a cue.
 pub(crate) fn cue(cue: &Cue) -> PictureArea {
     PictureArea {
         east_m: cue.position_m[0] as f32,
@@ -251,7 +250,7 @@ mod tests {
             direction.min(std::f32::consts::PI - direction) < 1e-3,
             "north: {direction}"
         );
-        // Half way between north and east: variances alike, covariance positive.
+        // Half way between north and east: equal variances, positive covariance.
         covariance = Covariance::diagonal([10.0, 10.0, 1.0], [1.0; 3]);
         covariance.set(0, 1, 50.0);
         near(

@@ -1,8 +1,8 @@
-//! The past of the sensor tracks: every report, as far back as configured and as memory allows.
+//! Past of the sensor tracks: every report, within the configured time span and memory.
 //!
-//! A picture of the past shows the sensor tracks, and where contributors of a selected track were, as of its own
-//! moment. Reports are kept in the order in which they came, each with the time that the picture had then. A moment's
-//! sensor tracks are the latest reports before it that are not older than a layer shows them.
+//! A picture of the past shows the sensor tracks, and the positions of a selected track's contributors, at its own
+//! moment. Reports are stored in the order of arrival, each with the picture's time at that moment. The sensor
+//! tracks of a moment are the latest reports before it, up to the age limit of the layer.
 
 use std::collections::VecDeque;
 
@@ -12,36 +12,36 @@ use rustc_hash::FxHashMap;
 /// Report of a sensor track.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Report {
-    /// Time of the picture when it came, UTC, nanoseconds.
+    /// Time of the picture at the report's arrival, UTC, nanoseconds.
     at_ns: i64,
     /// Time of measurement, UTC, nanoseconds.
     pub(crate) time_ns: i64,
-    /// The report; its age says nothing.
+    /// Record of the report; its age is not set.
     pub(crate) record: PictureSensorTrack,
 }
 
-/// See the module's documentation.
+/// History of reports, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct Reports {
     span_ns: i64,
-    /// Age at which a sensor track is shown no longer, nanoseconds.
+    /// Maximum age of a displayed sensor track, nanoseconds.
     age_ns: i64,
     most: usize,
     reports: VecDeque<Report>,
-    /// Number of the oldest; numbers begin with 1.
+    /// Number of the oldest report; numbers start with 1.
     first: u64,
 }
 
-/// Sensor tracks at a moment: the number of each one's report, by source and track number.
+/// Sensor tracks at a moment: report numbers by source and track number.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Latest {
     pub(crate) reports: FxHashMap<(u16, u32), u64>,
-    /// Number of the first report that came later.
+    /// Number of the first later report.
     next: u64,
 }
 
 impl Reports {
-    /// Nothing yet; it will keep the last `span_ns`, in at most `octets_max`.
+    /// Creates an empty history for the last `span_ns`, in at most `octets_max` bytes.
     pub(crate) fn new(span_ns: i64, age_ns: i64, octets_max: usize) -> Self {
         Self {
             span_ns,
@@ -52,11 +52,11 @@ impl Reports {
         }
     }
 
-    /// Keeps a report, which came when the picture had the time `at_ns`.
+    /// Stores a report that arrived at picture time `at_ns`.
     pub(crate) fn keep(&mut self, at_ns: i64, time_ns: i64, record: PictureSensorTrack) {
         let newest_ns = self.reports.back().map_or(at_ns, |newest| newest.at_ns);
         if at_ns < newest_ns - self.age_ns {
-            // Time begins anew.
+            // The clock has restarted.
             self.first += self.reports.len() as u64;
             self.reports.clear();
         }
@@ -69,12 +69,12 @@ impl Reports {
         }
     }
 
-    /// Report of this number; `None` if it is forgotten.
+    /// Returns the report of this number; `None` if it was dropped.
     pub(crate) fn get(&self, number: u64) -> Option<&Report> {
         self.reports.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }
 
-    /// Brings `latest` to the time `at_ns`.
+    /// Moves `latest` to the time `at_ns`.
     pub(crate) fn go_to(&self, latest: &mut Latest, at_ns: i64) {
         let before = |ns: i64| self.first + self.reports.partition_point(|report| report.at_ns < ns) as u64;
         let (begin, end) = (before(at_ns - self.age_ns), before(at_ns.saturating_add(1)));

@@ -1,4 +1,4 @@
-//! How the deployment is, as JSON: the figures of `koseki top`.
+//! Status of the deployment as JSON, with the figures of `koseki top`.
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
 //!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
@@ -6,7 +6,7 @@
 //! - `alarms`: `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`, `process`,
 //!   `source`
 //! - `latency`: `stage`, `count`, `p50_us`, `p99_us`, `p999_us`, `max_us`, `buckets` [[upper bound in µs, count]]:
-//!   since the display began
+//!   since the start of the display
 //! - `processes`: `kind`, `name`, `state`, `pid`, `restarts`, `heard_s`, `note`, `figures` [[name, value]]
 
 use std::collections::BTreeMap;
@@ -20,16 +20,16 @@ use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
 use crate::details::seconds;
 use crate::world::{SourceFact, World};
 
-/// Pages that look on.
+/// Connected pages.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Audience {
-    /// How many there are.
+    /// Number of connected pages.
     pub(crate) clients: u64,
-    /// Pictures that were not made, since their readers were behind.
+    /// Pictures skipped because their readers were behind.
     pub(crate) skipped: u64,
 }
 
-/// The status.
+/// Returns the status.
 pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
     let fusion = if world.is_fusion_silent(now) {
         "silent"
@@ -56,13 +56,13 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
     })
 }
 
-/// The sources alone.
+/// Returns the sources alone.
 pub(crate) fn sources(world: &World, now: Now) -> Value {
     let sources: Vec<Value> = world.sources.iter().map(|fact| source(world, fact)).collect();
     json!({"time_s": seconds(world.time_ns(now)), "sources": sources})
 }
 
-/// UTC of a monotonic time, seconds.
+/// Converts a monotonic time to UTC seconds.
 fn utc_s(mono_ns: i64, now: Now) -> f64 {
     seconds(now.utc_ns - (now.mono_ns - mono_ns))
 }

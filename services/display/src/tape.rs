@@ -1,9 +1,9 @@
-//! A recording that is shown: it is put into the world as if it were live.
+//! Replay of a recording: its samples enter the world as in live operation.
 //!
-//! A first pass over the files notes for each chunk which time the picture had there. To be at another moment, the
-//! world is emptied, and what was recorded in the minute before is put in without pause; from there on slices follow
-//! as time passes. So memory is that of the world and of one chunk, however long the recording is. Time never goes
-//! back on the way from the first slice to the last.
+//! A first pass over the files notes the picture's time at each chunk. To jump to another moment, the tape empties
+//! the world, inserts the preceding minute of the recording without pause, and then inserts slices as time passes.
+//! Memory use is therefore limited to the world and one chunk, for recordings of any length. Time never goes back
+//! between the first and the last slice.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
@@ -23,61 +23,61 @@ use runtime::Now;
 use crate::clock::PictureClock;
 use crate::world::World;
 
-/// Time before a moment that is put in to have the picture of it: by then, every track has said how it is.
+/// Recorded time that is inserted before a moment; within it, every track is published at least once.
 const BEFORE_NS: i64 = 60_000_000_000;
-/// Most chunks that are put in for that; each has about a megabyte.
+/// Maximum number of chunks inserted before a moment; each has about a megabyte.
 const BEFORE_CHUNKS: usize = 256;
 
-/// Kind of topic that is shown.
+/// Kind of a displayed topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Stream(Stream),
     Health,
 }
 
-/// Chunk of a file.
+/// Position of a chunk in a file.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
     file: usize,
     place: u64,
-    /// Time of the picture before its first slice, and how it goes on.
+    /// Time of the picture before the chunk's first slice, and the clock from there on.
     at_ns: i64,
     clock: PictureClock,
 }
 
-/// Slice that was recorded.
+/// Recorded slice.
 #[derive(Debug)]
 struct Slice {
     kind: Kind,
     header: BatchHeader,
-    /// When the recorder took it.
+    /// Time at which the recorder took the slice.
     taken: Now,
-    /// Time of the picture when it came, UTC, nanoseconds; `None` before the first system track.
+    /// Time of the picture at the slice's arrival, UTC, nanoseconds; `None` before the first system track.
     at_ns: Option<i64>,
-    /// Samples, one behind the other.
+    /// Samples, contiguous.
     octets: Vec<u8>,
-    /// Octets of one of them.
+    /// Size of a sample, bytes.
     size: usize,
 }
 
-/// See the module's documentation.
+/// Replayed recording, see the module's documentation.
 pub(crate) struct Tape {
     files: Vec<Chunks<BufReader<File>>>,
     topics: BTreeMap<String, Kind>,
     marks: Vec<Mark>,
     span_ns: [i64; 2],
-    /// Number of the chunk that is read next, and slices of those before it.
+    /// Number of the next chunk to read, and the waiting slices of earlier chunks.
     next: usize,
     waiting: VecDeque<Slice>,
-    /// Latest slice that the world has: when it was taken, and the time of the picture.
+    /// Latest slice in the world: its recording time, and the time of the picture.
     latest: Option<(Now, i64)>,
 }
 
 impl Tape {
-    /// The recording in `files`, in their order, made by the deployment of `config`.
+    /// Opens the recording in `files`, in their order, made by the deployment of `config`.
     ///
     /// # Errors
-    /// If a file cannot be read, or no system track is in any.
+    /// If a file cannot be read, or no file holds a system track.
     pub(crate) fn open(config: &Config, files: &[PathBuf]) -> anyhow::Result<Self> {
         Self::open_with(config, PictureClock::of(config.is_recorded()), files)
     }
@@ -109,12 +109,12 @@ impl Tape {
         Ok(tape)
     }
 
-    /// From when to when it reaches, UTC, nanoseconds.
+    /// Returns start and end of the recording, UTC, nanoseconds.
     pub(crate) fn span_ns(&self) -> [i64; 2] {
         self.span_ns
     }
 
-    /// Notes what time the picture has in the next chunk of `file`. `false` at its end.
+    /// Notes the picture's time in the next chunk of `file`. Returns `false` at its end.
     fn note(&mut self, file: usize, clock: &mut PictureClock) -> Result<bool, RecordingError> {
         let place = self.files[file].place();
         let mark = Mark {
@@ -145,7 +145,7 @@ impl Tape {
             self.next = first;
         }
         loop {
-            // What was recorded before the first track belongs to the first picture.
+            // Slices recorded before the first track belong to the first picture.
             let time_ns = |slice: &Slice| slice.at_ns.unwrap_or(self.span_ns[0]);
             while self.waiting.front().is_some_and(|slice| time_ns(slice) <= at_ns) {
                 let Some(slice) = self.waiting.pop_front() else { break };
@@ -160,7 +160,8 @@ impl Tape {
             }
         }
         if let Some((taken, latest_ns)) = self.latest {
-            // What comes next was taken at a known time, which is soon where the recording was made in a hurry.
+            // The time of the next slice limits the passed time: slices of a recording made faster than real time
+            // follow closely.
             let next_ns = self.waiting.front().map(|next| next.taken.mono_ns - taken.mono_ns);
             let passed_ns = (at_ns - latest_ns).min(next_ns.unwrap_or(i64::MAX)).max(0);
             let now = Now {
@@ -172,13 +173,13 @@ impl Tape {
         Ok(())
     }
 
-    /// Number of the chunk from which is read to have the picture of `at_ns`.
+    /// Returns the number of the first chunk to read for the picture of `at_ns`.
     fn before(&self, at_ns: i64) -> usize {
         let begins = |ns: i64| self.marks.partition_point(|mark| mark.at_ns < ns).saturating_sub(1);
         begins(at_ns - BEFORE_NS).max(begins(at_ns).saturating_sub(BEFORE_CHUNKS))
     }
 
-    /// Takes the next chunk. `false` if there is none.
+    /// Reads the next chunk. Returns `false` if there is none.
     fn load(&mut self) -> anyhow::Result<bool> {
         let Some(mark) = self.marks.get(self.next) else {
             return Ok(false);
@@ -192,14 +193,14 @@ impl Tape {
     }
 }
 
-/// Slices of the next chunk of `file` that are shown; `None` at its end.
+/// Returns the displayed slices of the next chunk of `file`; `None` at its end.
 fn slices(
     file: &mut Chunks<BufReader<File>>,
     topics: &BTreeMap<String, Kind>,
     clock: &mut PictureClock,
 ) -> Result<Option<Vec<Slice>>, RecordingError> {
     let mut slices: Vec<Slice> = Vec::new();
-    // Whether samples that come are of the last of the slices.
+    // Whether the following samples belong to the last of the slices.
     let mut is_shown = false;
     let is_there = file.read::<RecordingError>(|item| {
         match item {
@@ -243,7 +244,8 @@ fn slices(
     Ok(is_there.then_some(slices))
 }
 
-/// What the clocks said when the recorder took something: its UTC stands for both, since it goes through all files.
+/// Returns the clocks at a recording time. UTC serves as the monotonic time as well, since UTC is continuous
+/// through all files.
 fn recorded(utc_ns: i64) -> Now {
     Now {
         mono_ns: utc_ns,
@@ -251,7 +253,7 @@ fn recorded(utc_ns: i64) -> Now {
     }
 }
 
-/// Topics that are shown of the deployment of `config`, by name.
+/// Returns the displayed topics of the deployment of `config`, by name.
 fn topics(config: &Config) -> BTreeMap<String, Kind> {
     let streams = config.streams().filter_map(|(id, name)| {
         let topic = match id.stream {
@@ -322,7 +324,7 @@ mod tests {
         }
     }
 
-    /// A recording of 200 s: track 1 all the time, track 2 from 50 s to 150 s; a chunk each 10 s, in two files.
+    /// Recording of 200 s: track 1 all the time, track 2 from 50 s to 150 s; a chunk each 10 s, in two files.
     fn record(folder: &std::path::Path) -> Vec<PathBuf> {
         let paths = ["a.mcap", "b.mcap"].map(|name| folder.join(name));
         for (path, from) in paths.iter().zip([0, 100]) {
@@ -398,7 +400,7 @@ mod tests {
         let mut writer = Writer::begin(File::create(&path).unwrap(), &Facts::new()).unwrap();
         let topic = messages::system_tracks();
         let channel = writer.channel(topic.name.as_str(), &SystemTrack::LAYOUT).unwrap();
-        // A cycle of 5 s in each 10 ms, without a word of health; a chunk each.
+        // A cycle of 5 s in each 10 ms, without health messages; a chunk each.
         for cycle in 0..60 {
             let header = BatchHeader {
                 incarnation: 1,
@@ -427,7 +429,7 @@ mod tests {
         let mut tape = Tape::open_with(&demo(), PictureClock::of(true), &record(folder.path())).unwrap();
         assert_eq!(tape.span_ns(), [BEGIN_NS, BEGIN_NS + 199 * S]);
         let mut world = world_of(&tape);
-        // Ahead, back, a leap, and the ends; generations tell where the world was emptied.
+        // Ahead, back, a jump, and the ends; the generation counts how often the world was emptied.
         let moments = [
             (0, 1),
             (30, 1),

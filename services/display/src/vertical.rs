@@ -1,41 +1,43 @@
-//! Height and climb of a target as labels, table, panel, plots, filters, colours and lists show it: one owner for all.
+//! Height and climb of a target for labels, table, panel, plots, filters, colours and lists.
 //!
-//! What is shown is the newest level of the target's transponder that is no older than two periods of its source, since
-//! that is what pilot, controller and every other system speak of. Without one it is the height above the ellipsoid,
-//! and marked as such. The up component of the system frame is no height: the earth curves away beneath the plane.
+//! The display shows the newest level of the target's transponder if the level is no older than two periods of its
+//! source. Pilots, controllers and all other systems use this level. Without it, the display shows the height above
+//! the ellipsoid, marked as such. The up component of the system frame is no height: the Earth curves away beneath
+//! the plane.
 //!
-//! An arrow for climb or descent needs a rate that is more than noise. It begins at [`BEGINS_MPS`] and at two standard
-//! deviations of the rate, and ends below [`ENDS_MPS`]: a rate that wavers between the two changes nothing.
+//! An arrow for climb or descent needs a rate above the noise. It appears at [`BEGINS_MPS`] and at two standard
+//! deviations of the rate, and disappears below [`ENDS_MPS`]: a rate between the two changes nothing.
 
 use frames::{SystemFrame, Vertical};
 use messages::SystemTrack;
 use messages::picture::picture_track_bits::{CLIMBS, HEIGHT, LEVEL, SINKS};
 
-/// Rate at which an arrow begins: 500 feet a minute, metres per second.
+/// Rate at which an arrow appears: 500 feet a minute, metres per second.
 const BEGINS_MPS: f64 = 2.54;
-/// Rate below which it ends: 250 feet a minute.
+/// Rate below which an arrow disappears: 250 feet a minute.
 const ENDS_MPS: f64 = 1.27;
-/// Standard deviations of the rate that an arrow needs to begin.
+/// Standard deviations of the rate required for an arrow to appear.
 const SURE_SIGMAS: f64 = 2.0;
 
-/// Height of a target as it is shown.
+/// Displayed height of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shown {
     /// Metres; NaN: unknown.
     pub(crate) height_m: f32,
     /// Rate of the height above the ellipsoid, metres per second; 0 without a height.
     pub(crate) climb_mps: f32,
-    /// Those of `picture_track_bits` that speak of it.
+    /// The `picture_track_bits` concerning height and climb.
     pub(crate) flags: u8,
 }
 
-/// Height above the ellipsoid and its rate; `None` where no source observes height, or the frame is not known yet.
+/// Returns the height above the ellipsoid and its rate; `None` if no source observes height, or the frame is
+/// unknown.
 pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Option<Vertical> {
     let frame = frame.filter(|_| track.height_valid != 0)?;
     Some(frame.vertical(track.position_m, track.velocity_mps))
 }
 
-/// What is shown of a state whose track had the flags `before` in the state before.
+/// Returns the displayed height of a state; `before` holds the flags of the track's previous state.
 pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> Shown {
     let geometric = geometric(track, frame);
     let level_m = track.level_m();
@@ -76,7 +78,7 @@ mod tests {
         let [east, north] = [sin, cos].map(|share| share * distance_nm * 1852.0);
         let at = |seconds: f64| {
             let [east, north] = [east + 230.0 * seconds * sin, north + 230.0 * seconds * cos];
-            // The plane's point with the wanted height: the height is that of the plane plus the sagitta.
+            // The plane's point with the wanted height: that height is the plane's height plus the sagitta.
             let mut up = 0.0;
             for _ in 0..4 {
                 up += 11_000.0 + climb_mps * seconds - frame.to_geodetic([east, north, up]).height_m();
@@ -130,7 +132,7 @@ mod tests {
         let level = shown(&track, Some(&frame()), 0);
         assert_eq!((level.height_m, level.flags), (360.0 * 30.48, HEIGHT | LEVEL));
         assert!(level.climb_mps.abs() < 0.05, "{level:?}");
-        // It needs no other height, and no frame.
+        // A level needs neither another height nor a frame.
         track.height_valid = 0;
         assert_eq!(
             shown(&track, None, 0),

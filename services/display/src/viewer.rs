@@ -1,4 +1,4 @@
-//! State of one page: what it has been shown, and the next picture for it.
+//! State of one page: the records already sent, and the next picture.
 
 use messages::layout::Sample;
 use messages::picture::{PictureHeader, PictureIdentity, PictureSensorTrack, PictureTrack, picture_bits};
@@ -13,7 +13,7 @@ use crate::world::{Heard, World};
 
 const NS_PER_MS: i64 = 1_000_000;
 
-/// One page's view of the world.
+/// View of one page on the world.
 #[derive(Debug)]
 pub(crate) struct Viewer {
     rate_hz: f64,
@@ -22,19 +22,19 @@ pub(crate) struct Viewer {
     pub(crate) selected: Vec<u32>,
     past: Option<PastView>,
     layers: LayerStamps,
-    /// Tracks that the page has, in the order of their numbers, each with the stamp of the state that it has.
+    /// Tracks already sent, in the order of their numbers, each with the stamp of its sent state.
     shown: Vec<(u32, u64)>,
-    /// Stamps of the identities that it has.
+    /// Stamps of the identities already sent.
     named: FxHashMap<u32, u64>,
-    /// Whether the next picture begins anew, and of which generation of the world the one before was.
+    /// Whether the next picture is a full one, and the generation of the world in the previous picture.
     full: bool,
     generation: u64,
     sequence: u32,
-    /// Picture that has not been acknowledged.
+    /// Picture without acknowledgement so far.
     outstanding: Option<u32>,
 }
 
-/// For each layer that is asked for, the stamp of the latest thing of it that was sent.
+/// Stamp of the latest sent record of each requested layer.
 #[derive(Clone, Copy, Debug, Default)]
 struct LayerStamps {
     sensor_tracks: Option<u64>,
@@ -44,7 +44,7 @@ struct LayerStamps {
 }
 
 impl LayerStamps {
-    /// Nothing of them was sent.
+    /// Resets the stamps: nothing was sent.
     fn forget(&mut self) {
         let all = [
             &mut self.sensor_tracks,
@@ -56,18 +56,18 @@ impl LayerStamps {
     }
 }
 
-/// A page that looks at the past.
+/// View of a page on the past.
 #[derive(Debug)]
 struct PastView {
     asked: Past,
-    /// When it asked, monotonic, nanoseconds.
+    /// Time of the request, monotonic, nanoseconds.
     since_ns: i64,
     then: Then,
-    /// Sensor tracks of that moment.
+    /// Sensor tracks at the requested moment.
     latest: Latest,
 }
 
-/// A state as a picture is made of it.
+/// State from which a picture's record is made.
 struct Shown<'a> {
     number: u32,
     stamp: u64,
@@ -96,7 +96,7 @@ impl Default for Viewer {
 }
 
 impl Viewer {
-    /// Takes a wish.
+    /// Applies a wish.
     pub(crate) fn wish(&mut self, wish: Wish, now: Now) {
         if let Some(rate_hz) = wish.rate_hz {
             self.rate_hz = rate_hz;
@@ -120,8 +120,8 @@ impl Viewer {
             };
         }
         if let Some(past) = wish.past {
-            // Stamps of the present and numbers of the past are not to be taken for each other, and a leap through the
-            // past leaves nothing of the moment before.
+            // Stamps of the present and numbers of the past must not be confused, and a jump through the past
+            // invalidates all records of the previous moment.
             self.full |= past.is_some() || self.past.is_some();
             let (then, latest) = self
                 .past
@@ -135,21 +135,21 @@ impl Viewer {
                 latest,
             });
         }
-        // An acknowledgement of an earlier picture says nothing of the one that is on its way.
+        // An acknowledgement of an earlier picture does not acknowledge the picture in transit.
         self.outstanding = self.outstanding.filter(|sequence| wish.ack != Some(*sequence));
     }
 
-    /// Pictures a second.
+    /// Returns the rate of pictures per second.
     pub(crate) fn rate_hz(&self) -> f64 {
         self.rate_hz
     }
 
-    /// Whether the page still owes an acknowledgement.
+    /// Whether an acknowledgement is outstanding.
     pub(crate) fn is_behind(&self) -> bool {
         self.outstanding.is_some()
     }
 
-    /// Moment of the past that is shown, UTC, nanoseconds; `None`: the present.
+    /// Returns the shown moment of the past, UTC, nanoseconds; `None`: the present.
     pub(crate) fn past_ns(&self, world: &World, now: Now) -> Option<i64> {
         let past = self.past.as_ref()?;
         let wanted_s = past.asked.at_s(now.mono_ns - past.since_ns);
@@ -157,12 +157,12 @@ impl Viewer {
         Some(frames::time::ns(wanted_s).clamp(from_ns, to_ns.max(from_ns)))
     }
 
-    /// States of the past that are shown, by number; `None`: the present is shown.
+    /// Returns the shown states of the past, by number; `None`: the present is shown.
     pub(crate) fn then(&self) -> Option<&Then> {
         self.past.as_ref().map(|past| &past.then)
     }
 
-    /// Latest report of a contributor at the moment of the past that is shown.
+    /// Returns the latest report of a contributor at the shown moment of the past.
     pub(crate) fn report_then(&self, world: &World, part: &Contribution) -> Option<PictureSensorTrack> {
         let number = self
             .past
@@ -173,7 +173,7 @@ impl Viewer {
         Some(world.reports.get(*number)?.record)
     }
 
-    /// The next picture, all of it that has changed.
+    /// Makes the next picture, with all changes.
     pub(crate) fn picture(&mut self, world: &World, now: Now) -> Vec<u8> {
         let past_ns = self.past_ns(world, now);
         let time_ns = past_ns.unwrap_or_else(|| world.time_ns(now));
@@ -271,7 +271,7 @@ impl Viewer {
         blocks.octets(self.sequence, flags)
     }
 
-    /// Adds what has come of the layers that are asked for; of the past, only system and sensor tracks are kept.
+    /// Adds the new records of the requested layers; of the past, only system and sensor tracks are stored.
     fn layers(&mut self, world: &World, blocks: &mut Blocks) {
         let (view, time_ns) = (self.view, blocks.time_ns);
         let in_view = |east_m, north_m| view.is_none_or(|view| contains(view, east_m, north_m));
@@ -330,7 +330,7 @@ impl Viewer {
     }
 }
 
-/// Samples after `stamp`, the latest first.
+/// Returns samples after `stamp`, the latest first.
 fn since<T>(recent: &std::collections::VecDeque<Heard<T>>, stamp: u64) -> impl Iterator<Item = &Heard<T>> {
     recent.iter().rev().take_while(move |heard| heard.stamp > stamp)
 }
@@ -339,14 +339,14 @@ fn contains([west, south, east, north]: [f32; 4], east_m: f32, north_m: f32) -> 
     (west..=east).contains(&east_m) && (south..=north).contains(&north_m)
 }
 
-/// Milliseconds from `then_ns` to `time_ns`, as far as they fit.
+/// Returns the milliseconds from `then_ns` to `time_ns`, clamped to the range of the type.
 fn age_ms(time_ns: i64, then_ns: i64) -> i32 {
     let age_ms = time_ns.saturating_sub(then_ns) / NS_PER_MS;
     age_ms.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32
 }
 
 impl Filter {
-    /// Whether a track is shown.
+    /// Whether the filter admits a track.
     fn admits(&self, track: &PictureTrack, identity: Option<&Heard<PictureIdentity>>) -> bool {
         let state = TrackState::from_code(track.state);
         let states = self.states.as_ref();
@@ -418,7 +418,7 @@ impl Blocks {
         });
     }
 
-    /// The picture as it is sent; this machine is little-endian, as all that run shared memory here.
+    /// Encodes the picture for sending; this machine is little-endian, like all machines with shared memory here.
     fn octets(&self, sequence: u32, flags: u32) -> Vec<u8> {
         let header = PictureHeader {
             time_ns: self.time_ns,

@@ -1,73 +1,75 @@
-//! The wire: what the server of a display and a page in a browser say to each other over a WebSocket at `/ws`.
+//! Protocol between the server of a display and a page in a browser, over a WebSocket at `/ws`.
 //!
 //! # From the server, binary: pictures
 //!
-//! A picture is made of the records of [`messages::picture`], as many as its header counts; `page/wire.js`, which is
-//! written from the same tables, reads it. A picture is a delta: it has the records of what has changed since the one
-//! before, and the numbers of the tracks that have gone. One that is `FULL` begins anew: on connecting, and when a page
-//! turns to the past or back to the present. A track that leaves view or filter has gone, too. The next picture is made
-//! when the one before was acknowledged: a slow reader skips, and misses nothing that still holds.
+//! A picture consists of the records of [`messages::picture`]; its header counts them. `page/wire.js`, generated
+//! from the same tables, reads it. A picture is a delta: it holds the records changed since the previous picture,
+//! and the numbers of removed tracks. A `FULL` picture replaces everything: on connecting, and when a page turns to
+//! the past or back to the present. A track that leaves view or filter counts as removed. The server makes the next
+//! picture after the acknowledgement of the previous picture: a slow reader skips pictures but misses no record
+//! that is still valid.
 //!
-//! An identity comes with a track that is new to the reader and when it changes. A sensor track comes when a report is
-//! newer; whoever has heard nothing of one for `layer_age_s` forgets it. Detections, bearings and areas are those that
-//! came since the picture before.
+//! The server sends an identity with a track new to the reader, and on change. It sends a sensor track with each
+//! newer report; the page drops sensor tracks without a report for `layer_age_s`. Detections, bearings and areas
+//! are those received since the previous picture.
 //!
-//! # From the server, text: JSON, `type` says which
+//! # From the server, text: JSON, distinguished by `type`
 //!
-//! Times that end in `_s` are seconds since 1970, UTC, as numbers; those that end in `_ns` are nanoseconds as text,
-//! since numbers of JavaScript do not hold them. Whatever is not known is `null`.
+//! Times ending in `_s` are seconds since 1970, UTC, as numbers. Times ending in `_ns` are nanoseconds as text,
+//! because they exceed the exact range of JavaScript's numbers. An unknown value is `null`.
 //!
 //! - `hello`: at first, and when the origin becomes known: `version`, `instance`, `origin` {`latitude_deg`,
-//!   `longitude_deg`, `height_m`}, `sources` [{`number`, `name`, `kind`, `site_m` [3]}], `history_s`, `layer_age_s`,
-//!   `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `limits` {`rate_hz` [2], `select`}
-//! - `selected`: after each picture, while something is selected: `time_s`, `tracks`, see [`crate::details`]
+//!   `longitude_deg`, `height_m`}, `sources` [{`number`, `name`, `kind`, `site_m` [3]}], `history_s`,
+//!   `layer_age_s`, `recording` {`name`, `from_s`, `to_s`, `time_s`, `speed`} or `null`, `limits` {`rate_hz` [2],
+//!   `select`}
+//! - `selected`: after each picture, while tracks are selected: `time_s`, `tracks`, see [`crate::details`]
 //! - `history`: once for each newly selected track: `number`, `rows`, see [`crate::details`]
 //! - `status`: every second: `time_s`, `fusion` (`running`, `silent`), `data_offset_s` (of the newest states from
-//!   the clock, positive: ahead), `history` {`from_s`, `to_s`}, `clients`,
-//!   `skipped`, `sources`, `alarms`, `latency`, `processes`, `system`, see [`crate::status`]
+//!   the clock, positive: ahead), `history` {`from_s`, `to_s`}, `clients`, `skipped`, `sources`, `alarms`,
+//!   `latency`, `processes`, `system`, see [`crate::status`]
 //! - `refused`: before the server closes: `error`
 //!
-//! # From the page, text: JSON, any of [`Wish`]'s fields, in at most [`MESSAGE_MAX`] octets
+//! # From the page, text: JSON, any of [`Wish`]'s fields, in at most [`MESSAGE_MAX`] bytes
 //!
-//! What cannot be read, a field that does not exist included, is refused, and the connection closed.
+//! The server refuses unreadable messages, including unknown fields, and closes the connection.
 
 use messages::TrackState;
 use serde::{Deserialize, Deserializer};
 
-/// Longest message of a page, octets.
+/// Maximum length of a page's message, bytes.
 pub(crate) const MESSAGE_MAX: usize = 4096;
-/// Most tracks that can be selected.
+/// Maximum number of selected tracks.
 pub(crate) const SELECT_MAX: usize = 16;
-/// Fewest and most pictures a second.
+/// Lowest and highest rate of pictures per second.
 pub(crate) const RATE_HZ: [f64; 2] = [1.0, 10.0];
-/// Time for which a sensor track is shown that is not heard of, seconds.
+/// Display time of a sensor track without new reports, seconds.
 pub(crate) const LAYER_AGE_S: i64 = 30;
 
-/// Wish of a page; what it does not name stays as it was.
+/// Wish of a page; absent fields leave their values unchanged.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Wish {
-    /// Pictures a second; at first 4.
+    /// Pictures per second; initially 4.
     pub(crate) rate_hz: Option<f64>,
     /// Metres: west, south, east, north; `null`: everything.
     #[serde(deserialize_with = "given")]
     pub(crate) view: Option<Option<[f32; 4]>>,
     /// Layers besides the system tracks.
     pub(crate) layers: Option<Vec<Layer>>,
-    /// Numbers of the system tracks of which all is to be known.
+    /// Numbers of the system tracks for which the page requests all details.
     pub(crate) select: Option<Vec<u32>>,
-    /// Which system tracks are to be shown; `null`: all.
+    /// Filter of the system tracks; `null`: all are shown.
     #[serde(deserialize_with = "given")]
     pub(crate) filter: Option<Option<Filter>>,
-    /// Sequence number of the picture that has come.
+    /// Sequence number of the received picture.
     pub(crate) ack: Option<u32>,
-    /// `null`: the present. A recording is brought to this moment for all pages; it has no present, and `null` changes
-    /// nothing.
+    /// `null`: the present. For a recording, this moment is set for all pages; a recording has no present, and
+    /// `null` changes nothing.
     #[serde(deserialize_with = "given")]
     pub(crate) past: Option<Option<Past>>,
 }
 
-/// Layer that is shown when it is asked for.
+/// Layer shown on request.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Layer {
@@ -77,39 +79,39 @@ pub(crate) enum Layer {
     Areas,
 }
 
-/// Which system tracks are shown: those that all of it admits.
+/// Filter of system tracks: a track must satisfy every given field.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Filter {
     /// States by word; none given: all.
     #[serde(deserialize_with = "states")]
     pub(crate) states: Option<Vec<TrackState>>,
-    /// Some of these sources contributes.
+    /// At least one of these sources contributes.
     pub(crate) sources: Option<Vec<u16>>,
-    /// Least and greatest height, metres. Tracks without height are shown.
+    /// Lowest and highest height, metres. Tracks without height are shown.
     pub(crate) height_m: Option<[Option<f32>; 2]>,
-    /// Callsign, address, code, name or number contains this, in whatever letters.
+    /// Text contained in callsign, address, code, name or number; case is ignored.
     pub(crate) text: Option<String>,
 }
 
-/// Moment of the past, and how fast time runs from there.
+/// Moment of the past, and the speed of time from there.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Past {
     /// Seconds since 1970, UTC.
     pub(crate) time_s: f64,
-    /// Seconds a second; 0: it stands still.
+    /// Seconds per second; 0: time stands still.
     pub(crate) speed: f64,
 }
 
 impl Past {
-    /// Moment that is wanted so long after it was asked for, seconds since 1970.
+    /// Returns the wanted moment at this time after the request, seconds since 1970.
     pub(crate) fn at_s(&self, passed_ns: i64) -> f64 {
         self.time_s + self.speed * passed_ns as f64 / messages::NS_PER_S
     }
 }
 
-/// A value that is there, if only as `null`.
+/// Reads a present value, including `null`.
 fn given<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Option<T>, D::Error> {
     T::deserialize(from).map(Some)
 }
@@ -123,10 +125,10 @@ fn states<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec<TrackState>>,
 }
 
 impl Wish {
-    /// The wish that `text` is.
+    /// Parses a wish.
     ///
     /// # Errors
-    /// If it is none, in a sentence.
+    /// A sentence, if `text` is no valid wish.
     pub(crate) fn read(text: &str) -> Result<Self, String> {
         let wish: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
         let rates = RATE_HZ[0]..=RATE_HZ[1];

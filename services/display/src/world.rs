@@ -1,6 +1,7 @@
-//! Knowledge that the display has of a deployment. Pure: samples and times go in, pictures and texts are made of it.
+//! State of a deployment as known to the display. Pure: samples and times go in; pictures and texts are made from
+//! it.
 //!
-//! Which time the picture has is in [`crate::clock`].
+//! [`crate::clock`] describes the picture's time.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -23,39 +24,39 @@ use crate::records::{self, Place};
 use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
 
-/// Most system tracks, sensor tracks, and identities of the past.
+/// Maximum number of system tracks, of sensor tracks, and of past identities.
 const TRACKS_MAX: usize = 50_000;
-/// Detections, bearings or areas that are kept.
+/// Maximum number of stored detections, bearings or areas.
 const RECENT_MAX: usize = 8_192;
-/// Decisions that are kept.
+/// Maximum number of stored decisions.
 const DECISIONS_MAX: usize = 8_192;
 /// Time between two clean-ups, nanoseconds.
 const CLEAN_UP_NS: i64 = 1_000_000_000;
 const NS_PER_S: i64 = 1_000_000_000;
 
-/// A source, as the configuration has it.
+/// Configured source.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceFact {
     pub(crate) number: u16,
     pub(crate) name: String,
-    /// How it observes, a word.
+    /// Kind of observation, as a word.
     pub(crate) kind: &'static str,
     pub(crate) adapter: String,
-    /// Where its sensor stands, metres east and north.
+    /// Position of the sensor, metres east and north.
     pub(crate) site_m: Option<[f64; 2]>,
 }
 
 /// Latest state of a system track.
 #[derive(Clone, Debug)]
 pub(crate) struct Live {
-    /// Rises with each change in the world.
+    /// Increases with each change in the world.
     pub(crate) stamp: u64,
     pub(crate) record: PictureTrack,
     pub(crate) measured_ns: i64,
     pub(crate) track: SystemTrack,
 }
 
-/// Something that was heard: when it was true (UTC, nanoseconds), and when it came, as a stamp.
+/// Received record: its time of validity (UTC, nanoseconds), and its arrival as a stamp.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Heard<T> {
     pub(crate) stamp: u64,
@@ -63,36 +64,36 @@ pub(crate) struct Heard<T> {
     pub(crate) record: T,
 }
 
-/// Recording that is shown, to all pages the same moment of it.
+/// Replayed recording; all pages show the same moment.
 #[derive(Clone, Debug)]
 pub(crate) struct Recording {
     pub(crate) name: String,
-    /// From when to when it reaches, UTC, nanoseconds.
+    /// Start and end, UTC, nanoseconds.
     pub(crate) span_ns: [i64; 2],
-    /// Moment that is shown, UTC, nanoseconds.
+    /// Shown moment, UTC, nanoseconds.
     pub(crate) at_ns: i64,
-    /// What the clocks said at that moment.
+    /// Clocks at the shown moment.
     pub(crate) now: Now,
-    /// Moment from which it is played, how fast, and since when, monotonic, nanoseconds.
+    /// Starting moment and speed of the replay, and its start time, monotonic, nanoseconds.
     pub(crate) wanted: Past,
     pub(crate) since_ns: i64,
 }
 
 impl Recording {
-    /// Moment to be shown, UTC, nanoseconds.
+    /// Returns the moment to show, UTC, nanoseconds.
     pub(crate) fn wanted_ns(&self, mono_ns: i64) -> i64 {
         let [from_ns, to_ns] = self.span_ns;
         frames::time::ns(self.wanted.at_s(mono_ns - self.since_ns)).clamp(from_ns, to_ns)
     }
 }
 
-/// See the module's documentation.
+/// State of the deployment, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct World {
     pub(crate) instance: String,
-    /// Recording that is shown; `None`: a deployment that runs.
+    /// Shown recording; `None`: a running deployment.
     pub(crate) recording: Option<Recording>,
-    /// Rises when all that was known is forgotten.
+    /// Increases whenever all state is cleared.
     pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
     pub(crate) origin: Option<FrameOrigin>,
@@ -113,9 +114,9 @@ pub(crate) struct World {
     pub(crate) stages: Stages,
     pub(crate) alarms: Present,
     pub(crate) rates: Rates,
-    /// Start of the fusion process that the tracks are from.
+    /// Epoch of the fusion process that published the tracks.
     fusion: u64,
-    /// When fusion last said how it is, monotonic, nanoseconds.
+    /// Time of fusion's last status, monotonic, nanoseconds.
     fusion_said_ns: i64,
     clock: PictureClock,
     /// Offset of the data from the machine's clock.
@@ -126,12 +127,12 @@ pub(crate) struct World {
 /// Rates at which fusion takes the sources' reports.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rates {
-    /// When fusion said how many it had taken (monotonic, nanoseconds), how many, and the rate since the time before.
+    /// Time of fusion's latest count (monotonic, nanoseconds), the count, and the rate since the previous count.
     latest: BTreeMap<u16, (i64, u64, f64)>,
 }
 
 impl Rates {
-    /// Reports a second of a source.
+    /// Returns the report rate of a source, per second.
     pub(crate) fn of(&self, source: u16) -> f64 {
         self.latest.get(&source).map_or(0.0, |(.., rate_hz)| *rate_hz)
     }
@@ -150,7 +151,7 @@ impl Rates {
 }
 
 impl World {
-    /// Nothing is known yet. `history_s` is how far back the past is kept, in at most `history_octets`.
+    /// Creates an empty world. `history_s` is the time span of the past, in at most `history_octets` bytes.
     pub(crate) fn new(instance: &str, sources: Vec<SourceFact>, history_s: i64, history_octets: usize) -> Self {
         let journey = Journey {
             end: JourneyEnd::Published,
@@ -188,19 +189,19 @@ impl World {
         }
     }
 
-    /// From now on, the picture has the time of this clock.
+    /// Sets the clock of the picture.
     pub(crate) fn set_clock(&mut self, clock: PictureClock) {
         self.clock = clock;
     }
 
-    /// Offset of the data from the clock of the picture, nanoseconds, positive: they are ahead. `None` if that is the
-    /// data's own, or no state came lately.
+    /// Returns the offset of the data from the picture's clock, nanoseconds, positive: data ahead. `None` if the
+    /// picture has data time, or without recent states.
     pub(crate) fn data_offset_ns(&self, now: Now) -> Option<i64> {
         let is_machine = self.recording.is_none() && matches!(self.clock, PictureClock::Machine { .. });
         is_machine.then(|| self.data_offset.ns(now.mono_ns))?
     }
 
-    /// Time of the picture, UTC, nanoseconds.
+    /// Returns the time of the picture, UTC, nanoseconds.
     pub(crate) fn time_ns(&self, now: Now) -> i64 {
         let running_ns = || self.clock.at(now).unwrap_or(now.utc_ns);
         self.recording
@@ -208,19 +209,19 @@ impl World {
             .map_or_else(running_ns, |recording| recording.at_ns)
     }
 
-    /// Time for what is known: of a recording, that at which it was made.
+    /// Returns the reference time for received data; for a recording, the time of its making.
     pub(crate) fn now(&self, now: Now) -> Now {
         self.recording.as_ref().map_or(now, |recording| recording.now)
     }
 
-    /// The recording is at another moment; then, the clocks said `now`.
+    /// Moves the recording to another moment; `now` holds the clocks of that moment.
     pub(crate) fn pass_to(&mut self, at_ns: i64, now: Now) {
         if let Some(recording) = &mut self.recording {
             (recording.at_ns, recording.now) = (at_ns, now);
         }
     }
 
-    /// Forgets everything but what the configuration says.
+    /// Clears everything except the configuration.
     pub(crate) fn rewind(&mut self) {
         let sources = std::mem::take(&mut self.sources);
         let empty = Self::new(&self.instance, sources, self.history_s, self.history_octets);
@@ -234,7 +235,7 @@ impl World {
         };
     }
 
-    /// From when to when the past reaches, UTC, nanoseconds; `None` while there is nothing.
+    /// Returns start and end of the past, UTC, nanoseconds; `None` while it is empty.
     pub(crate) fn span_ns(&self) -> Option<[i64; 2]> {
         let known = || self.history.span_ns();
         self.recording
@@ -242,16 +243,16 @@ impl World {
             .map_or_else(known, |recording| Some(recording.span_ns))
     }
 
-    /// Whether fusion has said nothing for longer than it ever should.
+    /// Whether fusion is silent for longer than its status interval permits.
     pub(crate) fn is_fusion_silent(&self, now: Now) -> bool {
         now.mono_ns.saturating_sub(self.fusion_said_ns) > 2 * NS_PER_S
     }
 
-    /// A slice of system tracks has come.
+    /// Receives a slice of system tracks.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
-        // Not a later one always: a fusion that stood by may have started before the one that it follows.
+        // The new epoch may be smaller: a standby fusion may have started before its predecessor.
         if header.incarnation != self.fusion {
-            // Whoever published the tracks so far is gone; its successor publishes again those that go on.
+            // The publisher of these tracks was replaced; its successor publishes the continuing tracks again.
             if !self.tracks.is_empty() {
                 self.history.end_all(self.time_ns(now));
                 self.tracks.clear();
@@ -259,7 +260,7 @@ impl World {
             self.fusion = header.incarnation;
             self.clock.restart();
         }
-        // Whoever publishes is not silent: health messages are rare in a recording that was made in a hurry.
+        // A publishing fusion is not silent: health messages are rare in a recording made faster than real time.
         self.fusion_said_ns = now.mono_ns;
         for track in tracks {
             self.stages.record(track, now.mono_ns, now.utc_ns);
@@ -269,7 +270,7 @@ impl World {
         }
     }
 
-    /// Keeps a state that came when the picture had the time `at_ns`.
+    /// Stores a state that arrived at picture time `at_ns`.
     pub(crate) fn keep(&mut self, track: &SystemTrack, at_ns: i64) {
         self.stamp += 1;
         let (number, measured_ns) = (track.track_number, records::measured_ns(track));
@@ -311,7 +312,7 @@ impl World {
         }
     }
 
-    /// Reports of a source have come.
+    /// Receives the reports of a source.
     pub(crate) fn hear_sensor_tracks(&mut self, reports: &[SensorTrack], now: Now) {
         let at_ns = self.time_ns(now);
         for report in reports {
@@ -331,14 +332,14 @@ impl World {
             } else if is_room {
                 self.sensor_tracks.insert(key, heard);
             }
-            // A recording is its own past.
+            // A recording serves as its own past.
             if self.recording.is_none() {
                 self.reports.keep(at_ns, heard.time_ns, heard.record);
             }
         }
     }
 
-    /// Detections of a source have come.
+    /// Receives the detections of a source.
     pub(crate) fn hear_detections(&mut self, detections: &[SensorDetection]) {
         for detection in detections {
             let time_ns = detection.time_of_measurement_ns;
@@ -350,7 +351,7 @@ impl World {
         }
     }
 
-    /// Bearings of a direction finder have come.
+    /// Receives the bearings of a direction finder.
     pub(crate) fn hear_bearings(&mut self, bearings: &[SensorBearing]) {
         for bearing in bearings {
             let record = records::bearing(bearing);
@@ -363,7 +364,7 @@ impl World {
         }
     }
 
-    /// Counts of a wide-area sensor have come.
+    /// Receives the counts of a wide-area sensor.
     pub(crate) fn hear_counts(&mut self, counts: &[WideArea]) {
         for count in counts {
             let record = records::count(count);
@@ -371,14 +372,14 @@ impl World {
         }
     }
 
-    /// Cues for a sensor have come.
+    /// Receives the cues for a sensor.
     pub(crate) fn hear_cues(&mut self, cues: &[Cue]) {
         for cue in cues {
             add(&mut self.stamp, &mut self.areas, cue.time_ns, records::cue(cue));
         }
     }
 
-    /// Decisions of fusion have come.
+    /// Receives the decisions of fusion.
     pub(crate) fn hear_decisions(&mut self, decisions: &[Decision]) {
         for decision in decisions {
             if self.decisions.len() == DECISIONS_MAX {
@@ -388,12 +389,12 @@ impl World {
         }
     }
 
-    /// The monitor has said which alarms stand.
+    /// Receives the standing alarms from the monitor.
     pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
         self.alarms.hear(header, slice);
     }
 
-    /// A process has said how it is.
+    /// Receives the health of a process.
     pub(crate) fn hear(&mut self, health: &Health, now: Now) {
         self.book.hear(health);
         let is_alive = health.life() == Some(LifeState::Running);
@@ -402,7 +403,7 @@ impl World {
         }
     }
 
-    /// Somebody has said where the system frame lies; a place that is none is not believed.
+    /// Receives the origin of the system frame; an invalid place is ignored.
     pub(crate) fn place(&mut self, origin: &FrameOrigin) {
         if self.origin == Some(*origin) {
             return;
@@ -410,7 +411,7 @@ impl World {
         let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m);
         if let Ok(place) = place {
             (self.origin, self.frame) = (Some(*origin), Some(SystemFrame::at(place)));
-            // States that came before had no height.
+            // Earlier states had no height.
             self.stamp += 1;
             for live in self.tracks.values_mut() {
                 live.stamp = self.stamp;
@@ -419,7 +420,7 @@ impl World {
         }
     }
 
-    /// Forgets now and then what is no longer shown.
+    /// Drops outdated records from time to time.
     pub(crate) fn clean_up(&mut self, now: Now) {
         if now.mono_ns < self.clean_up_ns {
             return;
@@ -440,7 +441,7 @@ impl World {
     }
 }
 
-/// Adds something that has come to what is kept of its kind.
+/// Appends a received record to the recent records of its kind.
 fn add<T>(stamp: &mut u64, recent: &mut VecDeque<Heard<T>>, time_ns: i64, record: T) {
     *stamp += 1;
     if recent.len() == RECENT_MAX {
