@@ -1,4 +1,4 @@
-//! The commands on files: what can be written after them, and their help.
+//! Commands on files: their arguments and their help.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -40,17 +40,17 @@ struct Line {
 }
 
 impl Command {
-    /// The command that `words` say, of which the first is its name.
+    /// Parses the command in `words`; the first word is its name.
     ///
     /// # Errors
-    /// If they are none.
+    /// If `words` are no valid command.
     pub fn of(words: &[String]) -> Result<Self, Usage> {
         let line = Line::try_parse_from(words).map_err(|error| Usage(refusal(&error)))?;
         Ok(line.command)
     }
 }
 
-/// Reason on one line for which words are no command.
+/// Returns the reason for rejected command words, on one line.
 pub fn refusal(error: &clap::Error) -> String {
     let text = error.to_string();
     let words: Vec<&str> = text
@@ -136,7 +136,7 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
 
 The same files and options give the same bytes.";
 
-/// Help of `koseki fuse`, with the keys of a sensor.
+/// Returns the help of `koseki fuse`, with the keys of a sensor.
 fn fuse_examples() -> String {
     FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help())
 }
@@ -216,7 +216,7 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
 
 The same files and options give the same bytes.";
 
-/// Help of `koseki track`, with the keys of its configuration.
+/// Returns the help of `koseki track`, with the keys of its configuration.
 fn track_examples() -> String {
     TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help())
 }
@@ -279,7 +279,7 @@ FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency
 {KEYS}
 The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
 
-/// Help of `koseki locate`, with the keys of its configuration.
+/// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
     LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help())
 }

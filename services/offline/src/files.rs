@@ -1,8 +1,8 @@
-//! Files that commands read and write.
+//! Input and output files of commands.
 //!
-//! What is written appears whole or not at all: it is written beside its place under another name, and moved there when
-//! it is complete. So a command that fails, or is killed, leaves no half a table that looks like a whole one, and the
-//! result of an earlier run stays until there is a new one.
+//! An output file appears complete or not at all: a command writes it under another name in the same folder and
+//! renames it when it is complete. A command that fails or is killed leaves no partial table under the final name,
+//! and the result of an earlier run remains until a new result replaces it.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -10,15 +10,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
-/// Octets that are gathered before the system is asked to write or read.
+/// Size of read and write buffers, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// A command line that is well-formed, but makes no sense.
+/// Command line that is well-formed but contradictory.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// An input file that cannot be used.
+/// Unusable input file.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}", file.display())]
 pub struct InputError {
@@ -27,7 +27,7 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// A file, and its fault.
+    /// Creates the error of a file and its fault.
     pub fn new(file: &Path, what: impl std::fmt::Display) -> Self {
         Self {
             file: file.to_owned(),
@@ -35,7 +35,7 @@ impl InputError {
         }
     }
 
-    /// The same, and what the file is needed for.
+    /// Adds the purpose of the file to the message.
     pub(crate) fn with(mut self, needed: &str) -> Self {
         self.what = format!("{}; {needed}", self.what);
         self
@@ -55,15 +55,15 @@ pub fn open(file: &Path) -> Result<File, InputError> {
     Ok(opened)
 }
 
-/// Whether two paths lead to one file that is there.
+/// Whether two paths refer to the same existing file.
 pub fn is_same_file(one: &Path, other: &Path) -> bool {
     matches!((fs::canonicalize(one), fs::canonicalize(other)), (Ok(one), Ok(other)) if one == other)
 }
 
-/// Refuses to write over an input, or one output over another.
+/// Rejects outputs that would overwrite an input or another output.
 ///
 /// # Errors
-/// The option and the file that it names.
+/// The option and the file it names.
 pub fn check_outputs<'a>(
     inputs: impl IntoIterator<Item = &'a PathBuf> + Clone,
     outputs: &[(&str, Option<&PathBuf>)],
@@ -83,20 +83,20 @@ pub fn check_outputs<'a>(
     Ok(())
 }
 
-/// A file that appears when it is complete.
+/// Output file that appears when it is complete.
 #[derive(Debug)]
 pub struct OutputFile {
     path: PathBuf,
-    /// Path that is written to until then; the path itself where that is no file, but a device or a pipe.
+    /// Path written until completion; `None` for a device or a pipe, which is written directly.
     unfinished: Option<PathBuf>,
     writer: Option<BufWriter<File>>,
 }
 
 impl OutputFile {
-    /// Begins to write what will be `path`.
+    /// Begins the file that becomes `path`.
     ///
     /// # Errors
-    /// If nothing can be written there.
+    /// If the file cannot be written there.
     pub fn begin(path: &Path) -> anyhow::Result<Self> {
         let is_device = fs::metadata(path).is_ok_and(|found| !found.is_file());
         let unfinished = (!is_device).then(|| unfinished_name(path));
@@ -114,10 +114,10 @@ impl OutputFile {
         })
     }
 
-    /// Puts the complete file in its place.
+    /// Moves the complete file to its place.
     ///
     /// # Errors
-    /// If what was written cannot be kept.
+    /// If the file cannot be completed or moved.
     pub fn finish(mut self) -> anyhow::Result<()> {
         let finished = self.writer.take().map_or(Ok(()), |mut writer| writer.flush());
         finished
@@ -162,7 +162,8 @@ impl Drop for OutputFile {
     }
 }
 
-/// Beside `path`, so that it can be moved there at once; with this process's number, so that two do not share it.
+/// Returns a name beside `path`, so that a rename suffices. It contains the process number, so that two processes
+/// do not share it.
 fn unfinished_name(path: &Path) -> PathBuf {
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());

@@ -1,4 +1,4 @@
-//! Whoever runs a command.
+//! Environment in which a command runs.
 
 use std::fmt::Debug;
 use std::io::{self, Read, Seek, Write};
@@ -6,50 +6,50 @@ use std::path::Path;
 
 use crate::files::InputError;
 
-/// Gives a command its tables, takes what it writes and says, and learns how far it is.
+/// Environment of a command: provides its tables, receives its output and messages, and tracks its progress.
 pub trait Host {
     /// Opens an input.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If the input cannot be read.
     fn open(&self, path: &Path) -> Result<Input, InputError>;
 
     /// Begins an output.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the output cannot be written.
     fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>>;
 
     /// Makes a folder for outputs.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// If the folder cannot be made.
     fn make_folder(&self, path: &Path) -> io::Result<()>;
 
-    /// Takes the answer.
+    /// Prints the answer.
     ///
     /// # Errors
-    /// If it cannot be printed.
+    /// If the answer cannot be printed.
     fn print(&self, text: &str) -> anyhow::Result<()>;
 
-    /// Takes what is said beside the answer; nothing fails if nobody hears it.
+    /// Prints a message beside the answer; failures are ignored.
     fn say(&self, text: &str);
 
-    /// Learns that so much of a pass is done, in whatever it is counted. Comes often: with each report or scan.
+    /// Reports the progress of a pass, in any unit. Called often: for each report or scan.
     ///
     /// # Errors
     /// If the command is to end.
     fn progress(&self, done: u64, of: u64) -> io::Result<()>;
 
-    /// Learns that a pass is over.
+    /// Reports the end of a pass.
     fn passed(&self);
 }
 
 impl dyn Host + '_ {
-    /// Text of a whole input.
+    /// Reads the text of a whole input.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If the input cannot be read.
     pub(crate) fn text(&self, path: &Path) -> Result<String, InputError> {
         let mut text = String::new();
         let read = self.open(path)?.read_to_string(&mut text);
@@ -57,7 +57,7 @@ impl dyn Host + '_ {
         Ok(text)
     }
 
-    /// Shows a summary: as JSON for an answer, else as text beside it.
+    /// Shows a summary: JSON as the answer, else text beside the answer.
     ///
     /// # Errors
     /// If the answer cannot be printed.
@@ -72,20 +72,20 @@ impl dyn Host + '_ {
     }
 }
 
-/// Octets that can be read again.
+/// Bytes that can be read repeatedly.
 trait Octets: Read + Seek {}
 
 impl<T: Read + Seek> Octets for T {}
 
-/// A table to be read.
+/// Input table.
 pub struct Input {
     octets: Box<dyn Octets>,
-    /// Its size; 0 where that is not known.
+    /// Size, bytes; 0 if unknown.
     pub length: u64,
 }
 
 impl Input {
-    /// Octets as an input, and how many they are.
+    /// Creates an input from bytes and their number.
     pub fn new(octets: impl Read + Seek + 'static, length: u64) -> Self {
         Self {
             octets: Box::new(octets),
@@ -106,11 +106,11 @@ impl Seek for Input {
     }
 }
 
-/// A table that is written, and appears when it is complete.
+/// Output table that appears when it is complete.
 pub trait Output: Write + Debug {
-    /// Puts it in its place.
+    /// Moves the table to its place.
     ///
     /// # Errors
-    /// If it cannot be kept.
+    /// If the table cannot be stored.
     fn finish(self: Box<Self>) -> anyhow::Result<()>;
 }

@@ -1,7 +1,8 @@
-//! Commands on tables, for whoever runs them: the executable on files, the Python package on columns in memory.
+//! Commands on tables, shared by the executable (on files) and the Python package (on columns in memory).
 //!
-//! A command is what its words say ([`Command`], with the help of the command line). It opens, writes and speaks only
-//! through its [`Host`], so that one and the same engine, driven in one and the same way, has the same results for all.
+//! [`Command`] holds the parsed words of a command, with the help of the command line. A command opens tables,
+//! writes tables and prints messages only through its [`Host`]. The same engine, driven in the same way, therefore
+//! gives the same results for all hosts.
 
 #![forbid(unsafe_code)]
 
@@ -26,10 +27,10 @@ pub use reading::Refusals;
 pub use terminal::Terminal;
 
 impl Command {
-    /// Does what the words say.
+    /// Executes the command.
     ///
     /// # Errors
-    /// If what is asked for makes no sense, a table cannot be read or written, or the host wants it to end.
+    /// If the arguments are contradictory, a table cannot be read or written, or the host ends the command.
     pub fn run(&self, host: &dyn Host) -> anyhow::Result<()> {
         match self {
             Self::Simulate(simulate) => simulate::run(simulate, host),
@@ -42,7 +43,7 @@ impl Command {
     }
 }
 
-/// Whether the words or an input were refused, rather than that something failed.
+/// Whether the arguments or an input were rejected, as opposed to a failure of the operation.
 pub fn is_refused(error: &anyhow::Error) -> bool {
     error.is::<Usage>() || error.is::<InputError>() || error.is::<configuration::ConfigError>()
 }

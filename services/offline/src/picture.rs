@@ -8,12 +8,12 @@ use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-/// Room around the places, as a share of their extent.
+/// Margin around the places, as a share of their extent.
 const ROOM: f64 = 0.06;
-/// Extent of places that are all one.
+/// Extent of coinciding places.
 const EXTENT_MIN: f64 = 1e-3;
 
-/// An area that is drawn on.
+/// Drawing area.
 pub(crate) type Drawing<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// Result of drawing.
 pub(crate) type Drawn = Result<(), Box<dyn Error>>;
@@ -21,7 +21,7 @@ pub(crate) type Drawn = Result<(), Box<dyn Error>>;
 /// A chart of places, east and north in kilometres.
 pub(crate) type MapChart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Begins a picture of `size` pixels and lets `draw` fill it.
+/// Creates a picture of `size` pixels and passes it to `draw`.
 pub(crate) fn picture(file: &Path, size: (u32, u32), draw: impl FnOnce(&Drawing<'_>) -> Drawn) -> Drawn {
     let root = SVGBackend::new(file, size).into_drawing_area();
     root.fill(&WHITE)?;
@@ -63,7 +63,7 @@ pub(crate) fn draw_legend<'a, 'b: 'a>(chart: &mut MapChart<'a, 'b>) -> Drawn {
     Ok(())
 }
 
-/// Ranges of both axes that show all `places` on so many pixels, and how much of them a pixel is.
+/// Returns ranges of both axes that show all `places` on this number of pixels, and the size of a pixel.
 pub(crate) fn equal_scales<'a>(
     places: impl Iterator<Item = &'a (f64, f64)> + Clone,
     pixels: (u32, u32),
@@ -74,7 +74,7 @@ pub(crate) fn equal_scales<'a>(
     (widened(east, scale * width), widened(north, scale * height), scale)
 }
 
-/// Least and greatest, with room around them.
+/// Returns the range of the values, with a margin.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
         (low.min(value), high.max(value))
@@ -83,7 +83,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     low - room..high + room
 }
 
-/// The range of this length about the same middle.
+/// Returns the range of this length about the same middle.
 fn widened(range: Range<f64>, length: f64) -> Range<f64> {
     let middle = 0.5 * (range.start + range.end);
     middle - 0.5 * length..middle + 0.5 * length

@@ -1,7 +1,7 @@
-//! `koseki score`: how good tracks or fixes are against a known truth (FM-8).
+//! `koseki score`: quality of tracks or fixes against a known truth (FM-8).
 //!
-//! What the figures are is in the crate `scoring`; here files are opened, and figures are shown: a line each with what
-//! it means, or as one JSON object under the same words.
+//! The crate `scoring` defines the figures. This module opens files and prints the figures: a line each with its
+//! meaning, or one JSON object with the same names.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ const SETTINGS_FILE: &str = "meta.json";
 /// Significant digits on the screen.
 const DIGITS: usize = 4;
 
-/// Scores, and prints the figures.
+/// Scores the inputs and prints the figures.
 ///
 /// # Errors
 /// If a file cannot be read, or there is nothing to compare.
@@ -110,7 +110,7 @@ fn case_settings(host: &dyn Host, file: &Path) -> Result<CaseSettings, InputErro
     serde_json::from_str(&text).map_err(|error| InputError::new(file, error))
 }
 
-/// The files of each run.
+/// Pairs the files of each run.
 fn in_pairs<'a>(
     (truth, truths): (&str, &'a [PathBuf]),
     (other, others): (&str, &'a [PathBuf]),
@@ -125,7 +125,7 @@ fn in_pairs<'a>(
     )))
 }
 
-/// Prints the figures that `words` name, those that there are.
+/// Prints the available figures named by `words`.
 pub(crate) fn show(host: &dyn Host, found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()> {
     if json {
         return host.print(&format!("{}\n", serde_json::to_string(found)?));
@@ -148,7 +148,7 @@ pub(crate) fn show(host: &dyn Host, found: &impl Serialize, words: &[Word], json
     host.print(&text)
 }
 
-/// A number with as many decimals as its significant digits need.
+/// Formats a number with the decimals required for its significant digits.
 pub(crate) fn digits(value: f64) -> String {
     let magnitude = value.abs().log10().floor();
     let decimals = if magnitude.is_finite() {

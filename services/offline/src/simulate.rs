@@ -1,9 +1,9 @@
-//! `koseki simulate`: what simulated sensors see of a simulated world, as files (FM-9).
+//! `koseki simulate`: observations of simulated sensors in a simulated world, as files (FM-9).
 //!
-//! The world and its sensors are those of the demonstration (`scenario`), without a clock: each sensor is asked for one
-//! delivery after the other. So a run of an hour takes seconds, and the same seed gives the same bytes. Direction
-//! finders give a table of bearings (FM-7), in which a transmitter has the number of its target; wide-area sensors one
-//! of counts (FM-6).
+//! The world and its sensors are those of the demonstration (`scenario`), without a clock: the command requests one
+//! delivery after another from each sensor. A run of an hour takes seconds, and the same seed gives the same bytes.
+//! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target.
+//! Wide-area sensors write a table of counts (FM-6).
 
 use std::io::Write as _;
 use std::path::Path;
@@ -26,7 +26,7 @@ use crate::args::Simulate;
 use crate::files::Usage;
 use crate::host::Host;
 
-/// Scenarios by name: the deployment that they are of, and what they change of it.
+/// Scenarios by name: the underlying deployment, and the changes to it.
 const NAMED: [(&str, &str, &[&str]); 4] = [
     ("demo", DEMO, &[]),
     (
@@ -43,10 +43,10 @@ const NAMED: [(&str, &str, &[&str]); 4] = [
     ("wide-area", include_str!("../../../config/wide-area.toml"), &[]),
 ];
 
-/// Simulates.
+/// Runs the simulation.
 ///
 /// # Errors
-/// If there is no such scenario, or a file cannot be written.
+/// If the scenario does not exist, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
     let config = config(&simulate.scenario, &simulate.set)?;
     let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
@@ -100,7 +100,7 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The configuration that a name or a file stands for, with values replaced.
+/// Returns the configuration for a name or a file, with values replaced.
 fn config(scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
     let named = NAMED.iter().find(|(name, ..)| Path::new(name) == scenario);
     match named {
@@ -127,8 +127,8 @@ fn simulated(source: &Source) -> Option<(&Source, &Instrument)> {
     }
 }
 
-/// Writes what one sensor reports and detects up to `end_s`; how much that is. One that delivers plots reports no
-/// tracks.
+/// Writes the reports and detections of one sensor up to `end_s`; returns their numbers. A sensor that delivers
+/// plots reports no tracks.
 fn write_sensor(
     host: &dyn Host,
     folder: &Path,
@@ -169,7 +169,7 @@ fn write_sensor(
     Ok((report_count, u64::from(plot_count)))
 }
 
-/// Writes what one sensor sends up to `end_s`: bare data blocks in the order of sending.
+/// Writes the messages of one sensor up to `end_s`: bare data blocks in the order of sending.
 fn write_asterix(
     host: &dyn Host,
     folder: &Path,
@@ -193,7 +193,7 @@ fn write_asterix(
     out.finish()
 }
 
-/// Writes what one direction finder hears up to `end_s`; how many bearings that is.
+/// Writes the bearings of one direction finder up to `end_s`; returns their number.
 fn write_bearings(
     host: &dyn Host,
     folder: &Path,
@@ -219,7 +219,7 @@ fn write_bearings(
     Ok(count)
 }
 
-/// Writes what one wide-area sensor observes up to `end_s`, in the order of arrival; how many reports that is.
+/// Writes the counts of one wide-area sensor up to `end_s`, in the order of arrival; returns the number of reports.
 fn write_counts(
     host: &dyn Host,
     folder: &Path,
@@ -245,7 +245,7 @@ fn write_counts(
     Ok(count)
 }
 
-/// Everything that observes the world and can show where a target is: what is counted from afar alone is in no picture.
+/// Instruments that can locate a target. Wide-area counts are excluded: they locate no single target.
 #[derive(Default)]
 struct Observers {
     sensors: Vec<SimulatedSensor>,
@@ -259,7 +259,7 @@ impl Observers {
     }
 }
 
-/// A radar without height gives range and bearing; whoever measures height, a position.
+/// Converts a plot: a radar without height gives range and bearing; a sensor that measures height gives a position.
 fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
     let [east, north, up] = plot.position_m;
     let [sigma_east, sigma_north, sigma_up] = plot.sigma_m;
@@ -292,7 +292,7 @@ fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
     }
 }
 
-/// Writes where the targets are that some sensor could see; how many rows that is.
+/// Writes the positions of all targets visible to some sensor; returns the number of rows.
 fn write_truth(host: &dyn Host, path: &Path, truth: &Truth, observers: &Observers, end_s: f64) -> anyhow::Result<u64> {
     let unwritten = || format!("{} cannot be written", path.display());
     let mut out = host.begin(path)?;

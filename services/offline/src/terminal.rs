@@ -1,4 +1,4 @@
-//! Commands on files, as a command line runs them.
+//! Commands on files, run from a command line.
 
 use std::cell::Cell;
 use std::fs;
@@ -8,11 +8,11 @@ use std::path::Path;
 use crate::files::{InputError, OutputFile, open};
 use crate::host::{Host, Input, Output};
 
-/// Less than this is done before anybody wonders, octets.
+/// Inputs below this size show no progress, bytes.
 const SHOWN_OCTETS_MIN: u64 = 64 << 20;
 
-/// Runs commands on files, as a command line does: answers go to standard output, the rest to standard error, and with
-/// long work a percentage is written over itself where that is a terminal.
+/// Host of a command line: answers go to standard output, messages to standard error. For long work, a terminal
+/// shows a percentage that overwrites itself.
 #[derive(Debug, Default)]
 pub struct Terminal {
     percent: Cell<u64>,
@@ -33,7 +33,7 @@ impl Host for Terminal {
         fs::create_dir_all(path)
     }
 
-    /// Prints an answer. A reader that has seen enough (`| head`) is no failure.
+    /// Prints an answer. A closed reader (`| head`) is no failure.
     fn print(&self, text: &str) -> anyhow::Result<()> {
         match io::stdout().write_all(text.as_bytes()) {
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(error.into()),

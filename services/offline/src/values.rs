@@ -1,16 +1,16 @@
-//! Values of options, and what is said of anything else.
+//! Values of options, and the messages for invalid values.
 
 use std::time::Duration;
 
-/// Longest time that `--for` accepts, seconds: a hundred years.
+/// Maximum of `--for`, seconds: a hundred years.
 const SECONDS_MAX: f64 = 3.2e9;
-/// Times in files reach this far to either side of 0, seconds; no second beyond is worth scoring.
+/// Limit of times in files, either side of 0, seconds; no later time is worth scoring.
 const SECOND_MAX: f64 = 4e6;
 
-/// A time that lasts.
+/// Parses a positive duration in seconds.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no valid duration; the message describes valid values.
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "write a number of seconds".to_owned())?;
     if seconds > 0.0 && seconds <= SECONDS_MAX {
@@ -19,10 +19,10 @@ pub fn seconds(text: &str) -> Result<Duration, String> {
     Err(format!("it must be more than 0 and at most {SECONDS_MAX}"))
 }
 
-/// Time between pictures.
+/// Parses the time between pictures.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no valid time; the message describes valid values.
 pub fn refresh(text: &str) -> Result<Duration, String> {
     let time = seconds(text)?;
     if (Duration::from_millis(1)..=Duration::from_secs(3600)).contains(&time) {
@@ -31,10 +31,10 @@ pub fn refresh(text: &str) -> Result<Duration, String> {
     Err("it must lie between 0.001 and 3600".to_owned())
 }
 
-/// Any number.
+/// Parses a finite number.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no number; the message describes valid values.
 pub fn finite(text: &str) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "write a number".to_owned())?;
     number
@@ -43,10 +43,10 @@ pub fn finite(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it must be finite".to_owned())
 }
 
-/// A positive number.
+/// Parses a positive number.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no positive number; the message describes valid values.
 pub fn above_zero(text: &str) -> Result<f64, String> {
     let number = finite(text)?;
     (number > 0.0)
@@ -54,10 +54,10 @@ pub fn above_zero(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it must be more than 0".to_owned())
 }
 
-/// A number from 0 on.
+/// Parses a number of at least 0.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no such number; the message describes valid values.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     let number = finite(text)?;
     (number >= 0.0)
@@ -65,10 +65,10 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "it must not be negative".to_owned())
 }
 
-/// A second at which pictures are scored.
+/// Parses a whole second for scoring a picture.
 ///
 /// # Errors
-/// If it is none; the text says what to write.
+/// If `text` is no whole second; the message describes valid values.
 pub fn whole_second(text: &str) -> Result<i64, String> {
     let second = finite(text)?;
     if second.fract() == 0.0 && second.abs() <= SECOND_MAX {

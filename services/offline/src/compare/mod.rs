@@ -1,8 +1,8 @@
 //! `koseki compare`: all fusion rules on one input, side by side (FM-8).
 //!
-//! Each rule gets an engine of its own and the same reports, read anew, so that a comparison needs no more memory than
-//! fusing once. What is compared is what [`crate::fuse`] would write and [`crate::score`] would say of it, without the
-//! files between them.
+//! Each rule has its own engine and reads the same reports anew, so a comparison needs no more memory than a single
+//! fusion. The command compares the results that [`crate::fuse`] would write and [`crate::score`] would score,
+//! without intermediate files.
 
 mod pictures;
 mod table;
@@ -23,22 +23,22 @@ use crate::reading::{Refusals, Setup, drive};
 #[derive(Debug, Serialize)]
 struct Outcome {
     rule: &'static str,
-    /// Against the truth, if there is one.
+    /// Score against the truth, if a truth is given.
     #[serde(flatten)]
     score: Option<PictureScore>,
-    /// Tracks that were confirmed.
+    /// Number of confirmed tracks.
     confirmed_tracks: u64,
     merged_tracks: u64,
-    /// Changes of the selected source.
+    /// Number of changes of the selected source.
     hand_overs: u64,
     /// States at whole multiples of the refresh time.
     rows: u64,
-    /// Share of them that coasted.
+    /// Share of coasted states among the rows.
     coasted: f64,
     us_per_report: f64,
 }
 
-/// Compares.
+/// Runs the comparison.
 ///
 /// # Errors
 /// If a file or the configuration cannot be used.
@@ -80,7 +80,7 @@ fn rules(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
     host.print(&table::table(&outcomes, compare.markdown)?)
 }
 
-/// Runs one rule; its tracks show for `age_max_s` seconds.
+/// Runs one rule; its tracks are shown for `age_max_s` seconds.
 fn fuse(
     host: &dyn Host,
     rule: &'static RuleEntry,

@@ -1,4 +1,4 @@
-//! How two pictures of the same time differ: what was shown, and what other settings would have shown.
+//! Comparison of two track pictures of the same time: the displayed picture, and the picture under other settings.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use crate::files::InputError;
 use crate::host::Host;
 use crate::score;
 
-/// File of the system tracks in the folder of a start.
+/// Name of the file of system tracks in the folder of a run.
 const SYSTEM_TRACKS: &str = "system_tracks.csv";
 
-/// Compares.
+/// Runs the comparison.
 ///
 /// # Errors
 /// If a file cannot be read, or the pictures have no time in common.

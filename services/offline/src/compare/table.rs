@@ -6,7 +6,7 @@ use telemetry::table::{Align, Table};
 use super::Outcome;
 use crate::score::digits;
 
-/// Columns that need a truth, and those that need none, in the order in which they are shown.
+/// Columns that need a truth, and columns that need none, in display order.
 const AGAINST_TRUTH: [&str; 15] = [
     "gospa",
     "loc",
@@ -26,7 +26,7 @@ const AGAINST_TRUTH: [&str; 15] = [
 ];
 const ALONE: [&str; 5] = ["confirmed_tracks", "hand_overs", "rows", "coasted", "us_per_report"];
 
-/// The table, for a screen or for documents.
+/// Returns the table, for a screen or for documents.
 ///
 /// # Errors
 /// Never: figures can all be shown as JSON.

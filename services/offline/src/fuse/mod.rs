@@ -1,7 +1,8 @@
 //! `koseki fuse`: files of sensor tracks into one file of system tracks (FM-5).
 //!
-//! The engine is the one of the live process, driven as that one is in order of time (PL-12): the same reports give the
-//! same bytes. Files are read twice, first to learn what the engine needs to know of the sensors ([`crate::reading`]).
+//! The engine is the engine of the live process, driven in the same order of time (PL-12): the same reports give
+//! the same bytes. The command reads its files twice; the first pass determines the engine's settings for the
+//! sensors ([`crate::reading`]).
 
 mod picture;
 mod rows;
@@ -24,10 +25,10 @@ use rows::Rows;
 use settings::Seconds;
 use summary::Summary;
 
-/// Fuses.
+/// Runs the fusion.
 ///
 /// # Errors
-/// If what is asked for makes no sense, or a file cannot be read or written.
+/// If the arguments are contradictory, or a file cannot be read or written.
 pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let outputs = [
         ("--out", Some(&fuse.out)),
@@ -86,7 +87,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     summary.show(host, fuse.json)
 }
 
-/// The argument is checked to fit.
+/// Converts a duration to nanoseconds; the argument parser has checked its range.
 fn nanoseconds(time: Duration) -> i64 {
     time.as_nanos() as i64
 }

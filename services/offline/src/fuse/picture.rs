@@ -1,4 +1,4 @@
-//! System tracks as a picture (SVG), over the reports that they were made from.
+//! System tracks drawn as SVG, over the reports they result from.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -13,7 +13,7 @@ const SIZE: (u32, u32) = (960, 960);
 /// Pixels beside the map: axes, their labels and margins.
 const ASIDE: u32 = 110;
 const SYSTEM: RGBColor = RGBColor(20, 20, 20);
-/// Colours of the sensors, in the order of their ids; they begin again after the last.
+/// Colours of the sensors, in the order of their ids; repeated after the last.
 const SENSORS: [RGBColor; 7] = [
     RGBColor(31, 119, 180),
     RGBColor(255, 127, 14),
@@ -27,10 +27,10 @@ const SENSORS: [RGBColor; 7] = [
 /// East and north, kilometres.
 type Place = (f64, f64);
 
-/// The positions to be drawn.
+/// Positions to draw.
 #[derive(Debug)]
 pub(super) struct Picture {
-    /// System track that the picture is about; `None` for all.
+    /// System track to draw; `None` for all.
     about: Option<u32>,
     /// By source number.
     reports_km: BTreeMap<u16, Vec<Place>>,
@@ -39,7 +39,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Nothing yet, of the surroundings of a system track or of everything.
+    /// Creates an empty picture of one system track and its surroundings, or of everything.
     pub(super) fn new(about: Option<u32>) -> Self {
         Self {
             about,
@@ -48,13 +48,13 @@ impl Picture {
         }
     }
 
-    /// Takes a report as it was read.
+    /// Adds an input report.
     pub(super) fn report(&mut self, report: &SensorTrack) {
         let place = kilometres(&report.position_m);
         self.reports_km.entry(report.source).or_default().push(place);
     }
 
-    /// Takes a state of a system track; those that are not shown to users are not drawn.
+    /// Adds a state of a system track; states hidden from users are not drawn.
     pub(super) fn state(&mut self, track: &SystemTrack) {
         if track.state == TrackState::Confirmed as u8 || track.state == TrackState::Coasted as u8 {
             let place = kilometres(&track.position_m);
@@ -62,7 +62,7 @@ impl Picture {
         }
     }
 
-    /// Draws it; `sensor_ids` are the names of the sources in files.
+    /// Draws the picture; `sensor_ids` are the names of the sources in files.
     ///
     /// # Errors
     /// If there is nothing to draw, or the file cannot be written.
@@ -115,14 +115,14 @@ fn kilometres(position_m: &[f64; 3]) -> Place {
     (position_m[0] * 1e-3, position_m[1] * 1e-3)
 }
 
-/// One of all places within a square of this size.
+/// Keeps one place in each square of `size_km`.
 fn one_a_pixel(places: impl Iterator<Item = Place>, size_km: f64) -> Vec<Place> {
     let mut taken = BTreeSet::new();
     let square = |place: &Place| ((place.0 / size_km) as i64, (place.1 / size_km) as i64);
     places.filter(|place| taken.insert(square(place))).collect()
 }
 
-/// A line without the points that are nearer than `pixel_km` to the one before; its last one stays.
+/// Thins a line: drops points nearer than `pixel_km` to the previous point, but not the last point.
 fn thinned(line: &[Place], pixel_km: f64) -> Vec<Place> {
     let mut thin: Vec<Place> = Vec::new();
     for (number, at) in line.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Which states of system tracks become rows.
+//! Selection of the system track states written as rows.
 //!
-//! Without a refresh time every state does. With one, those at its whole multiples do, of tracks that are confirmed or
-//! coasted: one row per track and time, in the order of the tracks' numbers.
+//! Without a refresh time, every state becomes a row. With a refresh time, rows hold the states at its whole
+//! multiples, for confirmed and coasted tracks: one row per track and time, in the order of the track numbers.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -14,7 +14,7 @@ use messages::{SystemTrack, TrackState};
 pub(crate) struct Rows<W: Write> {
     writer: SystemTrackWriter<W>,
     refresh_ns: Option<i64>,
-    /// The states of one time, by track; written when a later one comes.
+    /// States of one time, by track; written when a later state arrives.
     waiting: BTreeMap<u32, SystemTrack>,
     written: u64,
 }
@@ -33,7 +33,7 @@ impl<W: Write> Rows<W> {
         })
     }
 
-    /// Takes a state.
+    /// Adds a state.
     ///
     /// # Errors
     /// If the writer fails.
@@ -54,7 +54,7 @@ impl<W: Write> Rows<W> {
         Ok(())
     }
 
-    /// Writes what is left; gives the writer back, and how many rows there are.
+    /// Writes the remaining rows; returns the writer and the number of rows.
     ///
     /// # Errors
     /// If the writer fails.

@@ -1,4 +1,4 @@
-//! Summary of what was read and found, for a person or as JSON.
+//! Summary of inputs and results, as text or as JSON.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -21,7 +21,7 @@ pub(crate) struct Summary<'a> {
     pub(crate) written: u64,
 }
 
-/// Counters that are shown where they are not 0: what became of reports, sensor by sensor.
+/// Counters shown if nonzero: outcome of the reports, by sensor.
 const OF_SENSORS: [Counter; 6] = [
     Counter::RejectedExtrapolated,
     Counter::RejectedDuplicate,
@@ -41,7 +41,7 @@ const OF_TRACKS: [Counter; 6] = [
 ];
 
 impl Summary<'_> {
-    /// Shows it: as JSON on standard output, else on standard error.
+    /// Shows the summary: as JSON on standard output, else as text on standard error.
     ///
     /// # Errors
     /// If standard output fails.

@@ -1,4 +1,4 @@
-//! Decisions of the locator as a table: a row per decision, in the order in which they were made.
+//! Decisions of the locator as a table: a row per decision, in chronological order.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use locating::Decision;
 
 use crate::host::{Host, Output};
 
-/// A table of decisions.
+/// Table of decisions.
 #[derive(Debug)]
 pub(super) struct Decisions {
     path: PathBuf,
@@ -30,7 +30,7 @@ impl Decisions {
         Ok(table)
     }
 
-    /// Writes rows; what a decision does not speak of is empty.
+    /// Writes rows; columns that do not apply to a decision are empty.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -56,10 +56,10 @@ impl Decisions {
         Ok(())
     }
 
-    /// Puts the complete table in its place.
+    /// Moves the complete table to its place.
     ///
     /// # Errors
-    /// If it cannot be kept.
+    /// If the table cannot be stored.
     pub(super) fn finish(self) -> anyhow::Result<()> {
         self.out.finish()
     }

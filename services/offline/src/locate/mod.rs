@@ -1,7 +1,7 @@
 //! `koseki locate`: bearings of emitters into their positions (FM-7).
 //!
-//! The locator is the one of the live adapters; here a file is read, row by row, and what comes of it is written. A
-//! file may hold any number of emitters; of each only what its filters keep is in memory.
+//! The locator is the locator of the live adapters. This command reads a file row by row and writes the results. A
+//! file may hold any number of emitters; memory holds only the filters of each.
 
 mod decisions;
 mod picture;
@@ -28,14 +28,14 @@ use decisions::Decisions;
 use picture::Paths;
 use summary::Summary;
 
-/// Places for emitters where no configuration says how many: more than any file of measurements has. Memory is taken
-/// when they come.
+/// Capacity for emitters without a configured limit: more than any file of measurements has. Memory is allocated on
+/// demand.
 const EMITTERS_MAX: usize = 20_000;
 
-/// Locates.
+/// Runs the location.
 ///
 /// # Errors
-/// If what is asked for makes no sense, or a file cannot be read or written.
+/// If the arguments are contradictory, or a file cannot be read or written.
 pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     let outputs = [
         ("--out", Some(&locate.out)),
@@ -89,7 +89,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     summary.show(host, locate, &locator, &input.refusals)
 }
 
-/// Settings of the command line and the configuration.
+/// Returns the settings of the command line and the configuration.
 fn settings(locate: &Locate, host: &dyn Host) -> anyhow::Result<Settings> {
     let mut settings = match &locate.config {
         Some(path) => {
@@ -116,7 +116,7 @@ fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
     Usage(format!("{option} {word}: there are {}", words.join(", ")))
 }
 
-/// The file of bearings. Rows that cannot be used are left out and counted.
+/// Bearing file. Unusable rows are skipped and counted.
 struct Input<'a> {
     path: &'a Path,
     reader: BearingReader<Counting>,
@@ -142,7 +142,7 @@ impl<'a> Input<'a> {
         })
     }
 
-    /// The next row that can be read, with its line.
+    /// Returns the next readable row, with its line number.
     fn next(&mut self) -> Result<Option<(u64, Bearing)>, InputError> {
         while let Some(row) = self.reader.next() {
             if let Some(bearing) = self.refusals.usable(self.path, row)? {

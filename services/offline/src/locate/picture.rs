@@ -1,4 +1,4 @@
-//! One emitter's fixes as a picture: where the platform flew, what the filter said, and what was put out.
+//! Fixes of one emitter as a picture: the platform's path, the filter's estimates, and the outputs.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use plotters::prelude::*;
 use crate::picture::{Drawing, Drawn, draw_legend, equal_scales, map_chart, picture, range};
 
 const SIZE: (u32, u32) = (960, 1040);
-/// Share of the picture for the map, in pixels.
+/// Height of the map in the picture, pixels.
 const MAP_HEIGHT: u32 = 680;
 const PLATFORM: RGBColor = RGBColor(170, 170, 170);
 const RAW: RGBColor = RGBColor(31, 119, 180);
@@ -18,17 +18,17 @@ const OUTPUT: RGBColor = RGBColor(214, 39, 40);
 /// Pixels beside the map: axes, their labels and margins.
 const ASIDE: u32 = 110;
 
-/// Paths that are drawn of an emitter.
+/// Paths drawn for an emitter.
 #[derive(Debug, Default)]
 pub(super) struct Paths {
-    /// Number of the emitter; that of the first fix if nobody said.
+    /// Number of the emitter; without an argument, the emitter of the first fix.
     emitter: Option<u32>,
     platform_km: Vec<(f64, f64)>,
     raw_km: Vec<(f64, f64)>,
     output_km: Vec<(f64, f64)>,
     /// Time and standard deviation of the position.
     sigma_m: Vec<(f64, f64)>,
-    /// Places at which selections were made.
+    /// Positions of selections.
     selected_km: Vec<(f64, f64)>,
 }
 
@@ -40,7 +40,7 @@ impl Paths {
         }
     }
 
-    /// Takes a bearing, and what came of it.
+    /// Adds a bearing and the resulting report.
     pub(super) fn take(&mut self, bearing: &Bearing, report: Option<&EmitterReport>) {
         let number = report.map(|report| report.number).or(bearing.emitter_id);
         if self.emitter.is_none() {
@@ -62,7 +62,7 @@ impl Paths {
         }
     }
 
-    /// Draws it as SVG.
+    /// Draws the picture as SVG.
     ///
     /// # Errors
     /// If there is nothing to draw, or the file cannot be written.
@@ -83,7 +83,7 @@ impl Paths {
     }
 
     fn draw_map(&self, area: &Drawing<'_>) -> Drawn {
-        // The platform is drawn as far as it comes near.
+        // The platform's path is drawn only near the fixes.
         let fixes = self.raw_km.iter().chain(&self.output_km);
         let (east, north, _) = equal_scales(fixes, (SIZE.0 - ASIDE, MAP_HEIGHT - ASIDE));
         let title = format!("Emitter {} located from bearings", self.emitter.unwrap_or_default());
@@ -118,7 +118,7 @@ impl Paths {
 
     fn draw_sigma(&self, area: &Drawing<'_>) -> Drawn {
         let time = range(self.sigma_m.iter().map(|at| at.0));
-        // A logarithmic axis as long as the values are apart: a wider one would be empty.
+        // A logarithmic axis that spans the values: a wider axis would be mostly empty.
         let sigma = self.sigma_m.iter().map(|at| at.1).filter(|sigma_m| *sigma_m > 0.0);
         let low_m = sigma.clone().fold(f64::INFINITY, f64::min).min(1e6);
         let sigma = 0.9 * low_m..1.1 * sigma.fold(low_m, f64::max);

@@ -8,7 +8,7 @@ use locating::EmitterReport;
 pub(super) const HEADER: &str =
     "time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed";
 
-/// Writes a row: millimetres, and velocities fine enough that an hour at them is as exact.
+/// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour.
 ///
 /// # Errors
 /// If the writer fails.

@@ -1,4 +1,4 @@
-//! Summary of what was read and found, for a person or as JSON.
+//! Summary of inputs and results, as text or as JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -11,21 +11,21 @@ use crate::args::Locate;
 use crate::host::Host;
 use crate::reading::Refusals;
 
-/// Counts on the way.
+/// Counts during the run.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     /// Emitters with a fix.
     pub(super) emitters: BTreeSet<u32>,
-    /// Time that the locator alone took, nanoseconds.
+    /// Time spent in the locator alone, nanoseconds.
     pub(super) locator_ns: i64,
-    /// The model that is believed of each emitter.
+    /// Preferred motion model of each emitter.
     models: BTreeMap<u32, &'static str>,
     times_set_aside: u64,
     restarts: u64,
 }
 
 impl Summary {
-    /// Counts what was decided on a bearing.
+    /// Counts the decisions on a bearing.
     pub(super) fn count(&mut self, decisions: &[Decision]) {
         for decision in decisions {
             match decision.kind {
@@ -37,7 +37,7 @@ impl Summary {
         }
     }
 
-    /// Shows it: as JSON on standard output, else on standard error.
+    /// Shows the summary: as JSON on standard output, else as text on standard error.
     ///
     /// # Errors
     /// If standard output fails.

@@ -1,4 +1,4 @@
-//! Driving the engine through all reports of files, as the live process does in order of time.
+//! Drives the engine through all reports of files, in order of time like the live process.
 
 use std::io;
 
@@ -9,24 +9,24 @@ use super::merged::Merged;
 use super::progress::Progress;
 use crate::host::Host;
 
-/// Time to whose whole multiples the engine goes on after the last report, nanoseconds, where it is not told to
-/// refresh.
+/// Step of the end time without a refresh time, nanoseconds: the engine advances to the next whole multiple after
+/// the last report.
 const STEP_NS: i64 = 1_000_000_000;
 
-/// Sums over the reports that were worked off.
+/// Sums over the processed reports.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Driven {
-    /// Reports worked off.
+    /// Number of processed reports.
     pub(crate) reports: u64,
-    /// The same by source.
+    /// Number of processed reports by source.
     pub(crate) by_source: Vec<u64>,
-    /// Time that the engine alone took, nanoseconds.
+    /// Time spent in the engine alone, nanoseconds.
     pub(crate) engine_ns: i64,
     /// Time of the last report, nanoseconds.
     pub(crate) last_ns: Option<i64>,
 }
 
-/// States and decisions that the engine hands out for one report.
+/// States and decisions emitted by the engine for one report.
 #[derive(Debug, Default)]
 struct HandedOut {
     states: Vec<SystemTrack>,
@@ -43,12 +43,12 @@ impl Sink for HandedOut {
     }
 }
 
-/// Works off all reports; each state of a system track is handed to `row`, each decision to `explain`.
+/// Processes all reports; passes each state of a system track to `row` and each decision to `explain`.
 ///
-/// After the last report time goes on to the next whole second, or multiple of the refresh time, and no further.
+/// After the last report, time advances to the next whole second, or to the next multiple of the refresh time.
 ///
 /// # Errors
-/// If a file cannot be read on, or `row` fails.
+/// If reading a file fails, or `row` fails.
 pub(crate) fn drive(
     host: &dyn Host,
     engine: &mut Engine,
@@ -77,7 +77,7 @@ pub(crate) fn drive(
         progress.at(*reports.octets.borrow())?;
     }
     if let Some(last_ns) = driven.last_ns {
-        // A deadline at this very time is met as soon as time has passed it.
+        // A deadline takes effect once time has passed it, so one nanosecond is added.
         let settings = engine.settings();
         let end_ns = end_ns(last_ns, settings.refresh_ns()) + settings.refresh_delay_s.ns() + 1;
         let begin_ns = runtime::clock::mono_ns();
@@ -88,7 +88,7 @@ pub(crate) fn drive(
     Ok(driven)
 }
 
-/// The first whole multiple of the refresh time that is not before `last_ns`.
+/// Returns the first whole multiple of the refresh time that is not before `last_ns`.
 pub(crate) fn end_ns(last_ns: i64, refresh_ns: Option<i64>) -> i64 {
     let step_ns = refresh_ns.unwrap_or(STEP_NS);
     last_ns + (-last_ns).rem_euclid(step_ns)

@@ -1,11 +1,11 @@
 //! Sensor tracks of several files in the order of time, one at a time.
 //!
-//! Of each file a few rows are in memory, so files may be of any length. Rows that cannot be used are left out and
-//! counted, each for itself: a recording of a million rows is of use although ten of them are damaged. Only where the
-//! whole file cannot be what it should be, without one of the columns for example, reading ends.
+//! Memory holds a few rows of each file, so files may have any length. Unusable rows are skipped and counted
+//! individually: a recording of a million rows stays useful if ten of them are damaged. Reading ends only if the
+//! whole file is unusable, for example without a required column.
 //!
-//! A row whose time runs away from those of the other sensors that follow it is left out, and not they: nobody's clock
-//! shall let time pass for the others.
+//! A row whose time runs away from the following rows of other sensors is skipped, rather than those rows: a wrong
+//! clock of one sensor must not advance the time of the others.
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -21,9 +21,9 @@ use super::refusals::Refusals;
 use crate::files::InputError;
 use crate::host::Host;
 
-/// Rows that are looked ahead.
+/// Number of rows read ahead.
 const AHEAD: usize = 16;
-/// A row this much later than most that follow it is taken for the wrong one, nanoseconds.
+/// A row this much later than most following rows counts as wrong, nanoseconds.
 const LEAP_NS: i64 = 5_000_000_000;
 
 /// Source of each `sensor_id`.
@@ -31,9 +31,9 @@ const LEAP_NS: i64 = 5_000_000_000;
 pub(crate) struct Sensors {
     /// By source number.
     pub(crate) ids: Vec<u32>,
-    /// Whether sensors that are not among them are added.
+    /// Whether unlisted sensors are added.
     pub(crate) open: bool,
-    /// One that was too many.
+    /// First sensor above the maximum number.
     pub(crate) excess: Option<u32>,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct Merged {
     lanes: Vec<Lane>,
     pub(crate) sensors: Rc<RefCell<Sensors>>,
     pub(crate) refusals: Refusals,
-    /// Octets read so far, and in all.
+    /// Bytes read so far, and in total.
     pub(crate) octets: Rc<RefCell<u64>>,
     pub(crate) octets_in_all: u64,
 }
@@ -70,10 +70,10 @@ pub(crate) struct Merged {
 struct Lane {
     path: PathBuf,
     reader: SensorTrackReader<Counting, SourceOf>,
-    /// Next row, and those after it.
+    /// Next row, and the rows after it.
     next: Option<Waiting>,
     ahead: VecDeque<Waiting>,
-    /// Time of the row that was given last.
+    /// Time of the last returned row.
     given_ns: i64,
 }
 
@@ -87,7 +87,7 @@ impl Merged {
     /// Opens the files.
     ///
     /// # Errors
-    /// If one cannot be read, or lacks a column.
+    /// If a file cannot be read, or lacks a column.
     pub(crate) fn open(host: &dyn Host, files: &[PathBuf], sensors: Sensors) -> Result<Self, InputError> {
         let mut merged = Self {
             lanes: Vec::new(),
@@ -116,10 +116,10 @@ impl Merged {
         Ok(merged)
     }
 
-    /// The next report of all files; of those with one time, that of the sensor with the smallest number.
+    /// Returns the next report of all files; at equal times, the report of the sensor with the smallest number.
     ///
     /// # Errors
-    /// If a file cannot be read on.
+    /// If reading a file fails.
     pub(crate) fn next(&mut self) -> Result<Option<SensorTrack>, InputError> {
         let order = |lane: &Lane| {
             lane.next
@@ -136,7 +136,7 @@ impl Merged {
 }
 
 impl Lane {
-    /// Goes on to the next row.
+    /// Advances to the next row.
     fn step(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
         if let Some(given) = self.next {
             self.given_ns = given.track.time_of_measurement_ns;
@@ -166,8 +166,8 @@ impl Lane {
         Ok(())
     }
 
-    /// Whether the time of `next` is far beyond most rows of other sensors that follow it, or, where none do, of its
-    /// own.
+    /// Whether the time of `next` is far beyond most following rows of other sensors, or, without other sensors, of
+    /// its own sensor.
     fn runs_away(&self, next: &Waiting) -> bool {
         let (latest_ns, source) = (
             next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
@@ -192,7 +192,7 @@ impl Lane {
         Ok(self.ahead.pop_front())
     }
 
-    /// Reads as many rows as are looked ahead.
+    /// Fills the read-ahead buffer.
     fn look_ahead(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
         while self.ahead.len() < AHEAD
             && let Some(row) = self.read(refusals)?
@@ -202,7 +202,7 @@ impl Lane {
         Ok(())
     }
 
-    /// The next row that can be read.
+    /// Returns the next readable row.
     fn read(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
         while let Some(row) = self.reader.next() {
             if let Some(track) = refusals.usable(&self.path, row)? {
@@ -218,7 +218,7 @@ fn seconds(ns: i64) -> f64 {
     frames::time::seconds(ns)
 }
 
-/// Refuses a file that is named twice: its reports would count twice.
+/// Finds a file that is named twice: its reports would count twice.
 pub(crate) fn named_twice(files: &[PathBuf]) -> Option<&Path> {
     let twice = files.iter().enumerate().find(|(place, file)| {
         let before = &files[..*place];

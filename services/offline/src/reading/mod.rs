@@ -1,5 +1,5 @@
-//! Sensor tracks from files, as the offline engines take them: merged by time, checked row by row, with the settings
-//! that a first pass over them suggests.
+//! Sensor tracks from files for the offline engines: merged by time, checked row by row, with settings derived from
+//! a first pass.
 
 mod drive;
 mod merged;

@@ -6,22 +6,22 @@ use std::rc::Rc;
 
 use crate::host::{Host, Input};
 
-/// Octets that are read at a time.
+/// Size of the read buffer, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// A pass over tables, of which the host learns.
+/// Pass over tables that reports its progress to the host.
 pub(crate) struct Progress<'a> {
     host: &'a dyn Host,
     octets: u64,
 }
 
 impl<'a> Progress<'a> {
-    /// Progress of work on so many octets.
+    /// Creates the progress of work on this number of bytes.
     pub(crate) fn new(host: &'a dyn Host, octets: u64) -> Self {
         Self { host, octets }
     }
 
-    /// So many octets are done.
+    /// Reports the number of bytes done.
     ///
     /// # Errors
     /// If the command is to end.
@@ -36,14 +36,14 @@ impl Drop for Progress<'_> {
     }
 }
 
-/// An input that counts what is read of it; several may count together.
+/// Input that counts the bytes read; several inputs may share a counter.
 pub(crate) struct Counting {
     input: BufReader<Input>,
     octets: Rc<RefCell<u64>>,
 }
 
 impl Counting {
-    /// Adds what is read to `octets`.
+    /// Creates an input that adds the bytes read to `octets`.
     pub(crate) fn new(input: Input, octets: Rc<RefCell<u64>>) -> Self {
         Self {
             input: BufReader::with_capacity(BUFFER_OCTETS, input),

@@ -1,4 +1,4 @@
-//! Rows that were left out, and why.
+//! Skipped rows, and the reasons.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,20 +7,20 @@ use csv_table::CsvError;
 
 use crate::files::InputError;
 
-/// So many refused rows are shown with their place and value.
+/// Maximum number of refused rows shown with their place and value.
 const SHOWN_MAX: usize = 5;
 
-/// Rows that were left out.
+/// Skipped rows.
 #[derive(Clone, Debug, Default)]
 pub struct Refusals {
     /// Rows by reason.
     pub by_reason: BTreeMap<String, u64>,
-    /// The first of them, with file, line, value and remedy.
+    /// The first skipped rows, with file, line, value and remedy.
     pub first: Vec<String>,
 }
 
 impl Refusals {
-    /// The value of a row of `file`, if it can be read; else the row is left out.
+    /// Returns the value of a row of `file` if the row is readable; else counts the row as skipped.
     ///
     /// # Errors
     /// If the whole file cannot be read.
@@ -43,23 +43,23 @@ impl Refusals {
         self.add(reason, file, error);
     }
 
-    /// A row that stands where its time does not belong.
+    /// Counts a row with a time out of order.
     pub fn out_of_order(&mut self, file: &Path, line: u64, what: &str) {
         let said = format!("line {line}, column time_s: {what}");
         self.add("order of time".to_owned(), file, said);
     }
 
-    /// A row that was read, and that nobody can use.
+    /// Counts a readable row that was rejected later.
     pub fn refused(&mut self, reason: &str, file: &Path, line: u64, why: impl std::fmt::Display) {
         self.add(reason.to_owned(), file, format!("line {line}: {why}"));
     }
 
-    /// All of them.
+    /// Returns the number of skipped rows.
     pub fn rows(&self) -> u64 {
         self.by_reason.values().sum()
     }
 
-    /// Lines for a person; none if nothing was left out.
+    /// Returns text lines; empty if no row was skipped.
     pub fn as_text(&self) -> String {
         if self.by_reason.is_empty() {
             return String::new();

@@ -1,4 +1,4 @@
-//! Setup of an offline engine: a configuration, and what the files themselves tell.
+//! Setup of an offline engine: from a configuration, and from the files themselves.
 
 use std::path::Path;
 
@@ -17,12 +17,12 @@ use crate::host::Host;
 pub(crate) struct Setup<'a> {
     host: &'a dyn Host,
     input: &'a OfflineInput,
-    /// The files' `sensor_id` of each source.
+    /// `sensor_id` of each source in the files.
     pub(crate) sensor_ids: Vec<u32>,
     pub(crate) settings: Settings,
 }
 
-/// Configuration that `--config` names.
+/// Configuration given by `--config`.
 enum Given {
     Deployment(Box<Config>),
     Offline(Box<Offline>),
@@ -64,7 +64,7 @@ impl<'a> Setup<'a> {
         })
     }
 
-    /// The reports, from the beginning.
+    /// Opens the reports, from the beginning.
     ///
     /// # Errors
     /// If a file cannot be read.
@@ -93,7 +93,7 @@ fn check(input: &OfflineInput, survey: &Survey) -> Result<(), InputError> {
     Ok(())
 }
 
-/// A deployment has sources; anything else is the configuration of files.
+/// Reads a configuration: a file with sources is a deployment; any other file configures file input.
 fn given(host: &dyn Host, path: &Path) -> anyhow::Result<Given> {
     let text = host.text(path)?;
     let is_deployment = Config::is_deployment(&text);
@@ -104,10 +104,10 @@ fn given(host: &dyn Host, path: &Path) -> anyhow::Result<Given> {
     })
 }
 
-/// The rule called `name`.
+/// Returns the rule called `name`.
 ///
 /// # Errors
-/// If there is none; the message names those that there are.
+/// If the name is unknown; the message lists the known names.
 pub(crate) fn rule(name: &str) -> Result<FusionRule, Usage> {
     FusionRule::from_word(name).ok_or_else(|| {
         let known = FusionRule::ALL.map(FusionRule::word);

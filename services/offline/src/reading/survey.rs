@@ -1,5 +1,5 @@
-//! A first pass over sensor tracks: which sensors there are, how often and how accurately they report, and how many
-//! tracks live at a time. It keeps no more than the live tracks and a sample of each sensor's figures.
+//! First pass over sensor tracks: determines the sensors, their report intervals and accuracies, and the number of
+//! concurrent tracks. Memory holds only the live tracks and a sample of each sensor's figures.
 
 use std::path::PathBuf;
 
@@ -11,19 +11,19 @@ use super::merged::{Merged, Sensors};
 use super::progress::Progress;
 use crate::host::Host;
 
-/// A median is taken over at most so many figures, the first ones.
+/// Maximum number of figures for a median; the first figures count.
 const SAMPLE_MAX: usize = 100_000;
-/// A track without a report for this long has ended, nanoseconds. Sensors count slower than that are rare.
+/// A track without a report for this long has ended, nanoseconds. Sensors with a longer scan period are rare.
 const LIVE_NS: i64 = 60_000_000_000;
 
-/// Sensors that there are.
+/// Sensors in the files.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Survey {
     /// By `sensor_id`.
     pub(crate) sensors: Vec<SeenSensor>,
-    /// The first row that could not be used.
+    /// First unusable row.
     pub(crate) first_refusal: Option<String>,
-    /// Whether a sensor was left out because there were too many before it; its id.
+    /// Id of the first sensor beyond the maximum number, if any.
     pub(crate) excess: Option<u32>,
 }
 
@@ -39,7 +39,7 @@ impl Survey {
     /// Reads all of `files` once.
     ///
     /// # Errors
-    /// If one cannot be read, or lacks a column.
+    /// If a file cannot be read, or lacks a column.
     pub(crate) fn of(host: &dyn Host, files: &[PathBuf]) -> anyhow::Result<Self> {
         let open = Sensors {
             open: true,
@@ -109,7 +109,7 @@ fn sample<T>(sample: &mut Vec<T>, figure: T) {
     }
 }
 
-/// The middle one; of an even number, the later one of the two.
+/// Returns the median; of an even number of figures, the upper of the two middle figures.
 fn median<T: Copy>(figures: &mut [T], order: fn(&T, &T) -> std::cmp::Ordering) -> Option<T> {
     let middle = figures.len() / 2;
     (!figures.is_empty()).then(|| *figures.select_nth_unstable_by(middle, order).1)

@@ -1,5 +1,5 @@
-//! Records of what the tracker considered and decided, as a table: a row per record, in the order in which they were
-//! made. What the columns mean stands in docs/tracking.md.
+//! Decisions of the tracker and their reasons as a table: a row per record, in chronological order.
+//! docs/tracking.md explains the columns.
 
 use std::cell::RefCell;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use crate::host::{Host, Output};
 const COLUMNS: &str = "time_s,sensor_id,cluster,event,hypothesis,track,sensor_track_id,detection_ids,tracks,hypotheses,\
                        considered,forbidden,merged,dropped,probability,value,limit";
 
-/// A table of records.
+/// Table of records.
 #[derive(Debug)]
 pub(super) struct Explained {
     inner: RefCell<Inner>,
@@ -27,13 +27,14 @@ struct Inner {
     sensor_id: u32,
     /// Number of the cluster within the scan, from 1.
     cluster: u32,
-    /// Number of the hypothesis within the cluster, from 1, with its reliability and tracks, until all are known.
+    /// Number of the hypothesis within the cluster, from 1; its reliability and tracks wait until all of them are
+    /// known.
     hypothesis: u32,
     waiting: Option<(f64, String)>,
     failed: io::Result<()>,
 }
 
-/// A row; what it does not speak of is empty.
+/// Row; columns that do not apply are empty.
 #[derive(Default)]
 struct Row<'a> {
     event: &'a str,
@@ -69,10 +70,10 @@ impl Explained {
         })
     }
 
-    /// Puts the complete table in its place.
+    /// Moves the complete table to its place.
     ///
     /// # Errors
-    /// If a row could not be written, or the table cannot be kept.
+    /// If a row could not be written, or the table cannot be stored.
     pub(super) fn finish(self, path: &Path) -> anyhow::Result<()> {
         let mut inner = self.inner.into_inner();
         inner.end_hypothesis();
@@ -102,7 +103,7 @@ impl Observer for Explained {
                 value,
                 limit,
             } => {
-                // What becomes of a track is said before its cluster as a whole is.
+                // The fate of a track precedes the record of its cluster.
                 inner.next_cluster();
                 inner.track(*event, track, *value, *limit);
             }
@@ -161,7 +162,7 @@ impl Inner {
         self.cluster = 1;
     }
 
-    /// After the hypotheses of a cluster comes the next one.
+    /// Advances to the next cluster after the hypotheses of a cluster.
     fn next_cluster(&mut self) {
         if self.hypothesis > 0 {
             self.cluster += 1;
@@ -172,7 +173,7 @@ impl Inner {
     fn track(&mut self, event: TrackEvent, track: &TrackRecord, value: f64, limit: f64) {
         let id = track.detection_id.map(|id| id.to_string()).unwrap_or_default();
         let number = |value: f64| Some(value).filter(|value| !value.is_nan());
-        // A track that begins by itself is in no cluster that was worked off.
+        // A newly started track belongs to no processed cluster.
         let cluster = self.cluster;
         if event == TrackEvent::Started {
             self.cluster = 0;

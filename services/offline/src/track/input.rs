@@ -1,4 +1,5 @@
-//! Detections of one or several files: tables, and recordings of the Autoferry data set, which begin with a bracket.
+//! Detections of one or several files: tables, and recordings of the Autoferry data set, which begin with a
+//! bracket.
 
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -17,22 +18,22 @@ use crate::reading::Refusals;
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
-/// Detections that were read.
+/// Detections from the files.
 #[derive(Debug)]
 pub(super) struct Input {
     first_file: PathBuf,
     pub(super) detections: Vec<Detection>,
-    /// Scans that are known to be without detections: sensor, number, time in nanoseconds.
+    /// Scans known to have no detections: sensor, number, time in nanoseconds.
     pub(super) silent: Vec<(u32, u32, i64)>,
     pub(super) refusals: Refusals,
     pub(super) octets: u64,
 }
 
 impl Input {
-    /// Reads all files. Rows that cannot be used are left out and counted.
+    /// Reads all files. Unusable rows are skipped and counted.
     ///
     /// # Errors
-    /// If one cannot be read or lacks a column, or none has a row that can be used.
+    /// If a file cannot be read or lacks a column, or no file has a usable row.
     pub(super) fn read(host: &dyn Host, files: &[PathBuf]) -> Result<Self, InputError> {
         let mut input = Self {
             first_file: files[0].clone(),
@@ -61,7 +62,7 @@ impl Input {
         if begun == 1 && first[0] == b'[' {
             return self.read_autoferry(path, file, &first);
         }
-        // What cannot be read twice, a pipe, is read on behind its first octet.
+        // A pipe cannot be read twice: reading continues after its first byte.
         let file = match file.seek(SeekFrom::Start(0)) {
             Ok(_) => first[..0].chain(file),
             Err(_) => first[..begun].chain(file),
@@ -73,7 +74,7 @@ impl Input {
         Ok(())
     }
 
-    /// Times count from midnight of the first scan's day.
+    /// Reads a recording; times count from midnight of the first scan's day.
     fn read_autoferry(&mut self, path: &Path, mut file: host::Input, begun: &[u8]) -> Result<(), InputError> {
         let mut json = begun.to_vec();
         file.read_to_end(&mut json)
@@ -95,7 +96,7 @@ impl Input {
         Ok(())
     }
 
-    /// Sensors, as far as the detections tell of them.
+    /// Returns the sensors as far as the detections describe them.
     pub(super) fn seen(&self, scans: &[ScanOfDetections]) -> SeenDetections {
         SeenDetections {
             sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),
@@ -103,11 +104,11 @@ impl Input {
         }
     }
 
-    /// Refuses sensors of which nobody says how accurate they are.
+    /// Rejects sensors without any stated accuracy.
     pub(super) fn check(&self, settings: &Settings) -> Result<(), InputError> {
         for sensor in settings.sensors.iter().filter(|sensor| sensor.sigmas.is_none()) {
             let mut own = self.detections.iter().filter(|each| each.sensor_id == sensor.sensor_id);
-            // A sensor that is configured and has no detections is none of this file's.
+            // A configured sensor without detections is absent from this file and needs no accuracy.
             let Some(first) = own.next() else { continue };
             if first.sigmas.is_none() && own.all(|each| each.sigmas.is_none()) {
                 let id = sensor.sensor_id;
@@ -121,7 +122,7 @@ impl Input {
         Ok(())
     }
 
-    /// Octets that so many of the detections take.
+    /// Estimates the bytes taken by this number of detections.
     pub(super) fn octets_until(&self, detections: usize) -> u64 {
         (self.octets as f64 * detections as f64 / self.detections.len().max(1) as f64) as u64
     }

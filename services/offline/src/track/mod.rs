@@ -1,8 +1,8 @@
 //! `koseki track`: files of detections into one file of tracks (FM-6).
 //!
-//! The tracker, with all that happens round it ([`ScanTracker`]), is the one that adapters run live, fed scan by scan
-//! in the order of their times: what an adapter published comes out of its recorded detections again, byte for byte.
-//! The files are read into memory whole, since a scan may be anywhere in them.
+//! The command feeds the tracker of the live adapters ([`ScanTracker`]) scan by scan in order of time. The recorded
+//! detections of an adapter therefore give the tracks published by that adapter, byte for byte. The command reads
+//! whole files into memory, because a scan may be anywhere in them.
 
 mod explain;
 mod input;
@@ -30,10 +30,10 @@ use outputs::Written;
 use summary::Summary;
 use support::Support;
 
-/// Tracks.
+/// Runs the tracker.
 ///
 /// # Errors
-/// If what is asked for makes no sense, or a file cannot be read or written.
+/// If the arguments are contradictory, or a file cannot be read or written.
 pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
     check_files(track)?;
     let config = match &track.config {
@@ -106,7 +106,7 @@ pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
     summary.show(host, track.json)
 }
 
-/// A file that may be given, and its rows.
+/// Reads an optional file and its rows.
 fn read<T>(
     path: Option<&Path>,
     read: impl Fn(&Path) -> Result<(Support, Vec<T>), InputError>,
@@ -117,9 +117,9 @@ fn read<T>(
     }
 }
 
-/// Configuration that `--config` names.
+/// Configuration given by `--config`.
 enum Given {
-    /// A deployment: what it says of the source whose detections these are.
+    /// Deployment, with the settings of the source that delivered these detections.
     Deployment(Box<Config>),
     Offline(Box<Tracking>),
 }
@@ -165,7 +165,7 @@ impl Given {
     }
 }
 
-/// No detection counts twice, what is read must not be written over, nor one output over the other.
+/// Rejects detections given twice, inputs that would be overwritten, and outputs that share a file.
 fn check_files(track: &Track) -> Result<(), Usage> {
     if let Some(file) = crate::reading::named_twice(&track.detections) {
         let what = format!("--detections names {} twice; name it once", file.display());

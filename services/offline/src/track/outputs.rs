@@ -1,5 +1,5 @@
-//! Outputs of the tracker as tables and figures: the tracks after each scan or at even times (WA-11), and where each
-//! sensor should look next (WA-12). What the columns of cues mean stands in docs/wide-area.md.
+//! Outputs of the tracker as tables and figures: the tracks after each scan or at even times (WA-11), and cues for
+//! the next look of each sensor (WA-12). docs/wide-area.md explains the columns of cues.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use super::summary::Tracked;
 use super::support::Support;
 use crate::host::{Host, Output};
 
-/// Takes what comes out of the tracker.
+/// Sink of the tracker's outputs.
 #[derive(Debug)]
 pub(super) struct Written {
     tracks: Table<TrackerTrack>,
@@ -26,12 +26,12 @@ pub(super) struct Written {
     pub(super) tracked: Tracked,
     pub(super) reports: Option<Support>,
     pub(super) emissions: Option<Support>,
-    /// Monotonic time at which the present scan was begun, nanoseconds.
+    /// Monotonic time of the start of the current scan, nanoseconds.
     begun_ns: i64,
     failed: anyhow::Result<()>,
 }
 
-/// A table that is written.
+/// Output table.
 #[derive(Debug)]
 struct Table<T> {
     path: PathBuf,
@@ -60,7 +60,7 @@ impl Written {
     /// Begins the tables.
     ///
     /// # Errors
-    /// If one cannot be written.
+    /// If a table cannot be written.
     pub(super) fn begin(host: &dyn Host, tracks: &Path, cues: Option<&Path>) -> anyhow::Result<Self> {
         Ok(Self {
             tracks: Table::begin(host, tracks)?,
@@ -73,7 +73,7 @@ impl Written {
         })
     }
 
-    /// The first failure since the last call.
+    /// Returns the first failure since the last call.
     ///
     /// # Errors
     /// If a table could not be written.
@@ -81,10 +81,10 @@ impl Written {
         std::mem::replace(&mut self.failed, Ok(()))
     }
 
-    /// Puts the complete tables in their places; the number of rows of tracks and of cues.
+    /// Moves the complete tables to their places; returns the number of rows of tracks and of cues.
     ///
     /// # Errors
-    /// If one cannot be kept.
+    /// If a table cannot be stored.
     pub(super) fn finish(self) -> anyhow::Result<(u64, Option<u64>)> {
         let rows = (self.tracks.rows, self.cues.as_ref().map(|cues| cues.rows));
         self.tracks.writer.into_inner().finish()?;
@@ -92,7 +92,7 @@ impl Written {
         Ok(rows)
     }
 
-    /// Does `write` unless something has failed before.
+    /// Executes `write` unless an earlier write has failed.
     fn attempt(&mut self, write: impl FnOnce(&mut Self) -> anyhow::Result<()>) {
         if self.failed.is_ok() {
             self.failed = write(self);

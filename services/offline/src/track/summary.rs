@@ -1,4 +1,4 @@
-//! Summary of what was read and found, for a person or as JSON.
+//! Summary of inputs and results, as text or as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use crate::host::Host;
 use super::input::Input;
 use super::support::Support;
 
-/// Advice where nothing was tracked.
+/// Advice for a result without confirmed tracks.
 const NONE_CONFIRMED: &str = "no track was confirmed: where a sensor shows one target and nothing else, its learned density of \
                               false detections is too high; give clutter_density or field_of_view in --config";
 /// Nanoseconds in a millisecond.
@@ -24,11 +24,11 @@ const NS_PER_MS: f64 = 1e6;
 pub(super) struct Tracked {
     by_sensor: BTreeMap<u32, OfSensor>,
     refused_scans: BTreeMap<String, u64>,
-    /// Time that the tracker took for each scan, nanoseconds.
+    /// Processing time of each scan, nanoseconds.
     times_ns: Vec<i64>,
     /// Detections of confirmed tracks.
     in_tracks: u64,
-    /// Most tracks, branches included.
+    /// Maximum number of tracks, branches included.
     branches_max: usize,
 }
 
@@ -40,7 +40,7 @@ struct OfSensor {
 }
 
 impl Tracked {
-    /// Takes account of a scan that took so long.
+    /// Adds a scan with its processing time.
     pub(super) fn scan(&mut self, scan: &Scan<'_>, took_ns: i64, taken: Result<(), Rejection>, tracker: &Tracker) {
         self.times_ns.push(took_ns);
         let of_sensor = self.by_sensor.entry(scan.sensor_id).or_default();
@@ -57,12 +57,12 @@ impl Tracked {
     }
 }
 
-/// Everything that is said at the end.
+/// Contents of the final summary.
 pub(super) struct Summary<'a> {
     pub(super) out: &'a Path,
     /// Rows written.
     pub(super) rows: u64,
-    /// Cues written, if that was asked for.
+    /// Cues written, if requested.
     pub(super) cues: Option<u64>,
     pub(super) input: &'a Input,
     pub(super) support: Option<Support>,
@@ -72,7 +72,7 @@ pub(super) struct Summary<'a> {
 }
 
 impl Summary<'_> {
-    /// Shows it: as JSON on standard output, else on standard error.
+    /// Shows the summary: as JSON on standard output, else as text on standard error.
     ///
     /// # Errors
     /// If standard output fails.
@@ -222,13 +222,13 @@ impl Summary<'_> {
         writeln!(text, "{}: {} rows", self.out.display(), self.rows)
     }
 
-    /// Share of the detections that are in no confirmed track.
+    /// Returns the share of detections outside confirmed tracks.
     fn false_share(&self) -> f64 {
         let detections = self.tracker.counts().detections.max(1);
         1.0 - self.tracked.in_tracks as f64 / detections as f64
     }
 
-    /// The time that so many of the scans did not exceed, milliseconds.
+    /// Returns the quantile `share` of the processing times, milliseconds.
     fn time_ms(&self, share: f64) -> f64 {
         let times_ns = &self.tracked.times_ns;
         let place = (share * times_ns.len().saturating_sub(1) as f64).round() as usize;
@@ -236,7 +236,7 @@ impl Summary<'_> {
     }
 }
 
-/// Counts of what the tracker rejected or dropped, by reason: word, what they are, how many.
+/// Returns counts of rejections and drops by reason: word, description, number.
 fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
     [
         (

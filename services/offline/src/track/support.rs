@@ -1,5 +1,5 @@
-//! Inputs of a tracker besides detections: reports of a wide-area sensor (FM-6), and emissions that an on-board
-//! receiver heard (FM-7).
+//! Inputs of a tracker besides detections: reports of a wide-area sensor (FM-6), and emissions received on board
+//! (FM-7).
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
@@ -15,14 +15,14 @@ use crate::files::InputError;
 use crate::host::Host;
 use crate::reading::Refusals;
 
-/// A file, and what became of its rows.
+/// Input file and the outcome of its rows.
 #[derive(Debug)]
 pub(super) struct Support {
     path: PathBuf,
     pub(super) refusals: Refusals,
-    /// Rows that the tracker rejected, by reason.
+    /// Rows rejected by the tracker, by reason.
     pub(super) rejected: BTreeMap<String, u64>,
-    /// Rows that came after the last scan, and were of no use.
+    /// Rows after the last scan; they have no effect.
     pub(super) left: usize,
 }
 
@@ -36,7 +36,7 @@ impl Support {
         }
     }
 
-    /// Reads reports of a wide-area sensor. Rows that are none are left out and counted.
+    /// Reads reports of a wide-area sensor. Invalid rows are skipped and counted.
     ///
     /// # Errors
     /// If the file cannot be read or lacks a column.
@@ -49,7 +49,7 @@ impl Support {
         Ok((support, reports))
     }
 
-    /// Reads emissions. Rows that are none are left out and counted.
+    /// Reads emissions. Invalid rows are skipped and counted.
     ///
     /// # Errors
     /// If the file cannot be read or lacks a column.
@@ -72,7 +72,7 @@ impl Support {
         Ok((support, emissions))
     }
 
-    /// Rejects emissions where nobody says what emits the like.
+    /// Rejects a file of emissions if the configuration describes no types of targets.
     pub(super) fn check_types(&self, settings: &Settings) -> Result<(), InputError> {
         if !settings.wide_area.knowledge.types.is_empty() {
             return Ok(());
