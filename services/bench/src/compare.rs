@@ -1,8 +1,9 @@
 //! `koseki bench compare`: before and after.
 //!
-//! Two files can be compared if they were measured with the same settings; what differs is said. A change is called one
-//! only if the runs of one file all lie on one side of those of the other: with five runs each, chance does that once
-//! in 126 comparisons of figures that are the same. The floor is compared too: if it has changed, the machine has.
+//! Two files are comparable if both measurements used the same settings; the command lists differences. It reports
+//! a change only if the runs of one file all lie on one side of the runs of the other. With five runs each, chance
+//! alone causes this once in 126 comparisons of equal figures. The floor is compared as well: a changed floor means
+//! a changed machine.
 
 use std::path::Path;
 
@@ -13,13 +14,13 @@ use crate::figures::{Figures, range};
 use crate::report::{Point, Report, Run};
 use crate::settings::Refused;
 
-/// Fewer runs than this on a side say nothing.
+/// Minimum number of runs on each side for a conclusion.
 const RUNS_MIN: usize = 4;
 
-/// Compares two files; those of different settings only with `force`. Returns what is to be shown.
+/// Compares two files; `force` permits different settings. Returns the text to show.
 ///
 /// # Errors
-/// If a file cannot be read, or they cannot be compared.
+/// If a file cannot be read, or the files cannot be compared.
 pub fn run(before: &Path, after: &Path, force: bool) -> anyhow::Result<String> {
     let read = |path: &Path| Report::read(path).map_err(|error| Refused(format!("{error:#}")));
     let (a, b) = (read(before)?, read(after)?);
@@ -34,7 +35,7 @@ pub fn run(before: &Path, after: &Path, force: bool) -> anyhow::Result<String> {
     Ok(shown(&a, &b, &different))
 }
 
-/// Settings that differ, as `name a -> b`.
+/// Returns differing settings, as `name a -> b`.
 fn differences(a: &Report, b: &Report) -> Vec<String> {
     let values = |report: &Report| serde_json::to_value(&report.settings).unwrap_or(Value::Null);
     let (before, after) = (values(a), values(b));
@@ -150,7 +151,7 @@ fn line(table: &mut Table, name: &str, before: f64, after: f64, change: &str, sh
     table.row([name.to_owned(), shown(before), shown(after), ratio, change.to_owned()]);
 }
 
-/// What two ranges of runs say.
+/// Returns the conclusion from two ranges of runs.
 fn judged(before: (f64, f64), after: (f64, f64), runs: usize) -> &'static str {
     if runs < RUNS_MIN {
         "too few runs to tell"

@@ -1,4 +1,4 @@
-//! The distributions of one rate over all runs, and the figures of the report that are made of them.
+//! Distributions of one rate over all runs, and the report's figures derived from them.
 
 use hdrhistogram::Histogram;
 
@@ -18,7 +18,7 @@ pub(crate) struct Distributions {
     pub(crate) flooded: Histogram<u64>,
     pub(crate) stages: [Histogram<u64>; 5],
     pub(crate) jitter: Jitter,
-    /// Reports sent through the pipeline, and those without an answer, which are in no distribution.
+    /// Reports sent through the pipeline, and unanswered reports, which no distribution contains.
     pub(crate) sent: u64,
     pub(crate) unanswered: u64,
 }
@@ -51,7 +51,7 @@ impl Distributions {
     }
 }
 
-/// Figures of one run: relay, pipeline and machine.
+/// Returns the figures of one run: relay, pipeline and machine.
 pub(crate) fn run_of(settings: &Settings, floor: &Measured, pipeline: &Measured, jitter: &Jitter) -> Run {
     let stages = STAGES.iter().zip(pipeline.recorder.stages());
     Run {
@@ -67,7 +67,7 @@ pub(crate) fn run_of(settings: &Settings, floor: &Measured, pipeline: &Measured,
     }
 }
 
-/// Account of the reports that a measurement sent.
+/// Returns the account of the reports sent in a measurement.
 pub(crate) fn account(settings: &Settings, measured: &Measured) -> Account {
     let received = measured.received();
     Account {
@@ -98,7 +98,7 @@ fn jitter_figures(jitter: &Jitter) -> JitterFigures {
     }
 }
 
-/// Medians of the `runs` at one rate, reports per second.
+/// Returns medians of the `runs` at one rate, reports per second.
 pub(crate) fn point(rate: f64, runs: Vec<Run>, merged: &Distributions) -> Point {
     let of = |figures: fn(&Run) -> Figures| Figures::median(&runs.iter().map(figures).collect::<Vec<_>>());
     let stage = |key: &str| Figures::median(&runs.iter().map(|run| run.stages[key]).collect::<Vec<_>>());
@@ -120,7 +120,8 @@ pub(crate) fn point(rate: f64, runs: Vec<Run>, merged: &Distributions) -> Point 
     }
 }
 
-/// Clock readings on the way of a slice, in the bench and in the agent of fusion; one takes `reading_ns`.
+/// Returns the clock readings along the path of a slice, in the bench and in the agent of fusion; a reading takes
+/// `reading_ns`.
 pub(crate) fn stamps(reading_ns: u64) -> Stamps {
     Stamps {
         reading_ns,

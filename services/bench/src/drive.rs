@@ -1,4 +1,4 @@
-//! Sends what is due when it is due, and takes what comes back.
+//! Sends batches at their due times and receives the answers.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -10,19 +10,19 @@ use crate::pace::Pace;
 use crate::recorder::Recorder;
 use crate::traffic::{Traffic, stamps};
 
-/// How long to wait for another answer after the last one, nanoseconds.
+/// Maximum wait for another answer after the last answer, nanoseconds.
 const LINGER_NS: i64 = 500_000_000;
-/// A thread that rests wakes so long before the next report is due, nanoseconds: sleeping is not accurate.
+/// A resting thread wakes this long before the next report is due, nanoseconds, because sleep is inaccurate.
 const AWAKE_BEFORE_NS: i64 = 200_000;
-/// Shorter than this, a rest is not worth it, nanoseconds.
+/// Minimum useful rest, nanoseconds.
 const REST_MIN_NS: i64 = 300_000;
-/// Longest sleep of a reader before it looks whether the end has come.
+/// Maximum sleep of a reader between two checks for the end.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
 
-/// Stands for the number of batches sent, as long as more are to come.
+/// Value of the number of sent batches while further batches follow.
 pub(crate) const NOT_YET: u64 = u64::MAX;
 
-/// Takes reports away.
+/// Outgoing path of reports.
 pub(crate) trait Sender {
     /// Sends `count` reports of `source` as one slice.
     fn send(
@@ -34,32 +34,32 @@ pub(crate) trait Sender {
     ) -> anyhow::Result<()>;
 }
 
-/// When a slice is sent, and what it says of its source's progress.
+/// Send time of a slice, and the source's progress stated in it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sent {
     pub(crate) now_ns: i64,
     pub(crate) progress_ns: i64,
 }
 
-/// Brings states back.
+/// Incoming path of states.
 pub(crate) trait Receiver {
-    /// Shows the next slice to `visit`; `false` if there is none.
+    /// Passes the next slice to `visit`; returns `false` if there is none.
     fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool>;
 
-    /// States that were sent and did not arrive here, since it was made.
+    /// Returns the states lost before this receiver since its creation.
     fn lost(&self) -> u64;
 
-    /// Sleeps until there may be one, at most so long.
+    /// Sleeps until a slice may be available, at most `at_most`.
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()>;
 }
 
-/// The monotonic clock.
+/// Monotonic clock.
 pub(crate) trait Clock {
     fn now_ns(&self) -> i64;
     fn sleep(&self, nanoseconds: i64);
 }
 
-/// That of this machine.
+/// Clock of this machine.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MachineClock;
 
@@ -73,35 +73,35 @@ impl Clock for MachineClock {
     }
 }
 
-/// What is to be sent.
+/// Load to send.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load<'a> {
     pub(crate) traffic: &'a Traffic,
     pub(crate) pace: Pace,
-    /// Batches at that pace.
+    /// Number of batches at that pace.
     pub(crate) batches: u64,
     /// Whether the thread must rest when nothing is due.
     pub(crate) rests: bool,
-    /// A source that sends further batches at a pace of its own meanwhile.
+    /// Flooding source: sends further batches at its own pace meanwhile.
     pub(crate) flood: Option<(u16, Pace)>,
 }
 
-/// What has been sent.
+/// Progress of sending.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Driven {
     /// Batches of the load.
     pub(crate) batches: u64,
-    /// Further batches of the source that floods.
+    /// Further batches of the flooding source.
     pub(crate) flood_batches: u64,
-    /// When the last batch was sent, monotonic, nanoseconds.
+    /// Send time of the last batch, monotonic, nanoseconds.
     pub(crate) last_sent_ns: i64,
-    /// How late that was, nanoseconds.
+    /// Lateness of the last batch, nanoseconds.
     pub(crate) last_late_ns: i64,
-    /// When the last state came back, monotonic, nanoseconds.
+    /// Reception time of the last state, monotonic, nanoseconds.
     pub(crate) last_heard_ns: i64,
 }
 
-/// One thread sends and receives, and never sleeps unless the load says so.
+/// Sends and receives on one thread, which sleeps only if the load requires it.
 pub(crate) fn spin(
     load: &Load<'_>,
     sender: &mut impl Sender,
@@ -138,7 +138,7 @@ pub(crate) fn spin(
     }
 }
 
-/// Sends only; the thread sleeps when nothing is due for a while, and lets others run when it is not.
+/// Sends only; the thread sleeps during long pauses and yields otherwise.
 pub(crate) fn send_all(
     load: &Load<'_>,
     sender: &mut impl Sender,
@@ -167,7 +167,8 @@ pub(crate) fn send_all(
     Ok(driven)
 }
 
-/// Receives only, until all of the batches that `all_sent` comes to say were answered, or nothing comes any more.
+/// Receives until all sent batches are answered or answers stop; `all_sent` holds the number of batches once it is
+/// known.
 pub(crate) fn read_all(
     receiver: &mut impl Receiver,
     recorder: &mut Recorder,
@@ -204,7 +205,8 @@ fn take(tracks: &[SystemTrack], recorder: &mut Recorder, clock: &impl Clock) {
     }
 }
 
-/// When the next batch is due, and whether it belongs to the flood. The flood ends with the load.
+/// Returns the due time of the next batch, and whether the batch belongs to the flood. The flood ends with the
+/// load.
 fn next_due(load: &Load<'_>, driven: &Driven) -> Option<(i64, bool)> {
     let own_ns = (driven.batches < load.batches).then(|| load.pace.due_ns(driven.batches))?;
     let flood_ns = load.flood.map(|(_, pace)| pace.due_ns(driven.flood_batches));
@@ -224,7 +226,7 @@ fn send(
 ) -> anyhow::Result<()> {
     let traffic = load.traffic;
     let (source, batch, counted_from_ns) = match load.flood {
-        // A flood's states are told from the load's by their missing intended time.
+        // A zero intended time marks the states of the flood.
         Some((source, _)) if flood => (source, driven.flood_batches * traffic.sources(), 0),
         _ => (traffic.source(driven.batches), driven.batches, due_ns),
     };
@@ -255,7 +257,7 @@ mod tests {
 
     use super::*;
 
-    /// Every look takes 50 ns.
+    /// Fake clock: each reading takes 50 ns.
     struct FakeClock(Cell<i64>);
 
     impl Clock for FakeClock {
@@ -269,7 +271,7 @@ mod tests {
         }
     }
 
-    /// A server that takes 2 µs for a report, and stands still from 10 to 15 ms.
+    /// Server that takes 2 µs per report and stalls from 10 to 15 ms.
     struct Server<'a> {
         clock: &'a FakeClock,
         free_ns: Cell<i64>,
@@ -372,7 +374,7 @@ mod tests {
     #[test]
     fn a_stall_of_the_bench_itself_is_counted_too() {
         let recorder = driven(false, true);
-        // 300 reports were due when it began; the first had waited for 15 ms.
+        // 300 reports were due at the start; the first had waited for 15 ms.
         let late = recorder.end_to_end().count_between(100_000, u64::MAX);
         assert!(late >= 290, "{late}");
         assert!(recorder.end_to_end().max() >= 14_900_000);

@@ -1,4 +1,4 @@
-//! `koseki bench engine`: what one report costs in the engine, without any bus.
+//! `koseki bench engine`: cost of one report in the engine, without any bus.
 
 use hdrhistogram::Histogram;
 use runtime::signals::Stop;
@@ -15,10 +15,10 @@ use crate::report::Report;
 use crate::settings::Settings;
 use crate::text;
 
-/// Measures; the rate of `settings` only tells how far apart in time the reports are. Returns what is to be shown.
+/// Measures the engine; the rate of `settings` only sets the time between reports. Returns the text to show.
 ///
 /// # Errors
-/// If the settings cannot work, or a file cannot be written.
+/// If the settings are invalid, or a file cannot be written.
 pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     settings.check_without_cores()?;
     outputs.check()?;
@@ -60,7 +60,7 @@ pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     Ok(shown(&report, &runs))
 }
 
-/// Medians over the runs.
+/// Returns medians over the runs.
 fn together(runs: &[EngineTimes]) -> EngineTimes {
     let middle = |of: fn(&EngineTimes) -> f64| median(&runs.iter().map(of).collect::<Vec<_>>());
     let first = runs.first().cloned().unwrap_or_default();

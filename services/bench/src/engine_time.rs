@@ -1,12 +1,13 @@
-//! What one report costs in the engine alone: the same reports, no bus, no other process.
+//! Cost of one report in the engine alone: the same reports, no bus, no other process.
 //!
-//! Two passes, because reading the clock costs about as much as what is to be measured is uncertain. In the first, a
-//! thousand updates are timed as one, and the median of these means is the *time per update*: no single reading counts
-//! for much. In the second, each update is timed, for its tail; the cost of a reading is taken off. Both include
-//! nothing but the engine: what it takes to build the reports is measured apart, and taken off the first.
+//! There are two passes, because a clock reading costs about as much as the uncertainty of the measured time. The
+//! first pass times a thousand updates together; the median of these means is the *time per update*, which no
+//! single reading dominates. The second pass times each update, for the tail, and subtracts the cost of a reading.
+//! Both cover the engine only: the cost of building the reports is measured separately and subtracted from the
+//! first.
 //!
-//! Limits: the engine runs at full speed here, and finds its tables in caches that, at a slow rate in a process of its
-//! own, others have used meanwhile.
+//! Limits: the engine runs at full speed here, with its tables in warm caches. At a low rate in its own process,
+//! other work evicts these tables between updates.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -29,34 +30,34 @@ use crate::settings::Settings;
 use crate::site::config_text;
 use crate::traffic::Traffic;
 
-/// Updates that are timed as one.
+/// Number of updates timed together.
 const CHUNK: u64 = 1000;
-/// Rounds of warm-up at least and at most.
+/// Minimum and maximum number of warm-up rounds.
 const WARM_UP_ROUNDS: std::ops::Range<u32> = 5..40;
-/// A thread of real-time priority rests so often, and so long, nanoseconds.
+/// Interval and length of the rests of a real-time thread, nanoseconds.
 const REST_EVERY_NS: i64 = 40_000_000;
 const REST_NS: i64 = 4_000_000;
 
-/// See the module's documentation.
+/// Times of the engine, see the module's documentation.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct EngineTimes {
     /// Median of the means over a thousand updates, nanoseconds.
     pub ns_per_update: f64,
     /// Smallest and largest of these means.
     pub ns_per_update_range: [f64; 2],
-    /// Single updates, less the cost of a clock reading; `lost` counts updates that did not yield one state.
+    /// Single updates, less the cost of a clock reading; `lost` counts updates without exactly one state.
     pub single: Figures,
-    /// What a clock reading costs, nanoseconds.
+    /// Cost of a clock reading, nanoseconds.
     pub reading_ns: u64,
-    /// What building a report costs, nanoseconds.
+    /// Cost of building a report, nanoseconds.
     pub report_ns: f64,
-    /// What is in no figure.
+    /// Warm-up, excluded from all figures.
     pub warm_up: WarmUp,
     /// Means of a thousand updates.
     pub chunks: usize,
 }
 
-/// Measures it at `place`; `stop` is asked whether to go on.
+/// Measures the engine at `place`; polls `stop` for a request to end.
 pub(crate) fn measure(
     settings: &Settings,
     rate_per_s: f64,
@@ -129,7 +130,7 @@ struct Run {
     start_ns: i64,
     next: u64,
     batch: u64,
-    /// Reports that did not yield exactly one confirmed state.
+    /// Reports without exactly one confirmed state.
     odd: u64,
 }
 
@@ -202,7 +203,7 @@ impl Run {
         }
     }
 
-    /// What building a report costs, nanoseconds.
+    /// Returns the cost of building a report, nanoseconds.
     fn report_ns(&self) -> f64 {
         let means = (0..51).map(|_| {
             let start_ns = MachineClock.now_ns();
@@ -215,7 +216,7 @@ impl Run {
     }
 }
 
-/// Lets others have the core now and then, where nobody could take it.
+/// Regular rests that release the core to other threads, needed at real-time priority.
 struct Rest {
     needed: bool,
     last_ns: i64,

@@ -1,8 +1,8 @@
-//! One end of the round trip: reports out, states back, by one thread or two.
+//! One end of the round trip: reports out, states back, on one thread or two.
 //!
-//! Where fusion spins, one thread does both on the bench's core: it sends what is due and otherwise looks for what has
-//! come. Where fusion sleeps until woken, so does the bench: one thread sends, another one is blocked on the states, as
-//! any subscriber is.
+//! If fusion spins, one thread of the bench does both on the bench's core: it sends due batches and polls for
+//! answers in between. If fusion sleeps until woken, so does the bench: one thread sends, and another blocks on the
+//! states like any subscriber.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,13 +13,13 @@ use anyhow::Context as _;
 use crate::drive::{self, Driven, Load, MachineClock, NOT_YET, Receiver, Sender};
 use crate::recorder::Recorder;
 
-/// Carries out loads, one after the other.
+/// Executes loads, one after the other.
 pub(crate) trait Exchange {
-    /// Sends `load`, and records in `recorder` what comes back.
+    /// Sends `load` and records the answers in `recorder`.
     fn run(&mut self, load: &Load<'_>, recorder: Recorder) -> anyhow::Result<(Driven, Recorder)>;
 }
 
-/// Sends and receives by turns.
+/// Exchange that alternates between sending and receiving.
 pub(crate) struct OneThread<S, R> {
     pub(crate) sender: S,
     pub(crate) receiver: R,
@@ -34,7 +34,7 @@ impl<S: Sender, R: Receiver> Exchange for OneThread<S, R> {
     }
 }
 
-/// Sends, while a thread of its own receives. Both run where the thread that makes it runs.
+/// Exchange that sends while its own second thread receives. Both run at the place of the creating thread.
 pub(crate) struct TwoThreads<S> {
     sender: S,
     jobs: SyncSender<Recorder>,
@@ -44,7 +44,8 @@ pub(crate) struct TwoThreads<S> {
 }
 
 impl<S: Sender> TwoThreads<S> {
-    /// `make_receiver` is called on the reading thread: ports stay where they are made.
+    /// Creates the exchange. The reading thread calls `make_receiver`, because ports stay on the thread of their
+    /// creation.
     pub(crate) fn new<R: Receiver>(
         sender: S,
         make_receiver: impl FnOnce() -> anyhow::Result<R> + Send + 'static,

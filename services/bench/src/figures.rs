@@ -1,30 +1,30 @@
-//! Figures of one distribution, and of several runs of the same.
+//! Figures of one distribution, and of several runs of the same measurement.
 
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 use telemetry::Summary;
 
-/// What a JSON file says of latencies (FM-4), nanoseconds.
+/// Latencies in a JSON file (FM-4), nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// How many there were.
+    /// Number of latencies.
     pub count: u64,
-    /// Reports that nothing came back of.
+    /// Reports without an answer.
     pub lost: u64,
-    /// Half of them took no longer than this.
+    /// Median.
     pub p50_ns: u64,
-    /// 90 % took no longer than this.
+    /// 90th percentile.
     pub p90_ns: u64,
-    /// 99 % took no longer than this.
+    /// 99th percentile.
     pub p99_ns: u64,
-    /// 99.9 % took no longer than this.
+    /// 99.9th percentile.
     pub p999_ns: u64,
-    /// The longest.
+    /// Maximum.
     pub max_ns: u64,
 }
 
 impl Figures {
-    /// Of one distribution.
+    /// Returns the figures of one distribution.
     pub(crate) fn of(histogram: &Histogram<u64>, lost: u64) -> Self {
         let summary = Summary::from(histogram);
         Self {
@@ -38,7 +38,7 @@ impl Figures {
         }
     }
 
-    /// The percentiles and the maximum, in the order of their names.
+    /// Returns the percentiles and the maximum, in the order of their names.
     pub(crate) fn values(&self) -> [u64; 5] {
         [self.p50_ns, self.p90_ns, self.p99_ns, self.p999_ns, self.max_ns]
     }
@@ -46,7 +46,8 @@ impl Figures {
     /// Names of [`Figures::values`] in tables.
     pub(crate) const NAMES: [&'static str; 5] = ["p50", "p90", "p99", "p99.9", "max"];
 
-    /// The median of each figure over `runs`; counts and losses are added up, and the maximum is that of all.
+    /// Returns the median of each figure over `runs`; counts and losses are summed, and the maximum is that of all
+    /// runs.
     pub(crate) fn median(runs: &[Self]) -> Self {
         let middle = |of: fn(&Self) -> u64| median(&runs.iter().map(|run| of(run) as f64).collect::<Vec<_>>()) as u64;
         Self {
@@ -61,7 +62,7 @@ impl Figures {
     }
 }
 
-/// The middle of `values`, which need not be sorted; 0 of none.
+/// Returns the median of `values`, in any order; 0 if empty.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -72,17 +73,17 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     }
 }
 
-/// Smallest and largest of `values`; zeros of none.
+/// Returns the smallest and largest of `values`; zeros if empty.
 pub(crate) fn range(values: &[f64]) -> (f64, f64) {
     let low = values.iter().copied().reduce(f64::min).unwrap_or(0.0);
     let high = values.iter().copied().reduce(f64::max).unwrap_or(0.0);
     (low, high)
 }
 
-/// A median of paired ratios, and the interval in which the ratio lies with a confidence of 95 %.
+/// Median of paired ratios with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ratio {
-    /// Pairs.
+    /// Number of pairs.
     pub(crate) pairs: usize,
     /// Median of the ratios.
     pub(crate) median: f64,
@@ -94,12 +95,12 @@ pub(crate) struct Ratio {
 }
 
 impl Ratio {
-    /// Of pairs (with, without).
+    /// Computes the ratio from pairs (with, without).
     ///
-    /// The interval is made of order statistics: however ratios are distributed, the true median lies between the k-th
-    /// smallest and the k-th largest of n with a probability that only the binomial distribution tells (the inverted
-    /// sign test; W. J. Conover, *Practical Nonparametric Statistics*, 3.1). Latencies have tails that no bell curve
-    /// has; with fewer than six pairs, nothing can be said at 95 %.
+    /// The interval consists of order statistics. For any distribution of ratios, the true median lies between the
+    /// k-th smallest and the k-th largest of n values with a probability given by the binomial distribution alone
+    /// (the inverted sign test; W. J. Conover, *Practical Nonparametric Statistics*, 3.1). Latencies have heavier
+    /// tails than a normal distribution. Fewer than six pairs permit no statement at 95 %.
     pub(crate) fn of_pairs(pairs: &[(f64, f64)]) -> Self {
         let usable = pairs.iter().filter(|(with, without)| *with > 0.0 && *without > 0.0);
         let mut ratios: Vec<f64> = usable.map(|(with, without)| with / without).collect();
@@ -114,7 +115,7 @@ impl Ratio {
     }
 }
 
-/// JSON knows no infinity.
+/// JSON has no infinity.
 mod infinite_as_null {
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
 
@@ -127,7 +128,8 @@ mod infinite_as_null {
     }
 }
 
-/// The largest k such that the k-th smallest and k-th largest of `count` enclose the median with at least 95 %.
+/// Returns the largest k for which the k-th smallest and k-th largest of `count` enclose the median with at least
+/// 95 %.
 fn sign_rank(count: usize) -> Option<usize> {
     let mut rank = None;
     // Probability of fewer than k successes in `count` throws of a fair coin.

@@ -1,12 +1,13 @@
-//! What the machine does by itself.
+//! Jitter of the machine itself.
 //!
-//! A thread that does nothing but read the clock should see every time there is. Where two readings are farther apart
-//! than two readings take, something else had the core: an interrupt, another process, the host of a virtual machine.
-//! No latency can be better than that, so it is measured next to each, on the same core, at the same priority.
+//! A thread that only reads the clock should observe a continuous time. A gap longer than the cost of a reading
+//! means that something else had the core: an interrupt, another process, the host of a virtual machine. No latency
+//! can be better than these gaps, so they are measured next to each latency, on the same core, at the same
+//! priority.
 //!
-//! Two distributions come of the same readings. *Gaps* are the times between successive readings beyond the
-//! usual one: how long the machine is away. *Lateness* asks at the times at which reports would have been due, how much
-//! later the next reading was: what of it a latency shows, percentile by percentile.
+//! The same readings give two distributions. *Gaps* are the times between successive readings beyond the usual
+//! time: the absences of the machine. *Lateness* is the delay of the next reading after each due time of the
+//! reports: the share of jitter in a latency, percentile by percentile.
 
 use hdrhistogram::Histogram;
 
@@ -14,19 +15,19 @@ use crate::drive::Clock;
 use crate::pace::Pace;
 use crate::recorder::histogram;
 
-/// A gap of more readings than this is an interruption, and not a reading that took a little longer.
+/// Length of a gap, in readings, above which the gap counts as an interruption rather than a slow reading.
 const INTERRUPTION: u64 = 10;
-/// Readings from which the usual gap is taken.
+/// Number of readings that determine the usual gap.
 const FIRST: usize = 10_000;
 
-/// See the module's documentation. Nanoseconds.
+/// Jitter, see the module's documentation. Nanoseconds.
 #[derive(Clone, Debug)]
 pub(crate) struct Jitter {
-    /// The usual time between two readings: what one costs.
+    /// Usual time between two readings: the cost of a reading.
     pub(crate) reading_ns: u64,
-    /// Times between readings, beyond what one takes; those of a few readings' length are left out.
+    /// Times between readings, less the cost of a reading; gaps of a few readings are omitted.
     pub(crate) gaps: Histogram<u64>,
-    /// Readings.
+    /// Number of readings.
     pub(crate) readings: u64,
     /// Lateness at due times.
     pub(crate) lateness: Histogram<u64>,
@@ -42,8 +43,8 @@ impl Jitter {
         }
     }
 
-    /// Reads the clock for `seconds`, as if batches were due at `rate` per second. With rests, the thread sleeps when
-    /// the schedule lets it.
+    /// Reads the clock for `seconds`, as if batches were due at `rate` per second. With rests, the thread sleeps
+    /// when the schedule permits it.
     pub(crate) fn measure(clock: &impl Clock, seconds: f64, rate: f64, rests: bool) -> Self {
         let mut jitter = Self::new();
         jitter.reading_ns = reading_ns(clock);
@@ -73,7 +74,7 @@ impl Jitter {
         jitter
     }
 
-    /// Takes another measurement in.
+    /// Adds another measurement.
     pub(crate) fn add(&mut self, other: &Self) {
         self.reading_ns = self.reading_ns.min(other.reading_ns);
         self.readings += other.readings;
@@ -82,7 +83,7 @@ impl Jitter {
     }
 }
 
-/// What reading the clock costs: the median over successive readings, nanoseconds.
+/// Returns the cost of a clock reading: the median over successive readings, nanoseconds.
 pub(crate) fn reading_ns(clock: &impl Clock) -> u64 {
     let mut gaps: Vec<u64> = Vec::with_capacity(FIRST);
     let mut last_ns = clock.now_ns();
@@ -101,7 +102,7 @@ mod tests {
 
     use super::*;
 
-    /// 40 ns a reading, and every millisecond 10 µs elsewhere.
+    /// Fake clock: 40 ns a reading, and an absence of 10 µs every millisecond.
     struct Interrupted(Cell<i64>);
 
     impl Clock for Interrupted {
@@ -124,7 +125,7 @@ mod tests {
         assert_eq!(jitter.reading_ns, 40);
         assert!((985..=1000).contains(&jitter.gaps.len()), "{}", jitter.gaps.len());
         assert!(jitter.gaps.min().abs_diff(10_000) < 20);
-        // Due every 10 µs: one of a hundred falls into the 10 µs of an interruption.
+        // Due every 10 µs: one in a hundred falls into the 10 µs of an interruption.
         let late = jitter.lateness.count_between(100, u64::MAX);
         assert!((950..=1050).contains(&late), "{late}");
         assert!(jitter.lateness.value_at_quantile(0.5) <= 40);

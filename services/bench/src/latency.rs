@@ -1,8 +1,8 @@
-//! `koseki bench latency`: how long a report takes, at given rates.
+//! `koseki bench latency`: latency of a report at given rates.
 //!
-//! For each rate, in each run: the relay, then the pipeline, then the machine alone, each for the same time. What comes
-//! and goes on a shared machine so hits all three, and figures are compared within a run. Each measurement has a fresh
-//! process, so that what is chance about one (where its memory lies) is not in all of them.
+//! For each rate, each run measures the relay, then the pipeline, then the machine alone. Disturbances of a shared
+//! machine thus affect all three, and figures are compared within a run. Each measurement starts a fresh process,
+//! so that chance effects of a process (its memory layout) do not affect all measurements.
 
 use runtime::signals::Stop;
 use telemetry::table::{count, duration};
@@ -21,11 +21,11 @@ use crate::verdict::verdicts;
 
 /// A sweep ends when the median is this many times that of its first rate.
 const KNEE_FACTOR: u64 = 10;
-/// Part of a run for which the machine alone is watched, and the engine alone measured.
+/// Share of a run for watching the machine alone, and for measuring the engine alone.
 const ASIDE: f64 = 0.5;
 
-/// Measures every rate of `settings`; with `sweep`, no further than the knee. Returns what is to be shown, and why it
-/// may be worth little.
+/// Measures every rate of `settings`; with `sweep`, up to the knee. Returns the text to show, and the reason if the
+/// figures are unreliable.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
@@ -64,7 +64,7 @@ pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Resul
     outputs.write(&report, &distributions, Some(&single))?;
     Ok(Outcome {
         text: text::latency(&report),
-        // A sweep goes on until reports are lost.
+        // A sweep continues until reports are lost.
         failure: report.failure().filter(|_| !sweep),
     })
 }
@@ -135,7 +135,7 @@ fn assemble(
                 engine.ns_per_update,
                 &engine.single,
             ),
-            // Nothing can be said of those that came through alone.
+            // Answered reports alone do not represent the run.
             _ => Vec::new(),
         },
         stamps: stamps(engine.reading_ns),

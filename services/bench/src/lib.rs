@@ -1,24 +1,24 @@
 //! The bench: drives the real processes at fixed rates, and measures them (PL-10).
 //!
-//! A figure of a latency means little by itself: it is made of the machine, the transport, the work and what the
-//! program adds to these. So four things are measured in one session, taking turns, on the same cores, in the same way
-//! of waiting, with the same payload:
+//! A latency by itself means little: it combines the machine, the transport, the work and the program's own
+//! overhead. The bench therefore measures four things in one session, in turns, on the same cores, with the same
+//! way of waiting and the same payload:
 //!
-//! | | what it is | where |
+//! | | measured | where |
 //! |---|---|---|
 //! | machine | a thread that only reads the clock | `jitter` |
 //! | floor | a process that only passes the payload on, over bare shared memory | `relay` |
 //! | engine | the fusion of the same reports without any process around it | `engine_time` |
-//! | pipeline | the fusion process as it runs in any deployment | `site`, `measure` |
+//! | pipeline | the fusion process as in any deployment | `site`, `measure` |
 //!
-//! Reports are due at times that are fixed beforehand (`pace`), and latency counts from there, so a stall is seen in
-//! every report that had to wait for its end. The bench's thread sends what is due and looks for what has come by turns
-//! (`drive`); it allocates nothing meanwhile. Each report is answered by one system track, which carries its stamps;
-//! those that are not are counted (`recorder`).
+//! Reports have due times fixed in advance (`pace`). Latency counts from the due time, so a stall shows in every
+//! report that had to wait for its end. The bench's thread alternates between sending due reports and polling for
+//! answers (`drive`); it does not allocate meanwhile. Each report is answered by one system track, which carries
+//! its stamps; reports without an answer are counted (`recorder`).
 //!
-//! Limits: bench and fusion need a core each; what the bench cannot send in time shows as latency of the first stage,
-//! and is part of the whole. The traffic is even, which real sensors' is not. A subscriber of the system tracks that is
-//! not the bench is slower by what it waits.
+//! Limits: bench and fusion need a core each. A delay of the bench in sending shows as latency of the first stage,
+//! and is part of the whole. The traffic is even, unlike that of real sensors. A subscriber of the system tracks
+//! other than the bench is slower by its own waiting time.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! The two things that are measured: the fusion process, and a bare relay in its place.
+//! Transports to the two measured processes: fusion, and a bare relay in its place.
 
 use std::time::Duration;
 
@@ -9,10 +9,10 @@ use runtime::clock::mono_ns;
 use crate::drive::{Receiver, Sender, Sent};
 use crate::settings::Settings;
 
-/// The relay's services.
+/// Services of the relay.
 pub(crate) const RELAY_IN: &str = "bench/relay/in";
 pub(crate) const RELAY_OUT: &str = "bench/relay/out";
-/// Slices that wait before the oldest is dropped: as many as with the real topics.
+/// Number of waiting slices before the oldest is dropped: the same as in the real topics.
 const RELAY_DEPTH: usize = 256;
 
 /// Name of source number `number`.
@@ -20,13 +20,13 @@ pub(crate) fn source_name(number: u16) -> String {
     format!("source-{number}")
 }
 
-/// Reports that wait in the sources' topics before the oldest are dropped.
+/// Returns the number of reports that the sources' topics hold before dropping the oldest.
 pub(crate) fn queues(settings: &Settings) -> usize {
     let depth = messages::sensor_tracks(&source_name(0)).capacity.depth;
     usize::from(settings.sources) * depth * settings.batch
 }
 
-/// What both ends of the relay's services agree upon.
+/// Returns the common settings of both ends of the relay's services.
 pub(crate) fn relay_settings(slice_len: usize, events: bool) -> BareSettings {
     BareSettings {
         depth: RELAY_DEPTH,
@@ -35,7 +35,7 @@ pub(crate) fn relay_settings(slice_len: usize, events: bool) -> BareSettings {
     }
 }
 
-/// The topics of all sources.
+/// Topics of all sources.
 #[derive(Debug)]
 pub(crate) struct ToFusion(Vec<Publisher<SharedMemory, SensorTrack>>);
 
@@ -70,7 +70,7 @@ impl Sender for ToFusion {
     }
 }
 
-/// The system tracks.
+/// Topic of the system tracks.
 #[derive(Debug)]
 pub(crate) struct FromFusion {
     subscriber: Subscriber<SharedMemory, SystemTrack>,
@@ -110,7 +110,7 @@ impl Receiver for FromFusion {
     }
 }
 
-/// The way to the relay: one for all sources.
+/// Path to the relay: one service for all sources.
 #[derive(Debug)]
 pub(crate) struct ToRelay(BareSender<SensorTrack>);
 
@@ -126,7 +126,7 @@ impl Sender for ToRelay {
     }
 }
 
-/// The way back from the relay.
+/// Path back from the relay.
 #[derive(Debug)]
 pub(crate) struct FromRelay(BareReceiver<SystemTrack>);
 
@@ -141,7 +141,7 @@ impl Receiver for FromRelay {
         Ok(self.0.receive(visit)?)
     }
 
-    /// Nothing is numbered here; what is lost shows as unanswered.
+    /// Relay slices have no numbers; losses appear as unanswered reports.
     fn lost(&self) -> u64 {
         0
     }

@@ -1,7 +1,7 @@
-//! A link that sends the system tracks to mirrors on this host, and what became of each state.
+//! Link that sends the system tracks to mirrors on this host, with an account of each state.
 //!
-//! Everything is on one machine, so that the processors' share of it is all there is: link and mirrors run where the
-//! scheduler puts them, beside fusion and the bench.
+//! Everything runs on one machine, so the measured cost is processor time. The scheduler places link and mirrors,
+//! beside fusion and the bench.
 
 use std::ffi::OsString;
 use std::fs;
@@ -21,42 +21,42 @@ use crate::site::{Fusion, Heard, PAUSE, START_PATIENCE, Site};
 /// Name of the link.
 const NAME: &str = "out";
 
-/// A link and its mirrors, until this is dropped.
+/// Link and its mirrors; dropping this value stops them.
 pub(crate) struct Links<'a> {
     link: Heard<'a>,
     mirrors: Vec<Heard<'a>>,
     begun: Instant,
-    /// Time on a processor so far, of the link and of the mirrors, seconds.
+    /// Processor time so far, of the link and of the mirrors, seconds.
     spent_s: (f64, f64),
 }
 
-/// What became of the states, and what it cost.
+/// Account of the states, and cost.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Carried {
-    /// States that the link had to send, to each mirror.
+    /// States due to be sent by the link, to each mirror.
     pub(crate) states: u64,
-    /// Times that one has come to a mirror.
+    /// Arrivals at a mirror.
     pub(crate) came: u64,
-    /// Times that a newer state of the track took its place.
+    /// Replacements by a newer state of the same track.
     pub(crate) conflated: u64,
-    /// Times that one was lost on the way, and a mirror has counted it.
+    /// States lost in transit and counted by a mirror.
     pub(crate) lost: u64,
-    /// Times that one neither came nor was counted.
+    /// States that neither arrived nor were counted.
     pub(crate) unaccounted: i64,
-    /// Seconds for which it was measured.
+    /// Duration of the measurement, seconds.
     pub(crate) seconds: f64,
-    /// Processors that the link took, mean.
+    /// Mean number of processors used by the link.
     pub(crate) link_cores: f64,
-    /// Processors that all mirrors took.
+    /// Number of processors used by all mirrors.
     pub(crate) mirror_cores: f64,
     /// Physical memory of the link, megabytes.
     pub(crate) link_mb: f64,
-    /// The same of a mirror, on the average.
+    /// Mean physical memory of a mirror, megabytes.
     pub(crate) mirror_mb: f64,
 }
 
 impl<'a> Links<'a> {
-    /// Starts a link for `fusion`, and so many mirrors, and waits until they have met.
+    /// Starts a link for `fusion` and `mirrors` mirrors, and waits until they are connected.
     pub(crate) fn start(site: &'a Site, fusion: &Fusion<'_>, mirrors: usize) -> anyhow::Result<Self> {
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let endpoint = format!("tcp/127.0.0.1:{port}");
@@ -78,7 +78,7 @@ impl<'a> Links<'a> {
         ];
         let mut link = site.hear(site.start("the link", arguments.to_vec())?)?;
         link.until_running()?;
-        // `koseki link` has become it.
+        // `koseki link` has replaced itself with this program.
         let program = fs::read_link(format!("/proc/{}/exe", link.pid())).context("finding koseki-link")?;
         let mut all = Vec::new();
         for number in 0..mirrors {
@@ -119,11 +119,11 @@ impl<'a> Links<'a> {
         Ok((processor_time_s(self.link.pid())?, mirrors?))
     }
 
-    /// What has become of all states that fusion has published, once the mirrors hear no more.
+    /// Returns the account of all states published by fusion, once the mirrors receive nothing more.
     pub(crate) fn carried(mut self) -> anyhow::Result<Carried> {
         let seconds = (instant() - self.begun).as_secs_f64();
         let (link_s, mirrors_s) = self.spent()?;
-        // The last ones are on their way.
+        // The last states are still in transit.
         let (mut said, mut quiet) = (Vec::new(), 0);
         while quiet < QUIET {
             let now_ns = mono_ns();
@@ -156,7 +156,7 @@ impl<'a> Links<'a> {
     }
 }
 
-/// Health messages with the same counts after which nothing is on its way any more.
+/// Number of health messages with equal counts after which nothing is in transit.
 const QUIET: usize = 5;
 
 fn balance(said: &Health) -> u64 {
@@ -166,11 +166,11 @@ fn balance(said: &Health) -> u64 {
         .sum()
 }
 
-/// Time that a process's threads have been on a processor, seconds.
+/// Returns the processor time of all threads of a process, seconds.
 fn processor_time_s(pid: u32) -> anyhow::Result<f64> {
     let threads = fs::read_dir(format!("/proc/{pid}/task")).with_context(|| format!("finding process {pid}"))?;
     let of_thread = |thread: fs::DirEntry| {
-        // One that has just ended counts no more.
+        // A thread that has just ended does not count.
         let said = fs::read_to_string(thread.path().join("schedstat")).unwrap_or_default();
         let first = said.split(' ').next().and_then(|word| word.parse::<f64>().ok());
         first.unwrap_or(0.0) * 1e-9

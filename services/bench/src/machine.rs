@@ -1,4 +1,4 @@
-//! On what it was measured.
+//! Description of the measuring machine.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use crate::pinned;
 use crate::progress::say;
 use crate::settings::{Settings, Wait};
 
-/// What a figure must not be read without.
+/// Facts necessary to interpret the figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     /// The processor's name.
@@ -17,15 +17,15 @@ pub struct Machine {
     pub cores: Vec<usize>,
     /// Kernel release.
     pub kernel: String,
-    /// Whether it is a virtual machine: other guests then take part in every tail.
+    /// Whether the machine is virtual: other guests then contribute to every tail.
     pub virtual_machine: bool,
-    /// Clock that stamps come from.
+    /// Clock source of the stamps.
     pub clock_source: String,
-    /// Of each period of 1 s, microseconds that real-time threads may have; -1: all.
+    /// Time available to real-time threads in each period of 1 s, microseconds; -1: unlimited.
     pub realtime_runtime_us: i64,
     /// Average number of runnable processes in the last minute, before the measurement.
     pub load_before: f64,
-    /// The same after it.
+    /// Average number of runnable processes in the last minute, after the measurement.
     pub load_after: f64,
     /// Whether this executable was built with optimisation.
     pub optimised: bool,
@@ -33,7 +33,7 @@ pub struct Machine {
     pub version: String,
 }
 
-/// Looks at the machine before a measurement; says what figures must not be read without, and returns it.
+/// Describes the machine before a measurement; prints and returns the notes necessary to interpret the figures.
 pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
     let machine = Machine::read();
     let mut notes = self::notes(settings, &machine);
@@ -43,7 +43,7 @@ pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
     (machine, notes)
 }
 
-/// Reasons not to believe the figures, or to read them with care, one sentence each.
+/// Returns reasons to distrust the figures, or to read them with care, one sentence each.
 pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
     let mut notes = Vec::new();
     if !machine.optimised {
@@ -70,7 +70,7 @@ pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
 }
 
 impl Machine {
-    /// This one, now.
+    /// Reads the current state of this machine.
     pub fn read() -> Self {
         let text = |path: &str| fs::read_to_string(path).unwrap_or_default().trim().to_owned();
         let processors = text("/proc/cpuinfo");
@@ -95,7 +95,7 @@ impl Machine {
         }
     }
 
-    /// Notes the load at the end.
+    /// Records the load at the end.
     pub(crate) fn ended(&mut self) {
         self.load_after = load();
     }

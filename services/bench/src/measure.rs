@@ -1,8 +1,8 @@
 //! One measurement: a fresh process under test, warmed up, then the load.
 //!
-//! Nothing of the warm-up is in the figures. It lasts until a whole round over all targets and sources has been
-//! answered by exactly one confirmed state for each report: then every target has its system track, every page is
-//! touched and every table filled. A short stretch at the measured rate follows, so that caches know the pace.
+//! No figure includes the warm-up. The warm-up ends when a whole round over all targets and sources was answered by
+//! exactly one confirmed state per report: then every target has its system track, every page is touched and every
+//! table filled. A short stretch at the measured rate follows, which adapts the caches to the rate.
 
 use std::ffi::OsString;
 use std::sync::Arc;
@@ -26,53 +26,53 @@ use crate::site::{Fusion, Site};
 use crate::subscribers::Subscribers;
 use crate::traffic::Traffic;
 
-/// Rounds of warm-up at most.
+/// Maximum number of warm-up rounds.
 const WARM_UP_ROUNDS_MAX: u32 = 40;
-/// Rate and slice length of the warm-up; slow enough that nothing is lost.
+/// Rate and slice length of the warm-up; slow enough to lose nothing.
 const WARM_UP_RATE: f64 = 60_000.0;
 const WARM_UP_BATCH: usize = 16;
 /// Duration of the last part of the warm-up, at the measured rate, seconds.
 const LAST_WARM_UP_S: f64 = 0.3;
-/// From now until the first batch of a load is due, nanoseconds.
+/// Time from now until the first batch of a load is due, nanoseconds.
 const LEAD_NS: i64 = 2_000_000;
 
-/// What one measurement drives.
+/// Load of one measurement.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
     /// Reports per second.
     pub(crate) rate_per_s: f64,
-    /// Seconds at that rate.
+    /// Duration at that rate, seconds.
     pub(crate) seconds: f64,
     /// Whether every stage is recorded.
     pub(crate) detailed: bool,
 }
 
-/// What came of it.
+/// Result of a measurement.
 #[derive(Debug)]
 pub(crate) struct Measured {
     pub(crate) recorder: Recorder,
     pub(crate) driven: Driven,
     pub(crate) warm_up: WarmUp,
-    /// Of the process under test, before and after.
+    /// Memory of the process under test, before and after.
     pub(crate) memory: [Memory; 2],
-    /// Reports sent to the process in its whole life.
+    /// Reports sent to the process since its start.
     pub(crate) sent_ever: u64,
-    /// What fusion counted in its whole life; nothing of a relay.
+    /// Counts of fusion since its start; `None` for a relay.
     pub(crate) fusion: Option<FusionCounts>,
 }
 
-/// How the warm-up went.
+/// Course of the warm-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WarmUp {
-    /// Reports sent that are in no figure.
+    /// Reports sent during the warm-up; no figure includes them.
     pub reports: u64,
-    /// How long it took, seconds.
+    /// Duration, seconds.
     pub seconds: f64,
     /// Whether every report of its last round was answered by exactly one confirmed state.
     pub settled: bool,
 }
 
-/// What fusion itself counted.
+/// Counts made by fusion itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FusionCounts {
     /// Reports taken.
@@ -81,22 +81,22 @@ pub struct FusionCounts {
     pub lost: u64,
     /// System tracks published.
     pub published: u64,
-    /// System tracks that the bench's own reader missed.
+    /// System tracks missed by the bench's own reader.
     pub lost_by_reader: u64,
 }
 
 impl Measured {
-    /// Reports sent in the measured time.
+    /// Returns the reports sent in the measured time.
     pub(crate) fn sent(&self, batch: usize) -> u64 {
         self.driven.batches * batch as u64
     }
 
-    /// Of these, reports that nothing came back of; not those of a source that floods.
+    /// Returns the unanswered reports among them, without those of a flooding source.
     pub(crate) fn unanswered(&self) -> u64 {
         self.recorder.unanswered(self.driven.batches)
     }
 
-    /// The same of a flooding source's share, which the others leave out.
+    /// Returns the unanswered reports of the flooding source's own share.
     pub(crate) fn flood_unanswered(&self) -> u64 {
         self.recorder.flood_unanswered(self.driven.batches)
     }
@@ -150,7 +150,7 @@ pub(crate) fn relay(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Res
                     })
                 }
             };
-            // The floor is one queue for all sources: a flood in it would say nothing of the pipeline.
+            // The floor has one queue for all sources: a flood in it would not represent the pipeline.
             carry_out(exchange.as_mut(), settings, plan, pid, false)
         },
     )
@@ -163,7 +163,7 @@ pub(crate) fn pipeline(site: &Site, settings: &Settings, plan: Plan) -> anyhow::
     running_pipeline(site, fusion, settings, plan)
 }
 
-/// Measures a fusion that runs already, and ends it.
+/// Measures a running fusion process, and stops it.
 pub(crate) fn running_pipeline(
     site: &Site,
     mut fusion: Fusion<'_>,
@@ -217,7 +217,7 @@ pub(crate) fn jitter(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Re
     })
 }
 
-/// Whether a thread of the bench must rest now and then.
+/// Whether the threads of the bench must rest regularly.
 fn rests(settings: &Settings) -> bool {
     settings.realtime_priority.is_some()
 }
@@ -299,7 +299,7 @@ fn load<'a>(
 ) -> (Load<'a>, Recorder) {
     let rate = plan.rate_per_s / settings.batch as f64;
     let batches = ((seconds * rate).round() as u64).max(1);
-    // Room for what comes back is made before the first report is due.
+    // The recorder allocates its memory before the first report is due.
     let mut recorder = Recorder::new(Pace::new(0, rate, false), batches, settings.batch, plan.detailed);
     let pace = Pace::new(MachineClock.now_ns() + LEAD_NS, rate, rests(settings));
     recorder.set_pace(pace);

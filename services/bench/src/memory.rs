@@ -1,23 +1,23 @@
-//! How much memory a process has, and how often it had to fetch a page.
+//! Memory use of a process, and its page faults.
 
 use std::fs;
 
 use anyhow::Context as _;
 use serde::{Deserialize, Serialize};
 
-/// Of one process at one moment. A steady state takes no further page and has no page faults.
+/// Memory of one process at one moment. In a steady state, pages and faults do not increase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Memory {
     /// Pages in physical memory.
     pub resident_pages: u64,
-    /// Page faults so far that needed no disk.
+    /// Page faults so far without disk access.
     pub minor_faults: u64,
-    /// Page faults so far that did.
+    /// Page faults so far with disk access.
     pub major_faults: u64,
 }
 
 impl Memory {
-    /// Of the process `pid` now.
+    /// Reads the current values of the process `pid`.
     pub(crate) fn of(pid: u32) -> anyhow::Result<Self> {
         let statm = fs::read_to_string(format!("/proc/{pid}/statm"))?;
         let stat = fs::read_to_string(format!("/proc/{pid}/stat"))?;

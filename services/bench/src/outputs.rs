@@ -1,4 +1,4 @@
-//! The files that a measurement leaves.
+//! Output files of a measurement.
 
 use std::fs::{self, File};
 use std::io::BufWriter;
@@ -14,7 +14,7 @@ use crate::recorder::STAGES;
 use crate::report::Report;
 use crate::settings::Refused;
 
-/// Which files are wanted.
+/// Requested output files.
 #[derive(Clone, Debug, Default)]
 pub struct Outputs {
     /// All figures as JSON (FM-4).
@@ -26,10 +26,10 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Makes sure, before minutes are spent, that the files can be written.
+    /// Checks that the files can be written, before minutes are spent.
     ///
     /// # Errors
-    /// If one cannot.
+    /// If a file cannot be written.
     pub(crate) fn check(&self) -> Result<(), Refused> {
         for (option, path) in [("--json", &self.json), ("--picture", &self.picture)] {
             let Some(path) = path else { continue };

@@ -1,35 +1,36 @@
-//! When each report is due.
+//! Due times of the reports.
 //!
-//! A load generator that sends its next report when the last one has been answered measures itself to sleep: a stall of
-//! the measured process stalls the generator too, and one long latency is recorded where hundreds of reports would have
-//! waited (coordinated omission; G. Tene, *How NOT to Measure Latency*). Here the times are fixed beforehand: batch *k*
-//! is due at `start + k × interval`, whatever happens, and latency counts from there.
+//! A load generator that sends its next report after the answer to the last report hides stalls: a stall of the
+//! measured process stalls the generator too. It then records one long latency where hundreds of reports would have
+//! waited (coordinated omission; G. Tene, *How NOT to Measure Latency*). Here the times are fixed in advance: batch
+//! *k* is due at `start + k × interval` in any case, and latency counts from there.
 //!
-//! A thread with a real-time priority must not spin all the time: the kernel takes the core away for 50 ms in every
-//! second if it does. Such a schedule has rests: stretches in which nothing is due, and the thread can sleep.
+//! A thread with a real-time priority must not spin all the time: otherwise the kernel takes the core away for 50
+//! ms in every second. Its schedule therefore has rests: stretches without due reports, in which the thread can
+//! sleep.
 
 /// Due times of the batches of one load, nanoseconds of the monotonic clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pace {
     start_ns: i64,
     interval_ns: f64,
-    /// Batches between two rests, and how long each of these is, nanoseconds.
+    /// Number of batches between two rests, and length of a rest, nanoseconds.
     rests: Option<(u64, f64)>,
 }
 
-/// From the beginning of one rest to that of the next, nanoseconds.
+/// Time from the start of one rest to the start of the next, nanoseconds.
 const REST_EVERY_NS: f64 = 50e6;
-/// Length of a rest: with it, well below 95 % of the time is left to spin in.
+/// Length of a rest, nanoseconds: it leaves well below 95 % of the time for spinning.
 const REST_NS: f64 = 6e6;
-/// What a process that rests when the bench does keeps away from both ends of a rest, nanoseconds.
+/// Margin at both ends of a rest for a process that rests together with the bench, nanoseconds.
 const REST_MARGIN_NS: f64 = 300e3;
 
 impl Pace {
-    /// `rate` batches per second from `start_ns` on; the times of rests are on top.
+    /// Creates a pace of `rate` batches per second from `start_ns` on; rests are additional time.
     pub(crate) fn new(start_ns: i64, rate: f64, with_rests: bool) -> Self {
         let interval_ns = 1e9 / rate;
         let between = ((REST_EVERY_NS - REST_NS) / interval_ns).floor().max(1.0);
-        // Between two batches that are far apart, there is time to rest anyway.
+        // Large intervals between batches leave time to rest anyway.
         let needed = with_rests && interval_ns < REST_NS;
         Self {
             start_ns,
@@ -38,8 +39,8 @@ impl Pace {
         }
     }
 
-    /// When a process that answers at once may sleep in the rests, as nanoseconds without work and nanoseconds of
-    /// sleep: nothing is due meanwhile.
+    /// Returns the rest of a process that answers at once: nanoseconds without work before the sleep, and
+    /// nanoseconds of sleep. Nothing is due meanwhile.
     pub(crate) fn idle_rest_ns(&self) -> Option<(i64, i64)> {
         self.rests?;
         let idle_ns = 1.5 * self.interval_ns + REST_MARGIN_NS;
@@ -47,7 +48,7 @@ impl Pace {
         (sleep_ns > 0.0).then_some((idle_ns as i64, sleep_ns as i64))
     }
 
-    /// When batch number `batch` is due.
+    /// Returns the due time of batch number `batch`.
     pub(crate) fn due_ns(&self, batch: u64) -> i64 {
         let rests_ns = self
             .rests
@@ -55,7 +56,7 @@ impl Pace {
         self.start_ns + (batch as f64 * self.interval_ns + rests_ns).round() as i64
     }
 
-    /// The batch that is due at `due_ns`; `None` before the first.
+    /// Returns the batch that is due at `due_ns`; `None` before the first.
     pub(crate) fn batch_at(&self, due_ns: i64) -> Option<u64> {
         let elapsed_ns = (due_ns - self.start_ns) as f64;
         if elapsed_ns < 0.0 {

@@ -1,6 +1,6 @@
-//! One picture: latency against percentile, of floor, pipeline and the machine itself.
+//! Picture of latency against percentile, for floor, pipeline and the machine itself.
 //!
-//! The axis of percentiles has as much room for 99 to 99.9 % as for 90 to 99 %, because what matters is in the tail.
+//! The axis of percentiles has as much room for 99 to 99.9 % as for 90 to 99 %, because the tail matters most.
 
 use std::path::Path;
 
@@ -12,19 +12,19 @@ use telemetry::table::{count, duration};
 use crate::distributions::Distributions;
 
 const SIZE: (u32, u32) = (960, 600);
-/// Pixels around the picture, of the vertical axis, and of the legend beside it.
+/// Sizes in pixels: margin around the picture, width of the vertical axis, and of the legend beside the plot.
 const MARGIN: u32 = 16;
 const AXIS_WIDTH: u32 = 80;
 const LEGEND_WIDTH: u32 = 160;
-/// Pixels of the legend: its first line, from one line to the next, a stroke, and what is between stroke and text.
+/// Legend in pixels: position of its first line, line spacing, length of a stroke, and gap between stroke and text.
 const LEGEND_TOP: i32 = 60;
 const LEGEND_LINE: usize = 22;
 const LEGEND_STROKE: i32 = 24;
 const LEGEND_GAP: i32 = 8;
-/// Values per curve: more than anyone sees.
+/// Values per curve: finer than visible.
 const STEPS: u32 = 10;
 
-/// Writes it as SVG.
+/// Writes the picture as SVG.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -85,7 +85,7 @@ fn draw(
         let colour = *colour;
         chart.draw_series(LineSeries::new(points(histogram), colour.stroke_width(2)))?;
     }
-    // Beside the curves: they may lie anywhere in the picture.
+    // The legend is beside the plot, because curves may lie anywhere in the plot.
     for ((name, _, colour), y) in curves.iter().zip((LEGEND_TOP..).step_by(LEGEND_LINE)) {
         let x = (SIZE.0 - LEGEND_WIDTH) as i32 + LEGEND_GAP;
         root.draw(&PathElement::new(
@@ -99,7 +99,7 @@ fn draw(
     Ok(())
 }
 
-/// A histogram as (nines, microseconds).
+/// Converts a histogram to points (nines, microseconds).
 fn points(histogram: &Histogram<u64>) -> Vec<(f64, f64)> {
     let end = nines(1.0 - 1.0 / histogram.len().max(2) as f64);
     let steps = histogram.iter_quantiles(STEPS);
@@ -109,12 +109,12 @@ fn points(histogram: &Histogram<u64>) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// How many nines a quantile has: 0.9 has one, 0.99 two.
+/// Returns the number of nines of a quantile: 0.9 has one, 0.99 two.
 fn nines(quantile: f64) -> f64 {
     -(1.0 - quantile).max(1e-12).log10()
 }
 
-/// `99.9%` for three nines.
+/// Formats a number of nines as a percentage: `99.9%` for three nines.
 fn percentile(nines: f64) -> String {
     let decimals = (nines.round() as usize).saturating_sub(2);
     format!("{:.decimals$}%", 100.0 * (1.0 - 10f64.powf(-nines)))
@@ -158,7 +158,7 @@ mod tests {
         write(&path, &of).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains("16,059 (40.1 %) unanswered"), "{text}");
-        // Nothing recorded at all is no reason to fail.
+        // An empty recording must not fail.
         assert!(histogram().is_empty());
         write(&path, &Distributions::new(1.0)).unwrap();
     }

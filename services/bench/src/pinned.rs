@@ -1,7 +1,7 @@
-//! A thread of its own for each measurement, on the bench's core.
+//! Own thread for each measurement, on the bench's core.
 //!
-//! Not the main thread: processes that are started inherit the core and priority of the thread that starts them, and
-//! follow its end.
+//! The main thread is unsuitable: child processes inherit the core and priority of the thread that starts them, and
+//! end with it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,11 +9,11 @@ use std::time::Duration;
 
 use runtime::cores::{self, Placement};
 
-/// Pause between two looks at the processes. Rare, so that looking disturbs little.
+/// Pause between two checks of the processes; long, so that the checks disturb little.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
-/// Does `work` on a thread at `place`. Meanwhile `watch` is asked whether to go on; if it says no, `work` is told to
-/// end by the flag that it is given, and what `watch` said is the result.
+/// Runs `work` on a thread at `place` and polls `watch` meanwhile. If `watch` fails, the abort flag passed to
+/// `work` is set, and the error of `watch` is the result.
 pub(crate) fn run<R: Send>(
     place: Placement,
     mut watch: impl FnMut() -> anyhow::Result<()>,
@@ -22,7 +22,7 @@ pub(crate) fn run<R: Send>(
     let abort = Arc::new(AtomicBool::new(false));
     std::thread::scope(|scope| {
         let worker = scope.spawn(|| {
-            // Refusals are shown once, by `refusals`.
+            // `refusals` shows refusals once.
             let _ = cores::take_place(place);
             work(&abort)
         });
@@ -42,7 +42,7 @@ pub(crate) fn run<R: Send>(
     })
 }
 
-/// What the machine refuses of `place`.
+/// Returns the parts of `place` that the machine refuses.
 pub(crate) fn refusals(place: Placement) -> Vec<String> {
     let without_core = Placement { core: None, ..place };
     std::thread::scope(|scope| scope.spawn(|| cores::take_place(without_core)).join()).unwrap_or_default()

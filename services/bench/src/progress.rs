@@ -1,8 +1,8 @@
-//! What is said while it runs: lines on standard error. Results go to standard output.
+//! Progress messages: lines on standard error. Results go to standard output.
 
 use std::io::Write as _;
 
-/// One line. Standard error may be closed; that is no reason to end a measurement.
+/// Prints one line. Standard error may be closed; the measurement continues without it.
 pub(crate) fn say(line: &str) {
     let _ = writeln!(std::io::stderr(), "koseki: {line}");
 }

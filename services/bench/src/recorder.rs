@@ -1,4 +1,4 @@
-//! What came back: latencies from the intended times, and which reports were answered how often.
+//! Records the answers: latencies from the intended times, and the number of answers to each report.
 
 use hdrhistogram::Histogram;
 use messages::{NO_SOURCE, SystemTrack};
@@ -6,10 +6,10 @@ use telemetry::Stage;
 
 use crate::pace::Pace;
 
-/// Longest latency that is told from longer ones, nanoseconds.
+/// Longest distinguishable latency, nanoseconds.
 const LONGEST_NS: u64 = 100_000_000_000;
 
-/// Stages that are recorded: all whose stamps are of one clock.
+/// Recorded stages: all stages with stamps of a single clock.
 pub(crate) const STAGES: [Stage; 5] = [
     Stage::IngestToPublish,
     Stage::PublishToTaken,
@@ -19,45 +19,46 @@ pub(crate) const STAGES: [Stage; 5] = [
 ];
 const END_TO_END: usize = 4;
 
-/// A histogram that never allocates again.
+/// Creates a histogram that never allocates again.
 pub(crate) fn histogram() -> Histogram<u64> {
     Histogram::new_with_bounds(1, LONGEST_NS, 3).expect("bounds and digits are possible")
 }
 
-/// Counts and times what comes back of one load.
+/// Counts and latencies of the answers to one load.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     pace: Pace,
     batch: u16,
-    /// Source whose reports are not counted with the others, because it floods.
+    /// Flooding source; its reports are counted separately.
     flooding: u16,
-    /// Sources that take turns.
+    /// Number of sources taking turns.
     sources: u64,
     stages: [Histogram<u64>; 5],
     flooded: Histogram<u64>,
-    /// Of each batch: states that came back.
+    /// Number of received states of each batch.
     answers: Vec<u16>,
     counts: Received,
     detailed: bool,
 }
 
-/// What was received.
+/// Counts of received states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Received {
     /// States caused by reports of this load.
     pub(crate) answers: u64,
-    /// States that no report caused: coasting, ending.
+    /// States without a triggering report: coasting, ending.
     pub(crate) untriggered: u64,
-    /// States caused by earlier loads, and those of a flood.
+    /// States caused by earlier loads or by a flood.
     pub(crate) others: u64,
     /// States that are not confirmed.
     pub(crate) unconfirmed: u64,
-    /// States that were sent and did not arrive, since the receiver was made.
+    /// States lost before the receiver, since its creation.
     pub(crate) missed: u64,
 }
 
 impl Recorder {
-    /// For `batches` of `batch` reports at `pace`; `detailed`: with all stages, not only the whole.
+    /// Creates a recorder for `batches` of `batch` reports at `pace`; `detailed` records all stages, not only the
+    /// total.
     pub(crate) fn new(pace: Pace, batches: u64, batch: usize, detailed: bool) -> Self {
         Self {
             pace,
@@ -72,18 +73,18 @@ impl Recorder {
         }
     }
 
-    /// The same room for a load whose pace is known only now.
+    /// Sets a pace known only after the memory was allocated.
     pub(crate) fn set_pace(&mut self, pace: Pace) {
         self.pace = pace;
     }
 
-    /// This recorder, keeping what belongs to `source` apart, one of `sources` that take turns.
+    /// Returns this recorder with separate counts for `source`, one of `sources` taking turns.
     pub(crate) fn with_flooding(mut self, source: u16, sources: u64) -> Self {
         (self.flooding, self.sources) = (source, sources);
         self
     }
 
-    /// A state has been received.
+    /// Records a received state.
     pub(crate) fn record(&mut self, track: &SystemTrack, received_ns: i64) {
         if track.trigger_source == NO_SOURCE {
             self.counts.untriggered += 1;
@@ -113,7 +114,7 @@ impl Recorder {
         }
     }
 
-    /// The receiver has missed so many states in its life.
+    /// Sets the number of states missed by the receiver since its creation.
     pub(crate) fn missed_by_reader(&mut self, missed: u64) {
         self.counts.missed = missed;
     }
@@ -122,17 +123,17 @@ impl Recorder {
         self.counts
     }
 
-    /// Reports of so many batches.
+    /// Returns the number of reports in `batches` batches.
     pub(crate) fn reports(&self, batches: u64) -> u64 {
         batches * u64::from(self.batch)
     }
 
-    /// Reports of the first `sent` batches that nothing came back of, those of a flooding source excepted.
+    /// Returns the unanswered reports of the first `sent` batches, without those of a flooding source.
     pub(crate) fn unanswered(&self, sent: u64) -> u64 {
         self.missing(sent, |source| source != u64::from(self.flooding))
     }
 
-    /// The same of the flooding source's own share.
+    /// Returns the unanswered reports of the flooding source's own share.
     pub(crate) fn flood_unanswered(&self, sent: u64) -> u64 {
         self.missing(sent, |source| source == u64::from(self.flooding))
     }
@@ -144,28 +145,28 @@ impl Recorder {
         answers.map(|(_, answers)| missing(answers)).sum()
     }
 
-    /// States beyond one for each report.
+    /// Returns the number of states beyond one per report.
     pub(crate) fn beyond_one(&self) -> u64 {
         let beyond = |answers: &u16| u64::from(answers.saturating_sub(self.batch));
         self.answers.iter().map(beyond).sum()
     }
 
-    /// Whether all of the first `sent` batches have been answered.
+    /// Whether all of the first `sent` batches are answered.
     pub(crate) fn has_all(&self, sent: u64) -> bool {
         self.counts.answers >= sent * u64::from(self.batch)
     }
 
-    /// Latencies from the intended time to reception.
+    /// Returns latencies from the intended time to reception.
     pub(crate) fn end_to_end(&self) -> &Histogram<u64> {
         &self.stages[END_TO_END]
     }
 
-    /// The same of the flooding source's own reports.
+    /// Returns latencies of the flooding source's own reports, from the intended time to reception.
     pub(crate) fn flooded(&self) -> &Histogram<u64> {
         &self.flooded
     }
 
-    /// All stages, in the order of [`STAGES`].
+    /// Returns all stages, in the order of [`STAGES`].
     pub(crate) fn stages(&self) -> &[Histogram<u64>; 5] {
         &self.stages
     }

@@ -1,8 +1,8 @@
-//! The floor: a process that does nothing but pass the payload on.
+//! The floor: a process that only passes the payload on.
 //!
-//! It takes slices of sensor tracks and sends slices of as many system tracks, over the same shared memory, with the
-//! same hops, sizes, core, priority and way of waiting as fusion, but without engine, header, counters or health. What
-//! the pipeline takes beyond it is Koseki's own.
+//! The relay takes slices of sensor tracks and sends slices of as many system tracks. Shared memory, hops, sizes,
+//! core, priority and way of waiting are the same as for fusion, but there is no engine, header, counter or health
+//! message. Any additional time of the pipeline is Koseki's own.
 
 use std::hint::spin_loop;
 use std::time::Duration;
@@ -16,31 +16,31 @@ use runtime::signals::{self, Stop};
 
 use crate::link::{RELAY_IN, RELAY_OUT, relay_settings};
 
-/// Longest sleep before it looks whether it is to stop.
+/// Maximum sleep between two checks for a stop request.
 const LOOK_EVERY: Duration = Duration::from_millis(50);
 
-/// What a relay is started with.
+/// Options of a relay.
 #[derive(Clone, Debug)]
 pub struct RelayOptions {
-    /// Instance in which it relays.
+    /// Instance of the relay.
     pub instance: String,
     /// The bench's process number; the relay ends with it.
     pub launcher: u32,
-    /// How it waits.
+    /// Way of waiting.
     pub wait: WaitMode,
-    /// What it asks of the machine.
+    /// Requested core, priority and memory lock.
     pub placement: Placement,
-    /// Most samples in a slice.
+    /// Maximum number of samples in a slice.
     pub slice_len: usize,
-    /// Spinning at a real-time priority: after how long without work it may sleep, and for how long, nanoseconds. Else
-    /// the kernel takes the core away at a time of its own choice.
+    /// Rest while spinning at a real-time priority: time without work before a sleep, and length of the sleep,
+    /// nanoseconds. Without rests, the kernel takes the core away at a time of its own choice.
     pub rest_ns: Option<(i64, i64)>,
 }
 
-/// Without work, the clock is read once in so many looks.
+/// Number of polls without work per clock reading.
 const CLOCK_EVERY: u32 = 16;
 
-/// Relays until told to stop.
+/// Relays slices until a stop is requested.
 ///
 /// # Errors
 /// If the instance does not run or shared memory fails.
@@ -53,7 +53,7 @@ pub fn run(options: &RelayOptions) -> anyhow::Result<()> {
     let settings = relay_settings(options.slice_len, options.wait != WaitMode::Spin);
     let receiver = BareReceiver::<SensorTrack>::open(&bus, RELAY_IN, settings)?;
     let sender = BareSender::<SystemTrack>::open(&bus, RELAY_OUT, settings)?;
-    // What is refused, fusion is refused too, and says so.
+    // The same refusals apply to fusion, which reports them.
     let _ = cores::take_place(options.placement);
 
     let blank = SystemTrack {

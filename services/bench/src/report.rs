@@ -1,4 +1,4 @@
-//! What a measurement comes to: for a JSON file (FM-4), and for the comparison of two.
+//! Report of a measurement: for a JSON file (FM-4), and for the comparison of two measurements.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,14 +15,14 @@ use crate::memory::Memory;
 use crate::settings::Settings;
 use crate::verdict::Verdict;
 
-/// The whole file. Its figures at the top are those of the first rate; `points` has all of them.
+/// Contents of the file. The top-level figures are those of the first rate; `points` has all rates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Which command made it: latency, throughput, engine.
+    /// Command of the measurement: latency, throughput, engine.
     pub command: String,
-    /// On what.
+    /// Measuring machine.
     pub machine: Machine,
-    /// With what.
+    /// Settings of the measurement.
     pub settings: Option<Settings>,
     /// Latency of the bare relay: medians over the runs.
     pub floor: Figures,
@@ -30,27 +30,27 @@ pub struct Report {
     pub pipeline: Figures,
     /// The pipeline's stages: medians over the runs.
     pub stages: BTreeMap<String, Figures>,
-    /// Highest rate without loss, where it was looked for, else what was received, reports per second.
+    /// Highest rate without loss after a search, else the received rate, reports per second.
     pub throughput_per_s: f64,
-    /// The engine alone; 0 if it was not measured.
+    /// Time per update of the engine alone, nanoseconds; 0 if it was not measured.
     pub engine_ns_per_update: f64,
-    /// The engine alone, in more figures.
+    /// Detailed figures of the engine alone.
     pub engine: EngineTimes,
-    /// The machine's own.
+    /// Jitter of the machine.
     pub jitter: JitterFigures,
-    /// Each rate.
+    /// Figures at each rate.
     pub points: Vec<Point>,
     /// Search for the highest rate.
     pub throughput: Option<Throughput>,
-    /// Whether it is as fast as it is meant to be.
+    /// Verdicts on the targets of performance.
     pub verdicts: Vec<Verdict>,
-    /// Clock readings on the way of one report, and what one costs, nanoseconds.
+    /// Clock readings along the path of one report, and the cost of a reading, nanoseconds.
     pub stamps: Stamps,
-    /// What somebody who reads the figures should know.
+    /// Notes necessary to interpret the figures.
     pub notes: Vec<String>,
 }
 
-/// One rate.
+/// Figures at one rate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Reports per second.
@@ -63,9 +63,9 @@ pub struct Point {
     pub stages: BTreeMap<String, Figures>,
     /// As in [`Report`].
     pub jitter: JitterFigures,
-    /// Where a source floods: latencies of that source's own share.
+    /// Latencies of a flooding source's own share.
     pub flooded: Option<Figures>,
-    /// Each run.
+    /// Single runs.
     pub runs: Vec<Run>,
 }
 
@@ -76,11 +76,11 @@ pub struct Run {
     pub floor: Figures,
     /// The pipeline.
     pub pipeline: Figures,
-    /// The machine's own.
+    /// Jitter of the machine.
     pub jitter: JitterFigures,
     /// The pipeline's stages.
     pub stages: BTreeMap<String, Figures>,
-    /// What happened to the reports.
+    /// Account of the reports.
     pub account: Account,
     /// Warm-up of the pipeline.
     pub warm_up: WarmUp,
@@ -88,29 +88,29 @@ pub struct Run {
     pub memory: [Memory; 2],
 }
 
-/// Where the reports of a run have gone.
+/// Account of the reports of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Account {
     /// Reports sent in the measured time.
     pub sent: u64,
-    /// System tracks that came back of them.
+    /// System tracks received in answer.
     pub answers: u64,
-    /// Reports that nothing came back of; not those of a source that floods.
+    /// Unanswered reports, without those of a flooding source.
     pub unanswered: u64,
-    /// The same of the flooding source's share.
+    /// Unanswered reports of the flooding source's share.
     #[serde(default)]
     pub flood_unanswered: u64,
     /// System tracks beyond one for each report.
     pub beyond_one: u64,
-    /// System tracks that no report caused: coasting, ending.
+    /// System tracks without a triggering report: coasting, ending.
     pub untriggered: u64,
     /// System tracks that are not confirmed.
     pub unconfirmed: u64,
-    /// How late the bench sent its last report, nanoseconds.
+    /// Lateness of the bench's last report, nanoseconds.
     pub bench_late_ns: i64,
-    /// Reports sent to the process in its whole life, warm-up and flood included.
+    /// Reports sent to the process since its start, warm-up and flood included.
     pub sent_ever: u64,
-    /// What fusion counted in its whole life.
+    /// Counts of fusion since its start.
     pub fusion: FusionCounts,
 }
 
@@ -121,36 +121,37 @@ impl Account {
     }
 }
 
-/// The machine's own jitter, nanoseconds.
+/// Jitter of the machine, nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JitterFigures {
     /// Lateness at the times at which reports would have been due.
     pub lateness: Figures,
     /// Interruptions of a thread that only reads the clock: their lengths.
     pub gaps: Figures,
-    /// Part of the time that was taken away so.
+    /// Share of the time lost to interruptions.
     pub taken_away: f64,
 }
 
 /// Clock readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stamps {
-    /// What one costs, nanoseconds.
+    /// Cost of a reading, nanoseconds.
     pub reading_ns: u64,
-    /// Of the bench for each slice: when it is sent and when its states are received.
+    /// Readings of the bench for each slice: at its sending, and at the reception of its states.
     pub bench_per_slice: u32,
-    /// Of fusion for each slice: when it is taken, when its states are sent, and both clocks at the start of a turn.
+    /// Readings of fusion for each slice: at its reception, at the sending of its states, and both clocks at the
+    /// start of a turn.
     pub fusion_per_slice: u32,
 }
 
-/// The search for the highest rate without loss.
+/// Search for the highest rate without loss.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Throughput {
     /// The highest rate of the bare relay, reports per second.
     pub floor_per_s: f64,
     /// Every probe of the pipeline, in the order of its rate.
     pub probes: Vec<ProbeFigures>,
-    /// One beyond the highest rate.
+    /// Measurement beyond the highest rate.
     pub overload: Option<Overload>,
     /// The fusion process's memory before and after the long run at the highest rate.
     pub memory: [Memory; 2],
@@ -163,26 +164,26 @@ pub struct Throughput {
 pub struct ProbeFigures {
     /// Reports per second.
     pub rate_per_s: f64,
-    /// Whether nothing was lost and no queue grew.
+    /// Whether the probe lost no report and grew no queue.
     pub lossless: bool,
     /// Latency from the intended time.
     pub latency: Figures,
-    /// Reports that were due and sent late at the end, nanoseconds.
+    /// Lateness of the last reports sent, nanoseconds.
     pub last_late_ns: i64,
 }
 
-/// More than it can take.
+/// Load beyond the capacity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Overload {
-    /// Reports per second that were sent.
+    /// Sent reports per second.
     pub rate_per_s: f64,
-    /// Where they have gone.
+    /// Account of the reports.
     pub account: Account,
-    /// Whether fusion counted every report that it did not get.
+    /// Whether fusion counted every missing report.
     pub adds_up: bool,
-    /// Latency of what came back, from the intended time.
+    /// Latency of the answered reports, from the intended time.
     pub latency: Figures,
-    /// From dispatch to the bench having the state: what the queues can add, nanoseconds.
+    /// Longest time from dispatch until the bench has the state: the possible delay by the queues, nanoseconds.
     pub longest_in_queues_ns: u64,
 }
 
@@ -191,12 +192,12 @@ pub struct Overload {
 pub struct Outcome {
     /// Text to show.
     pub text: String,
-    /// Reason for which the figures are worth little; `None` if there is none.
+    /// Reason why the figures are unreliable, if any.
     pub failure: Option<String>,
 }
 
 impl Report {
-    /// Reason for which the figures are worth little: reports without an answer are in none of them.
+    /// Returns the reason why the figures are unreliable, if any: unanswered reports are in no figure.
     pub(crate) fn failure(&self) -> Option<String> {
         let runs = self.points.iter().flat_map(|point| &point.runs);
         let accounts = || runs.clone().map(|run| &run.account);
@@ -208,7 +209,7 @@ impl Report {
         })
     }
 
-    /// Writes it as JSON.
+    /// Writes the report as JSON.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -217,10 +218,10 @@ impl Report {
         std::fs::write(path, text + "\n").with_context(|| format!("--json {}", path.display()))
     }
 
-    /// Reads one that was written by the bench.
+    /// Reads a report written by the bench.
     ///
     /// # Errors
-    /// If it cannot be read, or is none.
+    /// If the file cannot be read, or is no report.
     pub fn read(path: &Path) -> anyhow::Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
         serde_json::from_str(&text)

@@ -1,19 +1,19 @@
-//! The highest rate that something holds, found by trying.
+//! Search for the highest sustainable rate.
 
-/// What a search came to.
+/// Result of a search.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Highest {
-    /// The highest rate that was held; 0 if none was.
+    /// Highest held rate; 0 if there is none.
     pub(crate) held: f64,
-    /// The lowest that was not; `None` if the limit of the search was held.
+    /// Lowest rate not held; `None` if the limit of the search was held.
     pub(crate) not_held: Option<f64>,
 }
 
-/// Doubles the rate from `start` on until `holds` says no or `limit` is passed, then halves what lies between until it
-/// is known to `tolerance` (1.03: to three percent).
+/// Doubles the rate from `start` until `holds` returns false or `limit` is passed, then bisects until the result is
+/// known to `tolerance` (1.03: to three percent).
 ///
-/// On a machine that others use, a rate that can be held fails now and then, and one that cannot never succeeds. So a
-/// failure counts only when it happens `tries` times in a row.
+/// On a shared machine, a sustainable rate fails occasionally, while an unsustainable rate never succeeds. A
+/// failure therefore counts only after `tries` failures in a row.
 pub(crate) fn highest(
     start: f64,
     limit: f64,
@@ -42,7 +42,7 @@ pub(crate) fn highest(
     let Some(mut high) = found.not_held else {
         return Ok(found);
     };
-    // Below the start, nothing is known to hold: look for it, but not for ever.
+    // Below the start, no rate is known to hold. The search continues downwards to a limit.
     let floor = start / 64.0;
     while high > floor && (found.held == 0.0 || high > tolerance * found.held) {
         let middle = if found.held == 0.0 {

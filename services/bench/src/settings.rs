@@ -1,38 +1,38 @@
-//! What is measured, and how.
+//! Settings of a measurement.
 
 use bus::WaitMode;
 use runtime::cores::{self, Placement};
 use serde::{Deserialize, Serialize};
 
-/// Most targets, and most sources.
+/// Maximum numbers of targets and sources.
 const TARGETS_MAX: u32 = 100_000;
 const SOURCES_MAX: u16 = 64;
-/// Most reports in a slice of a sensor's topic.
+/// Maximum number of reports in a slice of a sensor's topic.
 const BATCH_MAX: usize = 64;
-/// Rates that can be asked for, reports per second.
+/// Range of rates, reports per second.
 const RATE_MIN: f64 = 1.0;
 const RATE_MAX: f64 = 20e6;
-/// Most further subscribers: some places are for the bench and for others.
+/// Maximum number of further subscribers: some places are for the bench and for others.
 const SUBSCRIBERS_MAX: usize = 20;
-/// Spinning of the hybrid way, nanoseconds: that of the configuration's default.
+/// Spinning time in hybrid mode, nanoseconds: the default of the configuration.
 const HYBRID_SPIN_NS: u64 = 20_000;
 
-/// What is the same in every measurement of a command.
+/// Settings common to all measurements of a command.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Rates, reports of all sources together per second.
     pub rates_per_s: Vec<f64>,
     /// Targets.
     pub targets: u32,
-    /// Sources, each of which reports every target.
+    /// Number of sources; each reports every target.
     pub sources: u16,
-    /// Reports of one source that are sent as one slice.
+    /// Number of reports of one source in a slice.
     pub batch: usize,
-    /// How fusion and relay wait.
+    /// Waiting mode of fusion and relay.
     pub wait: Wait,
     /// Length of one measurement, seconds.
     pub seconds: f64,
-    /// Repetitions; floor and pipeline take turns in each.
+    /// Repetitions; floor and pipeline alternate in each.
     pub runs: usize,
     /// Core of the bench's own threads.
     pub bench_core: usize,
@@ -44,26 +44,26 @@ pub struct Settings {
     pub lock_memory: bool,
     /// Fusion rule; `None`: the default.
     pub rule: Option<String>,
-    /// A source that sends more than its share.
+    /// Flooding source.
     pub flood: Option<Flood>,
     /// Further subscribers to the system tracks.
     pub subscribers: usize,
 }
 
-/// How fusion and relay wait for work.
+/// Waiting mode of fusion and relay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Wait {
-    /// Asking again and again.
+    /// Polls continuously.
     Spin,
-    /// Blocked until woken.
+    /// Blocks until woken.
     Event,
-    /// Asking for a while, then blocked.
+    /// Polls for a while, then blocks.
     Hybrid,
 }
 
 impl Wait {
-    /// As configurations and command lines put it.
+    /// Returns the word used in configurations and command lines.
     pub fn word(self) -> &'static str {
         match self {
             Self::Spin => "spin",
@@ -72,7 +72,7 @@ impl Wait {
         }
     }
 
-    /// As the bus knows it.
+    /// Returns the wait mode of the bus.
     pub fn mode(self) -> WaitMode {
         match self {
             Self::Spin => WaitMode::Spin,
@@ -84,22 +84,22 @@ impl Wait {
     }
 }
 
-/// A source that sends more than its share.
+/// Source that sends more than its share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flood {
-    /// Its number, from 0.
+    /// Number of the source, from 0.
     pub source: u16,
-    /// How many times as many reports as each of the others.
+    /// Number of reports relative to each of the other sources.
     pub factor: f64,
 }
 
-/// What was asked for cannot be measured, here or anywhere.
+/// Measurement that is impossible, on this machine or in general.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Refused(pub String);
 
 impl Settings {
-    /// Checks them against what there is, and against this machine.
+    /// Checks the settings against their limits and against this machine.
     ///
     /// # Errors
     /// With option, value, limit and remedy.
@@ -108,7 +108,7 @@ impl Settings {
         self.check_cores(&cores::available())
     }
 
-    /// The same without the cores: one is enough for the engine alone.
+    /// Checks the settings without the cores: the engine alone needs only one core.
     pub(crate) fn check_without_cores(&self) -> Result<(), Refused> {
         let refuse = |what: String| Err(Refused(what));
         for rate in &self.rates_per_s {
@@ -181,12 +181,12 @@ impl Settings {
         Ok(())
     }
 
-    /// Time from one report of a target by a source to the next, seconds.
+    /// Returns the time between two reports of a target by the same source, seconds.
     pub fn period_s(&self, rate_per_s: f64) -> f64 {
         f64::from(self.targets) * f64::from(self.sources) / rate_per_s
     }
 
-    /// What the bench's own threads ask of the machine.
+    /// Returns the requested placement of the bench's own threads.
     pub fn bench_place(&self) -> Placement {
         Placement {
             core: Some(self.bench_core),

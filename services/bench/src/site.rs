@@ -1,8 +1,8 @@
-//! The bench's own deployment: an instance that nobody else uses, its configuration, and the processes under test.
+//! Deployment of the bench: an exclusive instance, its configuration, and the processes under test.
 //!
-//! Fusion runs as it does in any deployment: the same executable, a configuration file, topics held by whoever started
-//! it. Its sources are external: the bench itself publishes them. Whatever ends a measurement (its end, an error,
-//! Ctrl-C, a panic), the processes are stopped first, and then every trace of the instance is removed.
+//! Fusion runs as in any deployment: the same executable, a configuration file, topics held by its launcher. Its
+//! sources are external: the bench itself publishes them. At any end of a measurement (completion, an error,
+//! Ctrl-C, a panic), the bench first stops the processes and then removes every trace of the instance.
 
 use std::ffi::OsString;
 use std::fmt::Write as _;
@@ -24,24 +24,24 @@ use crate::link::source_name;
 use crate::progress;
 use crate::settings::Settings;
 
-/// How long a process may take until it says that it runs, to say once more how it is, and to stop.
+/// Time limits of a process to report that it runs, to report its next health, and to stop.
 pub(crate) const START_PATIENCE: Duration = Duration::from_secs(30);
 const HEALTH_PATIENCE: Duration = Duration::from_secs(5);
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
-/// How the names of the bench's instances begin; its process number follows.
+/// Prefix of the bench's instance names; the process number follows.
 const INSTANCES: &str = "bench-";
-/// Pause between two looks at a process.
+/// Pause between two checks of a process.
 pub(crate) const PAUSE: Duration = Duration::from_millis(20);
-/// Processes that say how they are: fusion, a monitor, and spare ones.
+/// Number of processes with health reports: fusion, a monitor, and spare places.
 const PROCESSES: usize = 4;
 /// Limits of a source's period in a configuration, seconds.
 const PERIOD_MIN_S: f64 = 0.01;
 const PERIOD_MAX_S: f64 = 600.0;
 
-/// See the module's documentation.
+/// Deployment of the bench, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct Site {
-    /// In the order in which they must go.
+    /// Fields in the order of their required removal.
     topics: Option<(Vec<Held>, Bus<SharedMemory>)>,
     instance: Option<Instance>,
     folder: tempfile::TempDir,
@@ -64,7 +64,7 @@ impl Site {
         )?
         .1;
         let claimed = Instance::claim(&config, &instance, PROCESSES, stop, progress::say)?;
-        // From here on an error clears up, too.
+        // From here on, dropping `site` cleans up after an error.
         let mut site = Self {
             topics: None,
             instance: Some(claimed),
@@ -95,7 +95,7 @@ impl Site {
         self.start_program(&self.executable, self.root.instance(), name, arguments)
     }
 
-    /// Starts a process of another program, in an instance that may be another one.
+    /// Starts a process of another program, possibly in another instance.
     pub(crate) fn start_program(
         &self,
         program: &Path,
@@ -109,7 +109,7 @@ impl Site {
             .arg(std::process::id().to_string())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
-            // Ctrl-C is for the bench, which then stops it.
+            // Ctrl-C is for the bench, which then stops the process.
             .process_group(0)
             .spawn()
             .with_context(|| format!("starting {name}"))?;
@@ -132,7 +132,7 @@ impl Site {
         Ok(fusion)
     }
 
-    /// Listens to what a process of the instance says of itself.
+    /// Subscribes to the health of a process of the instance.
     pub(crate) fn hear<'a>(&'a self, running: Running<'a>) -> anyhow::Result<Heard<'a>> {
         let health = self.bus().subscriber(&messages::health(), || mono_ns() as u64)?;
         Ok(Heard::of(health, None, running))
@@ -150,7 +150,7 @@ impl Drop for Site {
     }
 }
 
-/// A child process. It is stopped when dropped.
+/// Child process, stopped on drop.
 #[derive(Debug)]
 pub(crate) struct Running<'a> {
     child: Child,
@@ -163,7 +163,7 @@ impl Running<'_> {
         self.child.id()
     }
 
-    /// An error if it has ended, or the bench has been told to stop.
+    /// Returns an error if the process has ended, or if the bench received a stop request.
     pub(crate) fn check(&mut self) -> anyhow::Result<()> {
         if self.site.stop_requested() {
             bail!("stopped before the end; no figures are shown");
@@ -175,7 +175,7 @@ impl Running<'_> {
     }
 
     fn signal(&self, signal: Signal) {
-        // It fails only if the process has ended, and one that was not waited for keeps its number.
+        // Signalling fails only after the process has ended; its number stays reserved until it is waited for.
         let _ = kill_process(Pid::from_child(&self.child), signal);
     }
 }
@@ -196,19 +196,20 @@ impl Drop for Running<'_> {
     }
 }
 
-/// A process that says how it is.
+/// Process with its health messages.
 #[derive(Debug)]
 pub(crate) struct Heard<'a> {
-    /// Before the process: one with an instance of its own waits for its readers to leave.
+    /// Declared before the process, hence dropped first: a process with its own instance waits for its readers to
+    /// leave.
     health: Subscriber<SharedMemory, Health>,
     _bus: Option<Bus<SharedMemory>>,
     running: Running<'a>,
-    /// What it said last of itself.
+    /// Latest health message of the process.
     latest: Option<Health>,
 }
 
 impl<'a> Heard<'a> {
-    /// `bus` is that of the process's own instance, if it has one.
+    /// Creates the watched process; `bus` is the bus of its own instance, if any.
     pub(crate) fn of(
         health: Subscriber<SharedMemory, Health>,
         bus: Option<Bus<SharedMemory>>,
@@ -226,7 +227,7 @@ impl<'a> Heard<'a> {
         self.running.pid()
     }
 
-    /// An error if it has ended, or the bench has been told to stop.
+    /// Returns an error if the process has ended, or if the bench received a stop request.
     fn check(&mut self) -> anyhow::Result<()> {
         let (latest, pid) = (&mut self.latest, self.running.pid());
         self.health.take(usize::MAX, |_, said| {
@@ -246,12 +247,12 @@ impl<'a> Heard<'a> {
         Ok(())
     }
 
-    /// What it says at `mono_ns` or later.
+    /// Returns the first health message sent after `mono_ns`.
     pub(crate) fn said_after(&mut self, mono_ns: i64) -> anyhow::Result<Health> {
         self.until(HEALTH_PATIENCE, "said how it is", |whole| whole.said_ns > mono_ns)
     }
 
-    /// What it says as soon as `condition` holds.
+    /// Returns the first health message that satisfies `condition`.
     pub(crate) fn until(
         &mut self,
         patience: Duration,
@@ -272,7 +273,7 @@ impl<'a> Heard<'a> {
     }
 }
 
-/// The fusion process.
+/// Fusion process.
 #[derive(Debug)]
 pub(crate) struct Fusion<'a> {
     heard: Heard<'a>,
@@ -284,25 +285,25 @@ impl Fusion<'_> {
         self.heard.pid()
     }
 
-    /// Its configuration file.
+    /// Returns the configuration file.
     pub(crate) fn config(&self) -> &Path {
         &self.config
     }
 
-    /// An error if it has ended, or the bench has been told to stop.
+    /// Returns an error if the process has ended, or if the bench received a stop request.
     pub(crate) fn check(&mut self) -> anyhow::Result<()> {
         self.heard.check()
     }
 
-    /// Its counter for the whole process, as it was at `mono_ns` or later.
+    /// Returns the counters of the whole process from a health message after `mono_ns`.
     pub(crate) fn counters_after(&mut self, mono_ns: i64) -> anyhow::Result<Health> {
         self.heard.said_after(mono_ns)
     }
 }
 
-/// A bench that was killed could not clear up, and no later one has its name.
+/// Removes the remains of killed benches: they could not clean up, and later benches have other names.
 fn remove_left_behind() {
-    // What cannot be listed or removed is no reason not to measure; `koseki status` shows it.
+    // Failures to list or remove do not prevent a measurement; `koseki status` shows the remains.
     for left in Root::list(bus::base::find()).unwrap_or_default() {
         let name = left.root.instance();
         if left.runs || !name.starts_with(INSTANCES) {
@@ -317,7 +318,7 @@ fn remove_left_behind() {
     }
 }
 
-/// How the name of the folder begins that holds an instance's configuration.
+/// Returns the name prefix of the folder with an instance's configuration.
 fn folder_prefix(instance: &str) -> String {
     format!("koseki-{instance}-")
 }
@@ -325,7 +326,7 @@ fn folder_prefix(instance: &str) -> String {
 fn remove_folders(prefix: &str) {
     let folders = std::fs::read_dir(std::env::temp_dir()).into_iter().flatten().flatten();
     for folder in folders.filter(|folder| folder.file_name().to_string_lossy().starts_with(prefix)) {
-        // As above.
+        // Failures are ignored as above.
         let _ = std::fs::remove_dir_all(folder.path());
     }
 }
@@ -338,7 +339,7 @@ fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::
     Ok((path, config))
 }
 
-/// The configuration of a deployment whose sources the bench publishes at `rate_per_s` together.
+/// Returns the configuration of a deployment whose sources the bench publishes at `rate_per_s` in total.
 pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
     let period_s = settings.period_s(rate_per_s).clamp(PERIOD_MIN_S, PERIOD_MAX_S);
     let (targets, sources) = (settings.targets as usize, usize::from(settings.sources));

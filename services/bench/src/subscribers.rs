@@ -1,4 +1,4 @@
-//! Further subscribers to the system tracks: such as keep up, and such as have stopped reading.
+//! Further subscribers to the system tracks: some read, others have stopped reading.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,11 +12,10 @@ use runtime::clock::mono_ns;
 
 use crate::site::Site;
 
-/// Pause between two looks of those that read: as rare as the queues allow, so that the readers take little of the
-/// machine that is measured.
+/// Pause between two reads: as long as the queues permit, so that the readers take little of the measured machine.
 const READ_EVERY: Duration = Duration::from_millis(2);
 
-/// A thread with subscribers. They leave when this is dropped.
+/// Thread with subscribers, which leave on drop.
 #[derive(Debug)]
 pub(crate) struct Subscribers {
     thread: Option<JoinHandle<()>>,
@@ -24,7 +23,7 @@ pub(crate) struct Subscribers {
 }
 
 impl Subscribers {
-    /// `count` subscribers on a thread that may run on any core; those that do not read let their queues overflow.
+    /// Starts `count` subscribers on a thread that may run on any core; without `read`, their queues overflow.
     pub(crate) fn start(site: &Site, count: usize, read: bool) -> anyhow::Result<Self> {
         let leave = Arc::new(AtomicBool::new(false));
         if count == 0 {
@@ -47,7 +46,7 @@ impl Subscribers {
             let _ = say.send(Ok(()));
             while !left.load(Ordering::Relaxed) {
                 for subscriber in subscribers.iter_mut().filter(|_| read) {
-                    // What cannot be read here shows nowhere; the bench's own reader reports failures.
+                    // Read failures are ignored here; the bench's own reader reports failures.
                     let _ = subscriber.take(usize::MAX, |_, _| {});
                 }
                 std::thread::sleep(READ_EVERY);

@@ -1,4 +1,4 @@
-//! The tables that people read.
+//! Tables for people.
 
 use std::fmt::Write as _;
 
@@ -10,10 +10,10 @@ use crate::link::queues;
 use crate::recorder::STAGES;
 use crate::report::{Account, JitterFigures, Overload, Point, Report, Run};
 
-/// A bench that is later than this at the end of a run has fallen behind, nanoseconds.
+/// Lateness at the end of a run above which the bench has fallen behind, nanoseconds.
 const BENCH_LATE_NS: i64 = 20_000_000;
 
-/// Everything that a search for the highest rate says.
+/// Returns the text of a search for the highest rate.
 pub(crate) fn throughput(report: &Report) -> String {
     let mut text = heading(report);
     let Some(found) = &report.throughput else { return text };
@@ -86,7 +86,7 @@ fn overload_text(overload: &Overload, report: &Report) -> String {
     )
 }
 
-/// What is not as it should be with the reports of a run; empty if nothing.
+/// Returns the irregularities of a run's reports; empty if there are none.
 pub(crate) fn odd(account: &Account) -> String {
     let mut odd = Vec::new();
     let mut add = |number: u64, what: &str| {
@@ -113,7 +113,7 @@ pub(crate) fn odd(account: &Account) -> String {
     }
 }
 
-/// Everything that a latency measurement says.
+/// Returns the text of a latency measurement.
 pub(crate) fn latency(report: &Report) -> String {
     let mut text = heading(report);
     for point in &report.points {
@@ -154,7 +154,7 @@ pub(crate) fn stamps(report: &Report) -> String {
     )
 }
 
-/// Machine and settings.
+/// Returns the description of machine and settings.
 pub(crate) fn heading(report: &Report) -> String {
     let machine = &report.machine;
     let mut text = format!(
@@ -282,7 +282,7 @@ pub(crate) fn row(table: &mut Table, name: &str, figures: &Figures) {
     table.row(cells);
 }
 
-/// Two lines: medians, and what they lie between.
+/// Adds two lines: medians, and their range over the runs.
 fn spread_row(table: &mut Table, name: &str, runs: &[Run], of: impl Fn(&Run) -> Figures) {
     spread(table, name, &runs.iter().map(of).collect::<Vec<_>>());
 }
@@ -299,7 +299,7 @@ fn spread(table: &mut Table, name: &str, runs: &[Figures]) {
     }
 }
 
-/// Median of the runs' own ratios: what came and went hit both.
+/// Adds the median of the runs' own ratios: disturbances affect both sides of a ratio.
 fn ratio_row(table: &mut Table, runs: &[Run]) {
     let mut cells = vec!["pipeline / relay, paired".to_owned()];
     for index in 0..Figures::NAMES.len() {

@@ -1,13 +1,18 @@
-//! `koseki bench throughput`: the highest rate at which nothing is lost, and what happens beyond.
+//! `koseki bench throughput`: the highest rate without loss, and the behaviour beyond.
 //!
-//! A rate is *held* if, over a few seconds, every report sent was taken by fusion (its own counter of missing sequence
-//! numbers stays 0), every one came back as a system track that the bench's reader received, the bench itself sent on
-//! time, and the last state came back soon after the last report was sent: else a queue was growing, and would have
-//! overflowed in a longer probe. The search doubles and halves until it knows the rate to three percent. The relay is
-//! searched in the same way, which shows what transport and bench can do.
+//! A rate is *held* if all of these are true over a few seconds:
 //!
-//! Beyond it, reports must be lost; what matters is that all of them are counted, and that the queues, and with them
-//! the latency of what does come through, do not grow without end.
+//! - Fusion took every report sent (its own counter of missing sequence numbers stays 0).
+//! - Every report came back as a system track received by the bench's reader.
+//! - The bench itself sent on time.
+//! - The last state came back soon after the last report was sent. Otherwise a queue was growing, and would have
+//!   overflowed in a longer probe.
+//!
+//! The search doubles and bisects the rate until it is known to three percent. The same search on the relay shows
+//! the capability of transport and bench.
+//!
+//! Beyond the highest rate, losses are inevitable. The requirements there are that all losses are counted, and that
+//! the queues, and hence the latency of the answered reports, stay bounded.
 
 use runtime::signals::Stop;
 use telemetry::Stage;
@@ -28,24 +33,25 @@ use crate::settings::Settings;
 use crate::site::Site;
 use crate::text;
 
-/// The search begins here, and goes no further than this, reports per second.
+/// Start and upper limit of the search, reports per second.
 const START_PER_S: f64 = 50_000.0;
 const LIMIT_PER_S: f64 = 10e6;
-/// How exactly the highest rate is found, and how often a rate must fail.
+/// Accuracy of the highest rate, and number of failures that reject a rate.
 const TOLERANCE: f64 = 1.03;
 const TRIES: usize = 2;
-/// A rate is held if the bench sends its last report, and gets its last state, no later than this, nanoseconds.
+/// Maximum lateness of the bench's last report, and of the last state, at a held rate, nanoseconds.
 const BEHIND_MAX_NS: i64 = 20_000_000;
-/// Rates of the table, as parts of the highest one.
+/// Rates of the table, as shares of the highest rate.
 const PARTS: [f64; 6] = [0.1, 0.25, 0.5, 0.75, 0.9, 1.0];
-/// Part of the highest rate at which the long run watches memory.
+/// Share of the highest rate at which the long run watches memory.
 const LONG_PART: f64 = 0.8;
-/// The rate beyond, as a part of the highest, and how many times the queues' room is sent too much.
+/// Overload rate as a multiple of the highest rate, and the excess of reports as a multiple of the queues'
+/// capacity.
 const BEYOND: f64 = 2.0;
 const OVERFLOWS: f64 = 3.0;
 
-/// Measures; `probe_seconds` is the length of a probe, `settings.seconds` that of the long run. Returns what is to be
-/// shown.
+/// Measures the throughput; `probe_seconds` is the length of a probe, `settings.seconds` that of the long run.
+/// Returns the text to show.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
@@ -186,7 +192,7 @@ impl Bench<'_> {
         })
     }
 
-    /// Floor, pipeline and machine at one rate, for as long as the settings say.
+    /// Measures floor, pipeline and machine at one rate, for the configured time.
     fn long_run(&self, rate_per_s: f64) -> anyhow::Result<(crate::report::Point, Distributions)> {
         let plan = Plan {
             rate_per_s,

@@ -1,21 +1,22 @@
-//! The reports that the bench sends: targets on a grid, all moving, each seen by every source in turn.
+//! Reports sent by the bench: targets on a grid, all moving, each observed by every source in turn.
 //!
-//! The grid is wide (3 km) and the targets fly nearly the same way, so that each report belongs to one system track
-//! beyond doubt, and one report yields one state of it. What is measured is then the work itself, not a traffic
-//! picture. Every second source knows the targets' addresses; the others are recognised by place.
+//! The grid is wide (3 km) and the targets fly nearly in parallel. Each report therefore belongs to one system
+//! track without ambiguity, and yields one state. The measurement covers the processing itself, not a traffic
+//! situation. Every second source reports the targets' addresses; reports of the other sources are associated by
+//! position.
 //!
-//! What is the same in all reports of a target is built beforehand; when it is sent, time and position are filled in.
+//! The parts of a report that do not change are built in advance; time and position are set before sending.
 
 use messages::{Covariance, Identity, SensorTrack, StageTimes, TrackState, sensor_track_bits as bits};
 
 const SPACING_M: f64 = 3_000.0;
-/// Each source sees the targets this much farther east than the one before.
+/// Eastward offset of each source's positions relative to the previous source, metres.
 const SOURCE_SHIFT_M: f64 = 8.0;
 
-/// Builds reports.
+/// Builder of reports.
 #[derive(Debug)]
 pub(crate) struct Traffic {
-    /// One for each target, at time 0.
+    /// Report templates, one for each target, at time 0.
     targets: Vec<SensorTrack>,
     sources: u64,
     batch: u64,
@@ -26,7 +27,8 @@ pub(crate) struct Traffic {
 }
 
 impl Traffic {
-    /// `targets` seen by `sources`; a batch is `batch` reports of one source, and the sources take turns.
+    /// Creates the traffic of `targets` observed by `sources`; a batch is `batch` reports of one source, and the
+    /// sources take turns.
     pub(crate) fn new(targets: u32, sources: u16, batch: usize, origin_ns: i64, utc_offset_ns: i64) -> Self {
         let side = f64::from(targets).sqrt().ceil() as u32;
         let target = |number: u32| {
@@ -52,7 +54,7 @@ impl Traffic {
         }
     }
 
-    /// The same targets, in batches of another size.
+    /// Sets another batch size for the same targets.
     pub(crate) fn set_batch(&mut self, batch: usize) {
         self.batch = batch as u64;
     }
@@ -61,9 +63,9 @@ impl Traffic {
         self.batch as usize
     }
 
-    /// Batches until every source has reported every target.
+    /// Returns the number of batches until every source has reported every target.
     pub(crate) fn round(&self) -> u64 {
-        // Each source needs as many whole batches: its last one may begin the next round.
+        // Each source needs as many whole batches: its last batch may reach into the next round.
         (self.targets.len() as u64).div_ceil(self.batch) * self.sources
     }
 
@@ -71,17 +73,17 @@ impl Traffic {
         self.sources
     }
 
-    /// The source that batch number `batch` comes from.
+    /// Returns the source of batch number `batch`.
     pub(crate) fn source(&self, batch: u64) -> u16 {
         (batch % self.sources) as u16
     }
 
-    /// UTC at the monotonic time `mono_ns`.
+    /// Returns UTC at the monotonic time `mono_ns`.
     pub(crate) fn utc_ns(&self, mono_ns: i64) -> i64 {
         mono_ns + self.utc_offset_ns
     }
 
-    /// Report number `index` of batch number `batch` of `source`, due at `due_ns`; without stamps.
+    /// Returns report number `index` of batch number `batch` of `source`, due at `due_ns`; without stamps.
     pub(crate) fn report(&self, source: u16, batch: u64, index: usize, due_ns: i64) -> SensorTrack {
         let round = batch / self.sources;
         let target = (round * self.batch + index as u64) % self.targets.len() as u64;
@@ -98,7 +100,7 @@ impl Traffic {
     }
 }
 
-/// The stamps of a report that was due at `due_ns` and is published at `published_ns`.
+/// Returns the stamps of a report that was due at `due_ns` and is published at `published_ns`.
 pub(crate) fn stamps(due_ns: i64, published_ns: i64) -> StageTimes {
     StageTimes {
         ingested_ns: due_ns,

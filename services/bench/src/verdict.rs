@@ -1,6 +1,6 @@
-//! Is it as fast as it is meant to be?
+//! Verdicts on the performance targets.
 //!
-//! The pipeline is held against what it is made of, measured in the same session: the bare relay and the engine alone.
+//! The pipeline is compared with its parts, measured in the same session: the bare relay and the engine alone.
 //! Limits are sums of these, so they hold on any machine; the machine's noise is in both sides.
 
 use serde::{Deserialize, Serialize};
@@ -9,24 +9,24 @@ use crate::figures::Figures;
 use crate::settings::Wait;
 use telemetry::table::duration;
 
-/// What the pipeline may add to relay and engine where it spins, nanoseconds.
+/// Time that the pipeline may add to relay and engine in `spin` mode, nanoseconds.
 const OWN_NS: f64 = 700.0;
-/// By what its tail may exceed theirs.
+/// Permitted ratio of the pipeline's tail to their tails.
 const TAIL_FACTOR: f64 = 3.0;
-/// By what it may exceed the relay where it sleeps.
+/// Permitted latency in `event` mode relative to the relay: median and tail.
 const EVENT_MIDDLE_FACTOR: f64 = 1.3;
 const EVENT_TAIL_FACTOR: f64 = 1.5;
 
-/// One figure against its limit.
+/// Comparison of one figure with its limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdict {
-    /// What is compared.
+    /// Description of the figure.
     pub what: String,
     /// The figure, nanoseconds.
     pub value_ns: f64,
-    /// Its limit, nanoseconds.
+    /// Limit, nanoseconds.
     pub limit_ns: f64,
-    /// Whether it is within.
+    /// Whether the figure is within the limit.
     pub holds: bool,
 }
 
@@ -40,7 +40,7 @@ impl Verdict {
         }
     }
 
-    /// As a line for people.
+    /// Returns a line for people.
     pub fn line(&self) -> String {
         let sign = if self.holds { "<=" } else { "> " };
         let word = if self.holds { "holds" } else { "does NOT hold" };
@@ -49,8 +49,8 @@ impl Verdict {
     }
 }
 
-/// The verdicts on one rate. Where reports are sent together (`batch` above 1), they wait for each other, and the
-/// middle is not judged.
+/// Returns the verdicts on one rate. In batches of several reports (`batch` above 1), reports wait for each other,
+/// and the median is not judged.
 pub(crate) fn verdicts(
     wait: Wait,
     batch: usize,

@@ -1,9 +1,10 @@
-//! `koseki bench watch`: what it costs to be watched.
+//! `koseki bench watch`: cost of being watched.
 //!
-//! Something is added to a running fusion: a monitor, subscribers, one that has stopped reading; or one source sends
-//! many times as much, and what the others notice is measured. The cost is far below the
-//! machine's noise, so runs with and without it are paired, one directly after the other, in alternating order; of each
-//! pair only the ratio counts, and of the ratios the median with the interval that it lies in at 95 % (see `Ratio`).
+//! The command adds something to a running fusion: a monitor, subscribers, a subscriber that has stopped reading.
+//! Alternatively one source sends many times its share, and the effect on the other sources is measured. The cost
+//! is far below the machine's noise. Runs with and without the addition are therefore paired, one directly after
+//! the other, in alternating order. Only the ratio within each pair counts, summarised by the median ratio with its
+//! 95 % interval (see `Ratio`).
 
 use std::ffi::OsString;
 
@@ -21,10 +22,10 @@ use crate::settings::{Flood, Refused, Settings};
 use crate::site::{Fusion, Running, Site};
 use crate::subscribers::Subscribers;
 
-/// Fewer pairs than this give no interval worth its name.
+/// Minimum number of pairs for a useful interval.
 const PAIRS_MIN: usize = 6;
 
-/// What is added.
+/// Addition to measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extra {
@@ -32,11 +33,11 @@ pub enum Extra {
     Monitor,
     /// A subscriber to the system tracks that never reads.
     StoppedSubscriber,
-    /// So many subscribers that read.
+    /// This number of reading subscribers.
     Subscribers(usize),
-    /// A link that sends the system tracks to so many mirrors.
+    /// Link that sends the system tracks to this number of mirrors.
     Link(usize),
-    /// Source 0 sends so many times its share, which is not measured then.
+    /// Source 0 sends this many times its share; its reports are not measured then.
     Flood(u32),
 }
 
@@ -53,7 +54,7 @@ impl std::fmt::Display for Extra {
     }
 }
 
-/// Columns of what links have carried: processors, and memory of each.
+/// Columns of the account of links: processors, and memory of each.
 const CARRIED: [&str; 8] = [
     "states",
     "came",
@@ -65,24 +66,24 @@ const CARRIED: [&str; 8] = [
     "mirrors' cores",
 ];
 
-/// What came of it, as JSON has it.
+/// Result in the form of JSON.
 #[derive(Debug, Serialize)]
 struct Watched<'a> {
     command: &'static str,
     machine: &'a Machine,
     settings: &'a Settings,
     with: Extra,
-    /// With and without, pair by pair.
+    /// Figures with and without, pair by pair.
     pairs: &'a [(Figures, Figures)],
     p50_ratio: Ratio,
     p99_ratio: Ratio,
     p999_ratio: Ratio,
-    /// What links have carried, pair by pair.
+    /// Accounts of the links, pair by pair.
     #[serde(skip_serializing_if = "<[Carried]>::is_empty")]
     carried: &'a [Carried],
 }
 
-/// Measures `settings.runs` pairs. Returns what is to be shown.
+/// Measures `settings.runs` pairs. Returns the text to show.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or the file cannot be written.
@@ -150,7 +151,7 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
     Ok(shown(&watched))
 }
 
-/// One measurement of a fresh fusion, with or without.
+/// Executes one measurement of a fresh fusion, with or without the addition.
 fn one(
     site: &Site,
     settings: &Settings,
