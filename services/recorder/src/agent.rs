@@ -1,4 +1,4 @@
-//! The duty cycle of the recorder.
+//! Duty cycle of the recorder.
 
 use std::path::Path;
 use std::time::Duration;
@@ -14,23 +14,23 @@ use crate::all_topics::{AllTopics, Done};
 use crate::recovery;
 use crate::topic_file::{self, Place, StreamFile};
 
-/// Turns in which what is still waiting is written at the end.
+/// Maximum number of turns at the end for writing the slices still waiting.
 const TURNS_AT_CLOSE: usize = 1000;
 
-/// Start of a deployment that is recorded.
+/// Recorded run of a deployment.
 #[derive(Clone, Copy, Debug)]
 pub struct Start<'a> {
-    /// Folder for its files.
+    /// Folder for the run's files.
     pub folder: &'a Path,
-    /// Description, which no other start has.
+    /// Description of the run, unique to it.
     pub run: &'a str,
-    /// Version of the executable, with the commit where that is known.
+    /// Version of the executable, with the commit if known.
     pub version: &'a str,
     /// Midnight from which tables count their seconds, UTC, nanoseconds.
     pub first_day_ns: i64,
 }
 
-/// The recorder as an agent; generic over the transport, so that tests drive it in process.
+/// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
     files: Vec<Box<dyn StreamFile>>,
@@ -38,13 +38,14 @@ pub struct RecorderAgent<S: Transport> {
     waiter: Waiter<S>,
     /// Streams of the deployment, in their order, and whether each has ended.
     streams: Vec<(StreamId, bool)>,
-    /// Recordings: says how far the recorder has got with each of the streams, so that nothing is lost.
+    /// For recorded inputs: publishes the recorder's position in each stream, so that no sample is lost.
     reached: Option<Reached<S>>,
 }
 
 impl<S: Transport> RecorderAgent<S> {
-    /// A recorder of the `start` of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
-    /// Files that an earlier recorder of that start has left are continued; those of another one are refused.
+    /// Creates a recorder for the run `start` of `config`, connected to `bus`; `incarnation` is the process's
+    /// monotonic start time. Files left by an earlier recorder of the same run are continued; files of another run
+    /// are rejected.
     ///
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
@@ -85,7 +86,7 @@ impl<S: Transport> RecorderAgent<S> {
         })
     }
 
-    /// Writes what has arrived; whether there was anything.
+    /// Writes the arrived slices; returns whether there were any.
     fn write_arrived(&mut self, now: Now) -> anyhow::Result<bool> {
         let Self {
             files,
@@ -102,7 +103,7 @@ impl<S: Transport> RecorderAgent<S> {
         };
         let mut worked = false;
         if let Some(all_topics) = all_topics {
-            // With rows it is these that are waited for.
+            // If rows are written, the position of the rows counts.
             let mut nothing = |_: usize, _: &BatchHeader, _: u64| {};
             let heard: &mut Done<'_> = if files.is_empty() { &mut done } else { &mut nothing };
             worked |= all_topics.turn(now, heard)?;
@@ -113,7 +114,7 @@ impl<S: Transport> RecorderAgent<S> {
         Ok(worked)
     }
 
-    /// Whether everything that a replay repeats, and what fusion makes of it, is there.
+    /// Whether all replayed streams and the resulting system tracks have ended.
     fn all_ended(&self) -> bool {
         let ends = |stream: Stream| stream.is_replayed() || stream == Stream::SystemTracks;
         let mut ending = self.streams.iter().filter(|(id, _)| ends(id.stream));
@@ -145,8 +146,8 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         Ok(())
     }
 
-    /// One entry for the process, which speaks of the system tracks and of wide-area sensors, since these are no
-    /// sources; then one for each source.
+    /// Appends an entry for the process, which covers the system tracks and the wide-area sensors (these are no
+    /// sources), then one entry for each source.
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let first = entries.len();
         entries.push(HealthEntry::default());
@@ -212,7 +213,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     }
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
-        // Bounded, in case somebody goes on publishing.
+        // Bounded, in case a publisher continues.
         for _ in 0..TURNS_AT_CLOSE {
             if !self.write_arrived(now)? {
                 break;

@@ -1,4 +1,4 @@
-//! The recording of all topics, whatever their samples are.
+//! Recording of all topics, independent of their sample types.
 
 use std::fmt::Debug;
 
@@ -17,39 +17,39 @@ use crate::segments::{SegmentCounts, Segments};
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;
 
-/// Records all topics of a deployment.
+/// Recorder of all topics of a deployment.
 #[derive(Debug)]
 pub(crate) struct AllTopics<S: Transport> {
     topics: Vec<Box<dyn Taken<S>>>,
-    /// Last words of publishers before their topics were opened, with the topics' places.
+    /// Lines left by publishers before their topics were opened, with the topics' places.
     lines: Vec<(usize, PublisherLine)>,
-    /// When it began, monotonic, nanoseconds; what was sent before has come a while after that.
+    /// Start time, monotonic, nanoseconds; earlier slices arrive within a short time after it.
     since_ns: i64,
     segments: Segments,
     images: Images<S>,
 }
 
-/// Hears of each slice of the stream at a place of [`Config::streams`], and of the number of the sample after it.
+/// Callback for each slice of the stream at a place of [`Config::streams`], with the number of the next sample.
 pub(crate) type Done<'d> = dyn FnMut(usize, &BatchHeader, u64) + 'd;
 
-/// Time after which everything that waited at the start has been taken, nanoseconds.
+/// Time after which all slices waiting at the start are taken, nanoseconds.
 const CATCH_UP_NS: i64 = 500_000_000;
 
-/// A topic of whatever samples.
+/// Topic of any sample type.
 trait Taken<S: Transport>: Debug {
-    /// Hands what has arrived to the file; whether there was anything.
+    /// Passes the arrived slices to the file; returns whether there were any.
     fn take(&mut self, place: usize, segments: &mut Segments, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool>;
 
-    /// Whether something has arrived.
+    /// Whether slices have arrived.
     fn has_slices(&self) -> bool;
 
-    /// Samples taken; of a log, none are counted.
+    /// Returns the number of samples taken; a log does not count them.
     fn taken(&self) -> u64 {
         0
     }
 }
 
-/// The topic of a stream.
+/// Topic of a stream.
 #[derive(Debug)]
 struct OfStream<S: Transport, T: Payload>(Subscriber<S, T>);
 
@@ -87,7 +87,7 @@ impl<S: Transport, T: Payload> Taken<S> for Subscriber<S, T> {
 impl<S: Transport, T: Payload> Taken<S> for LogReader<T> {
     fn take(&mut self, place: usize, segments: &mut Segments, now: Now, _: &mut Done<'_>) -> anyhow::Result<bool> {
         let incarnation = self.created_ns();
-        // After a restart from where the one before had come.
+        // After a restart, continues at the position of the previous recorder.
         self.go_on(segments.next_sequence(place, incarnation));
         let mut read = false;
         for _ in 0..SLICES_PER_TOPIC {
@@ -108,17 +108,17 @@ impl<S: Transport, T: Payload> Taken<S> for LogReader<T> {
         Ok(read)
     }
 
-    /// A log can wait: what comes of it wakes the recorder.
+    /// A log can wait: other topics wake the recorder.
     fn has_slices(&self) -> bool {
         false
     }
 }
 
-/// Collects subscribers of topics.
+/// Collector of the topics' subscribers.
 struct Opening<'a, S: Transport> {
     bus: &'a Bus<S>,
     incarnation: u64,
-    /// Woken by the topics of data, unless somebody else of this process is.
+    /// Woken by the topics of data, unless other files of this process are.
     waiter: Option<&'a mut Waiter<S>>,
     topics: Vec<Box<dyn Taken<S>>>,
     names: Vec<(String, Layout)>,
@@ -130,7 +130,7 @@ impl<S: Transport> Opening<'_, S> {
         if let Some(waiter) = &mut self.waiter {
             waiter.watch(self.bus, topic)?;
         }
-        // Before: what is sent from now on arrives, or leaves a gap.
+        // Read before subscribing: later slices arrive, or leave a gap.
         let place = self.topics.len();
         let lines = self.bus.publisher_lines(topic)?;
         self.lines.extend(lines.into_iter().map(|line| (place, line)));
@@ -161,7 +161,7 @@ impl<S: Transport> Opening<'_, S> {
     }
 }
 
-/// Opens the topic of a stream, whose source or sensor is called `name`.
+/// Task that opens the topic of a stream whose source or sensor is called `name`.
 struct Naming<'o, 'a, 'n, S: Transport> {
     opening: &'o mut Opening<'a, S>,
     name: &'n str,
@@ -176,11 +176,11 @@ impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
 }
 
 impl<S: Transport> AllTopics<S> {
-    /// Recording of the `start` of `config`, by the recorder that started at `incarnation`. Topics of data wake
-    /// `waiter`, if there is one.
+    /// Creates the recording of the run `start` of `config`, by the recorder that started at `incarnation`. Topics
+    /// of data wake `waiter`, if given.
     ///
     /// # Errors
-    /// If a topic cannot be opened, or what an earlier recorder has left cannot be read.
+    /// If a topic cannot be opened, or the remains of an earlier recorder cannot be read.
     pub(crate) fn new(
         config: &Config,
         settings: Settings,
@@ -203,14 +203,14 @@ impl<S: Transport> AllTopics<S> {
         if config.fusion.settings.exchange {
             opening.open(&messages::own_tracks())?;
         }
-        // Talk between processes can wait for the next look.
+        // Messages between processes can wait for the next poll.
         opening.waiter = None;
         opening.open(&messages::health())?;
         opening.open(&messages::control())?;
         opening.open(&messages::progress())?;
         opening.open(&messages::frame_origin())?;
         opening.open(&messages::restored())?;
-        // Last: of what was taken of the system tracks in a turn, the order of work is there.
+        // Last, so that the event log contains every system track taken in the same turn.
         opening.open_log(&messages::order())?;
         let facts = Facts::from([
             ("run".to_owned(), start.run.trim().to_owned()),
@@ -218,7 +218,7 @@ impl<S: Transport> AllTopics<S> {
             ("first_day_ns".to_owned(), start.first_day_ns.to_string()),
             ("configuration".to_owned(), config.text.clone()),
         ]);
-        // What was said before all of them were open is no loss.
+        // Slices sent before all topics were open do not count as lost.
         let since_ns = Now::read().mono_ns;
         let is_report = |place: usize| {
             let stream = config.streams().nth(place).map(|(id, _)| id.stream);
@@ -237,14 +237,14 @@ impl<S: Transport> AllTopics<S> {
         })
     }
 
-    /// Hands what has arrived to the file, and does what else is due; whether there was anything.
+    /// Passes the arrived slices to the file, and performs periodic work; returns whether there were any slices.
     pub(crate) fn turn(&mut self, now: Now, done: &mut Done<'_>) -> anyhow::Result<bool> {
         let mut worked = false;
         for (place, topic) in self.topics.iter_mut().enumerate() {
             worked |= topic.take(place, &mut self.segments, now, done)?;
         }
         if now.mono_ns > self.since_ns + CATCH_UP_NS {
-            // What an earlier recorder died with, of publishers that have said nothing since.
+            // Counts samples lost with an earlier recorder, of publishers silent since.
             for (place, line) in self.lines.drain(..) {
                 self.segments.catch_up(place, line.incarnation, line.next_sequence);
             }
@@ -258,7 +258,7 @@ impl<S: Transport> AllTopics<S> {
         self.topics.iter().any(|topic| topic.has_slices())
     }
 
-    /// Samples taken of the stream at this place of [`Config::streams`].
+    /// Returns the number of samples taken of the stream at this place of [`Config::streams`].
     pub(crate) fn taken(&self, stream: usize) -> u64 {
         self.topics[stream].taken()
     }
@@ -270,7 +270,7 @@ impl<S: Transport> AllTopics<S> {
     /// Ends the file.
     ///
     /// # Errors
-    /// If it, or anything before, could not be written.
+    /// If the file, or anything before, could not be written.
     pub(crate) fn close(&mut self, now: Now) -> anyhow::Result<()> {
         self.segments.finish(now);
         let SegmentCounts { lost, failures, .. } = self.counts();

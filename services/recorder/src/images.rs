@@ -1,36 +1,37 @@
-//! When fusion is asked for an image of its engine.
+//! Requests for snapshots of the fusion engine.
 //!
-//! A recording can be replayed from a beginning of fusion on for as long as nothing is missing in it. A recorder that
-//! was not there at the beginning, or has lost something since, asks for an image, from which replay goes on. So does
-//! one that deletes old files, now and then: what is left shall have a beginning, too. An image costs fusion a pause,
-//! so there are few.
+//! A recording can be replayed from a start of fusion up to the first missing sample. A recorder that was absent at
+//! the start, or has lost samples since, requests a snapshot from which replay can continue. A recorder that
+//! deletes old files also requests snapshots regularly, so that the remaining files have a starting point. A
+//! snapshot pauses fusion, so requests are rare.
 
 use bus::{Bus, Mark, Publisher, Transport};
 use configuration::Segments as Settings;
 use messages::Control;
 use runtime::Now;
 
-/// Least time between two images, nanoseconds.
+/// Minimum time between two snapshots, nanoseconds.
 const PAUSE_NS: i64 = 60_000_000_000;
 
-/// Asks fusion for images.
+/// Requester of snapshots.
 #[derive(Debug)]
 pub(crate) struct Images<S: Transport> {
     publisher: Publisher<S, Control>,
-    /// Whether replay could not go on without one.
+    /// Whether replay needs a snapshot to continue.
     is_missed: bool,
-    /// Samples that had been lost when it was asked last.
+    /// Number of lost samples at the last request.
     lost: u64,
     asked_ns: i64,
-    /// When it may be asked again.
+    /// Earliest time of the next request.
     earliest_ns: i64,
-    /// Time after which it is asked in any case, nanoseconds.
+    /// Time after which a request is made in any case, nanoseconds.
     period_ns: Option<i64>,
 }
 
 impl<S: Transport> Images<S> {
-    /// Of a recorder that starts now, and asks not before `earliest_ns` (monotonic, nanoseconds): what was sent to it
-    /// before it was there must have been worked off by then. `is_late` if something has been sent already.
+    /// Creates the requester of a recorder that starts now. The first request is not before `earliest_ns`
+    /// (monotonic, nanoseconds): by then, fusion must have processed everything sent before the recorder's start.
+    /// `is_late` states that samples were already sent.
     ///
     /// # Errors
     /// If the topic cannot be opened.
@@ -51,7 +52,7 @@ impl<S: Transport> Images<S> {
         })
     }
 
-    /// Asks for one if it is time; the recorder has lost so many samples.
+    /// Requests a snapshot if due; `lost` is the recorder's number of lost samples.
     ///
     /// # Errors
     /// If shared memory fails.

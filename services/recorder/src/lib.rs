@@ -1,23 +1,26 @@
-//! The recorder process: writes every data stream of a deployment to a file.
+//! Recorder process: writes every data stream of a deployment to a file.
 //!
-//! One file per source, `sensor_tracks_<name>.csv`, in the order in which the source published, and one for the system
-//! tracks, `system_tracks.csv`, in the order of fusion (FM-5), whose last columns say it in the world's terms: `utc`,
-//! `latitude` and `longitude` (WGS-84, degrees), `flight_level` (hundreds of feet above the ellipsoid, the flight level
-//! where sources give one; empty if none observes height), and `level` and `level_age_s`, the transponder's newest
-//! level (hundreds of feet against 1013.25 hPa) and how old it is. Neither order depends on scheduling when the inputs
-//! are recorded, so neither do the files: they carry the times of the data and none of the machine's. Where an adapter
-//! makes a source's tracks of detections, `detections_<name>.csv` holds these, exactly: `koseki track` makes the same
-//! tracks of them (FM-6), and the same cues as are in `cues_<name>.csv`. Of a direction finder, `bearings_<name>.csv`
-//! holds the bearings that were used and `platform_states_<name>.csv` where the platform was: `koseki locate` makes the
-//! same fixes of the bearings (FM-7). Reports of wide-area sensors are in `wide_area_<name>.csv`, as exactly.
+//! - `sensor_tracks_<name>.csv`: one file per source, in the order of publication.
+//! - `system_tracks.csv`: the system tracks in the order of fusion (FM-5). Its last columns give the state in
+//!   geographic terms: `utc`, `latitude` and `longitude` (WGS-84, degrees), `flight_level` (hundreds of feet above
+//!   the ellipsoid, or the flight level if sources report one; empty if no source observes height), and `level` and
+//!   `level_age_s`, the transponder's newest level (hundreds of feet against 1013.25 hPa) and its age.
+//! - `detections_<name>.csv`: exact detections, if an adapter forms a source's tracks from detections. `koseki
+//!   track` forms the same tracks from them (FM-6), and the same cues as in `cues_<name>.csv`.
+//! - `bearings_<name>.csv`: the bearings used from a direction finder, and `platform_states_<name>.csv`: the
+//!   platform's positions. `koseki locate` makes the same fixes from the bearings (FM-7).
+//! - `wide_area_<name>.csv`: exact reports of wide-area sensors.
 //!
-//! With `format = ["csv", "mcap"]` every topic, talk between processes too, goes to the bit into
-//! `all_topics_<number>.mcap` (see the crate `recording`), with the times of taking and sending, configuration and
-//! version.
+//! With recorded inputs, neither order depends on scheduling. The files are therefore reproducible: they carry the
+//! times of the data and none of the machine.
 //!
-//! A disk that is full stops the recording of all topics, with one message and a count, until there is room; the
-//! process then ends with an error when it is stopped. Rows cannot be left out: the recorder that writes them ends, and
-//! its successor goes on after the last whole one.
+//! With `format = ["csv", "mcap"]`, every topic, including messages between processes, is recorded bit by bit in
+//! `all_topics_<number>.mcap` (see the crate `recording`), with the times of reception and sending, configuration
+//! and version.
+//!
+//! A full disk stops the recording of all topics until there is room, with one message and a count. The process
+//! then ends with an error when it is stopped. Rows cannot be omitted: a recorder that fails to write rows ends,
+//! and its successor continues after the last complete row.
 
 #![forbid(unsafe_code)]
 
@@ -36,7 +39,7 @@ pub use tables::Tables;
 
 use configuration::Process;
 
-/// Runs the recorder, of an executable of this `version`, until every topic has ended or the process is told to stop.
+/// Runs the recorder, of an executable of this `version`, until every topic has ended or a stop is requested.
 ///
 /// # Errors
 /// If a file cannot be written, or shared memory fails.

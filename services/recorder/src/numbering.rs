@@ -1,10 +1,10 @@
-//! Numbers of the samples that are the rows of a file.
+//! Sample numbers of the rows of a file.
 //!
-//! Samples of a replay are numbered from 0, and each is a row; so the rows of a file say by themselves which sample
-//! comes next, as long as none is missing. Where some are (they died with a recorder that had taken them), a line
-//! beside the file says so, `gaps_<file>`: after `rows` rows, the next one is of the sample `sequence`. It is written
-//! before that row is, so a recorder that is killed in between leaves a line about rows that are not there; its
-//! successor leaves it out.
+//! Samples of a replay are numbered from 0, and each becomes a row. Without missing samples, the number of rows is
+//! the number of the next sample. Samples can be missing if they were lost with a recorder that had taken them. A
+//! line in the file `gaps_<file>` then states that after `rows` rows, the next row holds the sample `sequence`. The
+//! recorder writes this line before the row. A recorder killed in between leaves a line about absent rows; its
+//! successor removes the line.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
@@ -13,20 +13,20 @@ use std::path::{Path, PathBuf};
 /// Header line.
 const HEADER: &str = "rows,sequence";
 
-/// Count of the rows of a file, and the number of the next sample.
+/// Number of rows of a file, and number of the next sample.
 #[derive(Debug)]
 pub(crate) struct Numbering {
     path: PathBuf,
     /// Open once there is a gap.
     gaps: Option<File>,
     rows: u64,
-    /// By how much the number of the row that was written last is beyond its place.
+    /// Difference between the sample number of the last row and its place.
     ahead: u64,
     next_sequence: u64,
 }
 
 impl Numbering {
-    /// Numbers of the file `path`, which holds `rows` rows.
+    /// Reads the numbering of the file `path`, which holds `rows` rows.
     ///
     /// # Errors
     /// If the file of gaps cannot be read or written.
@@ -41,7 +41,7 @@ impl Numbering {
             let (at, sequence) = line.split_once(',')?;
             Some((at.parse::<u64>().ok()?, sequence.parse::<u64>().ok()?))
         };
-        // A line without an end is torn, and was about a row that was never written.
+        // A line without an end is torn; its row was never written.
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let stands: Vec<_> = whole.lines().filter_map(gap).filter(|(at, _)| *at < rows).collect();
         let ahead = stands.last().map_or(0, |(at, sequence)| sequence.saturating_sub(*at));
@@ -73,7 +73,7 @@ impl Numbering {
         gaps.write_all(format!("{rows},{sequence}\n").as_bytes())
     }
 
-    /// Takes note that the next row is of the sample `sequence`, which is not below [`Self::next_sequence`].
+    /// Records that the next row holds the sample `sequence`, which is not below [`Self::next_sequence`].
     ///
     /// # Errors
     /// If a gap cannot be written.
@@ -88,12 +88,12 @@ impl Numbering {
         Ok(())
     }
 
-    /// Number of the next sample: those below have been worked off, whoever publishes them again.
+    /// Returns the number of the next sample: earlier samples are processed, even if published again.
     pub(crate) fn next_sequence(&self) -> u64 {
         self.next_sequence
     }
 
-    /// Samples before the last row that are in none.
+    /// Returns the number of samples before the last row that are in no row.
     pub(crate) fn missing(&self) -> u64 {
         self.ahead
     }
@@ -114,7 +114,7 @@ mod tests {
         [5, 6, 10].iter().for_each(|sequence| first.add_row(*sequence).unwrap());
         assert_eq!((first.next_sequence(), first.missing()), (11, 5));
         assert_eq!(gaps(), "rows,sequence\n3,5\n5,10\n");
-        // All six rows are there, or the last is not, or only the first three are.
+        // All six rows exist, or the last is missing, or only the first three exist.
         for (rows, next_sequence, missing, left) in [
             (6, 11, 5, "rows,sequence\n3,5\n5,10\n"),
             (5, 7, 2, "rows,sequence\n3,5\n"),

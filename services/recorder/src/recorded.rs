@@ -1,7 +1,7 @@
-//! Registry of what is recorded: one line per kind of topic.
+//! Registry of recorded streams: one line per kind of topic.
 //!
-//! A row of a file is made of a sample alone and of the number under which the configuration knows its source: what a
-//! sample says of its own source need not be true, its topic is.
+//! A row depends only on a sample and on the configured number of its source. The topic identifies the source; the
+//! source stated in a sample may be wrong.
 
 use std::fmt::Debug;
 
@@ -18,24 +18,24 @@ use messages::{
 };
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
-/// A sample of which rows are made.
+/// Sample with a row format.
 pub(crate) trait Recorded: Streamed + Payload {
     type Row: Row + Debug + 'static;
 
-    /// Row of a sample of the source or sensor `number`, whose positions are in `frame`; `None` for a code of another
-    /// schema.
+    /// Returns the row of a sample of the source or sensor `number`, with positions in `frame`; `None` for a code
+    /// of another schema.
     fn row(&self, number: u16, frame: &SystemFrame) -> Option<Self::Row>;
 }
 
-/// A task that is the same for the samples of every stream.
+/// Task applicable to the samples of every stream.
 pub(crate) trait ForSamples {
     type Done;
 
-    /// Does it for samples `T`, of which the name of a file begins with `stem`.
+    /// Executes the task for samples `T`, whose file names begin with `stem`.
     fn of<T: Recorded>(self, stem: &str) -> Self::Done;
 }
 
-/// Does `task` for the samples of a stream.
+/// Executes `task` for the samples of a stream.
 pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
     match stream {
         Stream::SensorTracks => task.of::<SensorTrack>("sensor_tracks"),
@@ -120,7 +120,7 @@ impl Recorded for SystemTrack {
 impl Recorded for Alarm {
     type Row = AlarmRow;
 
-    /// What only goes on standing makes no row.
+    /// A repeated standing alarm makes no row.
     fn row(&self, _: u16, _: &SystemFrame) -> Option<AlarmRow> {
         let kind = AlarmKind::from_code(self.code)?;
         let event = self.event().filter(|event| *event != AlarmEvent::Standing)?;

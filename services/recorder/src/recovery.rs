@@ -1,8 +1,8 @@
-//! Continuing the files of a recorder that died.
+//! Continuation of the files of a terminated recorder.
 //!
-//! A run's files must not be lost because the process that writes them was restarted. What the dead one had written
-//! stands; its last line may be torn, and is cut off. Which run a folder's files belong to stands beside them, in
-//! `run.txt`: a folder of another run is refused, for a recording is never replaced.
+//! A restart of the recorder must not lose a run's files. The successor keeps the rows of its predecessor and cuts
+//! off a torn last line. The file `run.txt` in the folder identifies the run. A folder of another run is rejected,
+//! because a recording is never replaced.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom};
@@ -10,10 +10,10 @@ use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 
-/// Whether the files in `folder` are of the run that is described by `run`; if there are none, from now on they are.
+/// Whether `folder` holds files of the run described by `run`; an empty folder is claimed for this run.
 ///
 /// # Errors
-/// If the files are of another run, or the folder cannot be written to.
+/// If the files belong to another run, or the folder cannot be written.
 pub(crate) fn claim(folder: &Path, run: &str) -> anyhow::Result<bool> {
     let path = folder.join("run.txt");
     match std::fs::read_to_string(&path) {
@@ -27,7 +27,7 @@ pub(crate) fn claim(folder: &Path, run: &str) -> anyhow::Result<bool> {
             Ok(true)
         }
         Err(_) => {
-            // Whole or not at all: half a line would be of another run.
+            // Atomic: a partial line would identify another run.
             let new = folder.join(".run.txt");
             let write = || std::fs::write(&new, run).and_then(|()| std::fs::rename(&new, &path));
             write().with_context(|| format!("writing {}", path.display()))?;
@@ -36,16 +36,16 @@ pub(crate) fn claim(folder: &Path, run: &str) -> anyhow::Result<bool> {
     }
 }
 
-/// A file to write rows to.
+/// Output file for rows.
 #[derive(Debug)]
 pub(crate) struct Opened {
-    /// The file, at the place where the next row goes.
+    /// File, positioned for the next row.
     pub(crate) file: File,
-    /// Rows that it holds already; 0 if it is empty.
+    /// Number of existing rows; 0 if the file is empty.
     pub(crate) rows: u64,
 }
 
-/// Opens `path`: empty, or with `resume` as it is, up to its last whole line.
+/// Opens `path`: empty, or with `resume` as it is, up to its last complete line.
 pub(crate) fn open(path: &Path, resume: bool) -> anyhow::Result<Opened> {
     let opened = if resume && path.exists() {
         resumed(path)
@@ -64,7 +64,7 @@ fn resumed(path: &Path) -> std::io::Result<Opened> {
         lines += 1;
         line.clear();
     }
-    // Without even a header there is nothing to continue.
+    // Without even a header, there is nothing to continue.
     let rows = lines.saturating_sub(1);
     let keep = if rows == 0 { 0 } else { whole_bytes };
     file.set_len(keep)?;

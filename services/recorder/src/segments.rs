@@ -1,7 +1,8 @@
-//! Files of the recording of all topics, one after another.
+//! Successive files of the recording of all topics.
 //!
-//! A recorder that starts puts an end to the file that a dead one has left and begins the next. What cannot be written
-//! is counted and tried again in a new file, so that a full disk costs samples, but neither files nor the deployment.
+//! A starting recorder ends the file left by a terminated recorder and begins the next. Samples that cannot be
+//! written are counted, and writing is retried in a new file. A full disk thus costs samples, but neither files nor
+//! the deployment.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Write as _};
@@ -16,10 +17,10 @@ use runtime::{Now, NumberedFiles};
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
 
-/// Beginning of the files' names.
+/// Prefix of the file names.
 const STEM: &str = "all_topics_";
 
-/// Files of the recording, one after another.
+/// Successive files of the recording.
 #[derive(Debug)]
 pub(crate) struct Segments {
     files: NumberedFiles,
@@ -29,22 +30,22 @@ pub(crate) struct Segments {
     /// Number of the latest file.
     number: u32,
     open: Option<Open>,
-    /// When writing is tried again, monotonic, nanoseconds.
+    /// Time of the next attempt to write, monotonic, nanoseconds.
     retry_ns: i64,
     counts: SegmentCounts,
 }
 
-/// A topic that is recorded.
+/// Recorded topic.
 #[derive(Debug)]
 struct Topic {
     name: String,
     layout: Layout,
     tally: Tally,
-    /// Samples that are not yet on disk.
+    /// Samples not yet on disk.
     gathered: u64,
 }
 
-/// The file that is written.
+/// File being written.
 #[derive(Debug)]
 struct Open {
     path: PathBuf,
@@ -59,15 +60,15 @@ struct Open {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SegmentCounts {
     pub(crate) samples: u64,
-    /// Samples that are in no file, those with which an earlier recorder died included.
+    /// Samples in no file, including those lost with an earlier recorder.
     pub(crate) lost: u64,
     pub(crate) failures: u64,
     pub(crate) deleted: u64,
 }
 
 impl Segments {
-    /// Goes on with the recording in `folder`, or begins one at `since_ns` (monotonic, nanoseconds): of `topics`, with
-    /// `facts` at the beginning of each file.
+    /// Continues the recording in `folder`, or begins one at `since_ns` (monotonic, nanoseconds). Each file records
+    /// `topics` and begins with `facts`.
     ///
     /// # Errors
     /// If the folder or the latest file cannot be read.
@@ -90,7 +91,7 @@ impl Segments {
             if !earlier.facts.is_empty() {
                 break;
             }
-            // A recorder died before it had said anything: so the one before it knows how far the topics were.
+            // A recorder terminated before its first record, so the file before holds the positions of the topics.
             std::fs::remove_file(path)?;
         }
         let topics = topics.into_iter().map(|(name, layout)| {
@@ -118,8 +119,8 @@ impl Segments {
         })
     }
 
-    /// Number of the sample that must come next of a publisher of the topic at this place of the list; 0 if it was not
-    /// heard.
+    /// Returns the number of the next expected sample of a publisher of the topic at this place of the list; 0 for
+    /// an unknown publisher.
     pub(crate) fn next_sequence(&self, topic: usize, incarnation: u64) -> u64 {
         self.topics[topic].tally.next_of(incarnation)
     }
@@ -128,7 +129,7 @@ impl Segments {
         self.counts
     }
 
-    /// Takes note that a publisher of the topic at this place of the list had sent all samples below this number.
+    /// Records that a publisher of the topic at this place of the list had sent all samples below this number.
     pub(crate) fn catch_up(&mut self, topic: usize, incarnation: u64, next_sequence: u64) {
         let tally = &mut self.topics[topic].tally;
         let before = tally.lost;
@@ -136,9 +137,9 @@ impl Segments {
         self.counts.lost += tally.lost - before;
     }
 
-    /// Adds a slice of the topic at this place of the list, whose samples are `octets`.
+    /// Adds a slice of the topic at this place of the list; `octets` holds its samples.
     pub(crate) fn slice(&mut self, topic: usize, header: &BatchHeader, octets: &[u8], now: Now) {
-        // First: a file begins by saying how far the topics were before it.
+        // First, because a file begins with the positions of the topics before it.
         self.open_if_due(now);
         let of = &mut self.topics[topic];
         let (count, before) = (octets.len() / of.layout.size, of.tally.lost);
@@ -161,7 +162,7 @@ impl Segments {
         }
     }
 
-    /// Does what is due: writes what is gathered, begins another file, deletes old ones.
+    /// Performs periodic work: writes gathered samples, begins another file, deletes old files.
     pub(crate) fn tend(&mut self, now: Now) {
         self.open_if_due(now);
         let Some(open) = &mut self.open else { return };
@@ -180,7 +181,7 @@ impl Segments {
         self.make_room(now);
     }
 
-    /// Ends the file that is written.
+    /// Ends the current file.
     pub(crate) fn finish(&mut self, now: Now) {
         if let Some(open) = self.open.take() {
             match open.writer.finish() {
@@ -200,7 +201,7 @@ impl Segments {
 
     fn failed(&mut self, error: &RecordingError, now: Now) {
         if let Some(open) = self.open.take() {
-            // It tries to write the rest; whatever comes of that is cut off.
+            // Dropping the writer attempts to write the rest; a failed rest is cut off.
             drop(open.writer);
             self.give_up(&open.path, error, now);
         }
@@ -218,7 +219,7 @@ impl Segments {
         self.counts.failures += 1;
         self.retry_ns = now.mono_ns + RETRY_NS;
         self.give_up_gathered();
-        // If not even that can be done, the next recorder does it.
+        // If this fails as well, the next recorder ends the file.
         let _ = end(path);
     }
 
@@ -239,7 +240,7 @@ impl Segments {
             Ok(open) => self.open = Some(open),
             Err(error) => {
                 self.give_up(&path, &error, now);
-                // Nothing is in it.
+                // The file is empty.
                 let _ = std::fs::remove_file(&path);
                 self.number -= 1;
             }
@@ -266,7 +267,7 @@ impl Segments {
         })
     }
 
-    /// Deletes the oldest files until the others take no more than they may; never the one that is written.
+    /// Deletes the oldest files until the others fit the configured space; never deletes the current file.
     fn make_room(&mut self, now: Now) {
         let Some(keep_bytes) = self.settings.keep_bytes else {
             return;
@@ -281,7 +282,7 @@ impl Segments {
     }
 }
 
-/// Puts an end to a file that has none.
+/// Ends a file that has no end record.
 fn end(path: &Path) -> std::io::Result<()> {
     let mut file = OpenOptions::new().read(true).append(true).open(path)?;
     let whole = recording::whole(&mut file)?;

@@ -1,4 +1,4 @@
-//! Tables made of a recording of all topics afterwards, the same as are written live.
+//! Tables made from a recording of all topics, identical to those written live.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -15,10 +15,10 @@ use recording::Item;
 use crate::recorded::{ForSamples, Recorded, for_samples};
 use crate::topic_file::file_name;
 
-/// Tables of a deployment, one a stream.
+/// Tables of a deployment, one per stream.
 #[derive(Debug)]
 pub struct Tables {
-    /// By the name of the topic.
+    /// Tables by the name of the topic.
     topics: BTreeMap<String, Box<dyn Table>>,
 }
 
@@ -34,15 +34,16 @@ struct TableOf<T: Recorded> {
     writer: RowWriter<T::Row, BufWriter<File>>,
     number: u16,
     frame: SystemFrame,
-    /// Number of the next sample of a replayed input: a restarted adapter publishes the earlier ones again.
+    /// Number of the next sample of a replayed input: a restarted adapter publishes the earlier samples again.
     next_sequence: Option<u64>,
 }
 
 impl Tables {
-    /// Tables of the deployment of `config` in `folder`, with times from `first_day_ns` (UTC, nanoseconds).
+    /// Begins the tables of the deployment of `config` in `folder`, with times from `first_day_ns` (UTC,
+    /// nanoseconds).
     ///
     /// # Errors
-    /// If a file is there already, or cannot be made.
+    /// If a file exists already, or cannot be made.
     pub fn begin(config: &Config, folder: &Path, first_day_ns: i64) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut topics = BTreeMap::new();
@@ -73,7 +74,7 @@ impl Tables {
         self.topics.get_mut(*topic).map_or(Ok(()), |table| table.add(octets))
     }
 
-    /// Writes what is left.
+    /// Writes the remaining rows.
     ///
     /// # Errors
     /// If a file cannot be written.

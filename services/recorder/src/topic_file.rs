@@ -1,10 +1,11 @@
-//! One topic written to one file, a row per sample.
+//! File of one topic, with a row per sample.
 //!
-//! Samples of a recording are numbered, so a file says by its rows how far it has got (`numbering`), and what is
-//! published again after a restart is recognised. System tracks are not: a restarted fusion makes new ones.
+//! Samples of a replay are numbered, so the rows of a file state its position (`numbering`), and samples published
+//! again after a restart are recognised. System tracks have no such numbers, because a restarted fusion makes new
+//! tracks.
 //!
-//! Rows are handed to the system before anybody hears that they are written, so a recorder that is killed has not said
-//! that of a row which died with it.
+//! The recorder passes rows to the operating system before it acknowledges them. A killed recorder has therefore
+//! not acknowledged any row that was lost with it.
 
 use std::fmt::Debug;
 use std::fs::File;
@@ -24,14 +25,14 @@ use crate::recovery::{self, Opened};
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;
 
-/// Where files are made, and of what.
+/// Parameters of new files.
 #[derive(Debug)]
 pub(crate) struct Place<'a, S: Transport> {
     pub(crate) bus: &'a Bus<S>,
-    /// Woken by every topic that is opened.
+    /// Woken by every opened topic.
     pub(crate) waiter: &'a mut Waiter<S>,
     pub(crate) folder: &'a Path,
-    /// Whether files that are there are continued.
+    /// Whether existing files are continued.
     pub(crate) resume: bool,
     /// Monotonic start time of the recorder.
     pub(crate) incarnation: u64,
@@ -42,21 +43,22 @@ pub(crate) struct Place<'a, S: Transport> {
     pub(crate) replays: bool,
 }
 
-/// A file of whatever stream.
+/// File of any stream.
 pub(crate) trait StreamFile: Debug {
-    /// The stream.
+    /// Returns the stream.
     fn id(&self) -> StreamId;
 
-    /// Writes what has arrived; whether there was anything. `done` hears of each slice and of how far the file has got.
+    /// Writes the arrived slices; returns whether there were any. Calls `done` with each slice and the file's new
+    /// position.
     fn write_arrived(&mut self, done: &mut dyn FnMut(&BatchHeader, u64)) -> anyhow::Result<bool>;
 
-    /// Whether something has arrived.
+    /// Whether slices have arrived.
     fn has_slices(&self) -> bool;
 
-    /// Counts so far.
+    /// Returns the counts so far.
     fn counts(&self) -> FileCounts;
 
-    /// Number of the next sample of a replay; 0 for what is not numbered.
+    /// Returns the number of the next sample of a replay; 0 for streams without numbers.
     fn next_sequence(&self) -> u64;
 }
 
@@ -64,9 +66,9 @@ pub(crate) trait StreamFile: Debug {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct FileCounts {
     pub(crate) subscriber: SubscriberCounts,
-    /// Samples that are in no file: lost on the way, or with a recorder that died.
+    /// Samples in no file: lost in transit, or with a terminated recorder.
     pub(crate) lost: u64,
-    /// Samples of a replay that are in none of the rows before the last one, whichever recorder lost them.
+    /// Samples of a replay missing before the last row, whichever recorder lost them.
     pub(crate) missing: u64,
     pub(crate) rows: u64,
     /// Latest time of the data, UTC, nanoseconds; `i64::MIN` before the first sample.
@@ -81,15 +83,15 @@ pub(crate) struct TopicFile<S: Transport, T: Recorded> {
     subscriber: Subscriber<S, T>,
     writer: RowWriter<T::Row, BufWriter<File>>,
     frame: SystemFrame,
-    /// Numbers of the samples, if these are numbered over all their publishers.
+    /// Numbers of the samples, if they count over all publishers.
     numbering: Option<Numbering>,
-    /// Samples that were missing when this recorder began.
+    /// Samples already missing at the start of this recorder.
     missing_before: u64,
     rows: u64,
     progress_ns: i64,
 }
 
-/// Opens the file of a stream, whose source or sensor is called `name`.
+/// Opens the file of a stream whose source or sensor is called `name`.
 pub(crate) fn open<S: Transport>(
     place: &mut Place<'_, S>,
     id: StreamId,
@@ -113,7 +115,7 @@ impl<S: Transport> ForSamples for Opening<'_, '_, S> {
     }
 }
 
-/// Name of the file of a source's or sensor's stream; of the system where `name` is empty.
+/// Returns the file name of a stream of a source or sensor; of the system if `name` is empty.
 pub(crate) fn file_name(stem: &str, name: &str) -> String {
     match name {
         "" => format!("{stem}.csv"),
@@ -134,7 +136,7 @@ impl<S: Transport, T: Recorded> TopicFile<S, T> {
         Ok(Self {
             id,
             path: path.display().to_string(),
-            // A file says all that was published.
+            // A file holds everything that was published, of all epochs.
             subscriber: place.bus.subscriber(&topic, || place.incarnation)?.of_all_epochs(),
             writer: match rows {
                 0 => RowWriter::begin(file, place.first_day_ns)?,
@@ -204,7 +206,8 @@ impl<S: Transport, T: Recorded> StreamFile for TopicFile<S, T> {
         let missing = self.numbering.as_ref().map(Numbering::missing);
         FileCounts {
             subscriber,
-            // The numbers of a replay's samples tell more than those of its slices: what a dead recorder had taken too.
+            // The numbers of a replay's samples are more complete than those of its slices: they include samples
+            // lost with a terminated recorder.
             lost: missing.map_or(subscriber.lost, |missing| missing - self.missing_before),
             missing: missing.unwrap_or(0),
             rows: self.rows,

@@ -1,4 +1,4 @@
-//! The recorder driven turn by turn over the in-process transport.
+//! Tests of the recorder, driven turn by turn over the in-process transport.
 
 use std::path::Path;
 
@@ -152,7 +152,7 @@ fn a_restarted_recorder_continues_its_run_and_counts_what_went_missing() {
 
     drop(second);
 
-    // What the second one knew of the gap, the third one knows, too: nothing is written twice.
+    // The third recorder finds the gap recorded by the second: nothing is written twice.
     let mut third = bench.recorder("run");
     bench.send(8..12, false);
     third.close(NOW).unwrap();
@@ -209,7 +209,7 @@ mod all_topics {
 
     const TOPIC: &str = "sensor/a/tracks";
 
-    /// A bench for recorders of all topics.
+    /// Bench for recorders of all topics.
     fn bench() -> Bench {
         let mut bench = Bench::new();
         bench._held.push(bench.bus.hold(&messages::health()).unwrap());
@@ -330,7 +330,7 @@ mod all_topics {
         first.turn(at(11.5)).unwrap();
         bench.send(6..9, false);
         first.turn(at(11.6)).unwrap();
-        // What a killed one leaves: its file as it is now, and a few octets of a chunk.
+        // Remains of a killed recorder: its current file, and a few bytes of a chunk.
         let mut left = std::fs::read(&files(&out)[0]).unwrap();
         left.extend([6, 1, 0, 0]);
         std::fs::write(after.join("all_topics_000001.mcap"), left).unwrap();
@@ -381,7 +381,7 @@ mod all_topics {
         recorder.turn(at(2.6)).unwrap();
         bench.send(7..9, false);
         recorder.turn(at(3.0)).unwrap();
-        // Five of each topic of data, and what the recorder itself says of how far it has got.
+        // Five samples of each topic of data, and the recorder's own progress messages.
         let lost = counted(&recorder, Counter::RecordedLost);
         assert!(lost >= 10, "{lost}");
         assert_eq!(counted(&recorder, Counter::RecordingFailures), 1);
