@@ -1,4 +1,4 @@
-//! A simulated direction finder with its way out: tables of bearings in datagrams (FM-7), each with its header line.
+//! Simulated direction finder: sends tables of bearings in datagrams (FM-7), each with a header line.
 
 use configuration::{Process, Source};
 use formats::bearings_csv::BearingWriter;
@@ -11,7 +11,7 @@ use scenario::{DirectionFinderSettings, SimulatedDirectionFinder, Truth};
 use crate::Observer;
 use crate::rows::RowSender;
 
-/// See the module's documentation.
+/// Simulated direction finder, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct DirectionFinder {
     simulated: SimulatedDirectionFinder,

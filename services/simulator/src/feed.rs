@@ -1,4 +1,4 @@
-//! A simulated sensor's reports in ASTERIX of the category of its kind: what it tracks, or its plots.
+//! ASTERIX reports of a simulated sensor, in the category of the sensor kind: tracks or plots.
 
 use anyhow::Context as _;
 use asterix::{Category, registry};
@@ -11,10 +11,10 @@ use crate::DATAGRAM_OCTETS_MAX;
 
 /// Time between two status messages of a sensor, nanoseconds.
 const STATUS_PERIOD_NS: i64 = 1_000_000_000;
-/// Most reports of one delivery; more need more memory.
+/// Expected maximum of reports in one delivery; more reports need more memory.
 const DELIVERY_MAX: usize = 4096;
 
-/// A simulated sensor and its way of speaking.
+/// Simulated sensor with an encoder.
 #[derive(Debug)]
 pub struct Feed {
     simulated: SimulatedSensor,
@@ -27,8 +27,8 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// Sensor of `source` with these settings, in a scenario of this seed that starts at `start_utc_ns` (UTC,
-    /// nanoseconds).
+    /// Creates the sensor of `source` with these settings, in a scenario of this seed that starts at `start_utc_ns`
+    /// (UTC, nanoseconds).
     ///
     /// # Errors
     /// If a setting cannot be used.
@@ -49,17 +49,17 @@ impl Feed {
         })
     }
 
-    /// Goes on at `time_s` seconds from the scenario's start.
+    /// Continues at `time_s` seconds from the scenario's start.
     pub(crate) fn restart_at(&mut self, time_s: f64) {
         self.simulated.restart_at(time_s);
     }
 
-    /// Time at which its next delivery is due, seconds from the scenario's start.
+    /// Returns the time of the next delivery, seconds from the scenario's start.
     pub fn due_s(&self) -> f64 {
         self.simulated.next_scan_time_s()
     }
 
-    /// Observes what is due by `now_utc_ns` and hands its datagrams to `send`.
+    /// Makes the observations due by `now_utc_ns` and passes the resulting datagrams to `send`.
     pub fn deliver(&mut self, truth: &Truth, now_utc_ns: i64, send: &mut impl FnMut(&[u8])) {
         self.delivery.clear();
         self.plots.clear();
@@ -70,7 +70,7 @@ impl Feed {
         }
     }
 
-    /// Tracks, and when it is time a status message.
+    /// Sends tracks, and a status message if due.
     fn deliver_tracks(&mut self, truth: &Truth, now_utc_ns: i64, send: &mut impl FnMut(&[u8])) {
         self.simulated.scan(truth, &mut self.delivery);
         if now_utc_ns >= self.next_status_ns {
@@ -83,7 +83,7 @@ impl Feed {
         self.reports.flush(send);
     }
 
-    /// Plots, after a north marker if a turn began.
+    /// Sends plots, preceded by a north marker at the start of a turn.
     fn deliver_plots(&mut self, truth: &Truth, send: &mut impl FnMut(&[u8])) {
         let north_s = self.simulated.period_begins_s();
         self.simulated
@@ -100,7 +100,7 @@ impl Feed {
     }
 }
 
-/// Category and edition that a sensor of this kind speaks.
+/// Returns category and edition for a sensor of this kind.
 fn table(kind: SensorKind) -> Option<&'static Category> {
     registry::default_edition(match kind {
         SensorKind::Radar => 48,

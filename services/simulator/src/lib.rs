@@ -1,15 +1,16 @@
-//! The simulator process: observes a simulated world with simulated sensors, and sends what they report over the
-//! network as real sensors do.
+//! Simulator process: observes a simulated world with simulated sensors, and sends their reports over the network
+//! like real sensors.
 //!
-//! Each sensor speaks the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
-//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings (`direction_finder`), a wide-area sensor
-//! tables of counts, as late as they are to arrive (`wide_area`), both as rows in datagrams (`rows`). All go to the
-//! adapter of their source at the deployment's own loopback address. So a demonstration runs through the same sockets,
-//! decoders and checks as a deployment with real sensors, and what a category cannot say (a radar's report has no
-//! covariance) is missing here as it is there. A radar that delivers plots sends those, false ones among them, and says
-//! when its antenna points north.
+//! Each sensor uses the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
+//! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings (`direction_finder`). A wide-area
+//! sensor sends tables of counts with the configured delay (`wide_area`). Both send rows in datagrams (`rows`). All
+//! datagrams go to the adapter of their source at the deployment's own loopback address. A demonstration thus runs
+//! through the same sockets, decoders and checks as a deployment with real sensors. Values that a category cannot
+//! express (a radar's report has no covariance) are missing as in reality. A radar configured for plots sends plots
+//! including false plots, and a marker when the antenna points north.
 //!
-//! The simulated world goes on while the process is away: started again, it looks at the world as it is by then.
+//! The simulated world continues while the process is stopped: after a restart, the process observes the world at
+//! the current time.
 
 #![forbid(unsafe_code)]
 
@@ -36,10 +37,10 @@ use crate::direction_finder::DirectionFinder;
 use crate::sensor::Sensor;
 use crate::wide_area::WideArea;
 
-/// Most octets in a datagram: what fits into one frame of Ethernet.
+/// Maximum size of a datagram, bytes: the payload of one Ethernet frame.
 const DATAGRAM_OCTETS_MAX: usize = 1472;
 
-/// Runs the simulated sensors until told to stop.
+/// Runs the simulated sensors until a stop is requested.
 ///
 /// # Errors
 /// If there is no simulated world, or a socket cannot be opened.
@@ -47,19 +48,19 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     runtime::service::run(process, &mut Simulator::new(process)?)
 }
 
-/// Something that observes the simulated world, with its way out.
+/// Observer of the simulated world; sends the observations.
 trait Observer: fmt::Debug {
-    /// Time at which its next delivery is due, seconds from the scenario's start.
+    /// Returns the time of the next delivery, seconds from the scenario's start.
     fn due_s(&self) -> f64;
 
-    /// Observes and sends what is due.
+    /// Makes and sends the due observations.
     fn deliver(&mut self, truth: &Truth, now_utc_ns: i64);
 
-    /// Adds what it has counted.
+    /// Adds the observer's counts.
     fn count(&self, entry: &mut HealthEntry);
 }
 
-/// The agent of the simulated world.
+/// Agent of the simulated world.
 #[derive(Debug)]
 struct Simulator {
     truth: Truth,
@@ -102,7 +103,7 @@ impl Simulator {
     }
 }
 
-/// A socket that sends to the receiver of a simulated source or sensor, which is named like its adapter.
+/// Creates a socket to the receiver of a simulated source or sensor; the receiver has the name of the adapter.
 fn sender_to(process: &Process, adapter: &str) -> anyhow::Result<UdpSender> {
     let receiver = process.config.receiver(adapter).context("it has no receiver")?;
     let Transport::Loopback { port } = receiver.transport else {

@@ -1,4 +1,4 @@
-//! Rows of a table in datagrams, each of which is a table by itself with its header line.
+//! Rows of a table in datagrams; each datagram is a complete table with a header line.
 
 use std::io;
 
@@ -9,7 +9,7 @@ use runtime::HealthEntry;
 
 use crate::{DATAGRAM_OCTETS_MAX, sender_to};
 
-/// The way out of an instrument that says what it has observed in rows.
+/// Output of an instrument that sends observations as rows.
 #[derive(Debug)]
 pub(crate) struct RowSender {
     sender: UdpSender,
@@ -18,7 +18,8 @@ pub(crate) struct RowSender {
 }
 
 impl RowSender {
-    /// To the receiver of a simulated source or sensor, which is named like its adapter.
+    /// Creates the output to the receiver of a simulated source or sensor; the receiver has the name of the
+    /// adapter.
     pub(crate) fn new(process: &Process, adapter: &str) -> anyhow::Result<Self> {
         Ok(Self {
             sender: sender_to(process, adapter)?,
@@ -27,19 +28,19 @@ impl RowSender {
         })
     }
 
-    /// Sends rows; `write` writes a table of those that it is given.
+    /// Sends rows; `write` writes a table of the given rows.
     pub(crate) fn send<T>(&mut self, rows: &[T], write: impl Fn(&mut Vec<u8>, &[T]) -> io::Result<()>) {
         let mut rest = rows;
         while !rest.is_empty() {
             let count = self.fill(rest, &write);
-            // What could not be sent is counted by the sender.
+            // The sender counts failures.
             drop(self.sender.send(&self.datagram));
             self.rows += count as u64;
             rest = &rest[count..];
         }
     }
 
-    /// Writes as many rows as fit in by halving their number. Returns how many, at least one.
+    /// Writes as many rows as fit by halving their number. Returns the number written, at least 1.
     fn fill<T>(&mut self, rows: &[T], write: impl Fn(&mut Vec<u8>, &[T]) -> io::Result<()>) -> usize {
         let mut count = rows.len();
         loop {
@@ -54,7 +55,7 @@ impl RowSender {
         }
     }
 
-    /// Adds what was sent.
+    /// Adds the sender's counts.
     pub(crate) fn count(&self, entry: &mut HealthEntry) {
         let sent = self.sender.counters();
         for (counter, count) in [

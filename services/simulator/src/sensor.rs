@@ -1,4 +1,4 @@
-//! A simulated sensor with its way out.
+//! Simulated sensor that sends ASTERIX datagrams.
 
 use configuration::{Process, Source};
 use messages::{Counter, NS_PER_S};
@@ -8,7 +8,7 @@ use scenario::{SensorSettings, Truth};
 
 use crate::{Feed, Observer, sender_to};
 
-/// See the module's documentation.
+/// Simulated sensor, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct Sensor {
     feed: Feed,
@@ -34,7 +34,7 @@ impl Observer for Sensor {
 
     fn deliver(&mut self, truth: &Truth, now_utc_ns: i64) {
         let sender = &mut self.sender;
-        // What could not be sent is counted by the sender; a sensor does not stop because nobody listens.
+        // The sender counts failures; a sensor does not stop without a receiver.
         self.feed
             .deliver(truth, now_utc_ns, &mut |datagram| drop(sender.send(datagram)));
     }

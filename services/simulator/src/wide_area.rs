@@ -1,5 +1,5 @@
-//! A simulated wide-area sensor with its way out: tables of counts in datagrams (FM-6), each with its header line, when
-//! they are to arrive.
+//! Simulated wide-area sensor: sends tables of counts in datagrams (FM-6), each with a header line, at the time of
+//! arrival.
 
 use configuration::{Process, WideAreaSensor};
 use formats::wide_area_csv::WideAreaWriter;
@@ -12,7 +12,7 @@ use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 use crate::Observer;
 use crate::rows::RowSender;
 
-/// See the module's documentation.
+/// Simulated wide-area sensor, see the module's documentation.
 #[derive(Debug)]
 pub(crate) struct WideArea {
     simulated: SimulatedWideAreaSensor,
