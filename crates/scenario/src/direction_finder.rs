@@ -1,9 +1,9 @@
-//! A simulated direction finder: an aircraft that flies a racetrack and measures from where it hears transmitters.
+//! Simulated direction finder: an aircraft on a racetrack that measures bearings of transmitters.
 //!
-//! The flight begins with a leg. The finder measures bearings only, and knows where it is itself and where it is
-//! heading. Some of the targets carry a transmitter, each on a frequency of its own; the finder knows them apart. All
-//! bearings of a period are measured at one time. What an antenna array would make of phases is left out here: a
-//! bearing is the true one with a normal error.
+//! The flight begins with a leg. The finder measures bearings only; its own position and heading are exact. Some
+//! targets carry a transmitter, each on its own frequency, and the finder distinguishes all transmitters. All
+//! bearings of a period are measured at one time. The model omits the phases of an antenna array: a bearing is the
+//! true bearing with a normal error.
 
 use messages::NS_PER_S;
 use observations::Bearing;
@@ -56,12 +56,13 @@ impl DirectionFinderSettings {
         self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2
     }
 
-    /// Duration of the quarter turn with which the path begins: the platform is behind it when the scenario starts.
+    /// Returns the duration of the quarter turn at the start of the path: the platform has completed it at the
+    /// scenario's start.
     fn first_turn_s(&self) -> f64 {
         std::f64::consts::FRAC_PI_2 * self.turn_radius_m() / self.speed_mps
     }
 
-    /// Two legs, as far apart as two turns need.
+    /// Returns the path of two legs; their distance is that of two turns.
     fn path(&self) -> ClosedPath {
         let turn_radius_m = self.turn_radius_m();
         let (sin, cos) = self.course_rad.sin_cos();
@@ -83,7 +84,7 @@ impl DirectionFinderSettings {
     }
 }
 
-/// Where a platform is, and where it is heading.
+/// Position, velocity and heading of a platform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlatformPose {
     /// East, north, up, metres.
@@ -94,7 +95,7 @@ pub struct PlatformPose {
     pub heading_rad: f64,
 }
 
-/// See the module's documentation.
+/// Simulated direction finder, see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct SimulatedDirectionFinder {
     settings: DirectionFinderSettings,
@@ -107,11 +108,11 @@ pub struct SimulatedDirectionFinder {
 }
 
 impl SimulatedDirectionFinder {
-    /// A finder that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970), as
-    /// source number `source`.
+    /// Creates a finder that starts at the scenario's start `start_utc_ns` (UTC, nanoseconds since 1970), as source
+    /// number `source`.
     ///
     /// # Errors
-    /// A setting that cannot be used.
+    /// An invalid setting.
     pub fn new(
         settings: &DirectionFinderSettings,
         seed: u64,
@@ -129,24 +130,24 @@ impl SimulatedDirectionFinder {
         })
     }
 
-    /// Begins anew with the first delivery at or after `time_s` seconds from the scenario's start.
+    /// Restarts with the first delivery at or after `time_s` seconds from the scenario's start.
     pub fn restart_at(&mut self, time_s: f64) {
         self.period = ((time_s - self.settings.delay_s) / self.settings.period_s)
             .ceil()
             .max(0.0) as u64;
     }
 
-    /// Time at which the next delivery is due, seconds from the scenario's start.
+    /// Returns the time of the next delivery, seconds from the scenario's start.
     pub fn next_delivery_s(&self) -> f64 {
         self.measured_s() + self.settings.delay_s
     }
 
-    /// Time at which the bearings of the next delivery are measured, seconds from the scenario's start.
+    /// Returns the measurement time of the next delivery's bearings, seconds from the scenario's start.
     pub fn measured_s(&self) -> f64 {
         self.period as f64 * self.settings.period_s
     }
 
-    /// The platform `time_s` seconds after the scenario's start.
+    /// Returns the platform's pose `time_s` seconds after the scenario's start.
     pub fn platform_at(&self, time_s: f64) -> PlatformPose {
         let Kinematics {
             position_m,
@@ -164,8 +165,8 @@ impl SimulatedDirectionFinder {
         self.transmitter(target.id).is_some()
     }
 
-    /// Appends the bearings of the next delivery, in the order of the targets' numbers, which are those of their
-    /// transmitters, and goes on to the one after it.
+    /// Appends the bearings of the next delivery, in the order of the target numbers (which are also the
+    /// transmitter numbers), and advances to the next delivery.
     pub fn listen(&mut self, truth: &Truth, out: &mut Vec<Bearing>) {
         let time_s = self.measured_s();
         let platform = self.platform_at(time_s);
@@ -202,7 +203,7 @@ impl SimulatedDirectionFinder {
         self.period += 1;
     }
 
-    /// Frequency of the target's transmitter, if it has one; the same for every finder.
+    /// Returns the frequency of the target's transmitter, if it has any; the same for every finder.
     fn transmitter(&self, target: u32) -> Option<f64> {
         let mut random = stream(self.seed, Purpose::Transmitter, 0, u64::from(target), 0);
         let (share, frequency_hz) = (random.random_range(0.0..1.0), random.random_range(FREQUENCIES_HZ));
@@ -230,7 +231,7 @@ mod tests {
         SimulatedDirectionFinder::new(settings, 3, 5, 1_000).expect("valid")
     }
 
-    /// Errors are normal with the stated deviation about the true bearing, seen from where the platform says it is.
+    /// Errors are normal with the stated deviation about the true bearing from the platform's reported position.
     #[test]
     fn bearings_are_as_stated() {
         let (truth, settings) = (truth(), DirectionFinderSettings::default());
@@ -284,7 +285,7 @@ mod tests {
         assert!(headings.iter().all(|&count| count > 600), "east and west: {headings:?}");
     }
 
-    /// A finder that begins in mid-scenario measures what it would have measured anyway.
+    /// A finder started in mid-scenario measures the same as a finder that ran throughout.
     #[test]
     fn restarted_it_measures_the_same() {
         let (truth, settings) = (truth(), DirectionFinderSettings::default());

@@ -1,7 +1,8 @@
-//! Targets that are not there.
+//! False targets.
 //!
-//! Reflections and interference make a sensor's tracker follow something for a few looks. Such a false target appears
-//! anywhere in the coverage, moves at random, is found by most looks, and goes away after five periods on average.
+//! Reflections and interference make a sensor's tracker follow a false target for a few looks. A false target
+//! appears anywhere in the coverage, moves at random, is detected in most looks, and disappears after five periods
+//! on average.
 
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
@@ -10,19 +11,19 @@ use rand_distr::{Distribution as _, Poisson, StandardNormal};
 use crate::random::{Purpose, stream};
 use crate::sensor_settings::Checked;
 
-/// Probability that a look finds a false target while it lasts.
+/// Detection probability of a false target during its life.
 pub(crate) const DETECTION_PROBABILITY: f64 = 0.95;
-/// Mean time that a false target lasts, periods.
+/// Mean life of a false target, periods.
 const MEAN_LIFE_PERIODS: f64 = 5.0;
-/// Standard deviation of its speed east and north, m/s.
+/// Standard deviation of the speed east and north, m/s.
 const SPEED_SIGMA_MPS: f64 = 60.0;
-/// Heights between which it appears, metres, as far as the sensor sees them.
+/// Range of heights of false targets, metres, limited by the sensor's coverage.
 const HEIGHTS_M: [f64; 2] = [500.0, 9000.0];
 
-/// See the module's documentation.
+/// False target, see the module's documentation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FalseTarget {
-    /// Its number in the streams of random numbers; no true target has one like it.
+    /// Number in the streams of random numbers; distinct from the numbers of true targets.
     pub(crate) thing: u64,
     begin_s: f64,
     end_s: f64,
@@ -31,7 +32,7 @@ pub(crate) struct FalseTarget {
 }
 
 impl FalseTarget {
-    /// How many false targets appear in period number `period`.
+    /// Returns the number of false targets appearing in period number `period`.
     pub(crate) fn count(settings: &Checked, seed: u64, source: u16, period: u64) -> u64 {
         match Poisson::new(settings.false_tracks_per_period) {
             Ok(poisson) => poisson.sample(&mut stream(seed, Purpose::FalseCount, source, period, 0)) as u64,
@@ -40,7 +41,7 @@ impl FalseTarget {
         }
     }
 
-    /// Number `index` of those that appear in period number `period`.
+    /// Creates number `index` of the false targets appearing in period number `period`.
     pub(crate) fn new(settings: &Checked, seed: u64, source: u16, period: u64, index: u64) -> Self {
         let mut random = stream(seed, Purpose::FalseTarget, source, period, index);
         let coverage = &settings.coverage;
@@ -62,7 +63,7 @@ impl FalseTarget {
         }
     }
 
-    /// Where it is, or would be.
+    /// Returns the position, also outside its life.
     pub(crate) fn position_at(&self, time_s: f64) -> [f64; 3] {
         let age_s = time_s - self.begin_s;
         [
@@ -72,7 +73,7 @@ impl FalseTarget {
         ]
     }
 
-    /// Whether it lasts at a time.
+    /// Whether the target exists at a time.
     pub(crate) fn lasts_at(&self, time_s: f64) -> bool {
         (self.begin_s..=self.end_s).contains(&time_s)
     }

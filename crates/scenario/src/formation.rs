@@ -1,9 +1,9 @@
-//! Targets in formation: side by side for a part of their way, well apart before and after.
+//! Targets in formation: side by side for a part of their path, well apart before and after.
 //!
-//! A formation follows one closed path, in and back, with the half turns of a racetrack at both ends. Each member has a
-//! place in a line across the way in, and keeps it in turns too, so that all fly at the same speed. Only the distance
-//! between neighbours changes: by half a cosine wave where they join and where they part, so that no velocity has a
-//! step.
+//! A formation follows a closed path, in and back, with the half turns of a racetrack at both ends. Each member has
+//! a place in a line across the inbound direction, and keeps it in turns too, so that all members fly at the same
+//! speed. Only the distance between neighbours changes: by half a cosine wave during joining and parting, so that
+//! velocity has no step.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,20 +13,20 @@ use crate::formation_settings::FormationSettings;
 use crate::path::{ClosedPath, Waypoint};
 use crate::random::{Purpose, stream};
 
-/// One formation.
+/// Formation of targets.
 #[derive(Clone, Debug)]
 pub(crate) struct Formation {
     pub(crate) members: u32,
     pub(crate) path: ClosedPath,
-    /// Where in its lap it is at time 0, seconds.
+    /// Time within the lap at time 0, seconds.
     pub(crate) lead_s: f64,
-    /// Direction of the line, east and north, of length 1.
+    /// Direction of the line, east and north, unit vector.
     across: [f64; 2],
     spacing: Spacing,
 }
 
 impl Formation {
-    /// Number `index` of kind `kind`.
+    /// Draws formation number `index` of kind `kind`.
     pub(crate) fn draw(settings: &FormationSettings, seed: u64, kind: usize, index: u32) -> Self {
         let mut random = stream(seed, Purpose::Formation, 0, kind as u64, u64::from(index));
         let members = size(&settings.sizes, random.random_range(0.0..1.0));
@@ -59,8 +59,8 @@ impl Formation {
         }
     }
 
-    /// Place and velocity of member `member` beside the path, east and north, metres and m/s, at a time since a lap's
-    /// start.
+    /// Returns the offset and relative velocity of member `member` with respect to the path, east and north, metres
+    /// and m/s, at a time since a lap's start.
     pub(crate) fn beside(&self, member: u32, time_s: f64) -> ([f64; 2], [f64; 2]) {
         let place = f64::from(member) - 0.5 * f64::from(self.members.saturating_sub(1));
         let (spacing_m, rate_mps) = self.spacing.at(time_s);
@@ -76,21 +76,21 @@ impl Formation {
 struct Spacing {
     together_m: f64,
     apart_m: f64,
-    /// Times in a lap at which they have joined and begin to part, seconds; less than a lap apart.
+    /// Times in a lap of complete joining and of the start of parting, seconds; less than a lap apart.
     joined_s: f64,
     parts_s: f64,
-    /// For how long they join, and part.
+    /// Duration of joining, and of parting.
     joining_s: f64,
     lap_s: f64,
 }
 
 impl Spacing {
-    /// Metres, and metres per second.
+    /// Returns the distance, metres, and its rate, metres per second.
     fn at(&self, time_s: f64) -> (f64, f64) {
         let since_joined_s = (time_s - self.joined_s).rem_euclid(self.lap_s);
         let since_parting_s = since_joined_s - (self.parts_s - self.joined_s);
         let until_joined_s = self.lap_s - since_joined_s;
-        // How far apart, 0 to 1, and how fast that grows.
+        // Relative distance, 0 to 1, and its rate.
         let wave = |phase_s: f64, sign: f64| {
             let phase = PI * (phase_s / self.joining_s).min(1.0);
             (
@@ -110,7 +110,7 @@ impl Spacing {
     }
 }
 
-/// The number of members that a number from 0 to 1 stands for.
+/// Returns the number of members for a random number from 0 to 1.
 fn size(sizes: &[(u32, f64)], drawn: f64) -> u32 {
     let mut left = drawn;
     for (size, probability) in sizes {
@@ -127,8 +127,8 @@ fn size(sizes: &[(u32, f64)], drawn: f64) -> u32 {
         .map_or(1, |(size, _)| *size)
 }
 
-/// The way in on the bearing itself, the way back to its right; and how long the lap's first turn takes, after which
-/// the way in begins.
+/// Returns the path, inbound on the bearing itself and outbound to its right, and the duration of the lap's first
+/// turn, after which the inbound leg begins.
 fn path(settings: &FormationSettings, bearing_rad: f64, speed_mps: f64) -> (ClosedPath, f64) {
     let radius_m = FormationSettings::turn_radius_m(speed_mps);
     let ([far_m, near_m], descent_m) = (settings.way_m, settings.descent_m(speed_mps));
@@ -180,7 +180,8 @@ mod tests {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    /// Four from the north: 3 km apart far away, 200 m apart from 45 to 20 km, 3 km apart again, and so in each lap.
+    /// Four from the north: 3 km apart far away, 200 m apart from 45 to 20 km, 3 km apart again, and the same in
+    /// each lap.
     #[test]
     fn members_join_and_part_again() {
         let settings = world(FormationSettings {
@@ -214,7 +215,7 @@ mod tests {
         assert!(truth.at(0.0).all(|target| target.kind == TargetKind::Formation));
     }
 
-    /// Formations descend below what sensors see, all members at once.
+    /// Formations descend below the sensors' coverage, all members at once.
     #[test]
     fn low_ones_vanish_together() {
         let settings = world(FormationSettings {
@@ -261,7 +262,7 @@ mod tests {
         );
     }
 
-    /// Formations change nothing of the targets beside them.
+    /// Formations do not change the targets beside them.
     #[test]
     fn other_targets_fly_as_without_formations() {
         let (without, mut with) = (ScenarioSettings::default(), ScenarioSettings::default());
@@ -275,7 +276,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(64))]
 
-        /// Whatever is allowed can be flown: velocity is the slope of position, within the limit of its kind.
+        /// All permitted settings can be flown: velocity is the slope of position, within the limit of its kind.
         #[test]
         fn every_draw_can_be_flown(
             seed: u64, size in 1..12u32, spacing_m in 1.0..2000.0f64, more_m in 0.0..8000.0f64, far_m in 40e3..200e3f64,

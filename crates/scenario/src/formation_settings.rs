@@ -1,18 +1,18 @@
-//! Settings of formations: how many there are, and how they fly.
+//! Settings of formations: their number and their flight.
 
 use std::f64::consts::{PI, TAU};
 
 use settings::{SettingsError, within};
 
-/// Most formations of one kind.
+/// Maximum number of formations of one kind.
 const FORMATIONS_MAX: u32 = 10_000;
-/// Most members of a formation.
+/// Maximum number of members of a formation.
 pub(crate) const MEMBERS_MAX: u32 = 64;
 /// Lateral acceleration in turns, m/s² (25° of bank).
 const TURN_ACCELERATION_MPS2: f64 = 4.57;
-/// Greatest speed sideways while members join or part, m/s.
+/// Maximum lateral speed of members during joining and parting, m/s.
 const SIDEWAYS_MPS: f64 = 50.0;
-/// Greatest vertical speed, m/s.
+/// Maximum vertical speed, m/s.
 const VERTICAL_MPS: f64 = 20.0;
 
 settings::settings! {
@@ -79,7 +79,7 @@ impl FormationSettings {
         Err(SettingsError::new("sizes", what))
     }
 
-    /// Whether the way is long enough at this speed.
+    /// Checks that the way is long enough at this speed.
     fn check_way(&self, speed_mps: f64) -> Result<(), SettingsError> {
         let [far, near] = self.way_m;
         let least_m = near + self.descent_m(speed_mps) + 1.0;
@@ -96,7 +96,7 @@ impl FormationSettings {
         Ok(())
     }
 
-    /// Members of the largest formation.
+    /// Returns the number of members of the largest formation.
     pub(crate) fn members_max(&self) -> u32 {
         self.sizes.iter().map(|(size, _)| *size).max().unwrap_or(0)
     }
@@ -105,24 +105,24 @@ impl FormationSettings {
         speed_mps.powi(2) / TURN_ACCELERATION_MPS2
     }
 
-    /// Way on which they descend, and climb again, metres.
+    /// Returns the distance flown during the descent, equal to that of the climb, metres.
     pub(crate) fn descent_m(&self, speed_mps: f64) -> f64 {
         let descent_m = self.height_m - self.low_m.unwrap_or(self.height_m);
         0.5 * PI * descent_m / VERTICAL_MPS * speed_mps
     }
 
-    /// Duration of the way in and back.
+    /// Returns the duration of the way in and back.
     pub(crate) fn lap_s(&self, speed_mps: f64) -> f64 {
         let [far, near] = self.way_m;
         2.0 * (far - near + PI * Self::turn_radius_m(speed_mps)) / speed_mps
     }
 
-    /// For how long they are together.
+    /// Returns the duration of close formation.
     pub(crate) fn together_s(&self, speed_mps: f64) -> f64 {
         (self.together_m[0] - self.together_m[1]) / speed_mps
     }
 
-    /// For how long a formation of so many members joins, and parts.
+    /// Returns the duration of joining, and of parting, for this number of members.
     pub(crate) fn joining_s(&self, members: u32) -> f64 {
         let outermost = 0.5 * f64::from(members.saturating_sub(1));
         (0.5 * PI * outermost * (self.apart_m - self.spacing_m) / SIDEWAYS_MPS).max(1.0)

@@ -1,12 +1,13 @@
-//! Which of many points belong together: those joined by a chain of near ones.
+//! Groups of points connected by chains of near neighbours.
 //!
-//! Of all near pairs the shortest ones are taken first, and only those that join what was not joined before: the tree
-//! of shortest links. So of four in a line there are three links, and each can break by itself.
+//! The shortest of all near pairs come first, and only pairs that join separate groups count: the links form a
+//! minimum spanning tree. Four points in a line thus have three links, and each link can break separately.
 
-/// Groups of `points` (east and north, metres). Two are near if they are at most `reach_m` apart along east and `apart`
-/// says less than 1 of them; a link between near ones breaks where `breaks` says so.
+/// Groups `points` (east and north, metres). Two points are near if their eastward distance is at most `reach_m`
+/// and `apart` returns less than 1 for them. A link between near points breaks if `breaks` returns true.
 ///
-/// For each point the smallest place in the list of all in its group: its own if it is alone or the first.
+/// The result holds, for each point, the smallest index in its group: its own index if the point is alone or the
+/// first.
 pub(crate) fn groups(
     points: &[[f64; 2]],
     reach_m: f64,
@@ -38,7 +39,7 @@ pub(crate) fn groups(
     (0..points.len()).map(|place| joined.first(place)).collect()
 }
 
-/// Disjoint sets of numbers; each points to a smaller one of its set, or to itself.
+/// Disjoint sets of numbers; each number points to a smaller number of its set, or to itself.
 struct Sets(Vec<usize>);
 
 impl Sets {
@@ -46,18 +47,18 @@ impl Sets {
         Self((0..count).collect())
     }
 
-    /// The smallest number of the set.
+    /// Returns the smallest number of the set.
     fn first(&mut self, of: usize) -> usize {
         let mut at = of;
         while self.0[at] != at {
-            // Every step halves the way for those that come later.
+            // Path halving: each step shortens the path for later searches.
             self.0[at] = self.0[self.0[at]];
             at = self.0[at];
         }
         at
     }
 
-    /// Whether they were apart before.
+    /// Joins two sets; returns whether they were separate before.
     fn join(&mut self, one: usize, other: usize) -> bool {
         let (one, other) = (self.first(one), self.first(other));
         self.0[one.max(other)] = one.min(other);
@@ -75,7 +76,7 @@ mod tests {
         move |one, other| (points[one][0] - points[other][0]).hypot(points[one][1] - points[other][1]) / reach_m
     }
 
-    /// Three in a line and one beside: the middle link breaks alone, and no longer link stands in for it.
+    /// Three points in a line and a point beside: the middle link breaks alone, and no longer link replaces it.
     #[test]
     fn links_break_one_by_one() {
         let points = [[0.0, 0.0], [100.0, 0.0], [190.0, 0.0], [0.0, 900.0]];
@@ -88,7 +89,7 @@ mod tests {
     }
 
     proptest! {
-        /// The same as following every chain of near points.
+        /// The result equals a search along every chain of near points.
         #[test]
         fn chains_are_followed(points in prop::collection::vec([0.0..1000.0f64, 0.0..1000.0f64], 0..40), reach in 1.0..300.0f64) {
             let apart = within(&points, reach);

@@ -1,20 +1,22 @@
-//! A simulated world: targets that move by known laws, and sensors that see them imperfectly.
+//! Simulated world: targets that follow known laws of motion, and sensors with imperfect observations.
 //!
-//! A demonstration or a test needs reports whose truth is known. [`Truth`] says where every target is at any time;
-//! a [`SimulatedSensor`] looks at it as a radar, a multilateration system or an ADS-B receiver would, tracks what it
-//! sees with a filter of its own, and delivers sensor tracks; a [`SimulatedDirectionFinder`] flies about and measures
-//! bearings of those that transmit; a [`SimulatedWideAreaSensor`] says from afar how many there are.
+//! A demonstration or a test needs reports with known truth.
 //!
-//! Everything is a pure function of settings, seed and time. Truth is closed-form in time, so it can be asked for any
-//! moment in any order and by any process, and never ends. Every random number is drawn from a stream of its own,
-//! named by what it is for (seed, sensor, target, look), so no result depends on which other draws were made before.
-//! A sensor process that is restarted in mid-scenario therefore finds the same truth and the same measurements; only
-//! its tracks begin anew, as those of a real sensor would.
+//! - [`Truth`] gives the position of every target at any time.
+//! - A [`SimulatedSensor`] observes the truth like a radar, a multilateration system or an ADS-B receiver. It
+//!   tracks the detections with its own filter and delivers sensor tracks.
+//! - A [`SimulatedDirectionFinder`] flies along a path and measures bearings of transmitters.
+//! - A [`SimulatedWideAreaSensor`] counts targets from afar.
 //!
-//! Heights are above the ellipsoid ([`Truth::round`]), so that far from the origin targets are where the curvature of
-//! the earth puts them. Simplifications: paths are drawn in the plane of the system's frame, radars measure the range
-//! already corrected for slant, false targets have their heights above the plane, and no sensor confuses two targets
-//! with each other; a radar that delivers plots may see several as one.
+//! Everything is a pure function of settings, seed and time. The truth is closed-form and unlimited in time: any
+//! process can request any moment in any order. Every random number comes from a stream keyed by its purpose (seed,
+//! sensor, target, look), so no result depends on earlier draws. A sensor process restarted in mid-scenario
+//! therefore finds the same truth and the same measurements. Only its tracks restart, like those of a real sensor.
+//!
+//! Heights are above the ellipsoid ([`Truth::round`]), so that far from the origin targets follow the curvature of
+//! the Earth. Simplifications: paths are drawn in the plane of the system's frame, radars measure the range already
+//! corrected for slant, false targets have their heights above the plane, and no sensor confuses two targets with
+//! each other. A radar that delivers plots may merge several targets.
 
 #![forbid(unsafe_code)]
 

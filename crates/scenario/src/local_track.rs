@@ -1,7 +1,8 @@
-//! The track that a sensor keeps of one target: a filter and a life cycle.
+//! Track of one target in a sensor: a filter and a life cycle.
 //!
-//! The first hit starts a tentative track; further hits confirm it; a confirmed track without a hit is coasted; too
-//! many misses in a row terminate it. The sensor says so once, and gives a new number if the target returns.
+//! The first hit starts a tentative track; further hits confirm it. A confirmed track without a hit coasts; too
+//! many misses in a row terminate it. The sensor reports the termination once, and assigns a new number if the
+//! target returns.
 
 use estimation::Gaussian;
 use messages::TrackState;
@@ -9,15 +10,15 @@ use messages::TrackState;
 use crate::measurement::Measurement;
 use crate::sensor_settings::Tracking;
 
-/// See the module's documentation.
+/// Track in a sensor, see the module's documentation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalTrack {
     pub(crate) number: u32,
     pub(crate) gaussian: Gaussian,
     pub(crate) state: TrackState,
-    /// Looks that found the target since the track began.
+    /// Looks with a detection since the start of the track.
     pub(crate) hits: u32,
-    /// Looks in a row, up to the latest, that did not.
+    /// Consecutive looks without a detection, up to the latest.
     misses: u32,
     time_s: f64,
 }
@@ -44,7 +45,7 @@ impl LocalTrack {
         }
     }
 
-    /// Brings the track to the time of a look and tells it what the look found.
+    /// Predicts the track to the time of a look and updates it with the result.
     pub(crate) fn look(&mut self, time_s: f64, found: Option<&Measurement>, tracking: &Tracking) {
         self.gaussian = tracking.motion.predicted(&self.gaussian, time_s - self.time_s);
         self.time_s = time_s;
@@ -83,7 +84,7 @@ impl LocalTrack {
         debug_assert!(updated, "simulated covariances are positive definite");
     }
 
-    /// Whether the velocity rests on more than the assumption about it.
+    /// Whether the velocity is based on more than its prior.
     pub(crate) fn has_velocity(&self) -> bool {
         self.hits >= 2
     }

@@ -1,4 +1,4 @@
-//! Looks of a sensor at a target: when its turn comes, whether it is found, and what its track becomes.
+//! Looks of a sensor at a target: their times, detections, and effects on the track.
 
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use observations::Truth as Of;
@@ -13,24 +13,24 @@ use crate::schedule::{Aim, Slot};
 use crate::sensor_settings::{Checked, Dropouts, SensorIdentity, SensorKind};
 use crate::target::TargetState;
 
-/// State that the sensor keeps of one target.
+/// State of one target in the sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Watched {
-    /// The target's turn within a period, 0 to 1.
+    /// Position of the target's look within a period, 0 to 1.
     phase: f64,
-    /// Whether it has the equipment that this sensor needs.
+    /// Whether the target has the equipment that this sensor needs.
     pub(crate) equipped: bool,
     latest_look_s: f64,
     pub(crate) track: Option<LocalTrack>,
 }
 
-/// Target as it is to be seen at the time of a look.
+/// Target as visible at the time of a look.
 pub(crate) struct Seen {
     position_m: [f64; 3],
     height_m: f64,
     identity: Identity,
     on_ground: bool,
-    /// Probability that a look within coverage finds it.
+    /// Detection probability of a look within coverage.
     detection_probability: f64,
 }
 
@@ -40,7 +40,7 @@ impl Seen {
             position_m: state.position_m,
             height_m: state.height_m,
             identity: looks.identity_of(&state),
-            // A radar measures a position; whether the target stands on wheels is known from its replies only.
+            // A radar measures a position; only the target's replies could report contact with the ground.
             on_ground: state.on_ground && looks.settings.kind != SensorKind::Radar,
             detection_probability: looks.settings.detection_probability,
         }
@@ -61,13 +61,13 @@ impl Seen {
     }
 }
 
-/// Where the outcome of looks goes.
+/// Destination of the looks' results.
 pub(crate) struct Told<'a> {
     pub(crate) next_number: &'a mut u32,
     pub(crate) out: &'a mut Vec<SensorTrack>,
 }
 
-/// All that a look depends on and never changes.
+/// Constant parameters of all looks.
 #[derive(Clone, Debug)]
 pub(crate) struct Looks {
     pub(crate) settings: Checked,
@@ -87,8 +87,8 @@ impl Looks {
         }
     }
 
-    /// Looks at one thing if its turn comes in this slot, and reports its track if there is one then; when, and what it
-    /// found.
+    /// Looks at a thing if its time lies in this slot, and reports its track, if any; returns the time and the
+    /// detection.
     pub(crate) fn look(
         &self,
         slot: &Slot,
@@ -139,7 +139,7 @@ impl Looks {
         self.start_utc_ns + (time_s * messages::NS_PER_S).round() as i64
     }
 
-    /// Whether a look at it could find it.
+    /// Whether a look at this time could detect the thing.
     pub(crate) fn may_find(
         &self,
         thing: u64,
@@ -169,7 +169,7 @@ impl Looks {
         Some(self.settings.errors.measure(site, seen.position_m, &mut random))
     }
 
-    /// Whether the thing has one of its dropouts: one per stretch of time, anywhere in it.
+    /// Whether the thing is in a dropout: one per stretch of time, anywhere in the stretch.
     fn dropped_out(&self, thing: u64, time_s: f64) -> bool {
         let Some(Dropouts { every_s, duration_s }) = self.settings.dropouts else {
             return false;

@@ -1,4 +1,4 @@
-//! Measurement that a look yields: a position with its covariance.
+//! Measurement from a look: a position with its covariance.
 
 use estimation::Symmetric3;
 use nalgebra::Matrix2;
@@ -7,7 +7,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 
 use crate::sensor_settings::{MeasurementErrors, PlaneErrors};
 
-/// A measured position, as the sensor understands it: its covariance knows nothing of biases.
+/// Measured position from the sensor's point of view: the covariance excludes biases.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement {
     /// East, north, up, metres.
@@ -18,7 +18,7 @@ pub(crate) struct Measurement {
 }
 
 impl MeasurementErrors {
-    /// A measurement of something at `true_position_m` from `site_m`; takes three random numbers whatever is measured.
+    /// Measures an object at `true_position_m` from `site_m`; always draws three random numbers.
     pub(crate) fn measure(&self, site_m: [f64; 3], true_position_m: [f64; 3], random: &mut ChaCha8Rng) -> Measurement {
         let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(random));
         let offset = [0, 1].map(|axis| true_position_m[axis] - site_m[axis]);
@@ -42,7 +42,8 @@ impl MeasurementErrors {
 }
 
 impl PlaneErrors {
-    /// Measured offset from the site, and its covariance, for a true offset and two standard normal numbers.
+    /// Returns the measured offset from the site, and its covariance, for a true offset and two standard normal
+    /// numbers.
     fn measure(&self, [east, north]: [f64; 2], errors: [f64; 2]) -> ([f64; 2], Matrix2<f64>) {
         match *self {
             Self::Cartesian { sigma_m } => (

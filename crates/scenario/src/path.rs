@@ -1,13 +1,13 @@
-//! A closed path, travelled for ever, whose position is known at any time without integrating.
+//! Closed path, travelled for ever; its position at any time needs no integration.
 //!
-//! Waypoints are joined by straight legs; each corner is rounded by an arc of the waypoint's turn radius, tangent to
-//! both legs. Speed is constant in a turn and changes at a constant rate along a leg, from one waypoint's speed to the
-//! next one's. Height changes along a leg by half a cosine wave, so vertical speed has no step. Each segment's state
-//! is then an elementary function of the time since it began, and any time is reduced to one lap.
+//! Waypoints are joined by straight legs. Each corner is rounded by an arc of the waypoint's turn radius, tangent
+//! to both legs. Speed is constant in a turn and changes at a constant rate along a leg, from one waypoint's speed
+//! to the next. Height changes along a leg by half a cosine wave, so vertical speed has no step. Each segment's
+//! state is then an elementary function of the time since its start, and any time is reduced to one lap.
 
 use std::f64::consts::PI;
 
-/// Straight legs and turns shorter than this are left out, metres.
+/// Straight legs and turns shorter than this are omitted, metres.
 const SEGMENT_MIN_M: f64 = 1e-6;
 
 /// A corner of the path, or a point on a leg where speed or height has a given value.
@@ -17,11 +17,11 @@ pub(crate) struct Waypoint {
     pub(crate) position_m: [f64; 2],
     /// Height while turning here, metres.
     pub(crate) height_m: f64,
-    /// Speed while turning here, m/s; 0 only where the path goes straight on.
+    /// Speed while turning here, m/s; 0 only on a straight course.
     pub(crate) speed_mps: f64,
     /// Radius of the arc, metres.
     pub(crate) turn_radius_m: f64,
-    /// How long the target stands here, seconds (with speed 0 only).
+    /// Duration of a stop here, seconds (with speed 0 only).
     pub(crate) stop_s: f64,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct Kinematics {
     pub(crate) velocity_mps: [f64; 3],
 }
 
-/// See the module's documentation.
+/// Closed path, see the module's documentation.
 #[derive(Clone, Debug)]
 pub(crate) struct ClosedPath {
     segments: Vec<Segment>,
@@ -61,17 +61,17 @@ enum Course {
         radius_m: f64,
         /// Direction from centre to target at the start, counter-clockwise from east.
         start_rad: f64,
-        /// Positive: a left turn.
+        /// Positive for a left turn.
         rate_radps: f64,
     },
 }
 
 impl ClosedPath {
-    /// Through `waypoints` in order and back to the first.
+    /// Creates the path through `waypoints` in order and back to the first.
     ///
     /// # Panics
-    /// If the arcs of neighbouring corners overlap, or a turn is to be made at speed 0: paths are drawn up by the
-    /// program, so that is a fault of the program.
+    /// If the arcs of neighbouring corners overlap, or a turn has speed 0: the program makes all paths, so this is
+    /// a fault of the program.
     pub(crate) fn new(waypoints: &[Waypoint]) -> Self {
         let count = waypoints.len();
         let corner = |index: usize| Corner::new([count - 1, 0, 1].map(|step| waypoints[(index + step) % count]));
@@ -89,12 +89,12 @@ impl ClosedPath {
         path
     }
 
-    /// Duration of one lap, seconds.
+    /// Returns the duration of one lap, seconds.
     pub(crate) fn lap_s(&self) -> f64 {
         self.lap_s
     }
 
-    /// State `time_s` after the start of a lap, of any lap.
+    /// Returns the state `time_s` after the start of a lap, of any lap.
     pub(crate) fn at(&self, time_s: f64) -> Kinematics {
         let time_s = time_s.rem_euclid(self.lap_s);
         let index = self
@@ -216,14 +216,14 @@ impl Course {
     }
 }
 
-/// How the path bends at a waypoint.
+/// Bend of the path at a waypoint.
 struct Corner {
     at_m: [f64; 2],
     incoming: [f64; 2],
     outgoing: [f64; 2],
-    /// Angle from incoming to outgoing direction; positive: to the left.
+    /// Angle from incoming to outgoing direction; positive to the left.
     turn_rad: f64,
-    /// Distance from the waypoint to where the arc begins and ends.
+    /// Distance from the waypoint to the start and end of the arc.
     tangent_m: f64,
 }
 
@@ -278,7 +278,7 @@ mod tests {
         }
     }
 
-    /// A rectangle as wide as two turn radii: two legs and two half circles.
+    /// Rectangle as wide as two turn radii: two legs and two half circles.
     fn racetrack() -> ClosedPath {
         ClosedPath::new(&[
             waypoint(0.0, 0.0, 100.0, 1000.0),

@@ -1,7 +1,7 @@
-//! Plots: detections of a sensor, before its own tracker made tracks of them.
+//! Plots: detections of a sensor before its own tracking.
 //!
-//! A tracker that is to be tried takes these instead of the sensor's tracks. They know nothing of earlier looks, and of
-//! which target they are only the truth knows.
+//! Plots replace a sensor's tracks as input of a tracker under test. They carry no information about earlier looks;
+//! only the truth identifies their targets.
 
 use observations::Truth as Of;
 use rand::RngExt as _;
@@ -17,17 +17,17 @@ use crate::sensor_settings::{Checked, MeasurementErrors, PlaneErrors};
 pub struct Plot {
     /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
-    /// Number of the sensor's period (a radar's turn) in which it was made, from 0.
+    /// Number of the sensor's period (a radar's turn), from 0.
     pub scan: u64,
     /// Truth of the plot.
     pub of: Of,
     /// Measured position: east, north, up, metres; up is 0 without a height.
     pub position_m: [f64; 3],
-    /// Standard deviations of that, as the sensor knows them, metres; of the height 0 without one.
+    /// Standard deviations of the position as stated by the sensor, metres; 0 for the height if it is not measured.
     pub sigma_m: [f64; 3],
     /// Whether height was measured.
     pub height: bool,
-    /// Place of the sensor: east, north, up, metres.
+    /// Position of the sensor: east, north, up, metres.
     pub site_m: [f64; 3],
     /// For a radar: standard deviations of range, metres, and azimuth, radians.
     pub polar_sigma: Option<[f64; 2]>,
@@ -60,7 +60,8 @@ impl Plot {
         }
     }
 
-    /// False plots of a radar in one delivery: anywhere in its coverage, without a reply and so without a height.
+    /// Draws the false plots of a radar in one delivery: anywhere in its coverage, without a reply and so without a
+    /// height.
     pub(crate) fn false_ones(
         settings: &Checked,
         (seed, source): (u64, u16),
@@ -86,7 +87,8 @@ impl Plot {
         }
     }
 
-    /// Range in the plane, metres, and azimuth from the sensor, radians clockwise from north, 0 to 2π.
+    /// Returns the range in the plane, metres, and the azimuth from the sensor, radians clockwise from north, 0 to
+    /// 2π.
     pub fn polar(&self) -> [f64; 2] {
         let [east, north] = [0, 1].map(|axis| self.position_m[axis] - self.site_m[axis]);
         [east.hypot(north), east.atan2(north).rem_euclid(std::f64::consts::TAU)]

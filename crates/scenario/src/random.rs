@@ -1,8 +1,8 @@
-//! Random numbers that do not depend on the order in which they are asked for.
+//! Random numbers independent of the order of draws.
 //!
-//! One generator for a whole run would give every draw a value that depends on all draws before it: one target more,
-//! one sensor restarted, and everything after it differs. Here each purpose has a stream of its own, keyed by what
-//! it is for; ChaCha is a cipher, so streams of keys that differ in one bit have nothing in common.
+//! With a single generator for a whole run, every draw depends on all earlier draws: an additional target or a
+//! restarted sensor changes everything after it. Here each purpose has its own stream, keyed by the purpose. ChaCha
+//! is a cipher, so streams of keys that differ in one bit are unrelated.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -12,7 +12,7 @@ use rand_chacha::rand_core::SeedableRng;
 pub(crate) enum Purpose {
     /// Path and identity of a target.
     Target,
-    /// Properties of a target as seen by one sensor: phase, equipment.
+    /// Properties of a target relative to one sensor: phase, equipment.
     Acquaintance,
     /// One look of a sensor at a target: detection and measurement errors.
     Look,
@@ -20,27 +20,27 @@ pub(crate) enum Purpose {
     Broadcast,
     /// Outages of one target at one sensor.
     Outage,
-    /// How many false targets one period brings.
+    /// Number of false targets appearing in one period.
     FalseCount,
     /// One false target.
     FalseTarget,
     /// False plots of one delivery.
     FalsePlots,
-    /// Whether a target transmits, and on which frequency.
+    /// Presence of a transmitter on a target, and its frequency.
     Transmitter,
     /// One look of a direction finder at a transmitter.
     Bearing,
     /// Size, way and speed of a formation.
     Formation,
-    /// Whether a radar resolves two targets in one turn.
+    /// Resolution of two targets by a radar in one turn.
     Resolution,
-    /// One look of a radar at several targets that it does not resolve.
+    /// One look of a radar at several unresolved targets.
     MergedLook,
     /// One report of a wide-area sensor.
     WideArea,
 }
 
-/// The stream for `purpose` at `source`, of the thing numbered (`first`, `second`).
+/// Returns the stream for `purpose` at `source`, of the thing numbered (`first`, `second`).
 pub(crate) fn stream(seed: u64, purpose: Purpose, source: u16, first: u64, second: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());

@@ -1,12 +1,13 @@
-//! Targets that a radar cannot tell apart.
+//! Unresolved targets of a radar.
 //!
-//! A radar tells two targets apart that differ by the length of its pulse in range, or by the width of its beam in
-//! azimuth. Otherwise their echoes are one. Here, whichever are joined by a chain of such pairs give one plot in their
-//! middle, at the time at which the antenna points at the first of them; it is detected if any of them is. Now and then
-//! echoes differ enough to be told apart all the same: then a link of the chain breaks for one turn.
+//! A radar resolves two targets separated by more than the length of its pulse in range, or by more than the width
+//! of its beam in azimuth. Otherwise their echoes merge. In this model, all targets joined by a chain of unresolved
+//! pairs give one plot in their middle, at the time at which the antenna points at the first of them. The plot
+//! exists if any member is detected. Occasionally echoes differ enough to be resolved nevertheless: then a link of
+//! the chain breaks for one turn.
 //!
-//! Simple in this: echoes are equally strong, the middle is that of the places and errs like one target's, and false
-//! plots merge with nothing. Who is with whom is looked up once per delivery.
+//! Simplifications: echoes are equally strong, the middle is that of the positions and has the errors of a single
+//! target, and false plots merge with nothing. The groups are determined once per delivery.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,12 +22,12 @@ use crate::schedule::Slot;
 use crate::sensor_settings::ResolutionCell;
 use crate::truth::Truth;
 
-/// Groups of targets that are not told apart in one delivery.
+/// Groups of unresolved targets in one delivery.
 #[derive(Debug)]
 pub(crate) struct Company {
-    /// By number of the target: the first of those that are not told apart from it, itself included.
+    /// First member of each target's group, by target number; a target alone is its own first member.
     firsts: Vec<usize>,
-    /// (first, target) in this order.
+    /// Pairs (first, target), sorted.
     members: Vec<(usize, usize)>,
 }
 
@@ -67,7 +68,8 @@ impl Company {
         Self { firsts, members }
     }
 
-    /// Detection in a look at target number `index` that by itself would have found `alone`; `None` if there is none.
+    /// Returns the detection in a look at target number `index`; `alone` is its detection without neighbours.
+    /// `None` if there is no detection.
     pub(crate) fn echo(
         &self,
         looks: &Looks,

@@ -1,14 +1,15 @@
-//! Times at which a sensor looks at each target, and delivers.
+//! Times of a sensor's looks at each target, and of its deliveries.
 //!
-//! Time is cut into *slots*, as many per period as the sensor makes deliveries; slot n ends with one delivery. The
-//! slots' number is all the state a sensor's clock has, so a sensor can begin anywhere.
+//! Time is cut into *slots*, one for each delivery in a period; slot n ends with one delivery. The slot number is
+//! the entire state of a sensor's clock, so a sensor can start anywhere.
 //!
-//! - A radar's antenna turns clockwise from north at a constant rate. A target is looked at when the antenna points at
-//!   it, which depends on where the target then is: a few steps of a fixed-point iteration find that time, since a
-//!   target moves little while the antenna turns by a sector.
-//! - Multilateration measures at the start of the slot. With several deliveries per period, each target belongs to one.
-//! - ADS-B targets broadcast on clocks of their own, with a random tenth of a period to either side, so that no two
-//!   collide for ever.
+//! - A radar's antenna turns clockwise from north at a constant rate. The look at a target occurs when the antenna
+//!   points at it, which depends on the target's position at that time. A few steps of a fixed-point iteration find
+//!   the time, because a target moves little while the antenna turns by a sector.
+//! - Multilateration measures at the start of the slot. With several deliveries per period, each target belongs to
+//!   one delivery.
+//! - ADS-B targets broadcast on individual clocks, with a random tenth of a period to either side, so that no two
+//!   targets collide for ever.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,12 +18,12 @@ use rand::RngExt as _;
 use crate::random::{Purpose, stream};
 use crate::sensor_settings::{Checked, SensorKind};
 
-/// Steps that find the time at which a radar's antenna points at a moving target.
+/// Iterations to find the time at which a radar's antenna points at a moving target.
 const AIMING_STEPS: usize = 4;
-/// Share of its period by which a broadcast may come early or late.
+/// Maximum deviation of a broadcast from its planned time, as a share of the period.
 const BROADCAST_JITTER: f64 = 0.1;
 
-/// One of a sensor's delivery intervals.
+/// Delivery interval of a sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
     pub(crate) number: u64,
@@ -42,7 +43,7 @@ impl Slot {
         }
     }
 
-    /// The first slot whose delivery is not before `time_s`.
+    /// Returns the first slot whose delivery is not before `time_s`.
     pub(crate) fn first_delivered_from(time_s: f64, settings: &Checked) -> Self {
         let schedule = &settings.schedule;
         let length_s = schedule.period_s / f64::from(schedule.deliveries);
@@ -54,7 +55,7 @@ impl Slot {
         Self::new(number, settings)
     }
 
-    /// Time at which what was seen in this slot is delivered, seconds.
+    /// Returns the delivery time of the observations in this slot, seconds.
     pub(crate) fn delivered_s(&self, settings: &Checked) -> f64 {
         let seen_s = match settings.kind {
             SensorKind::Multilateration => self.begin_s,
@@ -63,25 +64,25 @@ impl Slot {
         seen_s + settings.schedule.delay_s
     }
 
-    /// Nothing seen in this slot or a later one is older than this.
+    /// Returns the start of the slot: no observation in this slot or a later slot is older.
     pub(crate) fn begin_s(&self) -> f64 {
         self.begin_s
     }
 
-    /// A time in this slot: 0 is its begin, 1 its end.
+    /// Returns a time in this slot: 0 is its start, 1 its end.
     pub(crate) fn time_within_s(&self, share: f64) -> f64 {
         self.begin_s + share * (self.end_s - self.begin_s)
     }
 
-    /// Number of the period, and of the slot within it.
+    /// Returns the number of the period, and of the slot within it.
     pub(crate) fn period(&self, settings: &Checked) -> (u64, u64) {
         let deliveries = u64::from(settings.schedule.deliveries);
         (self.number / deliveries, self.number % deliveries)
     }
 
-    /// Time in this slot at which the sensor looks at a thing, seconds; `None` if it does not. The thing is at
-    /// `position_at` a time, and its turn comes at `phase` (0 to 1) of each period where the sensor does not itself
-    /// decide it.
+    /// Returns the time of the sensor's look at a thing in this slot, seconds; `None` without a look. `position_at`
+    /// gives the position of the thing at a time. `phase` (0 to 1) gives the position of its look within each
+    /// period, unless the sensor determines it.
     pub(crate) fn look_s(&self, settings: &Checked, aim: &Aim, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
         match settings.kind {
             SensorKind::Radar => self.antenna_passes_s(settings, position_at),
@@ -97,7 +98,7 @@ impl Slot {
     fn antenna_passes_s(&self, settings: &Checked, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
         let schedule = &settings.schedule;
         let site = settings.coverage.position_m;
-        // How far the antenna is behind the target at a time, in seconds of turning.
+        // Lag of the antenna behind the target at a time, in seconds of turning.
         let behind_s = |time_s: f64| {
             let position = position_at(time_s);
             let azimuth = (position[0] - site[0]).atan2(position[1] - site[1]);
@@ -107,7 +108,8 @@ impl Slot {
         };
         let middle_s = 0.5 * (self.begin_s + self.end_s);
         let mut step_s = behind_s(middle_s);
-        // Far from this sector at its middle: a target that the next steps could bring back would be on the radar.
+        // The target is far from this sector in the middle of the slot: further steps can bring it back only if it
+        // is very close to the radar.
         if schedule.deliveries > 4 && step_s.abs() > self.end_s - self.begin_s {
             return None;
         }
@@ -121,7 +123,7 @@ impl Slot {
 
     fn broadcast_s(&self, settings: &Checked, aim: &Aim) -> Option<f64> {
         let schedule = &settings.schedule;
-        // The jitter moves a broadcast by less than a period, so only the nearest three can fall into this slot.
+        // The jitter is less than a period, so only the nearest three broadcasts can fall into this slot.
         let nearest = ((self.begin_s - schedule.phase_s) / schedule.period_s - aim.phase).round();
         [-1.0, 0.0, 1.0].into_iter().find_map(|step| {
             let count = nearest + step;
@@ -137,13 +139,13 @@ impl Slot {
     }
 }
 
-/// The thing that a slot may hold a look at.
+/// Thing with a possible look in a slot.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Aim {
     pub(crate) seed: u64,
     pub(crate) source: u16,
     /// Number of the thing in the streams of random numbers.
     pub(crate) thing: u64,
-    /// Its turn within a period, 0 to 1.
+    /// Position of the look within a period, 0 to 1.
     pub(crate) phase: f64,
 }

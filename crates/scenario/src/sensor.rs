@@ -1,8 +1,8 @@
-//! A simulated sensor: looks at the truth, tracks what it finds, and delivers sensor tracks.
+//! Simulated sensor: observes the truth, tracks the detections, and delivers sensor tracks.
 //!
-//! The sensor keeps one track per target and never confuses two targets; what it gets wrong is where they are (noise,
-//! biases), whether they are there (misses, dropouts, false targets), and what has become of them (a track that ended
-//! comes back with a new number).
+//! The sensor has one track per target and never confuses two targets. Its errors concern positions (noise,
+//! biases), presence (misses, dropouts, false targets), and identity over time (a terminated track returns with a
+//! new number).
 
 use messages::SensorTrack;
 use observations::Truth as Of;
@@ -17,13 +17,13 @@ use crate::sensor_settings::SensorSettings;
 use crate::target::TargetState;
 use crate::truth::Truth;
 
-/// Most false targets that one sensor follows at a time; further ones do not appear.
+/// Maximum number of concurrent false targets of a sensor; further false targets do not appear.
 pub const FALSE_TARGETS_MAX: usize = 256;
-/// Track numbers set aside per delivery, so that a sensor that begins in mid-scenario does not use numbers again that
-/// it gave before: it may make this many new tracks per delivery on average.
+/// Track numbers reserved per delivery, so that a sensor started in mid-scenario does not reuse numbers. It may use
+/// this many new tracks per delivery on average.
 const NUMBERS_PER_SLOT: u64 = 64;
 
-/// See the module's documentation.
+/// Simulated sensor, see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct SimulatedSensor {
     looks: Looks,
@@ -35,11 +35,11 @@ pub struct SimulatedSensor {
 }
 
 impl SimulatedSensor {
-    /// A sensor that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970). It
-    /// reports as source number `source`, which also sets its random numbers apart from those of other sensors.
+    /// Creates a sensor that starts at the scenario's start `start_utc_ns` (UTC, nanoseconds since 1970). It
+    /// reports as source number `source`, which also separates its random numbers from those of other sensors.
     ///
     /// # Errors
-    /// A setting that cannot be used.
+    /// An invalid setting.
     pub fn new(settings: &SensorSettings, seed: u64, source: u16, start_utc_ns: i64) -> Result<Self, SettingsError> {
         let settings = settings.checked()?;
         Ok(Self {
@@ -56,7 +56,7 @@ impl SimulatedSensor {
         })
     }
 
-    /// Begins anew, without tracks, with the first delivery at or after `time_s` seconds from the scenario's start.
+    /// Restarts without tracks, with the first delivery at or after `time_s` seconds from the scenario's start.
     pub fn restart_at(&mut self, time_s: f64) {
         self.slot = Slot::first_delivered_from(time_s, &self.looks.settings);
         self.next_number = ((self.slot.number * NUMBERS_PER_SLOT) as u32).saturating_add(1);
@@ -64,30 +64,30 @@ impl SimulatedSensor {
         self.false_targets.clear();
     }
 
-    /// Time at which the next delivery is due, seconds from the scenario's start.
+    /// Returns the time of the next delivery, seconds from the scenario's start.
     pub fn next_scan_time_s(&self) -> f64 {
         self.slot.delivered_s(&self.looks.settings)
     }
 
-    /// Time of measurement before which no later delivery will report, seconds from the scenario's start.
+    /// Returns the earliest measurement time in any later delivery, seconds from the scenario's start.
     pub fn progress_s(&self) -> f64 {
         self.slot.begin_s()
     }
 
-    /// Begin of the period, seconds from the scenario's start, when a radar's antenna points north; `None` unless the
-    /// next delivery is the period's first.
+    /// Returns the start of the period, seconds from the scenario's start, when a radar's antenna points north;
+    /// `None` unless the next delivery is the period's first.
     pub fn period_begins_s(&self) -> Option<f64> {
         let (_, slot_of_period) = self.slot.period(&self.looks.settings);
         (slot_of_period == 0).then_some(self.slot.begin_s())
     }
 
-    /// Time between two looks at one target, seconds.
+    /// Returns the time between two looks at one target, seconds.
     pub fn period_s(&self) -> f64 {
         self.looks.settings.schedule.period_s
     }
 
-    /// Whether the sensor could see `target` where it is now: within coverage, and with the equipment that the sensor
-    /// needs. Misses and dropouts do not count: they are the sensor's failures, not the target's absence.
+    /// Whether the sensor could observe `target` at its present position: within coverage, and with the required
+    /// equipment. Misses and dropouts do not count: they are failures of the sensor, not absences of the target.
     pub fn observes(&self, target: &TargetState) -> bool {
         self.looks
             .settings
@@ -96,14 +96,15 @@ impl SimulatedSensor {
             && self.looks.watched(u64::from(target.id)).equipped
     }
 
-    /// Appends what the next delivery reports, in order of the time of measurement, and goes on to the one after it.
+    /// Appends the reports of the next delivery, in order of the time of measurement, and advances to the next
+    /// delivery.
     ///
     /// Sequence number and stages are left 0, for the publisher to fill in.
     pub fn scan(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>) {
         self.scan_for(truth, out, None);
     }
 
-    /// As [`SimulatedSensor::scan`], and appends to `plots` what the sensor detected, in order of the time too.
+    /// Scans as [`SimulatedSensor::scan`], and appends the sensor's detections to `plots`, also in order of time.
     pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<Plot>) {
         let first = plots.len();
         let slot = self.slot;
@@ -113,7 +114,7 @@ impl SimulatedSensor {
         Plot::false_ones(settings, (looks.seed, looks.source), &slot, |time_s, found| {
             plots.push(looks.plot(&slot, time_s, Of::FalseAlarm, &found));
         });
-        // Of one time, targets come in the order of their numbers, false ones after them: the sort is stable.
+        // At equal times, targets are in the order of their numbers, followed by false targets: the sort is stable.
         plots[first..].sort_by_key(|plot| plot.time_of_measurement_ns);
     }
 

@@ -1,30 +1,30 @@
 //! Settings of a simulated sensor.
 //!
-//! One flat table of settings serves all kinds; what is not given is as usual for the kind. [`SensorSettings`] is as
-//! written; [`Checked`] is what the sensor runs on.
+//! One flat table of settings serves all kinds; omitted values default to those of the kind. [`SensorSettings`]
+//! holds the values as written; [`Checked`] holds the complete values used by the sensor.
 
 use estimation::{FirstVelocity, NearlyConstantVelocity};
 use settings::{SettingsError, within};
 
-/// Reason why a sensor that delivers tracks has no such key.
+/// Reason for rejecting a key of plots in a sensor that delivers tracks.
 const WITH_PLOTS: &str = "only a sensor with plots = true has it";
 
 settings::words! {
     /// Kinds of simulated sensors.
     pub enum SensorKind {
-        /// A rotating antenna measures range and azimuth, each target when the antenna points at it.
+        /// Rotating antenna; measures range and azimuth of each target when the antenna points at it.
         Radar = "radar",
         /// Ground stations locate transponder replies; all targets at the same times.
         Multilateration = "multilateration",
-        /// Targets broadcast the position they have found themselves, each at times of its own.
+        /// Targets broadcast their own positions, each at its own times.
         AdsB = "ads-b",
     }
 
-    /// Identity that a sensor learns of a target.
+    /// Identity of a target as reported by a sensor.
     pub enum SensorIdentity {
-        /// Nothing (a primary radar).
+        /// No identity (a primary radar).
         None = "none",
-        /// The Mode 3/A code.
+        /// Mode 3/A code.
         Mode3A = "mode-3a",
         /// 24-bit address and callsign.
         Address = "address",
@@ -108,13 +108,13 @@ settings::settings! {
     }
 }
 
-/// A phase is at most a period.
+/// Checks that a phase is at most a period.
 pub(crate) fn phase_within(phase_s: f64, period_s: f64) -> Result<(), SettingsError> {
     within("phase_s", phase_s, 0.0, period_s)
 }
 
 impl SensorSettings {
-    /// A sensor with the usual values of its kind.
+    /// Creates a sensor with the defaults of its kind.
     pub fn new(kind: SensorKind) -> Self {
         Self {
             kind,
@@ -122,8 +122,8 @@ impl SensorSettings {
         }
     }
 
-    /// The sensors of the demonstration with their names: two radars that see each other's far side, multilateration
-    /// about the airport, and ADS-B. The surface is seen by the last two only.
+    /// Returns the sensors of the demonstration with their names: two radars that cover each other's far side,
+    /// multilateration around the airport, and ADS-B. Only the last two cover the surface.
     pub fn demonstration() -> [(&'static str, Self); 4] {
         let radar_west = Self {
             position_m: Some([-40_000.0, 10_000.0, 0.0]),
@@ -174,7 +174,7 @@ impl SensorSettings {
         }
     }
 
-    /// Refuses settings that other kinds have.
+    /// Rejects settings of other kinds.
     fn check_kind(&self) -> Result<(), SettingsError> {
         let is_radar = self.kind == SensorKind::Radar;
         let may_have_false_tracks = self.kind != SensorKind::AdsB;
@@ -240,10 +240,10 @@ impl SensorSettings {
         }
     }
 
-    /// The settings with nothing left open.
+    /// Returns the complete settings.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The first invalid setting.
     pub(crate) fn checked(&self) -> Result<Checked, SettingsError> {
         settings::check(self)?;
         let detection_probability = self.of_kind(self.detection_probability, [0.95, 0.98, 0.97]);
@@ -263,7 +263,7 @@ impl SensorSettings {
         })
     }
 
-    /// Given value, or the usual one of the kind: radar, multilateration, ADS-B.
+    /// Returns the given value, or the default of the kind: radar, multilateration, ADS-B.
     fn of_kind<T: Copy>(&self, given: Option<T>, usual: [T; 3]) -> T {
         given.unwrap_or(usual[self.kind as usize])
     }
@@ -347,7 +347,7 @@ impl SensorSettings {
     }
 }
 
-/// Settings that passed every check, with nothing left open.
+/// Complete settings that passed every check.
 #[derive(Clone, Debug)]
 pub(crate) struct Checked {
     pub(crate) kind: SensorKind,
@@ -358,7 +358,7 @@ pub(crate) struct Checked {
     pub(crate) equipped_share: f64,
     pub(crate) false_tracks_per_period: f64,
     pub(crate) false_plots_per_period: f64,
-    /// `None`: targets are always told apart.
+    /// `None`: all targets are resolved.
     pub(crate) resolution: Option<ResolutionCell>,
     pub(crate) identity: SensorIdentity,
     pub(crate) dropouts: Option<Dropouts>,
@@ -374,7 +374,7 @@ pub(crate) struct ScheduleSettings {
     pub(crate) delay_s: f64,
 }
 
-/// Where the sensor sees.
+/// Region in which the sensor observes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coverage {
     pub(crate) position_m: [f64; 3],
@@ -384,14 +384,14 @@ pub(crate) struct Coverage {
 }
 
 impl Coverage {
-    /// Whether something at a position, and at a height above the ellipsoid, is seen.
+    /// Whether an object at a position, and at a height above the ellipsoid, is within coverage.
     pub(crate) fn contains(&self, position_m: [f64; 3], height_m: f64) -> bool {
         let [dx, dy] = [0, 1].map(|axis| position_m[axis] - self.position_m[axis]);
         dx.hypot(dy) <= self.range_max_m && (self.height_min_m..=self.height_max_m).contains(&height_m)
     }
 }
 
-/// How measurements err.
+/// Errors of measurements.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeasurementErrors {
     pub(crate) plane: PlaneErrors,
@@ -400,7 +400,7 @@ pub(crate) struct MeasurementErrors {
     pub(crate) bias_m: [f64; 3],
 }
 
-/// How measurements err in the plane.
+/// Errors of measurements in the plane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PlaneErrors {
     Polar {
@@ -419,7 +419,7 @@ pub(crate) enum PlaneErrors {
 pub(crate) struct ResolutionCell {
     pub(crate) range_m: f64,
     pub(crate) azimuth_rad: f64,
-    /// Probability that neighbours in one cell are told apart all the same.
+    /// Probability that neighbours in one cell are resolved nevertheless.
     pub(crate) resolved_probability: f64,
 }
 
@@ -430,7 +430,7 @@ pub(crate) struct Dropouts {
     pub(crate) duration_s: f64,
 }
 
-/// How the sensor's own tracker works.
+/// Parameters of the sensor's own tracker.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tracking {
     pub(crate) motion: NearlyConstantVelocity,

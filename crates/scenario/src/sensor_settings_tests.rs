@@ -1,4 +1,4 @@
-//! Settings of sensors, usable and refused.
+//! Valid and invalid settings of sensors.
 
 use super::*;
 

@@ -5,7 +5,7 @@ use settings::SettingsError;
 use crate::formation::Formation;
 use crate::formation_settings::FormationSettings;
 
-/// Most targets of a scenario.
+/// Maximum number of targets of a scenario.
 pub const TARGETS_MAX: u32 = 100_000;
 
 settings::settings! {
@@ -35,7 +35,7 @@ settings::settings! {
 }
 
 impl ScenarioSettings {
-    /// The usual settings with nothing but en-route targets.
+    /// Returns the default settings with en-route targets only.
     #[cfg(test)]
     pub(crate) fn without_others() -> Self {
         Self {
@@ -65,7 +65,7 @@ impl ScenarioSettings {
         Err(SettingsError::new("targets", what))
     }
 
-    /// How many targets there are with this seed: those that are not in formation, and all members.
+    /// Returns the number of targets for this seed: single targets, and all members of formations.
     pub fn target_count(&self, seed: u64) -> u32 {
         let members: u32 = self.drawn_formations(seed).map(|formation| formation.members).sum();
         self.targets + members

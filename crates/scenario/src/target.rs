@@ -1,4 +1,4 @@
-//! Targets: what they are, and which way they go.
+//! Targets: their properties and their paths.
 
 use std::sync::Arc;
 
@@ -10,22 +10,22 @@ use crate::path::{ClosedPath, Kinematics};
 /// Kind of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetKind {
-    /// An aircraft between airports, fast and high.
+    /// Aircraft between airports, fast and high.
     EnRoute,
-    /// An aircraft that departs, flies a wide circuit, and lands.
+    /// Aircraft that departs, flies a wide circuit, and lands.
     Terminal,
-    /// An aircraft in a holding pattern.
+    /// Aircraft in a holding pattern.
     Holding,
-    /// A vehicle on the airport's surface.
+    /// Vehicle on the airport's surface.
     Surface,
-    /// A ship.
+    /// Ship.
     Ship,
-    /// An aircraft that flies in formation for a part of its way.
+    /// Aircraft that flies in formation for a part of its path.
     Formation,
 }
 
 impl TargetKind {
-    /// Speed that targets of this kind never exceed, m/s, vertical speed included.
+    /// Returns the maximum speed of targets of this kind, m/s, vertical speed included.
     pub fn speed_max_mps(self) -> f64 {
         match self {
             Self::EnRoute => 260.0,
@@ -49,7 +49,7 @@ pub struct TargetState {
     pub position_m: [f64; 3],
     /// East, north, up, metres per second.
     pub velocity_mps: [f64; 3],
-    /// Height above the ellipsoid, metres; above the plane where the earth is flat.
+    /// Height above the ellipsoid, metres; above the plane if the Earth is flat.
     pub height_m: f64,
     /// 24-bit address; no two targets share one.
     pub address: u32,
@@ -57,7 +57,7 @@ pub struct TargetState {
     pub callsign: Callsign,
     /// Mode 3/A code; vehicles and ships have none, and the codes of more than 3,840 targets repeat.
     pub mode_3a: Option<u16>,
-    /// Whether it touches the ground.
+    /// Whether the target touches the ground.
     pub on_ground: bool,
 }
 
@@ -71,18 +71,18 @@ pub(crate) struct Target {
     pub(crate) mode_3a: Option<u16>,
 }
 
-/// Where a target flies.
+/// Path of a target.
 #[derive(Clone, Debug)]
 pub(crate) enum Route {
-    /// By itself.
+    /// Single target.
     Alone {
         path: ClosedPath,
-        /// Where in its lap the target is at time 0, seconds.
+        /// Time within the lap at time 0, seconds.
         lead_s: f64,
         /// Added to every position of the path, metres.
         offset_m: [f64; 3],
     },
-    /// As this member of a formation.
+    /// Member of a formation.
     Member { formation: Arc<Formation>, number: u32 },
 }
 

@@ -1,6 +1,6 @@
-//! Which paths the targets follow, and who they are.
+//! Paths and identities of the targets.
 //!
-//! Turn radii follow from the speed at a bank angle of 25°, as aircraft fly them; vehicles turn on tens of metres,
+//! Turn radii follow from the speed at a bank angle of 25°, typical of aircraft; vehicles turn on tens of metres,
 //! ships on hundreds.
 
 use std::sync::Arc;
@@ -21,16 +21,16 @@ const TURN_ACCELERATION_MPS2: f64 = 4.57;
 const RUNWAY_RAD: f64 = 0.6;
 /// Vertical separation of levels, metres (1,000 feet).
 const LEVEL_M: f64 = 304.8;
-/// Where two stacks of holding patterns lie, as parts of the half width.
+/// Positions of two stacks of holding patterns, as parts of the half width.
 const HOLDING_FIXES: [[f64; 2]; 2] = [[0.3, -0.25], [-0.28, 0.32]];
 /// Height of a ship's antennas, metres.
 const ANTENNA_HEIGHT_M: f64 = 20.0;
-/// Radius in which ships turn, metres.
+/// Turn radius of ships, metres.
 const SHIP_TURN_RADIUS_M: f64 = 600.0;
 /// Levels of one stack; further targets follow in the same pattern.
 const HOLDING_LEVELS: usize = 8;
 
-/// The targets of a scenario, in the order of their numbers.
+/// Returns the targets of a scenario, in the order of their numbers.
 pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     let count = settings.targets as usize;
     let share = |share: f64| ((share * count as f64).round() as usize).min(count);
@@ -39,7 +39,7 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     let terminal = share(settings.terminal_share).min(count - surface - holding);
     let ships = share(settings.ship_share).min(count - surface - holding - terminal);
     let en_route = count - surface - holding - terminal - ships;
-    // Pairs take two numbers each, the first ones.
+    // Each pair takes two numbers; pairs come first.
     let crossing = (settings.crossing_share * en_route as f64 / 2.0).round() as usize * 2;
 
     let mut targets: Vec<Target> = Vec::with_capacity(count);
@@ -47,7 +47,7 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
         let mut random = stream(seed, Purpose::Target, 0, index as u64, 0);
         let target = if index < en_route {
             if index % 2 == 1 && index < crossing {
-                // The partner's stream again, so that both follow the same plan.
+                // Uses the partner's stream again, so that both follow the same plan.
                 let mut partner = stream(seed, Purpose::Target, 0, index as u64 - 1, 0);
                 crossing_target(&mut partner, &mut random, settings.half_width_m)
             } else {
@@ -82,8 +82,8 @@ fn en_route_target(random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
     unnamed(TargetKind::EnRoute, alone(path, plan.lead))
 }
 
-/// The plan of another target, turned about a point of its path: both pass that point at the same time, one level
-/// apart and a little beside each other.
+/// Returns the plan of another target, rotated about a point of its path: both pass that point at the same time,
+/// one level apart and a little beside each other.
 fn crossing_target(partner: &mut ChaCha8Rng, random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
     let plan = EnRoutePlan::draw(partner, half_width_m);
     let path = ClosedPath::new(&plan.waypoints(0.0, [0.0, 0.0]));
@@ -101,7 +101,7 @@ fn crossing_target(partner: &mut ChaCha8Rng, random: &mut ChaCha8Rng, half_width
     unnamed(TargetKind::EnRoute, route)
 }
 
-/// A closed route of six waypoints: the corners of a rectangle, and a bend in each of its long sides.
+/// Closed route of six waypoints: the corners of a rectangle, and a bend in each of its long sides.
 struct EnRoutePlan {
     centre_m: [f64; 2],
     direction_rad: f64,
@@ -137,7 +137,7 @@ impl EnRoutePlan {
         }
     }
 
-    /// The waypoints, turned by `turn_rad` about `about_m`.
+    /// Returns the waypoints, rotated by `turn_rad` about `about_m`.
     fn waypoints(&self, turn_rad: f64, about_m: [f64; 2]) -> [Waypoint; 6] {
         let (a, b) = (self.half_length_m, self.half_breadth_m);
         let [low, high] = self.heights_m;
@@ -168,13 +168,14 @@ impl EnRoutePlan {
     }
 }
 
-/// Take-off, climb, a wide circuit to one side, descent, landing on the same runway, and off again.
+/// Returns a target that takes off, climbs, flies a wide circuit to one side, descends, lands on the same runway,
+/// and takes off again.
 fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> Target {
     let out = random.random_range(15_000.0..25_000.0);
     let back = -random.random_range(30_000.0..45_000.0);
     let side = if random.random_bool(0.5) { 1.0 } else { -1.0 };
     let aside: f64 = side * random.random_range(22_000.0..40_000.0);
-    // As high as the way there allows at a usual rate of climb.
+    // Highest point reachable on the way at a usual rate of climb.
     let top = 1300.0 + 0.05 * aside.abs();
     let point = |along: f64, across: f64, height_m: f64, speed_mps: f64| Waypoint {
         position_m: rotated([along, across], RUNWAY_RAD),
@@ -195,7 +196,7 @@ fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> Target {
     unnamed(TargetKind::Terminal, alone(ClosedPath::new(&waypoints), lead))
 }
 
-/// Minute-long legs joined by half circles; targets of one stack differ by a level.
+/// Returns a target with minute-long legs joined by half circles; targets of one stack differ by a level.
 fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> Target {
     let fix = HOLDING_FIXES[place % HOLDING_FIXES.len()].map(|part| part * half_width_m);
     let level = (place / HOLDING_FIXES.len()) % HOLDING_LEVELS;
@@ -219,7 +220,7 @@ fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> T
     unnamed(TargetKind::Holding, alone(ClosedPath::new(&waypoints), lead))
 }
 
-/// A round along taxiways beside the runway, with a stop.
+/// Returns a target on a round along taxiways beside the runway, with a stop.
 fn surface_target(random: &mut ChaCha8Rng) -> Target {
     let begin = random.random_range(0.0..1200.0);
     let length = random.random_range(500.0..1300.0);
@@ -247,7 +248,7 @@ fn surface_target(random: &mut ChaCha8Rng) -> Target {
     unnamed(TargetKind::Surface, alone(ClosedPath::new(&waypoints), lead))
 }
 
-/// A round trip of hours between four places at sea, all of the way at one speed.
+/// Returns a ship on a round trip of hours between four places at sea, at constant speed.
 fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
     let half_width_m = settings.half_width_m;
     let speed_mps = random.random_range(1.0 / 3.0..1.0) * settings.ship_speed_max_mps;
@@ -269,7 +270,7 @@ fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
     unnamed(TargetKind::Ship, alone(ClosedPath::new(&waypoints), lead))
 }
 
-/// Along `path`, of which the part `lead` of a lap has been flown at time 0.
+/// Returns the route along `path`, starting at the fraction `lead` of a lap at time 0.
 fn alone(path: ClosedPath, lead: f64) -> Route {
     Route::Alone {
         lead_s: lead * path.lap_s(),
@@ -288,11 +289,12 @@ fn unnamed(kind: TargetKind, route: Route) -> Target {
     }
 }
 
-/// Multiplication by a number prime to the modulus visits every residue once, so identities are unique.
+/// Assigns identities. Multiplication by a number prime to the modulus visits every residue once, so identities are
+/// unique.
 fn with_identity(target: Target, index: usize, seed: u64) -> Target {
     const ADDRESSES_FROM: u32 = 0x84_0000;
     const ADDRESSES: u64 = 1 << 18;
-    // Above 7400 (octal) lie the emergency codes.
+    // Codes above 7400 (octal) include the emergency codes.
     const CODES: u64 = 0o7400;
     let index = index as u64;
     let base = stream(seed, Purpose::Target, 0, u64::MAX, 0).random_range(0..ADDRESSES);

@@ -1,4 +1,4 @@
-//! Where every target is, at any time.
+//! Positions of all targets, at any time.
 
 use frames::{SystemFrame, Vertical};
 use settings::SettingsError;
@@ -11,19 +11,19 @@ use crate::traffic;
 /// Heights below this count as on the ground, metres.
 const GROUND_HEIGHT_M: f64 = 0.5;
 
-/// The simulated truth: a function of time.
+/// Simulated truth: a function of time.
 #[derive(Clone, Debug)]
 pub struct Truth {
     targets: Vec<Target>,
-    /// Frame in which positions are given; `None`: the earth is flat.
+    /// Frame of the positions; `None`: the Earth is flat.
     frame: Option<SystemFrame>,
 }
 
 impl Truth {
-    /// Draws up the traffic. The same settings and seed give the same traffic.
+    /// Creates the traffic. The same settings and seed give the same traffic.
     ///
     /// # Errors
-    /// A setting that cannot be used.
+    /// An invalid setting.
     pub fn new(settings: &ScenarioSettings, seed: u64) -> Result<Self, SettingsError> {
         settings::check(settings)?;
         Ok(Self {
@@ -32,8 +32,8 @@ impl Truth {
         })
     }
 
-    /// The same traffic over the round earth: heights of the paths are heights above the ellipsoid, and positions those
-    /// that they have in `frame`. Without it, the earth is the plane.
+    /// Returns the same traffic over the round Earth: path heights become heights above the ellipsoid, and
+    /// positions are given in `frame`. Otherwise, the Earth is the plane.
     #[must_use]
     pub fn round(self, frame: SystemFrame) -> Self {
         Self {
@@ -42,25 +42,25 @@ impl Truth {
         }
     }
 
-    /// How many targets there are; their numbers are 0 to this, exclusive.
+    /// Returns the number of targets; target numbers range from 0 to this, exclusive.
     pub fn len(&self) -> usize {
         self.targets.len()
     }
 
-    /// Whether there are no targets (never so for valid settings).
+    /// Whether there are no targets (false for all valid settings).
     pub fn is_empty(&self) -> bool {
         self.targets.is_empty()
     }
 
-    /// Every target `time_s` seconds after the scenario's start, in the order of their numbers.
+    /// Returns every target `time_s` seconds after the scenario's start, in the order of their numbers.
     pub fn at(&self, time_s: f64) -> impl ExactSizeIterator<Item = TargetState> + '_ {
         (0..self.targets.len()).map(move |index| self.target_at(index, time_s))
     }
 
-    /// Target number `index` `time_s` seconds after the scenario's start.
+    /// Returns target number `index` `time_s` seconds after the scenario's start.
     ///
     /// # Panics
-    /// If there is no such target.
+    /// If the target does not exist.
     pub fn target_at(&self, index: usize, time_s: f64) -> TargetState {
         let target = &self.targets[index];
         let Kinematics {
@@ -196,7 +196,7 @@ mod tests {
     proptest::proptest! {
         #![proptest_config(proptest::prelude::ProptestConfig::with_cases(64))]
 
-        /// No draw of any seed and size makes a path that cannot be flown, or one that leaves its limits.
+        /// All draws of any seed and size give paths that can be flown within their limits.
         #[test]
         fn every_draw_can_be_flown(
             seed: u64, half_width_m in 40_000.0..400_000.0f64, surface in 0.0..0.4f64, start_s in 0.0..1e5f64,

@@ -1,11 +1,12 @@
-//! A simulated wide-area sensor: far away, coarse, slow and late, but it knows how many targets there are (WA-2).
+//! Simulated wide-area sensor: distant, coarse, slow and late, but with the number of targets (WA-2).
 //!
-//! It watches a circle and reports, once per period, each group of targets that it cannot tell apart in place: the
-//! group's middle and velocity, with large errors, and its count, which it knows because it has watched the targets
-//! since they were apart. It may say where they were when it first saw them, and for a while report none where a group
-//! was that has vanished. What is near the edge of its circle may have left instead, and of that it says nothing.
+//! The sensor watches a circle. Once per period, it reports each group of targets that it cannot resolve in
+//! position: the group's middle and velocity, with large errors, and its count. The count is available because the
+//! sensor has watched the targets since they were apart. A report may include the position of the first sighting.
+//! For a limited time, the sensor reports zero targets at the expected position of a vanished group. It reports no
+//! absence near the edge of its circle, because a group there may have left.
 //!
-//! Simple in this: it never takes one target for another, and counts groups wrong by one, never to none.
+//! Simplifications: the sensor never confuses targets, and a wrong count is off by one, never down to zero.
 
 use messages::NS_PER_S;
 use observations::WideAreaReport;
@@ -19,7 +20,7 @@ use crate::sensor_settings::phase_within;
 use crate::target::TargetState;
 use crate::truth::Truth;
 
-/// A target not seen for so long is a new one when it comes again, seconds.
+/// Time after which an unseen target counts as new, seconds.
 const FORGOTTEN_AFTER_S: f64 = 120.0;
 
 settings::settings! {
@@ -62,19 +63,19 @@ impl WideAreaSettings {
         phase_within(self.phase_s, self.period_s)
     }
 
-    /// Whether a target there is seen.
+    /// Whether the sensor covers a target.
     fn covers(&self, target: &TargetState) -> bool {
         let [east, north, up] = target.position_m;
         self.away_m([east, north]) <= self.range_max_m && up >= self.height_min_m
     }
 
-    /// Distance from the middle of what it watches.
+    /// Returns the distance from the centre of the coverage.
     fn away_m(&self, place_m: [f64; 2]) -> f64 {
         distance_m(self.position_m, place_m)
     }
 }
 
-/// See the module's documentation.
+/// Simulated wide-area sensor, see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct SimulatedWideAreaSensor {
     settings: WideAreaSettings,
@@ -87,16 +88,16 @@ pub struct SimulatedWideAreaSensor {
     sightings: Vec<Option<Sighting>>,
 }
 
-/// How a target was last reported.
+/// Latest report of a target.
 #[derive(Clone, Copy, Debug)]
 struct Sighting {
     time_s: f64,
-    /// First member of its group.
+    /// First member of the group.
     first: u32,
-    /// Position of its group, as reported, metres.
+    /// Reported position of the group, metres.
     position_m: [f64; 3],
     velocity_mps: [f64; 3],
-    /// Where it was first reported.
+    /// Position of the first report.
     origin_m: [f64; 2],
 }
 
@@ -108,11 +109,11 @@ impl Sighting {
 }
 
 impl SimulatedWideAreaSensor {
-    /// A sensor that begins at the scenario's start, which is at `start_utc_ns` (UTC, nanoseconds since 1970). `number`
-    /// sets its random numbers apart from those of other wide-area sensors.
+    /// Creates a sensor that starts at the scenario's start `start_utc_ns` (UTC, nanoseconds since 1970). `number`
+    /// separates its random numbers from those of other wide-area sensors.
     ///
     /// # Errors
-    /// A setting that cannot be used.
+    /// An invalid setting.
     pub fn new(settings: &WideAreaSettings, seed: u64, number: u16, start_utc_ns: i64) -> Result<Self, SettingsError> {
         settings::check(settings)?;
         Ok(Self {
@@ -125,8 +126,8 @@ impl SimulatedWideAreaSensor {
         })
     }
 
-    /// Begins anew, without memory of what it saw, with the first delivery at or after `time_s` seconds from the
-    /// scenario's start.
+    /// Restarts without memory of earlier observations, with the first delivery at or after `time_s` seconds from
+    /// the scenario's start.
     pub fn restart_at(&mut self, time_s: f64) {
         let settings = &self.settings;
         let periods = (time_s - settings.delay_s - settings.phase_s) / settings.period_s;
@@ -134,18 +135,18 @@ impl SimulatedWideAreaSensor {
         self.sightings.clear();
     }
 
-    /// Time at which the next delivery is due, seconds from the scenario's start.
+    /// Returns the time of the next delivery, seconds from the scenario's start.
     pub fn next_delivery_s(&self) -> f64 {
         self.observed_s() + self.settings.delay_s
     }
 
-    /// Time at which the reports of the next delivery are observed, seconds from the scenario's start.
+    /// Returns the observation time of the next delivery's reports, seconds from the scenario's start.
     pub fn observed_s(&self) -> f64 {
         self.settings.phase_s + self.period as f64 * self.settings.period_s
     }
 
-    /// Appends the reports of the next delivery, groups in the order of their first members and then those of none, and
-    /// goes on to the one after it.
+    /// Appends the reports of the next delivery, groups in the order of their first members followed by absences,
+    /// and advances to the next delivery.
     pub fn observe(&mut self, truth: &Truth, out: &mut Vec<WideAreaReport>) {
         let time_s = self.observed_s();
         self.sightings.resize(truth.len().max(self.sightings.len()), None);
@@ -167,7 +168,7 @@ impl SimulatedWideAreaSensor {
         self.period += 1;
     }
 
-    /// Reports a group, if it does in this period.
+    /// Reports a group, unless it is missed in this period.
     fn report<'a, M: Iterator<Item = &'a TargetState>>(
         &mut self,
         time_s: f64,
@@ -192,7 +193,7 @@ impl SimulatedWideAreaSensor {
             velocity_mps[axis] += settings.velocity_sigma_mps * errors[2 + axis];
         }
         if !is_reported {
-            // It is there all the same, and not forgotten.
+            // The group exists nevertheless; its sighting stays current.
             for target in members() {
                 if let Some(sighting) = &mut self.sightings[target.id as usize] {
                     (sighting.position_m, sighting.time_s) = (sighting.place_at(time_s), time_s);
@@ -222,7 +223,7 @@ impl SimulatedWideAreaSensor {
         out.push(self.stamped(time_s, position_m, velocity_mps, counted, origin_m));
     }
 
-    /// Reports none where groups have vanished, one report for each.
+    /// Reports zero targets at the positions of vanished groups, one report for each.
     fn report_absences(&self, time_s: f64, seen: &[TargetState], out: &mut Vec<WideAreaReport>) {
         let settings = &self.settings;
         let mut told: Vec<(f64, u32)> = Vec::new();

@@ -1,4 +1,4 @@
-//! The simulated world and its sensors, from outside.
+//! Integration tests of the simulated world and its sensors.
 
 mod no_allocation;
 mod resolution;

@@ -1,10 +1,10 @@
-//! What a radar of limited resolution detects of targets in formation.
+//! Detections of targets in formation by a radar of limited resolution.
 
 use observations::Truth as Of;
 use proptest::prelude::*;
 use scenario::{FormationSettings, Plot, ScenarioSettings, SensorKind, SensorSettings, SimulatedSensor, Truth};
 
-/// Pairs from the north, straight towards the radar, so that they straddle the place where its turns begin.
+/// Pairs from the north, straight towards the radar, so that they straddle the azimuth at which its turns begin.
 fn pairs(spacing_m: f64) -> Truth {
     let settings = ScenarioSettings {
         targets: 0,
@@ -43,8 +43,8 @@ fn plots(settings: &SensorSettings, truth: &Truth, seed: u64, until_s: f64) -> V
     plots
 }
 
-/// 200 m apart at 100 to 20 km are at most 0.01 rad, so one of them is what a turn sees, in the middle, with a radar's
-/// errors.
+/// 200 m apart at 100 to 20 km are at most 0.01 rad, so each turn detects a single plot, in the middle, with a
+/// radar's errors.
 #[test]
 fn neighbours_give_one_plot_in_their_middle() {
     let truth = pairs(200.0);
@@ -66,7 +66,7 @@ fn neighbours_give_one_plot_in_their_middle() {
     }
 }
 
-/// A look at two finds them unless it misses both; in a share of the turns they are told apart.
+/// A look at two targets detects them unless it misses both; in a share of the turns they are resolved.
 #[test]
 fn rates_are_as_set() {
     let truth = pairs(200.0);
@@ -90,7 +90,7 @@ fn those_that_differ_enough_give_two_plots() {
     let found = plots(&radar(1.0, 0.0), &truth, 3, 50.0);
     assert!(found.iter().all(|plot| plot.of != Of::Merged));
     assert!((98..=102).contains(&found.len()), "{}", found.len());
-    // Farther apart along the line of sight than a pulse is long.
+    // Separated along the line of sight by more than the length of a pulse.
     let aside = SensorSettings {
         position_m: Some([-90_000.0, 90_000.0, 0.0]),
         ..radar(1.0, 0.0)
@@ -105,12 +105,12 @@ fn those_that_differ_enough_give_two_plots() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// A target that is told apart is measured as by a radar that tells all apart. A plot of several stands for at
-    /// least two targets, which have no plot of their own in that turn, and the same settings give the same plots.
+    /// A resolved target is measured as by a radar of unlimited resolution. A merged plot stands for at least two
+    /// targets, which have no plot of their own in that turn. The same settings give the same plots.
     ///
-    /// A radar that tells all apart need not have two plots in the place of one: who is with whom is decided for a
-    /// turn, in whose middle a neighbour may be in view that crosses the edge of coverage, or north, until the antenna
-    /// comes.
+    /// A radar of unlimited resolution need not have two plots in place of a merged one. The groups are fixed at
+    /// the middle of a turn. A neighbour in view then may cross the edge of coverage, or north, before the antenna
+    /// arrives.
     #[test]
     fn resolution_takes_plots_away_and_changes_no_other(seed: u64, resolved in 0.0..1.0f64, range_m in 10.0..2000.0f64) {
         let world = ScenarioSettings {

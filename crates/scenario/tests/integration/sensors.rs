@@ -1,4 +1,4 @@
-//! Simulated sensors, against their settings and the truth.
+//! Simulated sensors, compared with their settings and the truth.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -19,7 +19,7 @@ fn sensor(settings: &SensorSettings, seed: u64) -> SimulatedSensor {
     SimulatedSensor::new(settings, seed, 3, START_NS).expect("valid")
 }
 
-/// All reports delivered before `until_s`.
+/// Returns all reports delivered before `until_s`.
 fn run(sensor: &mut SimulatedSensor, truth: &Truth, until_s: f64) -> Vec<SensorTrack> {
     let mut reports = Vec::new();
     while sensor.next_scan_time_s() < until_s {
@@ -32,7 +32,7 @@ fn seconds(report: &SensorTrack) -> f64 {
     (report.time_of_measurement_ns - START_NS) as f64 / 1e9
 }
 
-/// The target that a report of a sensor with addresses speaks of.
+/// Returns the target of a report from a sensor with addresses.
 fn target_of(report: &SensorTrack, truth: &Truth) -> TargetState {
     let address = report.identity.address().expect("has an address");
     truth
@@ -61,7 +61,7 @@ fn same_seed_same_reports_and_another_seed_others() {
     }
 }
 
-/// Measurements are named by time, not by what was asked before: a sensor that begins later measures the same.
+/// Measurements depend on time, not on earlier requests: a sensor started later measures the same.
 #[test]
 fn restarted_sensors_measure_the_same_and_give_new_numbers() {
     let truth = truth(1);
@@ -172,7 +172,7 @@ fn antenna_points_at_what_it_measures() {
 }
 
 /// Measurement errors, normalised by the stated standard deviations, are chi-square; detections are as frequent as
-/// stated. Seeded, so the outcome is always the same one.
+/// stated. The seed is fixed, so the outcome is reproducible.
 #[test]
 fn statistics_are_as_set() {
     let truth = truth(3);
@@ -208,7 +208,7 @@ fn statistics_are_as_set() {
     }
 }
 
-/// The sensor's own covariance is honest where its model holds: straight flight.
+/// The sensor's own covariance is consistent where its model is valid: straight flight.
 #[test]
 fn local_tracks_are_consistent() {
     let truth = truth(3);
@@ -280,7 +280,7 @@ fn false_tracks_are_as_many_as_set_and_anonymous() {
         .filter(|report| report.identity.address().is_none())
         .map(|report| report.track_number)
         .collect();
-    // 200 periods with two each; those that last less than a turn are often not seen.
+    // 200 periods with two each; false targets shorter than a turn often stay undetected.
     assert!((250..=450).contains(&false_numbers.len()), "{}", false_numbers.len());
 }
 
@@ -355,7 +355,7 @@ fn observes_exactly_the_targets_that_it_reports() {
             let targets = truth.at(f64::from(step) * 0.1);
             observed.extend(targets.filter(|target| sensor.observes(target)).map(|target| target.id));
         }
-        // One that left or entered the coverage at an end of the run may have been missed.
+        // A target that left or entered the coverage at an end of the run may have been missed.
         assert!(reported.is_subset(&observed), "{kind:?}");
         assert!(
             reported.len() + 2 >= observed.len() && observed.len() < 70,

@@ -1,4 +1,4 @@
-//! What a simulated wide-area sensor reports, held against the truth.
+//! Reports of a simulated wide-area sensor, compared with the truth.
 
 use observations::WideAreaReport;
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ fn sensor(settings: &WideAreaSettings, seed: u64) -> SimulatedWideAreaSensor {
     SimulatedWideAreaSensor::new(settings, seed, 0, START_NS).expect("valid")
 }
 
-/// All reports of observations before `until_s`.
+/// Returns all reports of observations before `until_s`.
 fn run(sensor: &mut SimulatedWideAreaSensor, truth: &Truth, until_s: f64) -> Vec<WideAreaReport> {
     let mut reports = Vec::new();
     while sensor.observed_s() < until_s {
@@ -49,7 +49,7 @@ fn middle(truth: &Truth, time_s: f64) -> [f64; 2] {
     [0, 1].map(|axis| truth.at(time_s).map(|target| target.position_m[axis]).sum::<f64>() / count)
 }
 
-/// Every period one report of all three, as late and as wrong as set.
+/// Every period has one report of all three, as late and as inaccurate as set.
 #[test]
 fn reports_are_as_set() {
     let (truth, settings) = (
@@ -91,7 +91,7 @@ fn reports_are_as_set() {
     }
 }
 
-/// Three that are 3 km from their neighbours are one group for a sensor of 4 km and three for one of 1 km; one that
+/// Three targets 3 km apart are one group for a sensor of 4 km and three groups for a sensor of 1 km; a sensor that
 /// counts to two reports two of them.
 #[test]
 fn groups_are_what_it_cannot_tell_apart() {
@@ -112,7 +112,8 @@ fn groups_are_what_it_cannot_tell_apart() {
     }
 }
 
-/// The origin is where it saw them first, however far they have come; of what it does not cover it says nothing.
+/// The origin is the position of the first sighting, at any later distance; the sensor reports nothing outside its
+/// coverage.
 #[test]
 fn origins_stay_and_coverage_ends() {
     let truth = truth(formation());
@@ -135,13 +136,14 @@ fn origins_stay_and_coverage_ends() {
     for report in inward {
         assert_eq!((report.targets, report.origin_m), (3, Some(origin_m)));
     }
-    // They have flown out again, which is no absence.
+    // The groups have left the coverage, which is no absence.
     assert!(reports.iter().all(|report| report.targets > 0));
     let last_s = seconds(reports.last().expect("some").time_ns);
     assert!(last_s < 850.0, "{last_s}");
 }
 
-/// Where a group has descended below what it sees, it reports none for a while, moved along its way.
+/// After a group has descended below the coverage, the sensor reports zero targets for a while, moved along the
+/// group's path.
 #[test]
 fn absence_is_reported_where_a_group_has_vanished() {
     let low = FormationSettings {
@@ -219,8 +221,8 @@ fn messages_name_key_value_and_limit() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// The same settings and seed give the same reports; counts add up to the targets that are covered; and a sensor
-    /// that begins later reports the same, but for what it would have to remember.
+    /// The same settings and seed give the same reports; counts add up to the covered targets; and a sensor started
+    /// later reports the same, except for remembered values.
     #[test]
     fn reports_follow_from_seed_and_time(seed: u64, delay_s in 0.0..30.0f64, resolution_m in 100.0..20e3f64, later_s in 0.0..300.0f64) {
         let world = ScenarioSettings {
