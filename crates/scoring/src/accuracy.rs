@@ -1,30 +1,30 @@
-//! How good a picture is while it goes on, against the truth: a running sum that gives a short report at any time.
+//! Running quality of a track picture against the truth: sums that give a short report at any time.
 //!
-//! A picture is the set of system tracks at one time. Each track is matched with at most one target, each target with
-//! at most one track: first by address, since an address says who the target is, then the rest by closeness, the
-//! closest pair first. What remains is counted by its cause:
+//! A picture is the set of system tracks at one time. Each track is matched with at most one target, each target
+//! with at most one track. Matching by address comes first, since an address identifies the target; the remaining
+//! tracks are matched by distance, the closest pair first. The rest is counted by cause:
 //!
-//! - *duplicate*: a further track near a target that is already held, or with its address;
-//! - *false track*: a track with no target near it;
-//! - *missed target*: a target that no track holds;
-//! - *identity error*: a track near some target that carries the address of another, or of none.
+//! - *duplicate*: a further track near a held target, or with its address;
+//! - *false track*: a track without a target near it;
+//! - *missed target*: a target without a track;
+//! - *identity error*: a track near some target with the address of another target, or of none.
 //!
-//! Position errors are horizontal. Their distribution is kept in a histogram in millimetres (three significant
-//! digits), so memory does not grow with the length of the run.
+//! Position errors are horizontal. A histogram in millimetres (three significant digits) holds their distribution,
+//! so memory does not grow with the length of the run.
 
 use hdrhistogram::Histogram;
 use messages::{NS_PER_S, SystemTrack, TrackState};
 use serde::Serialize;
 
-/// Largest error that the histogram tells from others, millimetres; a gate cannot be larger.
+/// Largest error distinguished by the histogram, millimetres; the maximum of a gate.
 const ERROR_MAX_MM: u64 = 1_000_000_000;
-/// The gate that suits aircraft and their sensors, metres.
+/// Gate suitable for aircraft and their sensors, metres.
 const GATE_M: f64 = 1000.0;
 
-/// A target that a picture should show.
+/// Target expected in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureTarget {
-    /// Number of the target; of equally close ones the smaller goes first.
+    /// Number of the target; at equal distances, the smaller number goes first.
     pub id: u32,
     /// East, north, up, metres, at the picture's time.
     pub position_m: [f64; 3],
@@ -32,20 +32,20 @@ pub struct PictureTarget {
     pub address: u32,
 }
 
-/// One system track of a picture.
+/// System track of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureTrack {
     /// System-track number.
     pub track_number: u32,
     /// East, north, up, metres, at the picture's time.
     pub position_m: [f64; 3],
-    /// 24-bit address, where the track has one.
+    /// 24-bit address of the track, if any.
     pub address: Option<u32>,
 }
 
 impl PictureTrack {
-    /// A system track moved along its velocity to the picture's time; `None` unless it is confirmed or coasted, the
-    /// states in which it is shown.
+    /// Moves a system track along its velocity to the picture's time; `None` unless it is confirmed or coasted, the
+    /// displayed states.
     pub fn from_system_track(track: &SystemTrack, at_utc_ns: i64) -> Option<Self> {
         let shown = matches!(
             TrackState::from_code(track.state),
@@ -87,25 +87,25 @@ struct Sums {
 pub struct AccuracyReport {
     /// Pictures compared.
     pub pictures: u64,
-    /// Targets per picture, on average.
+    /// Mean number of targets per picture.
     pub targets: f64,
-    /// Share of targets that exactly one track holds, over all pictures; 0 to 1.
+    /// Share of targets held by exactly one track, over all pictures; 0 to 1.
     pub held_once_share: f64,
-    /// Share of targets that no track holds, over all pictures; 0 to 1.
+    /// Share of targets without a track, over all pictures; 0 to 1.
     pub missed_share: f64,
-    /// Duplicates per picture, on average.
+    /// Mean number of duplicates per picture.
     pub duplicates: f64,
-    /// False tracks per picture, on average.
+    /// Mean number of false tracks per picture.
     pub false_tracks: f64,
     /// Tracks with a wrong address near a target, summed over all pictures.
     pub identity_errors: u64,
-    /// Horizontal errors that the following figures rest on: one per held target and picture.
+    /// Number of horizontal errors behind the following figures: one per held target and picture.
     pub errors: u64,
     /// Mean horizontal error, metres.
     pub mean_m: f64,
     /// Root of the mean squared horizontal error, metres.
     pub rms_m: f64,
-    /// 95 % of the horizontal errors are not larger than this, metres.
+    /// 95th percentile of the horizontal errors, metres.
     pub p95_m: f64,
     /// Largest horizontal error, metres.
     pub max_m: f64,
@@ -118,8 +118,8 @@ impl Default for Accuracy {
 }
 
 impl Accuracy {
-    /// Nothing yet; tracks and targets more than `gate_m` metres apart in the plane (at most 1,000 km) have nothing to
-    /// do with each other.
+    /// Creates an empty accuracy; tracks and targets more than `gate_m` metres apart in the plane (at most 1,000
+    /// km) never match.
     ///
     /// # Panics
     /// If the gate is not a positive number within that limit.
@@ -139,8 +139,7 @@ impl Accuracy {
         }
     }
 
-    /// Adds one picture: the targets that should be seen at a time, and the tracks of that time. The order of either
-    /// does not matter.
+    /// Adds one picture: the expected targets and the tracks at the same time, both in any order.
     pub fn add_picture(&mut self, targets: &[PictureTarget], tracks: &[PictureTrack]) {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.begin(targets, tracks.len());
@@ -151,7 +150,7 @@ impl Accuracy {
         self.scratch = scratch;
     }
 
-    /// The figures so far; shares, means and errors are 0 while there is nothing to divide by.
+    /// Returns the figures so far; shares, means and errors are 0 without data.
     pub fn report(&self) -> AccuracyReport {
         let sums = &self.sums;
         let ratio = |count: u64, of: u64| if of == 0 { 0.0 } else { count as f64 / of as f64 };
@@ -173,7 +172,8 @@ impl Accuracy {
         }
     }
 
-    /// A track within the gate of the target whose address it carries holds that target; of several, the closest.
+    /// Matches by address: a track within the gate of the target with its address holds that target; of several
+    /// tracks, the closest.
     fn match_by_address(&mut self, targets: &[PictureTarget], tracks: &[PictureTrack], scratch: &mut Scratch) {
         for (index, track) in tracks.iter().enumerate() {
             let Some(address) = track.address else {
@@ -257,15 +257,15 @@ impl Accuracy {
     }
 }
 
-/// A target in the picture at hand.
+/// Target in the current picture.
 #[derive(Clone, Copy, Debug, Default)]
 struct Held {
-    /// Error of the track that holds it, if one does.
+    /// Error of the holding track, if any.
     error_m: Option<f64>,
     duplicates: u32,
 }
 
-/// A track and a target that could belong together, by their places in the picture.
+/// Candidate pair of a track and a target, by their places in the picture.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     distance_m: f64,
@@ -287,12 +287,12 @@ impl Pair {
     }
 }
 
-/// Working memory, kept from picture to picture.
+/// Working memory, reused for each picture.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     /// Targets sorted by address.
     by_address: Vec<(u32, usize)>,
-    /// Targets sorted by their position east, so that neighbours are found without looking at all.
+    /// Targets sorted by their position east, for a search of neighbours.
     by_east: Vec<(f64, usize)>,
     pairs: Vec<Pair>,
     /// By target.
@@ -319,7 +319,7 @@ impl Scratch {
         self.pairs.clear();
     }
 
-    /// Closest pair first; numbers decide between equally close ones.
+    /// Sorts the closest pair first; numbers decide at equal distances.
     fn sort_pairs(&mut self) {
         self.pairs.sort_unstable_by(|a, b| {
             a.distance_m
@@ -333,7 +333,7 @@ impl Scratch {
         self.held[pair.target].error_m = Some(pair.distance_m);
     }
 
-    /// Places in `by_east` of the targets no farther than the gate to east or west.
+    /// Returns the places in `by_east` of the targets within the gate to east or west.
     fn east_of(&self, east_m: f64, gate_m: f64) -> std::ops::Range<usize> {
         let begin = self.by_east.partition_point(|(east, _)| *east < east_m - gate_m);
         let end = self.by_east.partition_point(|(east, _)| *east <= east_m + gate_m);
@@ -396,7 +396,7 @@ mod tests {
     #[test]
     fn address_counts_more_than_closeness() {
         let targets = [target(0, 0.0, 0.0), target(1, 300.0, 0.0)];
-        // Track 1 is nearer to target 1 but says that it is target 0.
+        // Track 1 is nearer to target 1 but has the address of target 0.
         let tracks = [track(1, 200.0, 0.0, Some(0)), track(2, 310.0, 0.0, None)];
         let report = report(&targets, &tracks);
         assert_eq!((report.held_once_share, report.identity_errors), (1.0, 0));

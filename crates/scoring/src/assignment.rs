@@ -1,29 +1,29 @@
-//! Which pairs are best together.
+//! Best assignment of pairs.
 //!
-//! Each row (a target) may be paired with one column (a track) and each column with one row; a pair is worth its gain,
-//! and what stays alone is worth nothing. Taking the best pair first, then the next, goes wrong as soon as two targets
-//! compete: the greedy choice can force a partner far away on the loser. What is wanted is the set of pairs whose gains
-//! have the greatest sum.
+//! Each row (a target) may be paired with one column (a track) and each column with one row. A pair contributes its
+//! gain; unpaired rows and columns contribute nothing. A greedy choice of the best pair fails as soon as two
+//! targets compete: it can force a distant partner on the loser. The result is the set of pairs with the greatest
+//! sum of gains.
 //!
-//! The solver is that of reports and tracks ([`association::augmenting`]). Only pairs that are listed are looked at, so
-//! the cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need a cost for
-//! every pair of a crowd: two thousand vehicles on an airport took one most of a second, and this one a few
-//! milliseconds.
+//! The solver is the solver of report-to-track association ([`association::augmenting`]). It visits listed pairs
+//! only, so the cost grows with the crowding and hardly with the size of the picture. Solvers of full matrices need
+//! a cost for every pair of a crowd: for two thousand vehicles on an airport, such a solver took most of a second,
+//! and this solver a few milliseconds.
 
 use association::augmenting::{AugmentingPaths, Choice, NONE, Problem};
 
-/// A possible pair.
+/// Candidate pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// Place of the row, from 0.
     pub row: usize,
     /// Place of the column, from 0.
     pub column: usize,
-    /// Gain of the pair: a finite number. Pairs that are worth nothing are never made.
+    /// Gain of the pair: a finite number. Pairs without positive gain are never made.
     pub gain: f64,
 }
 
-/// The column that each of `rows` rows is paired with, so that the sum of the gains is the greatest possible.
+/// Returns the column paired with each of `rows` rows, for the greatest possible sum of gains.
 ///
 /// # Panics
 /// If a candidate's row or column is not below `rows` or `columns`.
@@ -34,7 +34,7 @@ pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<
     let (mut paths, mut steps) = (AugmentingPaths::new(rows, columns), usize::MAX);
     let all = 0..rows as u32;
     for row in all.clone() {
-        // A row that finds nothing better stays alone.
+        // A row without a better choice stays unpaired.
         let _ = paths.bring_in(&wishes, row, &mut steps);
     }
     let held = all.map(|row| paths.held(row));
@@ -42,11 +42,11 @@ pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<
         .collect()
 }
 
-/// The candidates of each row. A candidate's label is its place.
+/// Candidates of each row. A candidate's label is its place.
 struct Wishes {
     /// Row after row.
     wishes: Vec<Candidate>,
-    /// Places where each row's wishes begin; one more than there are rows.
+    /// Start of each row's candidates; the length is the number of rows plus 1.
     begins: Vec<usize>,
 }
 
@@ -63,7 +63,7 @@ impl Wishes {
 }
 
 impl Problem for Wishes {
-    /// Pairs that are worth nothing are never made.
+    /// Pairs without positive gain are never made.
     const OWN_FIRST: bool = true;
 
     fn show_choices(&self, row: u32, mut each: impl FnMut(u32, u32, f64)) {
@@ -106,7 +106,7 @@ mod tests {
         pairs.iter().enumerate().filter_map(gain).sum()
     }
 
-    /// The greatest sum, by trying everything.
+    /// Returns the greatest sum, by exhaustive search.
     fn greatest(candidates: &[Candidate], row: usize, rows: usize, taken: &mut Vec<usize>) -> f64 {
         if row == rows {
             return 0.0;
@@ -124,14 +124,14 @@ mod tests {
 
     #[test]
     fn the_greedy_choice_is_not_the_best() {
-        // 9 first would leave row 1 with 1: 10. 8 and 7 are 15.
+        // Taking 9 first leaves row 1 with 1: 10. 8 and 7 are 15.
         let gains = candidates(&[(0, 0, 9.0), (0, 1, 8.0), (1, 0, 7.0), (1, 1, 1.0)]);
         assert_eq!(best_pairs(2, 2, &gains), [Some(1), Some(0)]);
     }
 
     #[test]
     fn a_row_gives_way_where_another_gains_more() {
-        // Both want column 0, and only that.
+        // All want column 0 only.
         let gains = candidates(&[(0, 0, 2.0), (1, 0, 5.0), (2, 0, 3.0)]);
         assert_eq!(best_pairs(3, 1, &gains), [None, Some(0), None]);
     }

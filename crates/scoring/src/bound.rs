@@ -1,28 +1,28 @@
-//! How accurate a bearings-only fix can be at best.
+//! Best possible accuracy of a bearings-only fix.
 //!
-//! The Cramér–Rao bound is the smallest covariance that any unbiased estimate can have: the inverse of the information
-//! in the bearings. A bearing says only how far the emitter is off to one side of its line, and that with sigma times
-//! the range; along the line, information comes from the lines' different directions. (Bar-Shalom, Li and Kirubarajan,
+//! The Cramér–Rao bound is the smallest covariance of any unbiased estimate: the inverse of the information in the
+//! bearings. A bearing gives only the emitter's offset across its line, with an error of sigma times the range.
+//! Along the line, information results from the different directions of the lines. (Bar-Shalom, Li and Kirubarajan,
 //! *Estimation with Applications to Tracking and Navigation*, section 2.7.)
 //!
-//! Bounds here are of the scripted cases, whose geometry is known: see [`crate::FixCase`].
+//! The bounds apply to the scripted cases with known geometry, see [`crate::FixCase`].
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 
-/// Bearings of case `fixed`.
+/// Number of bearings of case `fixed`.
 const FIXED_BEARINGS: usize = 61;
 /// Distance of its emitter from the middle of the baseline, metres.
 const FIXED_RANGE_M: f64 = 50e3;
 
-/// Half axes of the ellipse that the aircraft of case `drop` flies, east and north, metres.
+/// Half axes of the aircraft's ellipse in case `drop`, east and north, metres.
 const ELLIPSE_M: [f64; 2] = [8e3, 4e3];
 /// Speed of the aircraft along the ellipse, m/s.
 const AIRCRAFT_MPS: f64 = 100.0;
-/// Straight pieces that stand for the ellipse.
+/// Number of straight pieces that approximate the ellipse.
 const ELLIPSE_PIECES: usize = 20_000;
-/// Bearings of case `drop`: one every so many seconds, until the last.
+/// Bearings of case `drop`: time between two bearings, seconds, and their number.
 const DROP_PERIOD_S: f64 = 2.0;
 const DROP_BEARINGS: usize = 1801;
 /// Standard deviation of its bearings, degrees.
@@ -30,10 +30,11 @@ const DROP_SIGMA_DEG: f64 = 2.0;
 /// Drift of the transmitter of case `drop`: m/s, and degrees clockwise from north.
 const DRIFT_MPS: f64 = 4.0;
 const DRIFT_COURSE_DEG: f64 = 60.0;
-/// Nearer than this there is no bearing, metres.
+/// Minimum distance for a bearing, metres.
 const RANGE_MIN_M: f64 = 1.0;
 
-/// Standard deviations at best of a fixed emitter 50 km broadside of a straight baseline, after 61 bearings.
+/// Lowest possible standard deviations for a fixed emitter 50 km broadside of a straight baseline, after 61
+/// bearings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BroadsideBound {
     /// Along the line of sight from the middle of the baseline, metres.
@@ -43,8 +44,8 @@ pub(crate) struct BroadsideBound {
 }
 
 impl BroadsideBound {
-    /// For a baseline of `baseline_m` metres and bearings with a standard deviation of `sigma_rad`; `None` where the
-    /// bearings do not fix a point.
+    /// Computes the bound for a baseline of `baseline_m` metres and bearings with a standard deviation of
+    /// `sigma_rad`; `None` if the bearings do not fix a point.
     pub(crate) fn new(baseline_m: f64, sigma_rad: f64) -> Option<Self> {
         let mut information = Matrix2::zeros();
         for bearing in 0..FIXED_BEARINGS {
@@ -60,8 +61,8 @@ impl BroadsideBound {
     }
 }
 
-/// Root mean square position error at best, metres, at the end of case `drop`, of an estimate that knows the motion to
-/// be straight.
+/// Returns the lowest possible root mean square position error, metres, at the end of case `drop`, for an estimate
+/// that assumes straight motion.
 pub(crate) fn straight_bound_m() -> Option<f64> {
     let ellipse = Ellipse::new();
     let (sin, cos) = DRIFT_COURSE_DEG.to_radians().sin_cos();
@@ -75,7 +76,7 @@ pub(crate) fn straight_bound_m() -> Option<f64> {
             continue;
         }
         let slope = bearing_slope(line) / DROP_SIGMA_DEG.to_radians();
-        // Velocities count in metres per whole run: then all four unknowns are of one size.
+        // Velocities are scaled to metres per whole run: then all four unknowns have the same magnitude.
         let moved = slope * ((time_s - end_s) / end_s);
         let slope = Vector4::new(slope[0], slope[1], moved[0], moved[1]);
         information += slope * slope.transpose();
@@ -84,16 +85,16 @@ pub(crate) fn straight_bound_m() -> Option<f64> {
     Some((covariance[(0, 0)] + covariance[(1, 1)]).sqrt())
 }
 
-/// Change of a bearing (clockwise from north) with the emitter's place, radians per metre east and north, where
-/// `line_m` leads from the observer to it.
+/// Returns the derivative of a bearing (clockwise from north) by the emitter's position, radians per metre east and
+/// north; `line_m` leads from the observer to the emitter.
 fn bearing_slope(line_m: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(line_m[1], -line_m[0]) / line_m.norm_squared()
 }
 
-/// An ellipse that begins at the origin and is flown at constant speed.
+/// Ellipse that begins at the origin and is flown at constant speed.
 struct Ellipse {
     corners_m: Vec<Vector2<f64>>,
-    /// Length of the way to each corner, metres.
+    /// Length of the path to each corner, metres.
     way_m: Vec<f64>,
 }
 
@@ -111,7 +112,7 @@ impl Ellipse {
         Self { corners_m, way_m }
     }
 
-    /// Position after `flown_m` metres, any number of laps, metres.
+    /// Returns the position after `flown_m` metres, any number of laps, metres.
     fn at(&self, flown_m: f64) -> Vector2<f64> {
         let lap_m = self.way_m[ELLIPSE_PIECES];
         let flown_m = flown_m % lap_m;
@@ -140,8 +141,8 @@ mod tests {
         assert_eq!(BroadsideBound::new(0.0, 0.01), None);
     }
 
-    /// Along the line of sight the bearings' spread of directions counts, across it their number alone: with a short
-    /// baseline both follow from the spread of the places, x² on average L²/12 · 62/60.
+    /// Along the line of sight the spread of directions counts, across it only the number of bearings. With a short
+    /// baseline both follow from the spread of the positions: the mean of x² is L²/12 · 62/60.
     #[test]
     fn broadside_bounds_of_a_short_baseline_by_hand() {
         let (baseline_m, sigma_rad) = (100.0, 0.01);

@@ -1,15 +1,15 @@
-//! Whether each target keeps its track.
+//! Continuity of each target's track.
 //!
-//! A picture can be right at every second and still be useless to somebody who follows one aircraft: if the numbers of
-//! two tracks change places when their targets cross, every single picture is perfect. So pairs are carried from second
-//! to second, as in the CLEAR MOT measures (Bernardin and Stiefelhagen, 2008): a pair of the second before stays as
-//! long as it is nearer than the gate, however near others may be; what is left over is paired anew, best together.
-//! Then
+//! A picture can be right at every second and still be useless for following a single aircraft: if two tracks
+//! exchange numbers when their targets cross, every single picture is perfect. Pairs are therefore carried from
+//! second to second, as in the CLEAR MOT measures (Bernardin and Stiefelhagen, 2008). A pair of the previous second
+//! stays while it is nearer than the gate, even if other tracks are closer; the rest is paired anew by best
+//! assignment. Then
 //!
-//! - an *identity switch* is a target that has another track than when it last had one;
-//! - a *break* is a target that had lost its track and has one again;
-//! - a *spurious* track belongs to a target in less than half of the seconds in which it shows;
-//! - *wander* is how far a track's error moves from one second to the next, which the eye sees as trembling;
+//! - an *identity switch* is a target with another track than its last;
+//! - a *break* is a target that had lost its track and has a track again;
+//! - a *spurious* track belongs to a target in less than half of its displayed seconds;
+//! - *wander* is the movement of a track's error from one second to the next, visible as trembling;
 //! - *direction* is the angle between the track's velocity and the target's.
 
 use std::f64::consts::{PI, TAU};
@@ -29,7 +29,7 @@ pub(crate) struct Continuity {
     followed: FxHashMap<i64, Followed>,
     /// By track.
     shown: FxHashMap<i64, Seconds>,
-    /// Error in the plane of each pair of the second before.
+    /// Error in the plane of each pair of the previous second.
     errors_m: FxHashMap<(i64, i64), [f64; 2]>,
     pub(crate) found: Found,
 }
@@ -39,7 +39,7 @@ pub(crate) struct Continuity {
 pub(crate) struct Found {
     pub(crate) switches: u64,
     pub(crate) breaks: u64,
-    /// Seconds of targets, with a track and in all.
+    /// Target-seconds with a track, and in total.
     pub(crate) covered: u64,
     pub(crate) target_seconds: u64,
     pub(crate) wander_m: Vec<f64>,
@@ -49,9 +49,9 @@ pub(crate) struct Found {
 /// State of one target.
 #[derive(Clone, Copy, Debug, Default)]
 struct Followed {
-    /// The track that it has or had last.
+    /// Present or last track of the target.
     track: Option<i64>,
-    /// Whether it had one when it was last there.
+    /// Whether the target had a track in its latest second.
     now: bool,
 }
 
@@ -63,7 +63,8 @@ struct Seconds {
 }
 
 impl Continuity {
-    /// Pairs are nearer than `gate_m` metres; angles are taken of targets faster than `moving_mps` in the plane.
+    /// Creates empty figures. Pairs are nearer than `gate_m` metres; angles concern targets faster than
+    /// `moving_mps` in the plane.
     pub(crate) fn new(gate_m: f64, moving_mps: f64) -> Self {
         Self {
             gate_m,
@@ -75,7 +76,7 @@ impl Continuity {
         }
     }
 
-    /// Adds the next second: the targets and the tracks that show, each with a number of its own.
+    /// Adds the next second: the targets and the displayed tracks, each with its own number.
     pub(crate) fn add(&mut self, targets: &[State<3>], tracks: &[State<3>]) {
         let mut pairs = self.pairs_that_stay(targets, tracks);
         pairs.extend(self.new_pairs(targets, tracks, &pairs));
@@ -97,18 +98,18 @@ impl Continuity {
         self.measure_direction(&pairs);
     }
 
-    /// Tracks that are paired with a target in less than half of the seconds in which they show.
+    /// Returns the number of tracks paired with a target in less than half of their displayed seconds.
     pub(crate) fn spurious(&self) -> u64 {
         let spurious = |seconds: &&Seconds| 2 * seconds.paired < seconds.shown;
         self.shown.values().filter(spurious).count() as u64
     }
 
-    /// Tracks in all.
+    /// Returns the total number of tracks.
     pub(crate) fn tracks(&self) -> u64 {
         self.shown.len() as u64
     }
 
-    /// Places of the targets and tracks that were a pair in the second before and are near enough to stay one.
+    /// Returns the pairs of the previous second that are near enough to stay, as places of target and track.
     fn pairs_that_stay(&self, targets: &[State<3>], tracks: &[State<3>]) -> Vec<(usize, usize)> {
         let place: FxHashMap<i64, usize> = tracks.iter().map(|track| track.id).zip(0..).collect();
         let mut taken = FxHashSet::default();
@@ -119,7 +120,7 @@ impl Continuity {
                 continue;
             };
             let near = distance(&state.position_m, &tracks[track].position_m) < self.gate_m;
-            // A target that was away may come back to find that its track is another's by now.
+            // The track of a returning target may belong to another target by now.
             if near && taken.insert(track) {
                 pairs.push((target, track));
             }
@@ -127,7 +128,7 @@ impl Continuity {
         pairs
     }
 
-    /// Pairs among the targets and tracks that are not in `pairs`.
+    /// Pairs the targets and tracks that are not in `pairs`.
     fn new_pairs(&self, targets: &[State<3>], tracks: &[State<3>], pairs: &[(usize, usize)]) -> Vec<(usize, usize)> {
         let mut free = (vec![true; targets.len()], vec![true; tracks.len()]);
         for &(target, track) in pairs {
@@ -149,7 +150,7 @@ impl Continuity {
         compared.pairs.iter().map(places).collect()
     }
 
-    /// Notes that a target has this track in this second, or none.
+    /// Records that a target has this track in this second, or none.
     fn follow(&mut self, target: i64, track: Option<i64>) {
         self.found.target_seconds += 1;
         let followed = self.followed.entry(target).or_default();

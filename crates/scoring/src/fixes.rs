@@ -1,12 +1,12 @@
-//! How good the fixes of a bearings-only locator are, in three scripted cases.
+//! Quality of the fixes of a bearings-only locator, in three scripted cases.
 //!
-//! Bearings of one emitter from a moving platform can be turned into a position, but slowly, and wrongly as soon as the
-//! bearings are. The cases show what is hard about it: how much of the information a locator uses ([`FixCase::Fixed`],
-//! held against the Cramér–Rao bound), whether it follows an emitter that moves ([`FixCase::Drop`]), and whether it
-//! keeps its fix while the platform turns and the bearings lie ([`FixCase::Turn`]). Two fixes are compared in each row:
-//! the output, after selection and prediction, and the raw one of the filter.
+//! Bearings of one emitter from a moving platform determine its position, but slowly, and biased bearings bias the
+//! position. The cases cover the difficulties: the use of the available information ([`FixCase::Fixed`], compared
+//! with the Cramér–Rao bound), a moving emitter ([`FixCase::Drop`]), and wrong bearings while the platform turns
+//! ([`FixCase::Turn`]). Each row contains two fixes: the output, after selection and prediction, and the raw fix of
+//! the filter.
 //!
-//! A case holds many runs, one per emitter, with different noise. Several files of one case are pooled: their runs
+//! A case has many runs, one per emitter, with different noise. Several files of one case are pooled: their runs
 //! count together.
 
 use std::collections::BTreeMap;
@@ -23,42 +23,43 @@ use crate::near::distance;
 use crate::statistics::{circular_deviation, mean, root_mean, standard_deviation};
 use crate::words::Word;
 
-/// Time from which on the platform of case `turn` has flown long enough for a first fix, seconds.
+/// Time from which the platform of case `turn` has flown long enough for a first fix, seconds.
 const TURN_SINCE_S: f64 = 500.0;
-/// The motion of fixes is looked at over this many rows.
+/// Number of rows between samples of the fixes' motion.
 const MOTION_ROWS: usize = 10;
-/// Fixes that move less than this have no direction, m/s.
+/// Minimum speed of fixes with a direction, m/s.
 const STILL_MPS: f64 = 1e-9;
 
-/// Course that is flown.
+/// Scripted case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FixCase {
-    /// An emitter 50 km broadside of a straight baseline; 61 bearings along it.
+    /// Emitter 50 km broadside of a straight baseline; 61 bearings along the baseline.
     Fixed,
-    /// An aircraft drops a transmitter and circles in ellipses of 8 by 4 km at 100 m/s, with a bearing of 2° every 2 s
-    /// for 3,600 s, while the transmitter drifts straight on at 4 m/s to 060°.
+    /// An aircraft drops a transmitter and flies ellipses of 8 by 4 km at 100 m/s, with a bearing of 2° every 2 s
+    /// for 3,600 s. The transmitter drifts straight at 4 m/s to 060°.
     Drop,
-    /// The aircraft flies past a still transmitter, turns by 180°, with wrong bearings while it does, and flies back.
+    /// The aircraft flies past a fixed transmitter, turns by 180° with wrong bearings during the turn, and flies
+    /// back.
     Turn,
 }
 
-/// Description beside a case's files: which case it is, and its settings.
+/// Description beside a case's files: the case and its settings.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct CaseSettings {
-    /// The case.
+    /// Scripted case.
     pub case: FixCase,
     /// Length of the baseline of case `fixed`, metres.
     #[serde(rename = "baseline")]
     pub baseline_m: f64,
     /// Standard deviation of its bearings, degrees.
     pub sigma_deg: f64,
-    /// Emitters.
+    /// Number of emitters.
     pub runs: u64,
 }
 
 impl CaseSettings {
-    /// Whether runs of both can count together: the bound of case `fixed` belongs to one geometry.
+    /// Whether runs of both can be pooled: the bound of case `fixed` belongs to one geometry.
     fn poolable_with(&self, other: &Self) -> bool {
         let geometry = |of: &Self| (of.case == FixCase::Fixed).then_some((of.baseline_m, of.sigma_deg));
         self.case == other.case && geometry(self) == geometry(other)
@@ -81,16 +82,16 @@ impl fmt::Display for CaseSettings {
 /// Reason why fixes cannot be scored.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FixError {
-    /// Not one fix is of a known time and emitter.
+    /// No fix has a known time and emitter.
     #[error("no fix has the time and the emitter of any row of the truth; are both of the same case?")]
     NoFix,
-    /// No emitter has fixes in the time that counts.
+    /// No emitter has fixes in the scored time.
     #[error("no emitter has two fixes at or after {since_s} s, from when on fixes are scored")]
     NoLateFix {
-        /// Since when fixes count, seconds.
+        /// Start of the scored time, seconds.
         since_s: f64,
     },
-    /// The settings describe no geometry in which a bound exists.
+    /// The settings describe no geometry with a bound.
     #[error(
         "bearings with sigma_deg = {sigma_deg} along a baseline of {baseline_m} m fix no emitter; both must be positive"
     )]
@@ -109,7 +110,7 @@ pub struct FixRuns {
     runs: Vec<Vec<Fix>>,
 }
 
-/// One row of fixes, with the truth of its time.
+/// Row of fixes, with the truth of its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Fix {
     time_s: f64,
@@ -126,14 +127,14 @@ impl Fix {
     }
 }
 
-/// The figures of a case.
+/// Figures of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FixScore {
     /// Emitters with a fix.
     pub runs: u64,
-    /// Emitters without any.
+    /// Emitters without a fix.
     pub runs_without_fix: i64,
-    /// Emitters whose fixes end before the time that counts, and that the other figures leave out.
+    /// Emitters whose fixes end before the scored time; the other figures exclude them.
     #[serde(skip_serializing_if = "is_zero")]
     pub runs_too_short: u64,
     /// The other figures.
@@ -145,7 +146,7 @@ fn is_zero(count: &u64) -> bool {
     *count == 0
 }
 
-/// The figures that depend on the case.
+/// Figures that depend on the case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum FixFigures {
@@ -160,11 +161,11 @@ pub enum FixFigures {
 pub struct BroadsideFigures {
     /// Root mean square error along the line of sight, metres.
     pub range_rmse: f64,
-    /// Least possible value of the figure before, metres.
+    /// Lowest possible value of the previous figure, metres.
     pub range_bound: f64,
     /// Root mean square error across the line of sight, metres.
     pub cross_rmse: f64,
-    /// Least possible value of the figure before, metres.
+    /// Lowest possible value of the previous figure, metres.
     pub cross_bound: f64,
     /// Error over bound.
     pub range_ratio: f64,
@@ -172,7 +173,7 @@ pub struct BroadsideFigures {
     pub cross_ratio: f64,
 }
 
-/// Errors over the time that counts in the cases `drop` (its second half) and `turn` (from 500 s on).
+/// Errors over the scored time of the cases `drop` (its second half) and `turn` (from 500 s on).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CourseFigures {
     /// Root mean square error of the output, metres.
@@ -187,7 +188,8 @@ pub struct CourseFigures {
     pub raw_last: f64,
     /// Largest step of the output beyond its own velocity, metres.
     pub jump_m: f64,
-    /// Standard deviation of the output's speed over ten rows, m/s, average over runs; `None` if no run has that many.
+    /// Standard deviation of the output's speed over ten rows, m/s, average over runs; `None` if all runs are
+    /// shorter.
     pub speed_spread: Option<f64>,
     /// … of the raw fixes'.
     pub raw_speed_spread: Option<f64>,
@@ -195,7 +197,7 @@ pub struct CourseFigures {
     pub direction_spread_deg: Option<f64>,
     /// … of the raw fixes'.
     pub raw_direction_spread_deg: Option<f64>,
-    /// Case `drop`: root mean square error that an estimate can reach at the end at best, metres.
+    /// Case `drop`: lowest possible root mean square error at the end, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub straight_bound: Option<f64>,
 }
@@ -244,7 +246,7 @@ pub const FIX_WORDS: &[Word] = &[
 ];
 
 impl FixRuns {
-    /// No runs yet, of the case that `settings` say.
+    /// Creates an empty set of runs of the case in `settings`.
     pub fn new(settings: CaseSettings) -> Self {
         Self {
             settings: CaseSettings { runs: 0, ..settings },
@@ -252,11 +254,12 @@ impl FixRuns {
         }
     }
 
-    /// Adds the emitters of one set of files: their settings, their truth (`time_s,emitter_id,x,y` by name) and their
-    /// fixes (`time_s,emitter_id,x,y,raw_x,raw_y,vx,vy`). Fixes of times or emitters that the truth lacks are left out.
+    /// Adds the emitters of one set of files: their settings, their truth (`time_s,emitter_id,x,y` by name) and
+    /// their fixes (`time_s,emitter_id,x,y,raw_x,raw_y,vx,vy`). Fixes of times or emitters absent from the truth
+    /// are omitted.
     ///
     /// # Errors
-    /// What is wrong, and in which of the three.
+    /// The fault, and the input that has it.
     pub fn add(&mut self, settings: &CaseSettings, truth: impl Read, fixes: impl Read) -> Result<(), FixInputError> {
         if !self.settings.poolable_with(settings) {
             return Err(FixInputError::Settings {
@@ -271,10 +274,10 @@ impl FixRuns {
         Ok(())
     }
 
-    /// The figures of all runs.
+    /// Returns the figures of all runs.
     ///
     /// # Errors
-    /// If there is nothing to make figures of.
+    /// If there are no fixes to score.
     pub fn score(&self) -> Result<FixScore, FixError> {
         if self.runs.is_empty() {
             return Err(FixError::NoFix);
@@ -317,7 +320,7 @@ impl FixRuns {
         })
     }
 
-    /// The figures of the time that counts, and of how many runs they are.
+    /// Returns the figures of the scored time, and the number of runs in them.
     fn course(&self) -> Result<(FixFigures, u64), FixError> {
         let ends_s = self.runs.iter().filter_map(|run| run.last()).map(|fix| fix.time_s);
         let since_s = match self.settings.case {
@@ -374,7 +377,7 @@ fn error_square_m2(fix: &Fix, of: Of) -> f64 {
     error_m * error_m
 }
 
-/// Distance of the output from where its own velocity would have taken it.
+/// Returns the distance of the output from the position predicted with its previous velocity.
 fn jump_m(before: &Fix, after: &Fix) -> f64 {
     let seconds = after.time_s - before.time_s;
     let expected = [0, 1].map(|axis| before.output_m[axis] + before.velocity_mps[axis] * seconds);
@@ -407,7 +410,7 @@ impl Spread {
     }
 }
 
-/// Velocity between every tenth fix and the next such one.
+/// Returns the velocities between every tenth fix and the next such fix.
 fn motion_mps(run: &[Fix], of: Of) -> Vec<[f64; 2]> {
     let sampled: Vec<&Fix> = run.iter().step_by(MOTION_ROWS).collect();
     let steps = sampled.windows(2).filter(|step| step[1].time_s > step[0].time_s);
@@ -418,26 +421,26 @@ fn motion_mps(run: &[Fix], of: Of) -> Vec<[f64; 2]> {
     motion.collect()
 }
 
-/// An input that cannot be used, and which one it is.
+/// Unusable input.
 #[derive(Debug, Error)]
 pub enum FixInputError {
-    /// The settings.
+    /// Settings that differ.
     #[error("{found}; this cannot be pooled with {expected}: score them one by one")]
     Settings {
-        /// The settings that were to be added.
+        /// Settings of the new input.
         found: CaseSettings,
-        /// Sums of the runs before.
+        /// Settings of the earlier runs.
         expected: CaseSettings,
     },
-    /// The truth.
+    /// Faulty truth.
     #[error("{0}")]
     Truth(CsvError),
-    /// The fixes.
+    /// Faulty fixes.
     #[error("{0}")]
     Fixes(CsvError),
 }
 
-/// Positions of emitters by time. Emitters are called by what stands in their column, number or not.
+/// Positions of emitters by time. The text in the column names an emitter, numeric or not.
 struct Truth {
     emitters: FxHashMap<String, u32>,
     places_m: FxHashMap<(u32, u64), [f64; 2]>,
@@ -469,7 +472,7 @@ impl Truth {
         Ok(truth)
     }
 
-    /// Fixes by emitter, each run in the order of time.
+    /// Returns the fixes by emitter, each run in the order of time.
     fn runs(&self, fixes: impl Read) -> Result<Vec<Vec<Fix>>, CsvError> {
         let mut table = Table::new(fixes)?;
         let (time, emitter) = (table.required("time_s")?, table.required("emitter_id")?);
@@ -499,7 +502,7 @@ impl Truth {
         }
         let mut runs: Vec<Vec<Fix>> = runs.into_values().collect();
         for run in &mut runs {
-            // Of two fixes at one time, values decide: the order in the file does not matter.
+            // Values order two fixes at one time, so that the order in the file does not matter.
             run.sort_by(|one, other| {
                 one.values()
                     .partial_cmp(&other.values())
@@ -510,7 +513,7 @@ impl Truth {
     }
 }
 
-/// A time as a key; zero has two signs.
+/// Returns a time as a key; zero has two signs.
 fn key(time_s: f64) -> u64 {
     (time_s + 0.0).to_bits()
 }

@@ -1,12 +1,12 @@
-//! How far one set of points is from another, where the sets may differ in size.
+//! Distance between two sets of points of possibly different sizes.
 //!
-//! A picture with one good track too few and one with a bad track too many are both wrong, each in its own way. The
-//! mean error of the tracks that happen to be there rewards leaving tracks out; so a distance between sets must charge
-//! what is missing and what is too much as well. GOSPA (Rahmathullah, García-Fernández and Svensson, *Generalized
-//! optimal sub-pattern assignment metric*, 2017, here with alpha = 2) pairs targets with tracks at a cost of
-//! distance^p, charges cut_off^p / 2 for each of either that stays alone, and takes the p-th root of the least possible
-//! sum. It is a metric: zero only for equal sets, the same in both directions, and never shortened by a detour. Its sum
-//! falls apart into what localisation, missed targets and false tracks each contribute.
+//! A picture without one good track and a picture with an additional bad track are both wrong, in different ways.
+//! The mean error of the existing tracks rewards omitting tracks. A distance between sets must therefore charge
+//! missing and surplus tracks as well. GOSPA (Rahmathullah, García-Fernández and Svensson, *Generalized optimal
+//! sub-pattern assignment metric*, 2017, here with alpha = 2) pairs targets with tracks at a cost of distance^p,
+//! charges cut_off^p / 2 for each unpaired target or track, and takes the p-th root of the least possible sum. It
+//! is a metric: zero only for equal sets, symmetric, and subject to the triangle inequality. Its sum splits into
+//! the contributions of localisation, missed targets and false tracks.
 //!
 //! OSPA (Schuhmacher, Vo and Vo, *A consistent metric for performance evaluation of multi-object filters*, 2008)
 //! divides by the size of the larger set, and so gives an error per target. The same pairs minimise both.
@@ -14,12 +14,12 @@
 use crate::assignment::{Candidate, best_pairs};
 use crate::near::{Pair, near_pairs};
 
-/// Metric to be computed.
+/// Parameters of the metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Metric {
-    /// Distance from which a track is no track of a target any more, metres; positive.
+    /// Distance from which a track does not belong to a target, metres; positive.
     pub cut_off_m: f64,
-    /// p: 1 or more. The greater, the more outliers weigh.
+    /// Exponent p: 1 or more. A greater value gives outliers more weight.
     pub power: i32,
 }
 
@@ -72,28 +72,28 @@ impl Metric {
 }
 
 impl SetDistance {
-    /// The whole distance, metres.
+    /// Returns the total distance, metres.
     pub fn gospa_m(&self) -> f64 {
         self.metric
             .root(self.localisation() + self.alone(self.missed) + self.alone(self.false_tracks))
     }
 
-    /// Part that comes from the pairs' distances, metres.
+    /// Returns the part due to the pairs' distances, metres.
     pub fn localisation_m(&self) -> f64 {
         self.metric.root(self.localisation())
     }
 
-    /// Part that comes from missed targets, metres.
+    /// Returns the part due to missed targets, metres.
     pub fn missed_m(&self) -> f64 {
         self.metric.root(self.alone(self.missed))
     }
 
-    /// Part that comes from false tracks, metres.
+    /// Returns the part due to false tracks, metres.
     pub fn false_m(&self) -> f64 {
         self.metric.root(self.alone(self.false_tracks))
     }
 
-    /// OSPA, metres; 0 between empty sets.
+    /// Returns OSPA, metres; 0 between empty sets.
     pub fn ospa_m(&self) -> f64 {
         let alone = self.missed.max(self.false_tracks);
         let size = (self.pairs.len() + alone) as f64;
@@ -148,7 +148,7 @@ mod tests {
         close(metric(2).compare(&targets(), &shifted(1.0)).gospa_m(), 5f64.sqrt());
     }
 
-    /// Targets at 0, 20 and 100; tracks at 3, 16 and 1000: 9 + 16 for the pairs, 50 for each that is alone.
+    /// Targets at 0, 20 and 100; tracks at 3, 16 and 1000: 9 + 16 for the pairs, 50 for each unpaired point.
     #[test]
     fn the_parts_add_up() {
         let found = metric(2).compare(&line([0.0, 20.0, 100.0]), &line([3.0, 16.0, 1000.0]));
@@ -161,7 +161,7 @@ mod tests {
         close(found.ospa_m(), (125.0f64 / 3.0).sqrt());
     }
 
-    /// Two tracks between two targets: each track's nearest target is the same one.
+    /// Two tracks between two targets: both tracks have the same nearest target.
     #[test]
     fn pairs_are_best_together() {
         let found = metric(2).compare(&line([0.0, 6.0]), &line([4.0, 7.0]));
@@ -186,7 +186,7 @@ mod tests {
         close(found.gospa_m(), 10.0);
     }
 
-    /// The least sum over all ways to pair, by trying them.
+    /// Returns the least sum over all pairings, by exhaustive search.
     fn least(targets: &[[f64; 2]], tracks: &mut Vec<[f64; 2]>, metric: Metric) -> f64 {
         let half = metric.of(metric.cut_off_m) / 2.0;
         let Some((first, rest)) = targets.split_first() else {

@@ -1,18 +1,18 @@
-//! How good tracks and fixes are, against a known truth.
+//! Quality of tracks and fixes against a known truth.
 //!
-//! Somebody who changes a rule, a gate or a noise setting wants to know whether the picture became better. Looking at
-//! it does not tell: a few metres, a lost track in a thousand or a swapped number are below what an eye notices. Where
-//! the truth is known, from a simulation or from better instruments, the difference can be put into figures.
+//! A change of a rule, a gate or a noise setting must be judged by its effect on the picture. The eye does not
+//! notice a few metres, a lost track in a thousand or an exchanged number. With a known truth, from a simulation or
+//! from better instruments, figures show the difference.
 //!
 //! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]),
 //!   errors, identity switches, breaks, completeness, spurious tracks;
-//! - [`ResolutionScore`]: whether a tracker tells targets apart that fly close to each other, and how soon;
-//! - [`Accuracy`]: the picture as it goes on, in a few figures that can be had at any time;
-//! - [`NumberTally`]: whether targets keep their numbers, and numbers their targets, whatever dies;
-//! - [`FixRuns`]: the fixes of a bearings-only locator, beside the best that is possible.
+//! - [`ResolutionScore`]: the resolution of targets that fly close to each other, and its delay;
+//! - [`Accuracy`]: running figures of a picture, available at any time;
+//! - [`NumberTally`]: the stability of track numbers through failures;
+//! - [`FixRuns`]: the fixes of a bearings-only locator, compared with the best possible.
 //!
-//! Everything is a pure function of rows that somebody else has opened: no file, no clock. Rows are read through
-//! [`csv_table`], so columns are found by name and errors say line, column, value and remedy.
+//! Everything is a pure function of the given rows: no file, no clock. [`csv_table`] reads the rows, so columns are
+//! found by name and errors state line, column, value and remedy.
 
 #![forbid(unsafe_code)]
 

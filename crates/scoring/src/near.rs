@@ -1,8 +1,8 @@
-//! Which points of two sets are near each other.
+//! Pairs of near points from two sets.
 //!
-//! One set is sorted by its first coordinate; for each point of the other only a strip of it is looked at.
+//! One set is sorted by the first coordinate; for each point of the other set, the search covers only a strip.
 
-/// A point of each set, and how far apart they are.
+/// Point of each set, and their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
     /// Place in the first set: of the target.
@@ -13,13 +13,13 @@ pub struct Pair {
     pub distance_m: f64,
 }
 
-/// Every pair that is nearer than `reach_m` metres, in the order of the targets.
+/// Returns every pair nearer than `reach_m` metres, in the order of the targets.
 pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D]], reach_m: f64) -> Vec<Pair> {
     let mut sorted: Vec<(f64, usize)> = tracks.iter().map(|track| track[0]).zip(0..).collect();
     sorted.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
     let mut pairs = Vec::new();
     for (target, place) in targets.iter().enumerate() {
-        // A sum may be rounded; the strip must not be narrower than the reach for that.
+        // A sum may be rounded; the strip must not be narrower than the reach because of it.
         let (low, high) = ((place[0] - reach_m).next_down(), (place[0] + reach_m).next_up());
         let begin = sorted.partition_point(|(first, _)| *first < low);
         let strip = sorted[begin..].iter().take_while(|(first, _)| *first <= high);
@@ -37,7 +37,7 @@ pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D
     pairs
 }
 
-/// Distance of two points.
+/// Returns the distance of two points.
 pub(crate) fn distance<const D: usize>(one: &[f64; D], other: &[f64; D]) -> f64 {
     let squares = one.iter().zip(other).map(|(one, other)| (one - other) * (one - other));
     squares.sum::<f64>().sqrt()

@@ -1,10 +1,10 @@
-//! Whether a track is as accurate as it says.
+//! Consistency of a track's stated covariance.
 //!
-//! A track states a covariance P with its position. If that is right, the error e of the position has, squared and
-//! normalised, d² = eᵀ P⁻¹ e, which is chi-square distributed with three degrees of freedom and so 3 on average
-//! (Bar-Shalom, Li and Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 5.4, NEES). The
-//! mean of d²/3 over all pairs is therefore 1 for a tracker that knows how accurate it is, above 1 for one that is too
-//! sure of itself, and below 1 for one that is better than it says.
+//! A track states a covariance P with its position. If P is correct, the normalised square d² = eᵀ P⁻¹ e of the
+//! position error e is chi-square distributed with three degrees of freedom, with mean 3 (Bar-Shalom, Li and
+//! Kirubarajan, *Estimation with Applications to Tracking and Navigation*, section 5.4, NEES). The mean of d²/3
+//! over all pairs is therefore 1 for a consistent tracker, above 1 for an overconfident tracker, and below 1 for a
+//! tracker that is more accurate than stated.
 
 use messages::{AXES, Covariance};
 use nalgebra::{Matrix3, Vector3};
@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Covariance of a position, m².
 pub(crate) type Spread = Matrix3<f64>;
 
-/// Covariance of the position some seconds after the time of `covariance`, if the target goes on as it did.
+/// Returns the covariance of the position some seconds after the time of `covariance`, under constant velocity.
 pub(crate) fn spread_after(covariance: &Covariance, seconds: f64) -> Spread {
     Matrix3::from_fn(|row, column| {
         let cross = covariance.get(row, column + AXES) + covariance.get(column, row + AXES);
@@ -21,7 +21,7 @@ pub(crate) fn spread_after(covariance: &Covariance, seconds: f64) -> Spread {
     })
 }
 
-/// d²/3; `None` if the covariance is none that a position can have.
+/// Returns d²/3; `None` if the covariance is not positive definite.
 pub(crate) fn normalised_square(error_m: [f64; AXES], spread_m2: &Spread) -> Option<f64> {
     let error_m = Vector3::from(error_m);
     let solved = spread_m2.cholesky()?.solve(&error_m);

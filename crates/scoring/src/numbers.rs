@@ -1,13 +1,14 @@
-//! Continuity of track numbers, as a subscriber sees it that believes nobody.
+//! Continuity of track numbers from the point of view of an independent subscriber.
 //!
-//! Targets are told apart by their addresses, whatever their tracks are called: so it shows if a target goes on under
-//! another number, or a number comes again for another target. States of an older epoch than the newest are left out.
+//! Addresses identify the targets, regardless of track numbers. The tally thus detects a target that continues
+//! under another number, and a number reused for another target. States of an epoch older than the newest are
+//! excluded.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use messages::{SystemTrack, TrackState};
 
-/// Tally of who carries which number.
+/// Tally of targets and their track numbers.
 #[derive(Clone, Debug, Default)]
 pub struct NumberTally {
     epoch: u64,
@@ -26,7 +27,7 @@ pub struct NumberTally {
 }
 
 impl NumberTally {
-    /// Takes a state that was published by the fusion of `epoch`.
+    /// Adds a state published by the fusion of `epoch`.
     pub fn take(&mut self, epoch: u64, track: &SystemTrack) {
         let sent_ns = track.stages.fused_ns;
         if epoch < self.epoch {
@@ -66,43 +67,43 @@ impl NumberTally {
         }
     }
 
-    /// Forgets who carries which number: targets get new ones where those before are lost. Which numbers were given
-    /// stays known.
+    /// Clears the assignment of numbers to targets: targets receive new numbers where the earlier numbers are lost.
+    /// The set of used numbers remains.
     pub fn forget_carriers(&mut self) {
         self.carriers.clear();
     }
 
-    /// Forgets who has been shown: [`Self::shown`] counts from now on.
+    /// Clears the shown addresses: [`Self::shown`] counts from now on.
     pub fn begin(&mut self) {
         self.shown.clear();
     }
 
-    /// Newest epoch; 0 before the first state.
+    /// Returns the newest epoch; 0 before the first state.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    /// Monotonic time at which the first state of the newest epoch was sent, nanoseconds.
+    /// Returns the monotonic time at which the first state of the newest epoch was sent, nanoseconds.
     pub fn began_ns(&self) -> i64 {
         self.began_ns
     }
 
-    /// Monotonic time at which the latest state was sent, nanoseconds.
+    /// Returns the monotonic time at which the latest state was sent, nanoseconds.
     pub fn latest_ns(&self) -> i64 {
         self.latest_ns
     }
 
-    /// Number of states taken, those of older epochs aside.
+    /// Returns the number of states taken, without those of older epochs.
     pub fn states(&self) -> u64 {
         self.states
     }
 
-    /// Number of states that an older fusion sent after a newer one had begun.
+    /// Returns the number of states sent by an older fusion after the start of a newer one.
     pub fn late(&self) -> u64 {
         self.late
     }
 
-    /// Numbers of the live tracks that carry each address.
+    /// Returns the numbers of the live tracks that carry each address.
     pub fn carriers(&self) -> &BTreeMap<u32, BTreeSet<u32>> {
         &self.carriers
     }
@@ -112,18 +113,18 @@ impl NumberTally {
         self.shown.contains(&address)
     }
 
-    /// Numbers of confirmed tracks that have not ended.
+    /// Returns the numbers of confirmed tracks that have not ended.
     pub fn live(&self) -> &BTreeSet<u32> {
         &self.live
     }
 
-    /// Numbers that came again after their end, or with another address.
+    /// Returns the numbers seen again after their end, or with another address.
     pub fn reused(&self) -> &BTreeSet<u32> {
         &self.reused
     }
 
-    /// Targets of `before` of which the newest epoch speaks, but under none of their numbers: the address, a number
-    /// that it had, and one that it has.
+    /// Returns targets of `before` that the newest epoch publishes under none of their previous numbers: the
+    /// address, a previous number, and a present number.
     pub fn renumbered(&self, before: &Self) -> Vec<(u32, u32, u32)> {
         let moved = before.carriers.iter().filter_map(|(address, numbers)| {
             let mut now = self.carriers.get(address)?.intersection(&self.heard).peekable();
@@ -134,7 +135,7 @@ impl NumberTally {
         moved.collect()
     }
 
-    /// Tracks that lived in `before` and that the newest epoch has neither gone on with nor ended.
+    /// Returns tracks live in `before` that the newest epoch has neither continued nor terminated.
     pub fn forgotten(&self, before: &Self) -> Vec<u32> {
         let unheard = before.live.iter().filter(|number| !self.heard.contains(number));
         unheard.copied().collect()
@@ -170,7 +171,7 @@ mod tests {
             (tally.renumbered(&before), tally.forgotten(&before)),
             (vec![(12, 2, 7)], vec![2, 3])
         );
-        // What an older one left in the queue is no fault; what it sends now is.
+        // States that an older fusion left in the queue are no fault; states sent later are.
         tally.take(5, &state(2, 12, TrackState::Confirmed, 150));
         assert_eq!((tally.late(), tally.carriers()[&12].last()), (0, Some(&7)));
         tally.take(5, &state(2, 12, TrackState::Confirmed, 202));

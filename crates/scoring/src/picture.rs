@@ -1,12 +1,12 @@
-//! How good a picture of tracks is, second by second, against a known truth.
+//! Quality of a picture of tracks, second by second, against a known truth.
 //!
-//! At each whole second the newest state of every track is taken, moved to that second along its velocity, and held
-//! against the targets of that second. Three questions are asked. How far is the picture from the truth, and through
-//! what ([`crate::gospa`])? How accurate are the tracks that have a target? And does each target keep its track (pairs
-//! that are carried from second to second)?
+//! At each whole second, the newest state of every track is moved to that second along its velocity and compared
+//! with the targets of that second. The figures cover three aspects: the distance of the picture from the truth and
+//! its causes ([`crate::gospa`]), the accuracy of the tracks paired with a target, and the continuity of each
+//! target's track (pairs carried from second to second).
 //!
-//! Limits: a target that the truth does not list at a whole second does not exist in that second. Tracks are told apart
-//! by their number alone, so a file with the tracks of several sensors is not one picture.
+//! Limits: a target absent from the truth at a whole second does not exist in that second. Only numbers distinguish
+//! tracks, so a file with the tracks of several sensors is not one picture.
 
 use std::io::Read;
 
@@ -24,27 +24,27 @@ use crate::states::{Counted, Instant, Pictures, State, StateRows, Walk, position
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
 use crate::words::Word;
 
-/// A state counts for a whole second if it is from this long after it, seconds: decimals in files are rounded.
+/// Tolerance after a whole second within which a state counts for it, seconds: decimals in files are rounded.
 const ROUNDING_S: f64 = 1e-9;
-/// A row of truth is of a whole second if it is at most this long before it, seconds.
+/// Maximum age of a row of truth at a whole second, seconds.
 const TRUTH_AGE_MAX_S: f64 = 1e-3;
-/// Columns that tell targets or tracks apart; the first that a file has counts.
+/// Columns that identify targets or tracks; the first in a file counts.
 const IDS: [&str; 3] = ["target_id", "system_track_id", "sensor_track_id"];
 
 /// Settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// Distance from which a track is no track of a target, metres (500).
+    /// Distance from which a track does not belong to a target, metres (500).
     pub cut_off_m: f64,
-    /// A state older than this does not show, seconds (1).
+    /// Maximum age of a displayed state, seconds (1).
     pub age_max_s: f64,
-    /// The first whole second (10: sensors need several looks before tracks are confirmed).
+    /// First whole second (10: sensors need several looks before tracks are confirmed).
     pub first_s: i64,
-    /// The last whole second; the last that the truth reaches if it is not given.
+    /// Last whole second; if not given, the last second of the truth.
     pub last_s: Option<i64>,
     /// Distance up to which a target keeps its track, metres (250).
     pub gate_m: f64,
-    /// Directions are compared of targets that move faster than this in the plane, m/s (5).
+    /// Minimum speed in the plane of targets whose directions are compared, m/s (5).
     pub moving_mps: f64,
 }
 
@@ -68,10 +68,11 @@ pub struct Timeline {
     pictures: Pictures<3>,
     /// Latest time of any row.
     end_s: Option<f64>,
-    /// Latest time of each track, to tell how often they are updated.
+    /// Latest time of each track, for the rate of updates.
     updated_s: FxHashMap<i64, f64>,
     updates: u64,
-    /// Updates that came after the state before had ceased to show, and the sum of the times since then, seconds.
+    /// Number of updates after the previous state's display time, and the sum of the times since that state,
+    /// seconds.
     late_updates: (u64, f64),
 }
 
@@ -79,13 +80,13 @@ impl Timeline {
     /// Reads a truth file: `time_s,target_id,x,y,z,vx,vy,vz` by name; other columns are ignored.
     ///
     /// # Errors
-    /// If a column is missing, a value is not what its column holds, or the input fails.
+    /// If a column is missing, a value is invalid for its column, or the input fails.
     pub fn truth(input: impl Read) -> Result<Self, CsvError> {
         Self::read(input, IDS[0], TRUTH_AGE_MAX_S)
     }
 
-    /// Reads tracks whose states show for `age_max_s` seconds: columns as of a truth file, but with `system_track_id`
-    /// or `sensor_track_id`. Rows whose `state` is `tentative` or `terminated` are left out.
+    /// Reads tracks with a display time of `age_max_s` seconds: columns as in a truth file, but with
+    /// `system_track_id` or `sensor_track_id`. Rows with `state` `tentative` or `terminated` are omitted.
     ///
     /// # Errors
     /// As [`Timeline::truth`].
@@ -102,21 +103,21 @@ impl Timeline {
         Ok(timeline)
     }
 
-    /// First whole second at which something shows; `None` if nothing does.
+    /// Returns the first whole second with a displayed state; `None` if there is none.
     pub fn first_second(&self) -> Option<i64> {
         self.pictures.first()
     }
 
-    /// Last whole second that the rows reach; `None` if there are none.
+    /// Returns the last whole second reached by the rows; `None` without rows.
     pub fn last_second(&self) -> Option<i64> {
         self.end_s.map(|end_s| end_s.floor() as i64)
     }
 
-    /// A timeline of tracks to which states are added that show for `age_max_s` seconds.
+    /// Creates an empty timeline of tracks with a display time of `age_max_s` seconds.
     pub fn empty(age_max_s: f64) -> Self {
         Self {
             age_max_s,
-            // Of two rows of one time the later one counts.
+            // Of two rows at one time, the later row counts.
             pictures: Pictures::new(|state, kept| state.time_s >= kept.time_s),
             end_s: None,
             updated_s: FxHashMap::default(),
@@ -125,14 +126,14 @@ impl Timeline {
         }
     }
 
-    /// Mean time between two states of a track, seconds, if most of them come after the one before has ceased to show:
-    /// tracks that are there are then missing from the pictures in between.
+    /// Returns the mean time between two states of a track, seconds, if most states arrive after the display time
+    /// of the previous state: live tracks are then missing from the pictures in between.
     pub fn period_of_gaps_s(&self) -> Option<f64> {
         let (late, sum_s) = self.late_updates;
         (2 * late > self.updates).then(|| sum_s / late as f64)
     }
 
-    /// Adds a state, as a row of a file would.
+    /// Adds a state, like a row of a file.
     pub fn add(&mut self, state: &ShownState) {
         let counted = State {
             id: state.number,
@@ -161,10 +162,10 @@ impl Timeline {
     }
 }
 
-/// A state of a track that is confirmed or coasted.
+/// State of a confirmed or coasted track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownState {
-    /// The track's number.
+    /// Number of the track.
     pub number: i64,
     /// Time of the second, seconds.
     pub time_s: f64,
@@ -172,11 +173,11 @@ pub struct ShownState {
     pub position_m: [f64; 3],
     /// Velocity east, north, up, m/s.
     pub velocity_mps: [f64; 3],
-    /// Covariance of both.
+    /// Covariance of position and velocity.
     pub covariance: Covariance,
 }
 
-/// The first whole second at which a state of `time_s` can be seen.
+/// Returns the first whole second at which a state of `time_s` is visible.
 fn first_whole_second(time_s: f64) -> Instant {
     let above = time_s.ceil();
     let just_missed = time_s <= above - 1.0 + ROUNDING_S;
@@ -193,12 +194,12 @@ pub enum PictureError {
     /// The truth has no rows.
     #[error("the truth has no rows; nothing can be compared with it")]
     NoTruth,
-    /// No second is to be compared.
+    /// The compared interval contains no second.
     #[error("no whole second lies between {first_s} s, the first to be compared, and {last_s} s, the last")]
     NoSecond {
         /// The first second.
         first_s: i64,
-        /// The last one.
+        /// The last second.
         last_s: i64,
     },
 }
@@ -208,11 +209,11 @@ pub enum PictureError {
 pub struct PictureScore {
     /// Average GOSPA, metres.
     pub gospa: f64,
-    /// Average of its part from position errors, metres.
+    /// Average part due to position errors, metres.
     pub loc: f64,
-    /// Average of its part from missed targets, metres.
+    /// Average part due to missed targets, metres.
     pub missed: f64,
-    /// Average of its part from false tracks, metres.
+    /// Average part due to false tracks, metres.
     #[serde(rename = "false")]
     pub false_tracks: f64,
     /// Average OSPA, metres.
@@ -221,27 +222,27 @@ pub struct PictureScore {
     pub rmse_pos: Option<f64>,
     /// Root mean square velocity error of the pairs, m/s.
     pub rmse_vel: Option<f64>,
-    /// Times that a target got another track.
+    /// Number of changes of a target's track.
     pub id_switches: u64,
-    /// Times that a target got a track again.
+    /// Number of times that a target regained a track.
     pub breaks: u64,
     /// Share of the targets' seconds with a track, 0 to 1.
     pub completeness: f64,
-    /// Tracks that belong to no target most of the time.
+    /// Tracks without a target for most of their time.
     pub spurious: u64,
-    /// Tracks in all.
+    /// Total number of tracks.
     pub system_tracks: u64,
-    /// 95 % of the second-to-second movements of the error are not larger, metres.
+    /// 95th percentile of the second-to-second movements of the error, metres.
     pub wander_p95: Option<f64>,
-    /// The largest of them, metres.
+    /// Maximum of these movements, metres.
     pub wander_max: Option<f64>,
     /// Standard deviation of the direction, degrees.
     pub direction_std_deg: Option<f64>,
-    /// Targets without a track, on average.
+    /// Mean number of targets without a track.
     pub missed_per_s: f64,
-    /// Tracks without a target, on average.
+    /// Mean number of tracks without a target.
     pub false_per_s: f64,
-    /// Mean normalised error squared of the position of the pairs, over its three dimensions; `None` where no track
+    /// Mean normalised squared position error of the pairs, divided by its three dimensions; `None` if no track
     /// states a covariance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nees_pos: Option<f64>,
@@ -280,7 +281,7 @@ pub const PICTURE_WORDS: &[Word] = &[
 /// Compares tracks with the truth.
 ///
 /// # Errors
-/// If there is no second in which that could be done.
+/// If there is no second to compare.
 pub fn score_picture(
     truth: &Timeline,
     tracks: &Timeline,
@@ -299,7 +300,7 @@ pub fn score_picture(
     Ok(sums.score())
 }
 
-/// A timeline that is passed through.
+/// Pass through a timeline.
 struct Pass<'a> {
     walk: Walk<'a, 3>,
     age_max_s: f64,

@@ -1,13 +1,16 @@
-//! Whether a tracker tells targets apart: one confirmed track for each, at every scan.
+//! Resolution of targets by a tracker: one confirmed track for each, at every scan.
 //!
-//! Two aircraft that fly side by side may be one detection for minutes. A tracker that keeps both possibilities open
-//! should show two tracks soon after they part, and one while nobody can know. So a run is scored by the share of the
-//! truth's times at which exactly as many confirmed tracks are near targets as there are targets, each near another
-//! one; by how long that takes from a given time on; and by what was shown that never was near anything.
+//! Two aircraft that fly side by side may give a single detection for minutes. A tracker with both hypotheses
+//! should show two tracks soon after they separate, and one track while the number is ambiguous. The figures of a
+//! run are:
 //!
-//! Positions are compared in the plane. A track shows for four seconds after its newest row, moved along its velocity.
-//! Several runs are pooled as means over runs, so
-//! that every run counts the same.
+//! - the share of the truth's times with exactly as many confirmed tracks near targets as targets, each near a
+//!   different target;
+//! - the time until this is so, from a given time on;
+//! - the tracks that were never near a target.
+//!
+//! Positions are compared in the plane. A track is displayed for four seconds after its newest row, moved along its
+//! velocity. Figures of several runs are means over runs, so that every run has equal weight.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
@@ -22,11 +25,11 @@ use crate::states::{Counted, Instant, Pictures, State, StateRows, positions};
 use crate::statistics::mean;
 use crate::words::Word;
 
-/// Time for which a track shows after its newest row, seconds.
+/// Display time of a track after its newest row, seconds.
 const AGE_MAX_S: f64 = 4.0;
-/// A row counts for a time if it is less than this after it, seconds: decimals in files are rounded.
+/// Tolerance after a time within which a row counts for it, seconds: decimals in files are rounded.
 const ROUNDING_S: f64 = 1e-6;
-/// Decimals of times in a truth file that tell one time from another.
+/// Decimals that distinguish times in a truth file.
 const TIME_DECIMALS: usize = 3;
 /// Decimals of shares.
 const SHARE_DECIMALS: usize = 4;
@@ -34,9 +37,9 @@ const SHARE_DECIMALS: usize = 4;
 /// Settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResolutionSettings {
-    /// A track is near a target if it is nearer than this in the plane, metres (300).
+    /// Distance below which a track is near a target in the plane, metres (300).
     pub gate_m: f64,
-    /// From when on targets can be told apart, seconds (0).
+    /// Time from which targets can be resolved, seconds (0).
     pub since_s: f64,
 }
 
@@ -49,7 +52,7 @@ impl Default for ResolutionSettings {
     }
 }
 
-/// Positions of all targets at each time that a truth file lists.
+/// Positions of all targets at each time of a truth file.
 #[derive(Clone, Debug)]
 pub struct TargetsByTime {
     times_s: Vec<f64>,
@@ -60,7 +63,7 @@ impl TargetsByTime {
     /// Reads a truth file: `time_s,x,y` by name, one row per target and time; other columns are ignored.
     ///
     /// # Errors
-    /// If a column is missing, a value is not what its column holds, or the input fails.
+    /// If a column is missing, a value is invalid for its column, or the input fails.
     pub fn read(input: impl Read) -> Result<Self, CsvError> {
         let mut table = Table::new(input)?;
         let time = table.required("time_s")?;
@@ -78,11 +81,11 @@ impl TargetsByTime {
     }
 }
 
-/// Tracks that a tracker showed, at the times of a truth.
+/// Displayed tracks of a tracker, at the times of a truth.
 #[derive(Clone, Debug)]
 pub struct ConfirmedTracks {
     pictures: Pictures<2>,
-    /// All that were confirmed at any time.
+    /// Tracks confirmed at any time.
     ids: BTreeSet<i64>,
 }
 
@@ -109,7 +112,8 @@ impl ConfirmedTracks {
     }
 }
 
-/// The newer row counts. Of two at one time, the one with the greater values: the order in the file does not matter.
+/// Whether a row replaces a stored row: the newer row wins. Of two rows at one time, greater values win, so that
+/// the order in the file does not matter.
 fn supersedes(state: &State<2>, kept: &State<2>) -> bool {
     let values = |state: &State<2>| {
         let ([x, y], [vx, vy]) = (state.position_m, state.velocity_mps);
@@ -118,49 +122,50 @@ fn supersedes(state: &State<2>, kept: &State<2>) -> bool {
     values(state) >= values(kept)
 }
 
-/// A truth that cannot be scored against.
+/// Error of a truth without scored times.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("the truth has no row at or after {since_s} s, from when on tracks are to be scored")]
 pub struct NoTruthSince {
     since_s: f64,
 }
 
-/// The figures of one run. Shares are rounded to four decimals.
+/// Figures of one run. Shares are rounded to four decimals.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResolutionScore {
-    /// Share of times with exactly one track near each target and none to spare, 0 to 1.
+    /// Share of times with exactly one track near each target and no surplus track, 0 to 1.
     pub count_right: f64,
     /// Share of times with a track for every target.
     pub covered: f64,
-    /// Share of the targets that have a track, averaged over times.
+    /// Share of the targets with a track, averaged over times.
     pub target_share: f64,
-    /// Time until all targets have a track for two times running, seconds; until the end if that never is so.
+    /// Time until all targets have a track at two successive times, seconds; the whole remaining time if this never
+    /// occurs.
     pub delay_s: f64,
-    /// Share of the times before with more than one track near targets; `None` without such times.
+    /// Share of the earlier times with several tracks near targets; `None` without such times.
     pub several_before: Option<f64>,
-    /// Tracks that never were near a target.
+    /// Tracks that were never near a target.
     pub false_tracks: u64,
-    /// Tracks in all.
+    /// Total number of tracks.
     pub tracks: u64,
 }
 
-/// The figures of several runs.
+/// Figures of several runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PooledResolutionScore {
     /// Number of runs.
     pub runs: usize,
-    /// Means over runs, not rounded; the tracks of all runs are added up.
+    /// Means over runs, not rounded; the tracks of all runs are summed.
     #[serde(flatten)]
     pub all: ResolutionScore,
-    /// The longest delay, seconds.
+    /// Longest delay, seconds.
     pub delay_max_s: f64,
     /// False tracks per run.
     pub false_tracks_per_run: f64,
-    /// Each run for itself.
+    /// Figures of each run.
     pub each: Vec<ResolutionScore>,
 }
 
-/// Meanings of the words of a [`PooledResolutionScore`]; those of a [`ResolutionScore`] are among them.
+/// Meanings of the words of a [`PooledResolutionScore`], including those of a [`ResolutionScore`].
 pub const RESOLUTION_WORDS: &[Word] = &[
     Word::new("runs", "", "runs that are pooled"),
     Word::new(
@@ -221,7 +226,7 @@ impl ResolutionScore {
         })
     }
 
-    /// The figures of several runs together and of each; `None` without any.
+    /// Returns the pooled figures of several runs, and those of each run; `None` without runs.
     pub fn pooled(runs: &[Self]) -> Option<PooledResolutionScore> {
         let average = |figure: fn(&Self) -> f64| mean(&runs.iter().map(figure).collect::<Vec<_>>());
         let several: Vec<f64> = runs.iter().filter_map(|run| run.several_before).collect();
@@ -248,18 +253,18 @@ impl ResolutionScore {
 /// Sums over the times of one run so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
-    /// Times at which targets can be told apart.
+    /// Times with resolvable targets.
     times: u64,
     right: u64,
     covered: u64,
-    /// Sum over those times of the share of targets that are covered.
+    /// Sum over those times of the share of covered targets.
     shares: f64,
-    /// Times before, and how many of them had several tracks near targets.
+    /// Earlier times, and the number of them with several tracks near targets.
     early: u64,
     early_several: u64,
-    /// The first of two such times running with all targets covered.
+    /// First of two successive times with all targets covered.
     delay_s: Option<f64>,
-    /// The time before, if all targets were covered then.
+    /// Previous time, if all targets were covered then.
     covered_before_s: Option<f64>,
 }
 
@@ -269,7 +274,7 @@ impl Found {
         self.early_several += u64::from(near.tracks.len() > 1);
     }
 
-    /// Adds a time, `after_s` seconds after targets can be told apart, with so many targets.
+    /// Adds a time, `after_s` seconds after the targets become resolvable; `targets` is their number.
     fn add(&mut self, near: &Nearness, targets: usize, after_s: f64) {
         let covered = near.paired == targets;
         self.times += 1;
@@ -283,16 +288,16 @@ impl Found {
 
 /// Nearness of tracks and targets at one time.
 struct Nearness {
-    /// Places of the tracks that are near any.
+    /// Places of the tracks near any target.
     tracks: BTreeSet<usize>,
-    /// Number of targets that can have a track of their own.
+    /// Maximum number of targets with a separate track.
     paired: usize,
 }
 
 impl Nearness {
     fn new(targets: &[[f64; 2]], shown: &[State<2>], gate_m: f64) -> Self {
         let near = near_pairs(targets, &positions(shown), gate_m);
-        // All pairs gain the same, so the best sum is that of the most pairs.
+        // All pairs have equal gain, so the best sum has the most pairs.
         let candidates = near.iter().map(|pair| Candidate {
             row: pair.target,
             column: pair.track,
@@ -306,8 +311,8 @@ impl Nearness {
     }
 }
 
-/// `value` as it is written with so many decimals.
+/// Rounds `value` to the given number of decimals, as in its decimal text.
 fn rounded(value: f64, decimals: usize) -> f64 {
-    // What was just written as a number is one.
+    // The formatted text is a number.
     format!("{value:.decimals$}").parse().unwrap_or(value)
 }

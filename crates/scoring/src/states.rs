@@ -1,9 +1,9 @@
-//! States of targets and tracks from files, and which of them show at a given instant.
+//! States of targets and tracks from files, and their visibility at a given instant.
 //!
-//! A picture is what a display would show at an instant: of each track the newest state, moved along its velocity, as
-//! long as it is not too old. Files hold more than that, up to one row per track and report, and need not be sorted. So
-//! while a file is read, each row goes to the first instant at which it can be seen, and of each track only the newest
-//! row per instant is kept. What stays in memory is the pictures, not the file.
+//! A picture is the display at an instant: the newest state of each track, moved along its velocity, up to a
+//! maximum age. Files hold up to one row per track and report, and need not be sorted. While a file is read, each
+//! row goes to the first instant at which it is visible, and only the newest row of each track and instant is
+//! stored. Memory thus holds the pictures, not the file.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map;
@@ -15,11 +15,11 @@ use rustc_hash::FxHashMap;
 
 use crate::normalised::Spread;
 
-/// Columns of positions and velocities, as many as there are dimensions.
+/// Columns of positions and velocities, by dimension.
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
 
-/// Number of an instant. Instants are numbered in the order of time, by whole seconds or by their place in a list.
+/// Number of an instant, in the order of time: whole seconds or places in a list.
 pub(crate) type Instant = i64;
 
 /// Position and velocity of one target or track, in `D` dimensions.
@@ -29,12 +29,12 @@ pub(crate) struct State<const D: usize> {
     pub(crate) time_s: f64,
     pub(crate) position_m: [f64; D],
     pub(crate) velocity_mps: [f64; D],
-    /// Covariance of its position at the instant at which it is first seen, where it states one.
+    /// Covariance of the position at the first instant of visibility, if stated.
     pub(crate) spread_m2: Option<Spread>,
 }
 
 impl<const D: usize> State<D> {
-    /// Position some time after or before its own time, if it goes on as it did.
+    /// Returns the state moved to another time, under constant velocity.
     pub(crate) fn moved_to(&self, time_s: f64) -> Self {
         let seconds = time_s - self.time_s;
         Self {
@@ -44,16 +44,16 @@ impl<const D: usize> State<D> {
     }
 }
 
-/// Rows that count, by the word in the column `state`.
+/// Counted rows, by the word in the column `state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Counted {
-    /// All but those that say `tentative` or `terminated`; files without the column count whole.
+    /// All rows except `tentative` or `terminated`; in files without the column, all rows.
     NotUnconfirmed,
-    /// Only those that say `confirmed` or `coasted`.
+    /// Only rows with `confirmed` or `coasted`.
     Confirmed,
 }
 
-/// Rows of a file that hold states: `time_s`, a number by which targets or tracks are told apart, position, velocity.
+/// Rows of a file with states: `time_s`, a number that identifies the target or track, position, velocity.
 #[derive(Debug)]
 pub(crate) struct StateRows<R, const D: usize> {
     table: Table<R>,
@@ -67,8 +67,8 @@ pub(crate) struct StateRows<R, const D: usize> {
 }
 
 impl<R: Read, const D: usize> StateRows<R, D> {
-    /// Reads the header. The first of `ids` that it names tells the rows' targets or tracks apart; `usual` is named
-    /// where there is none.
+    /// Reads the header. The first of `ids` in the header identifies the rows' targets or tracks; without any, the
+    /// error names `usual`.
     ///
     /// # Errors
     /// If a column is missing or the input fails.
@@ -97,7 +97,7 @@ impl<R: Read, const D: usize> StateRows<R, D> {
         })
     }
 
-    /// The state in the next row that counts, with the covariance of position and velocity where it has one; `None` at
+    /// Returns the state in the next counted row, with the covariance of position and velocity if given; `None` at
     /// the end.
     ///
     /// # Errors
@@ -130,7 +130,7 @@ fn columns<R: Read, const D: usize>(table: &Table<R>, names: [&'static str; 3]) 
     table.all(wanted)
 }
 
-/// The columns of the covariance, if all are there; nobody has to state one.
+/// Returns the columns of the covariance if all are present; they are optional.
 fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LEN]>, CsvError> {
     for name in COVARIANCE_COLUMNS {
         if table.optional(name)?.is_none() {
@@ -140,7 +140,7 @@ fn covariance<R: Read>(table: &Table<R>) -> Result<Option<[Column; COVARIANCE_LE
     table.all(COVARIANCE_COLUMNS).map(Some)
 }
 
-/// The covariance of a row; `None` if a part of it is no number.
+/// Returns the covariance of a row; `None` if an element is no number.
 fn stated(row: Cells<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covariance> {
     let mut covariance = Covariance::default();
     for (place, column) in covariance.upper.iter_mut().zip(columns) {
@@ -157,14 +157,14 @@ fn numbers<const D: usize>(row: Cells<'_>, columns: [Column; D]) -> Result<[f64;
     Ok(numbers)
 }
 
-/// Whether a state takes the place of an earlier kept one.
+/// Decides whether a state replaces a stored state.
 pub(crate) type Supersedes<const D: usize> = fn(state: &State<D>, kept: &State<D>) -> bool;
 
-/// The newest state of each target or track per instant.
+/// Newest state of each target or track per instant.
 #[derive(Clone, Debug)]
 pub(crate) struct Pictures<const D: usize> {
     by_instant: BTreeMap<Instant, Vec<State<D>>>,
-    /// Places of the latest kept states.
+    /// Places of the latest stored states.
     latest: FxHashMap<i64, (Instant, usize)>,
     supersedes: Supersedes<D>,
 }
@@ -178,7 +178,7 @@ impl<const D: usize> Pictures<D> {
         }
     }
 
-    /// Keeps a state that can be seen from `instant` on, unless a newer one can.
+    /// Stores a state visible from `instant` on, unless a newer state is.
     pub(crate) fn keep(&mut self, instant: Instant, state: State<D>) {
         let states = self.by_instant.entry(instant).or_default();
         match self.latest.get(&state.id) {
@@ -194,12 +194,12 @@ impl<const D: usize> Pictures<D> {
         }
     }
 
-    /// Instant of the first picture.
+    /// Returns the instant of the first picture.
     pub(crate) fn first(&self) -> Option<Instant> {
         self.by_instant.keys().next().copied()
     }
 
-    /// Goes through the pictures in the order of time.
+    /// Iterates over the pictures in the order of time.
     pub(crate) fn walk(&self) -> Walk<'_, D> {
         Walk {
             rest: self.by_instant.iter().peekable(),
@@ -209,7 +209,7 @@ impl<const D: usize> Pictures<D> {
     }
 }
 
-/// A walk through pictures.
+/// Iteration over pictures.
 #[derive(Debug)]
 pub(crate) struct Walk<'a, const D: usize> {
     rest: std::iter::Peekable<btree_map::Iter<'a, Instant, Vec<State<D>>>>,
@@ -218,8 +218,9 @@ pub(crate) struct Walk<'a, const D: usize> {
 }
 
 impl<const D: usize> Walk<'_, D> {
-    /// States that show at `instant`, which is at `time_s`: every state that is `fresh` then, moved to that time,
-    /// in the order of their numbers. Instants must be asked for in their order; what is too old once stays so.
+    /// Returns the states displayed at `instant`, which is at `time_s`: every state that is `fresh` then, moved to
+    /// that time, in the order of their numbers. Calls must be in the order of instants; outdated states are
+    /// dropped permanently.
     pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<State<D>> {
         while let Some((_, states)) = self.rest.next_if(|(of, _)| **of <= instant) {
             for state in states {
@@ -234,7 +235,7 @@ impl<const D: usize> Walk<'_, D> {
     }
 }
 
-/// The positions of states.
+/// Returns the positions of states.
 pub(crate) fn positions<const D: usize>(states: &[State<D>]) -> Vec<[f64; D]> {
     states.iter().map(|state| state.position_m).collect()
 }

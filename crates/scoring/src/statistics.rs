@@ -1,23 +1,23 @@
-//! Figures of many numbers; `None` where there are none.
+//! Statistics of values; `None` without values.
 
-/// Their mean.
+/// Returns the mean.
 pub(crate) fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// Root of the mean of numbers that are squares already.
+/// Returns the root of the mean of given squares.
 pub(crate) fn root_mean(squares: &[f64]) -> Option<f64> {
     mean(squares).map(f64::sqrt)
 }
 
-/// Root of their mean squared difference from their mean.
+/// Returns the standard deviation (root mean squared difference from the mean).
 pub(crate) fn standard_deviation(values: &[f64]) -> Option<f64> {
     let mean = mean(values)?;
     let squares: Vec<f64> = values.iter().map(|value| (value - mean) * (value - mean)).collect();
     root_mean(&squares)
 }
 
-/// The value below which `share` (0 to 1) of them lie, in a straight line between neighbours.
+/// Returns the quantile at `share` (0 to 1), interpolated linearly between neighbours.
 pub(crate) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
     let last = values.len().checked_sub(1)?;
     values.sort_unstable_by(f64::total_cmp);
@@ -27,10 +27,10 @@ pub(crate) fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
     Some(values[below] + part * (values[above] - values[below]))
 }
 
-/// Standard deviation of directions, radians: from the length of the mean of their unit vectors (Mardia and Jupp,
-/// *Directional Statistics*), so that north is one direction from both sides.
+/// Returns the standard deviation of directions, radians, from the length of the mean of their unit vectors (Mardia
+/// and Jupp, *Directional Statistics*), so that north is a single direction.
 pub(crate) fn circular_deviation(directions_rad: &[f64]) -> Option<f64> {
-    /// Shorter means are as good as none, and their logarithm is not.
+    /// Lower limit of the mean length, because the logarithm of zero is infinite.
     const LENGTH_MIN: f64 = 1e-12;
     let sines: Vec<f64> = directions_rad.iter().map(|direction| direction.sin()).collect();
     let cosines: Vec<f64> = directions_rad.iter().map(|direction| direction.cos()).collect();

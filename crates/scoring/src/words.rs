@@ -1,9 +1,9 @@
-//! The words by which figures are called, in files and on the screen.
+//! Names of the figures in files and on the screen.
 
-/// A figure's word, its unit, and what it says.
+/// Name of a figure, its unit, and its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// The key under which JSON has the figure.
+    /// Key of the figure in JSON.
     pub name: &'static str,
     /// Unit; empty for counts and shares.
     pub unit: &'static str,

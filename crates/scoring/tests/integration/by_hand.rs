@@ -1,4 +1,4 @@
-//! Small cases whose figures were worked out on paper.
+//! Small cases with figures computed by hand.
 
 use scoring::{
     CaseSettings, ConfirmedTracks, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns, FixScore,
@@ -34,10 +34,10 @@ time_s,target_id,x,y,z,vx,vy,vz
 13,2,10000,0,1000,0,0,0
 ";
 
-/// 10 s: both targets have a track, one of them 50 m off.
-/// 11 s: target 2 has none (a tentative one does not count), and there is a track far away.
-/// 12 s: target 1 has another track, 120 m off and with a course of 45°; target 2's is half a second old and fits.
-/// 13 s: target 2's track is 300 m off: still a pair for GOSPA, too far to be kept.
+/// 10 s: both targets have a track, one of them 50 m off. 11 s: target 2 has none (a tentative track does not
+/// count), and there is a distant track. 12 s: target 1 has another track, 120 m off and with a course of 45°;
+/// target 2's track is half a second old and fits. 13 s: target 2's track is 300 m off: still a pair for GOSPA, too
+/// far to continue the pair.
 const TRACKS: &str = "\
 state,vz,vy,vx,z,y,x,system_track_id,time_s
 confirmed,0,100,0,0,40,30,7,10
@@ -84,7 +84,7 @@ fn the_normalised_error_says_whether_tracks_know_how_accurate_they_are() {
         found(&[("10,3,4,0", [9.0, 4.0, 1.0]), ("11,1,1,1", [1.0; 3])]),
         (5.0 / 3.0 + 1.0) / 2.0,
     );
-    // A variance of 0 says nothing; without columns nothing is said.
+    // A variance of 0 is invalid; without columns there is no covariance.
     known(found(&[("10,3,4,0", [9.0, 0.0, 1.0]), ("11,1,1,1", [1.0; 3])]), 1.0);
     let found = picture(TRUTH, TRACKS, &PictureSettings::default()).unwrap();
     assert_eq!(found.nees_pos, None);
@@ -116,7 +116,7 @@ fn a_picture_of_four_seconds() {
     close(found.false_per_s, 0.25);
 }
 
-/// Two targets pass each other; at 11 s each track is nearer to the other target. Nobody changes tracks for that.
+/// Two targets pass each other; at 11 s each track is nearer to the other target. The pairs stay nevertheless.
 #[test]
 fn pairs_are_kept_while_targets_cross() {
     let truth = "time_s,target_id,x,y,z,vx,vy,vz\n10,1,0,0,0,0,0,0\n10,2,100,0,0,0,0,0\n\
@@ -129,7 +129,7 @@ fn pairs_are_kept_while_targets_cross() {
     assert_eq!(found.gospa, 0.0);
     known(found.wander_max, 10.0);
     assert_eq!(found.direction_std_deg, None);
-    // Nearer than the gate only: now each target must take the other's track.
+    // With a narrow gate, each target must take the other's track.
     let narrow = PictureSettings {
         gate_m: 10.0,
         ..PictureSettings::default()
@@ -207,8 +207,8 @@ time_s,target_id,x,y
 16,2,1000,0
 ";
 
-/// 4 s: two tracks too early. 8 s: the second one is four seconds old and at the wrong target. 12 s: one for each.
-/// 16 s: one too many near the targets, one far away.
+/// 4 s: two tracks too early. 8 s: the second track is four seconds old and at the wrong target. 12 s: a track for
+/// each target. 16 s: a surplus track near the targets, and a distant track.
 const SHOWN: &str = "\
 time_s,sensor_track_id,x,y,z,vx,vy,vz,state
 0,1,50,0,,0,0,0,confirmed
@@ -243,12 +243,13 @@ fn two_targets_that_part() {
         tracks: 5,
     };
     assert_eq!(resolution(APART, SHOWN, 300.0, 8.0), expected);
-    // Never two times running: until the end.
+    // Never at two successive times: until the end.
     assert_eq!(resolution(APART, SHOWN, 300.0, 15.0).delay_s, 1.0);
     assert_eq!(resolution(APART, SHOWN, 300.0, 0.0).several_before, None);
 }
 
-/// One track is near both targets, the other near one only: the first must take what it alone can.
+/// The first track is near both targets, the second near a single target: the first must take the target that only
+/// it can.
 #[test]
 fn as_many_targets_as_possible_have_a_track_of_their_own() {
     let truth = "time_s,x,y\n0,0,0\n0,400,0\n";
@@ -314,8 +315,8 @@ fn fixes(case: FixCase, runs: u64, truth: &str, fixes: &str) -> Result<FixScore,
 
 const FIX_HEADER: &str = "time_s,emitter_id,x,y,raw_x,raw_y,vx,vy\n";
 
-/// The last raw fixes are 30 m across and 40 m along the line of sight off; what came before or is of no known time
-/// does not count.
+/// The last raw fixes are 30 m across and 40 m along the line of sight off; earlier fixes and fixes of an unknown
+/// time do not count.
 #[test]
 fn last_fixes_beside_the_bound() {
     let truth = "time_s,emitter_id,x,y\n590.0,0,0,50000\n600.0,0,0,50000\n590.0,b,0,50000\n600.0,b,0,50000\n";
@@ -335,8 +336,8 @@ fn last_fixes_beside_the_bound() {
     close(figures.cross_ratio * figures.cross_bound, 30.0);
 }
 
-/// A still transmitter at the origin, a fix every 2 s from 498 s to 540 s. The output stands at (3, 4) but says that it
-/// moves at 1 m/s. The raw fix is right but for the tenth and the twentieth row from 500 s on.
+/// A fixed transmitter at the origin, a fix every 2 s from 498 s to 540 s. The output stands at (3, 4) but states a
+/// velocity of 1 m/s. The raw fix is right except for the tenth and the twentieth row from 500 s on.
 fn turn_files() -> (String, String) {
     let (mut truth, mut rows) = ("time_s,emitter_id,x,y\n".to_owned(), FIX_HEADER.to_owned());
     for row in -1..=20 {
@@ -369,7 +370,7 @@ fn fixes_while_the_platform_turns() {
     // 200², and 200² + 100², in 21 rows.
     close(figures.raw_rmse, (90_000.0f64 / 21.0).sqrt());
     close(figures.raw_last, 50_000f64.sqrt());
-    // It stays where it is instead of going on by 2 m.
+    // The output stays in place instead of moving by 2 m.
     close(figures.jump_m, 2.0);
     assert_eq!(
         (figures.speed_spread, figures.direction_spread_deg),
@@ -381,7 +382,7 @@ fn fixes_while_the_platform_turns() {
     assert_eq!(figures.straight_bound, None);
 }
 
-/// The second half counts; the run that ends last says where it begins.
+/// The second half counts; the run that ends last determines its start.
 #[test]
 fn fixes_of_a_drifting_transmitter() {
     let truth = "time_s,emitter_id,x,y\n0,0,0,0\n50,0,0,0\n100,0,0,0\n";

@@ -1,4 +1,4 @@
-//! Scorers from outside: small cases worked out on paper, and pictures of known quality.
+//! Tests of the scorers: small cases computed by hand, and pictures of known quality.
 
 mod by_hand;
 mod picture;

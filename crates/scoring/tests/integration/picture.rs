@@ -1,4 +1,4 @@
-//! The scorer on pictures whose quality is known: one sensor's own tracks.
+//! Scores of pictures with known quality: the tracks of a single sensor.
 
 use std::collections::BTreeMap;
 
