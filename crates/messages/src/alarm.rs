@@ -1,11 +1,11 @@
-//! Conditions that somebody should look at: raised, standing, cleared.
+//! Alarms: conditions that need attention. An alarm is raised, standing, or cleared.
 
 use crate::codes;
 use crate::health::{HealthName, NO_SOURCE, fill, text};
 use crate::layout::sample;
 
 codes! {
-    /// Severity of an alarm, as ITU-T X.733 has it.
+    /// Severity of an alarm, as in ITU-T X.733.
     pub enum AlarmSeverity: u8, default Warning {
         /// Nothing is wrong yet; it may become so.
         Warning = 1, "warning";
@@ -17,7 +17,7 @@ codes! {
 }
 
 codes! {
-    /// Event that an alarm's sample tells.
+    /// Event stated by an alarm's sample.
     pub enum AlarmEvent: u8, default Standing {
         /// The alarm has just been raised.
         Raised = 1, "raised";
@@ -28,11 +28,11 @@ codes! {
     }
 }
 
-/// Octets of [`Alarm::text`].
+/// Size of [`Alarm::text`], bytes.
 pub const ALARM_TEXT_MAX: usize = 184;
 
 sample! {
-    /// One alarm. Every slice holds all that stand and those that have just been cleared.
+    /// One alarm. Every slice holds all standing alarms and all newly cleared alarms.
     Alarm, size 256 {
         /// When this was said, UTC, nanoseconds since 1970.
         time_ns: i64,
@@ -62,36 +62,36 @@ sample! {
 }
 
 impl Alarm {
-    /// The sentence.
+    /// Returns the sentence.
     pub fn text(&self) -> &str {
         text(&self.text)
     }
 
-    /// This alarm with another sentence, cut to what fits.
+    /// Returns this alarm with another sentence, cut to the available size.
     #[must_use]
     pub fn with_text(mut self, sentence: &str) -> Self {
         fill(&mut self.text, sentence);
         self
     }
 
-    /// Name of the process concerned; empty for none.
+    /// Returns the name of the process concerned; empty for none.
     pub fn process(&self) -> &str {
         text(&self.process)
     }
 
-    /// This alarm of another process.
+    /// Returns this alarm for another process.
     #[must_use]
     pub fn with_process(mut self, process: HealthName) -> Self {
         self.process = process;
         self
     }
 
-    /// Severity; `None` for a code of another schema.
+    /// Returns the severity; `None` for a code of another schema.
     pub fn severity(&self) -> Option<AlarmSeverity> {
         AlarmSeverity::from_code(self.severity)
     }
 
-    /// Event; `None` for a code of another schema.
+    /// Returns the event; `None` for a code of another schema.
     pub fn event(&self) -> Option<AlarmEvent> {
         AlarmEvent::from_code(self.event)
     }

@@ -5,9 +5,9 @@ use std::cmp::Ordering;
 use crate::layout::sample;
 
 sample! {
-    /// Precedes every slice on every topic.
+    /// Header before every slice on every topic.
     ///
-    /// A slice may be empty: then it only says how far its source has got.
+    /// A slice may be empty: then it only reports the progress of its source.
     BatchHeader, size 64 {
         /// Fingerprint of the layout the publisher was built with; others are rejected.
         schema: u64,
@@ -38,34 +38,34 @@ sample! {
 impl BatchHeader {
     /// Bit of [`BatchHeader::flags`]: the source has ended.
     pub const END: u32 = 1;
-    /// Bit of [`BatchHeader::flags`]: this fusion goes on with the tracks of the one before it, under their numbers, or
-    /// tells them ended. Without it, nobody knows of older epochs' tracks any more.
+    /// Bit of [`BatchHeader::flags`]: this fusion continues the tracks of its predecessor under their numbers, or
+    /// reports them as terminated. Without this bit, tracks of older epochs are lost.
     pub const GOES_ON: u32 = 2;
     /// First of the bits of [`BatchHeader::flags`] that hold the identity of the machine's boot.
     pub const BOOT_SHIFT: u32 = 16;
 
-    /// Identity of the boot of the machine that the publisher runs on; 0: unknown.
+    /// Returns the boot identity of the publisher's machine; 0: unknown.
     pub fn boot(&self) -> u16 {
         (self.flags >> Self::BOOT_SHIFT) as u16
     }
 }
 
-/// Order of the starts of fusion, as a reader hears them.
+/// Order of the starts of fusion from a reader's point of view.
 ///
-/// An epoch is the UTC at which a fusion came to lead, and greater than that of the fusion before it, so epochs rise
-/// across restarts and reboots. After a reboot the machine's UTC may be wrong, and the epoch smaller than the one
-/// before: then the identity of the boot, which is another one, tells that the start is later. A process of the boot
-/// before that one is no longer running.
+/// An epoch is the UTC at which a fusion took the lead. It is greater than that of the fusion before, so epochs
+/// rise across restarts and reboots. After a reboot the machine's UTC may be wrong, and the epoch smaller than the
+/// previous epoch. Then a different boot identity shows that the start is later. Processes of a boot before the
+/// previous one are no longer running.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Epochs {
     epoch: u64,
     boot: u16,
-    /// Identity of the boot before.
+    /// Identity of the previous boot.
     boot_before: u16,
 }
 
 impl Epochs {
-    /// How the start of the publisher of a slice stands to the present one: later (`Greater`), the same, or earlier.
+    /// Compares the start of a slice's publisher with the present start: later (`Greater`), the same, or earlier.
     pub fn compare(&self, header: &BatchHeader) -> Ordering {
         let is_of_another_boot = header.boot() != self.boot && header.boot() != 0 && self.boot != 0;
         match is_of_another_boot {
@@ -75,7 +75,7 @@ impl Epochs {
         }
     }
 
-    /// Takes a slice whose start is not earlier: it is the present one now.
+    /// Makes the start of this slice, which must not be earlier, the present start.
     pub fn follow(&mut self, header: &BatchHeader) {
         if header.boot() != self.boot && header.boot() != 0 {
             (self.boot_before, self.boot) = (self.boot, header.boot());
@@ -83,7 +83,7 @@ impl Epochs {
         self.epoch = header.epoch;
     }
 
-    /// The present epoch; 0 before the first slice, and on topics without.
+    /// Returns the present epoch; 0 before the first slice, and on topics without epochs.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
@@ -115,7 +115,7 @@ mod tests {
             (60, 8, Ordering::Greater),
             (55, 8, Ordering::Less),
             (300, 7, Ordering::Less),
-            // A publisher that does not state its boot.
+            // Publisher without a stated boot.
             (40, 0, Ordering::Less),
             (70, 0, Ordering::Greater),
             (65, 8, Ordering::Less),

@@ -1,17 +1,17 @@
 //! Enumerations and flag bits: one declaration gives each value its code, its word and its sentence.
 //!
-//! A code is part of the contract between processes and recordings: it is written beside its name and never changes, so
-//! a new value in between disturbs nobody. The C header and the Python module take their constants from the same
-//! declaration.
+//! A code is part of the contract between processes and recordings. It is written beside its name and never
+//! changes, so inserted values have no effect on others. The C header and the Python module take their constants
+//! from the same declaration.
 
-/// One value, as other languages need it.
+/// Value for other languages.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
-    /// Name of an enumeration's value as files write it, or of a bit as Rust writes it.
+    /// Name of an enumeration's value in files, or of a bit in Rust.
     pub word: &'static str,
     /// Code or bit.
     pub value: u64,
-    /// First line of its documentation.
+    /// First line of the documentation.
     pub doc: &'static str,
 }
 
@@ -54,20 +54,20 @@ macro_rules! codes {
 
         #[allow(dead_code, reason = "not every enumeration is both read and written")]
         impl $name {
-            /// Every value, in the order of declaration.
+            /// All values, in the order of declaration.
             $visibility const ALL: [Self; [$($word),+].len()] = [ $( Self::$variant, )+ ];
 
-            /// Word that files, tables and command lines use.
+            /// Returns the word used in files, tables and command lines.
             $visibility const fn word(self) -> &'static str {
                 match self { $( Self::$variant => $word, )+ }
             }
 
-            /// Value that a word names; `None` if none has it.
+            /// Returns the value named by a word; `None` for an unknown word.
             $visibility fn from_word(word: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|value| value.word() == word)
             }
 
-            /// First line of the value's documentation.
+            /// Returns the first line of the value's documentation.
             $visibility const fn doc(self) -> &'static str {
                 match self { $( Self::$variant => [$($doc),+][0].trim_ascii(), )+ }
             }
@@ -87,17 +87,17 @@ macro_rules! codes {
     (@code $name:ident, $visibility:vis, [$code_type:ident], $($variant:ident)+) => {
         #[allow(dead_code, reason = "not every enumeration is both read and written")]
         impl $name {
-            /// Code that messages carry.
+            /// Returns the code used in messages.
             $visibility const fn code(self) -> $code_type {
                 self as $code_type
             }
 
-            /// Value that a message's code names; `None` for a code of a later version.
+            /// Returns the value of a message's code; `None` for a code of a later version.
             $visibility fn from_code(code: $code_type) -> Option<Self> {
                 Self::ALL.into_iter().find(|value| value.code() == code)
             }
 
-            /// Values as other languages need them.
+            /// Returns the values for other languages.
             $visibility fn constants() -> Vec<$crate::Constant> {
                 let constant = |value: Self| $crate::Constant {
                     word: value.word(),
@@ -110,7 +110,7 @@ macro_rules! codes {
     };
 }
 
-/// Declares the bits of a flags field, in a module of their own.
+/// Declares the bits of a flags field, in a separate module.
 macro_rules! bits {
     (
         $(#[doc = $about:literal])+

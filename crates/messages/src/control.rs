@@ -1,10 +1,10 @@
-//! Messages of consumers to producers, and of operators to fusion.
+//! Messages from consumers to producers, and from operators to fusion.
 
 use crate::layout::sample;
 
 sample! {
-    /// How far one consumer has got on one topic. Producers of recorded data wait for it, so that no reader falls
-    /// behind and nothing is lost.
+    /// Progress of one consumer on one topic. Producers of recorded data wait for it, so that no reader falls
+    /// behind and no sample is lost.
     Progress, size 56 {
         /// Monotonic start time of the consumer, nanoseconds: a restart shows as a new value.
         consumer_incarnation: u64,
@@ -30,7 +30,7 @@ sample! {
 }
 
 sample! {
-    /// An order to the fusion process.
+    /// Command to the fusion process.
     Control, size 40 {
         /// Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole
         /// engine is to be said, for a recorder.
@@ -46,10 +46,10 @@ impl Control {
     /// [`Control::kind`]: a named condition holds from now on.
     pub const CONDITION: u32 = 1;
 
-    /// [`Control::kind`]: an image of the whole engine is to be said.
+    /// [`Control::kind`]: fusion publishes a snapshot of the whole engine.
     pub const IMAGE: u32 = 2;
 
-    /// The order to say an image of the whole engine.
+    /// Returns the command to publish a snapshot of the whole engine.
     pub fn image() -> Self {
         Self {
             kind: Self::IMAGE,
@@ -57,7 +57,7 @@ impl Control {
         }
     }
 
-    /// The order that condition `name` holds; `None` if the name is too long.
+    /// Returns the command that condition `name` holds; `None` if the name is too long.
     pub fn condition(name: &str) -> Option<Self> {
         let mut control = Self {
             kind: Self::CONDITION,
@@ -67,7 +67,7 @@ impl Control {
         Some(control)
     }
 
-    /// The name that the order speaks of.
+    /// Returns the name stated in the command.
     pub fn name(&self) -> &str {
         let end = self.name.iter().position(|byte| *byte == 0).unwrap_or(self.name.len());
         std::str::from_utf8(&self.name[..end]).unwrap_or_default()

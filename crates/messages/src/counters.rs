@@ -1,8 +1,9 @@
-//! The counters: one declaration gives each its code, label, class, the processes that count it, and its sentence.
+//! Counters: one declaration gives each counter its code, label, class, the processes that count it, and its
+//! sentence.
 //!
-//! Overload, loss and bad input are counters, not log lines: they can be read from outside at any time. Reports,
-//! displays and metrics take from here which counters belong together. Two words hold throughout: input is *rejected*
-//! because of what it says, and *dropped* because a table or queue is full.
+//! Overload, loss and bad input are counted instead of logged: counters can be read from outside at any time.
+//! Reports, displays and metrics group counters by the classes defined here. Two words have a fixed meaning: input
+//! is *rejected* because of its content, and *dropped* because a table or queue is full.
 
 use std::ops::{AddAssign, Index, IndexMut};
 
@@ -13,7 +14,7 @@ use crate::layout::sample;
 pub const COUNTERS_MAX: usize = 128;
 
 sample! {
-    /// The values of all counters of a process, or of one source within it.
+    /// Values of all counters of a process, or of one source within a process.
     Counters, size 1024 {
         /// Counts since the process started, indexed by the codes of `Counter`; a few are levels.
         values: [u64; 128] = [0; COUNTERS_MAX],
@@ -21,7 +22,7 @@ sample! {
 }
 
 impl Counters {
-    /// Counters with one set to `count`.
+    /// Returns these counters with one counter set to `count`.
     #[must_use]
     pub fn with(mut self, counter: Counter, count: u64) -> Self {
         self[counter] = count;
@@ -33,12 +34,12 @@ impl Counters {
         self[counter] += count;
     }
 
-    /// Sum of the counters of one class.
+    /// Returns the sum of the counters of one class.
     pub fn sum_of(&self, class: CounterClass) -> u64 {
         Counter::of(class).map(|counter| self[counter]).sum()
     }
 
-    /// These counters but for those that only processes as a whole have.
+    /// Returns these counters without those of whole processes.
     #[must_use]
     pub fn without_those_of_processes(mut self) -> Self {
         for counter in Counter::ALL.iter().filter(|counter| counter.is_of_process()) {
@@ -47,8 +48,8 @@ impl Counters {
         self
     }
 
-    /// Counts of a process that started when one with these counts had ended: added, but for levels, which are
-    /// `later`'s.
+    /// Returns the total counts of a process and its successor `later`: sums, except that levels are those of
+    /// `later`.
     #[must_use]
     pub fn followed_by(&self, later: &Self) -> Self {
         let mut sum = Self {
@@ -83,30 +84,30 @@ impl AddAssign<&Counters> for Counters {
     }
 }
 
-/// Class of counters: those that reports and displays show together.
+/// Class of counters shown together in reports and displays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CounterClass {
-    /// Samples and records on their way through a process.
+    /// Samples and records passing through a process.
     Flow,
-    /// Levels: how many there are now, not how many there have been.
+    /// Levels: present numbers, not totals.
     Level,
-    /// Reports that an adapter did not pass on, by reason.
+    /// Reports rejected by an adapter, by reason.
     Rejection,
-    /// Records that an adapter did not, or not wholly, turn into reports.
+    /// Records that an adapter converts to reports partly or not at all.
     AdapterRemark,
-    /// Work of an adapter that makes tracks of detections.
+    /// Work of an adapter that forms tracks from detections.
     Tracking,
-    /// Reports that fusion took but did not use, by reason.
+    /// Reports received but not used by fusion, by reason.
     FusionRejection,
     /// Properties of reports that fusion used.
     FusionRemark,
     /// Events of the fused picture.
     Picture,
-    /// Work of a process apart from any source's.
+    /// Work of a process, independent of its sources.
     Process,
     /// Traffic through a process's sockets.
     Network,
-    /// Traffic that a network's operator should look into.
+    /// Network traffic that needs the operator's attention.
     NetworkTrouble,
     /// Deadlines missed.
     Latency,
@@ -114,7 +115,7 @@ pub enum CounterClass {
 
 macro_rules! counters {
     ($( $name:ident = $label:literal, $class:ident by [$($kind:ident),*], $sentence:literal; )*) => {
-        /// Code of something that is counted since the process started.
+        /// Code of a count since the start of the process.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(u16)]
         pub enum Counter {
@@ -122,25 +123,25 @@ macro_rules! counters {
         }
 
         impl Counter {
-            /// Every counter, in the order of its code.
+            /// All counters, in the order of their codes.
             pub const ALL: &'static [Self] = &[ $( Self::$name, )* ];
 
-            /// Short name, as tables, JSON and metrics use it.
+            /// Returns the short name used in tables, JSON and metrics.
             pub fn label(self) -> &'static str {
                 match self { $( Self::$name => $label, )* }
             }
 
-            /// CounterClass that it belongs to.
+            /// Returns the class of the counter.
             pub const fn class(self) -> CounterClass {
                 match self { $( Self::$name => CounterClass::$class, )* }
             }
 
-            /// Kinds of process that count it; none for levels.
+            /// Returns the kinds of process with this counter; none for levels.
             pub fn counted_by(self) -> &'static [ProcessKind] {
                 match self { $( Self::$name => &[ $( ProcessKind::$kind, )* ], )* }
             }
 
-            /// One sentence that says what is counted.
+            /// Returns a one-sentence description of the counted event.
             pub fn sentence(self) -> &'static str {
                 match self { $( Self::$name => $sentence, )* }
             }
@@ -151,7 +152,7 @@ macro_rules! counters {
 }
 
 impl Counter {
-    /// Counters of one class, in the order of their codes.
+    /// Returns the counters of one class, in the order of their codes.
     pub fn of(class: CounterClass) -> impl Iterator<Item = Self> + Clone {
         Self::ALL
             .iter()
@@ -159,7 +160,7 @@ impl Counter {
             .filter(move |counter| counter.class() == class)
     }
 
-    /// Whether it counts for a process as a whole only, never for one of its sources.
+    /// Whether the counter exists only for a whole process, never for one of its sources.
     pub const fn is_of_process(self) -> bool {
         matches!(
             self.class(),

@@ -1,4 +1,4 @@
-//! The covariance of a six-component state, packed.
+//! Covariance of a six-component state, packed.
 
 use crate::layout::sample;
 
@@ -19,7 +19,8 @@ sample! {
 }
 
 impl Covariance {
-    /// A covariance without correlations, from standard deviations of position (m) and velocity (m/s) per axis.
+    /// Creates a covariance without correlations, from standard deviations of position (m) and velocity (m/s) per
+    /// axis.
     pub fn diagonal(position_sigma_m: [f64; AXES], velocity_sigma_mps: [f64; AXES]) -> Self {
         let mut covariance = Self::default();
         for axis in 0..AXES {
@@ -33,22 +34,22 @@ impl Covariance {
         covariance
     }
 
-    /// Element (`row`, `column`), either order.
+    /// Returns element (`row`, `column`), in either order.
     pub fn get(&self, row: usize, column: usize) -> f64 {
         self.upper[Self::index(row, column)]
     }
 
-    /// Sets element (`row`, `column`) and with it its mirror image.
+    /// Sets element (`row`, `column`) and its mirror element.
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.upper[Self::index(row, column)] = value;
     }
 
-    /// Sum of the diagonal elements in `components`.
+    /// Returns the sum of the diagonal elements in `components`.
     pub fn trace(&self, components: impl IntoIterator<Item = usize>) -> f64 {
         components.into_iter().map(|index| self.get(index, index)).sum()
     }
 
-    /// Where element (`row`, `column`) is stored.
+    /// Returns the storage index of element (`row`, `column`).
     pub const fn index(row: usize, column: usize) -> usize {
         let (row, column) = if row <= column { (row, column) } else { (column, row) };
         row * STATE_LEN - row * (row + 1) / 2 + column

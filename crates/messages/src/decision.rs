@@ -1,7 +1,8 @@
-//! Decisions of fusion: how the picture came about (BF-4).
+//! Decisions of fusion: the causes of the picture (BF-4).
 //!
-//! The state of a system track says which sources contribute with which weight and accuracy value. Which gate distance
-//! let a sensor track in, what made it leave, and why a track is shown or not, is said by one record per decision.
+//! The state of a system track lists the contributing sources with weight and accuracy value. One record per
+//! decision states the gate distance that admitted a sensor track, the cause of its removal, and the reason why a
+//! track is shown or not.
 
 use crate::codes;
 use crate::health::NO_SOURCE;
@@ -72,7 +73,7 @@ sample! {
 }
 
 impl Decision {
-    /// Kind; `None` for a code of another schema.
+    /// Returns the kind; `None` for a code of another schema.
     pub fn kind(&self) -> Option<DecisionKind> {
         DecisionKind::from_code(self.kind)
     }

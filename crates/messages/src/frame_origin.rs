@@ -1,4 +1,4 @@
-//! Where the system frame lies.
+//! Origin of the system frame.
 
 use crate::layout::sample;
 

@@ -1,10 +1,10 @@
-//! Messages of every process about itself, several times a second.
+//! Health messages: every process publishes its state several times a second.
 
 use crate::codes;
 use crate::layout::sample;
 use crate::{Counters, ProcessKind, Registration};
 
-/// [`Health::source`] of a message that speaks of the whole process.
+/// [`Health::source`] of a message about the whole process.
 pub const NO_SOURCE: u16 = u16::MAX;
 
 /// A name in a [`Health`] message: UTF-8, padded with zeros.
@@ -43,36 +43,37 @@ sample! {
 }
 
 impl Health {
-    /// The process's name.
+    /// Returns the name of the process.
     pub fn name(&self) -> &str {
         text(&self.name)
     }
 
-    /// Trouble of the process, or an empty string; where an adapter speaks of one of its sources, the source's name.
+    /// Returns the trouble of the process, or an empty string; in an adapter's message about a source, the name of
+    /// the source.
     pub fn note(&self) -> &str {
         text(&self.note)
     }
 
-    /// This message with another note, cut to what fits.
+    /// Returns this message with another note, cut to the available size.
     #[must_use]
     pub fn with_note(mut self, note: &str) -> Self {
         fill(&mut self.note, note);
         self
     }
 
-    /// This message with another name, cut to what fits.
+    /// Returns this message with another name, cut to the available size.
     #[must_use]
     pub fn with_name(mut self, name: &str) -> Self {
         fill(&mut self.name, name);
         self
     }
 
-    /// Kind of the process; `None` for a code of another schema.
+    /// Returns the kind of the process; `None` for a code of another schema.
     pub fn kind(&self) -> Option<ProcessKind> {
         ProcessKind::from_code(self.kind)
     }
 
-    /// State of the process's life; `None` for a code of another schema.
+    /// Returns the state of the process's life; `None` for a code of another schema.
     pub fn life(&self) -> Option<LifeState> {
         LifeState::from_code(self.life)
     }

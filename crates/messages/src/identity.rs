@@ -19,7 +19,7 @@ bits! {
 }
 
 codes! {
-    /// Kind of the number by which a target's transponder names itself.
+    /// Kind of the number reported by a target's transponder.
     pub enum IdentityKind: u8, default None {
         /// No number is known.
         None = 0, "none";
@@ -30,17 +30,17 @@ codes! {
     }
 }
 
-/// Bits of an MMSI.
+/// Number of bits of an MMSI.
 const MMSI_BITS: u32 = 30;
 
-/// A callsign: up to eight characters, padded with blanks, as ASTERIX and Mode S carry it.
+/// Callsign: up to eight characters, padded with blanks, as in ASTERIX and Mode S.
 pub type Callsign = [u8; 8];
 
-/// Most characters of a [name](Identity::name).
+/// Maximum number of characters of a [name](Identity::name).
 pub const NAME_MAX: usize = 20;
 
 sample! {
-    /// Identity of a target, as far as it is known (TI-1).
+    /// Known identity of a target (TI-1).
     Identity, size 40 {
         /// 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits.
         address: u32,
@@ -60,41 +60,42 @@ sample! {
 }
 
 impl Identity {
-    /// The 24-bit aircraft address, where known.
+    /// Returns the 24-bit aircraft address, if known.
     pub fn address(&self) -> Option<u32> {
         (self.kind == IdentityKind::Aircraft.code()).then_some(self.address)
     }
 
-    /// The 30-bit MMSI of a ship, where known.
+    /// Returns the 30-bit MMSI of a ship, if known.
     pub fn mmsi(&self) -> Option<u32> {
         (self.kind == IdentityKind::Ship.code()).then_some(self.address)
     }
 
-    /// Number that no other target has, whatever its kind: an aircraft's address, or a ship's MMSI with bit 30 set.
+    /// Returns a number unique across all kinds of targets: an aircraft's address, or a ship's MMSI with bit 30
+    /// set.
     pub fn unique_number(&self) -> Option<u32> {
         self.address().or_else(|| self.mmsi().map(|mmsi| mmsi | 1 << MMSI_BITS))
     }
 
-    /// The Mode 3/A code, where known.
+    /// Returns the Mode 3/A code, if known.
     pub fn mode_3a(&self) -> Option<u16> {
         (self.valid & identity_bits::MODE_3A != 0).then_some(self.mode_3a)
     }
 
-    /// The callsign without its padding, where known.
+    /// Returns the callsign without its padding, if known.
     pub fn callsign(&self) -> Option<&str> {
         (self.valid & identity_bits::CALLSIGN != 0)
             .then(|| unpadded(&self.callsign))
             .flatten()
     }
 
-    /// The name without its padding, where known.
+    /// Returns the name without its padding, if known.
     pub fn name(&self) -> Option<&str> {
         (self.valid & identity_bits::NAME != 0)
             .then(|| unpadded(&self.name))
             .flatten()
     }
 
-    /// This identity with an aircraft address (the low 24 bits of `address`).
+    /// Returns this identity with an aircraft address (the low 24 bits of `address`).
     #[must_use]
     pub fn with_address(mut self, address: u32) -> Self {
         self.address = address & 0x00ff_ffff;
@@ -102,7 +103,7 @@ impl Identity {
         self
     }
 
-    /// This identity with a ship's MMSI (the low 30 bits of `mmsi`).
+    /// Returns this identity with a ship's MMSI (the low 30 bits of `mmsi`).
     #[must_use]
     pub fn with_mmsi(mut self, mmsi: u32) -> Self {
         self.address = mmsi & ((1 << MMSI_BITS) - 1);
@@ -110,7 +111,7 @@ impl Identity {
         self
     }
 
-    /// This identity with a name, cut to its first [`NAME_MAX`] octets.
+    /// Returns this identity with a name, cut to its first [`NAME_MAX`] bytes.
     #[must_use]
     pub fn with_name(mut self, name: &str) -> Self {
         self.name = [b' '; NAME_MAX];
@@ -120,7 +121,7 @@ impl Identity {
         self
     }
 
-    /// This identity with a Mode 3/A code (the low twelve bits of `code`).
+    /// Returns this identity with a Mode 3/A code (the low twelve bits of `code`).
     #[must_use]
     pub fn with_mode_3a(mut self, code: u16) -> Self {
         self.mode_3a = code & 0o7777;
@@ -128,7 +129,7 @@ impl Identity {
         self
     }
 
-    /// This identity with a callsign.
+    /// Returns this identity with a callsign.
     #[must_use]
     pub fn with_callsign(mut self, callsign: Callsign) -> Self {
         self.callsign = callsign;
@@ -136,15 +137,15 @@ impl Identity {
         self
     }
 
-    /// Whether both know a unique number, or both a Mode 3/A code, and these differ. What one of them lacks contradicts
-    /// nothing.
+    /// Whether both identities have a unique number, or both a Mode 3/A code, and these differ. A missing value
+    /// contradicts nothing.
     pub fn contradicts(&self, other: &Self) -> bool {
         let differ = |a: Option<u32>, b: Option<u32>| matches!((a, b), (Some(a), Some(b)) if a != b);
         differ(self.unique_number(), other.unique_number())
             || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
     }
 
-    /// This identity with its unique number forgotten.
+    /// Returns this identity without its unique number.
     #[must_use]
     pub fn without_unique_number(mut self) -> Self {
         self.address = 0;
@@ -152,7 +153,7 @@ impl Identity {
         self
     }
 
-    /// This identity, with what it lacks taken from `other`.
+    /// Returns this identity, with missing values taken from `other`.
     #[must_use]
     pub fn or(mut self, other: &Self) -> Self {
         if self.kind == IdentityKind::None.code() {
@@ -179,7 +180,7 @@ fn unpadded(text: &[u8]) -> Option<&str> {
 }
 
 impl fmt::Display for Identity {
-    /// `4CA7B3 A7421 RYR48CP`, `211234560 HAMBURG`: what is known, `-` where nothing is.
+    /// Writes the known values, `-` if there are none: `4CA7B3 A7421 RYR48CP`, `211234560 HAMBURG`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let address = self.address().map(|address| format!("{address:06X}"));
         let mmsi = self.mmsi().map(|mmsi| format!("{mmsi:09}"));

@@ -1,16 +1,16 @@
-//! One declaration per sample, from which everything that must agree on its bytes is derived.
+//! Layouts of samples: one declaration per sample, from which all descriptions of its bytes are derived.
 //!
 //! `sample!` writes the `#[repr(C)]` struct as given and, beside it, a table of its fields with their offsets.
 //! [`c_header`] and [`python_module`] print those tables for the other languages. Two processes agree on a layout
-//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes: that is stronger
-//! than comparing type names and sizes, under which two swapped `f64` would pass unnoticed. Each type has its own, so a
-//! new or changed one does not part the readers of the others from their publishers.
+//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes. A comparison
+//! of type names and sizes alone would miss two swapped `f64`. Each type has its own fingerprint, so a new or
+//! changed type does not separate readers and publishers of other types.
 
 use std::fmt::Write as _;
 
 use crate::Constant;
 
-/// One field of a sample.
+/// Field of a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
     /// Name, the same in every language.
@@ -25,7 +25,7 @@ pub struct Field {
     pub doc: &'static str,
 }
 
-/// One sample's layout.
+/// Layout of a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Layout {
     /// Type name, shared by every language.
@@ -38,22 +38,23 @@ pub struct Layout {
     pub fields: &'static [Field],
 }
 
-/// A type that was declared as a sample.
+/// Type declared as a sample.
 pub trait Sample: Copy {
     /// Memory map of the type.
     const LAYOUT: Layout;
-    /// Fingerprint that the header of a slice of such samples states.
+    /// Fingerprint in the header of a slice of such samples.
     const SCHEMA: u64 = Self::LAYOUT.fingerprint();
 
-    /// Bytes of `samples` as they lie in memory.
+    /// Returns the bytes of `samples` in memory order.
     fn octets(samples: &[Self]) -> &[u8];
 
-    /// Sample that these bytes are; `None` if they are not as many as it has.
+    /// Returns the sample with these bytes; `None` if their number differs from its size.
     fn of_octets(octets: &[u8]) -> Option<Self>;
 }
 
-/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its [`Layout`],
-/// and its default: a field that has none of its own is zero, which says "unknown" wherever a field says nothing else.
+/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its
+/// [`Layout`], and its default. A field without an explicit default is zero, which means "unknown" unless the field
+/// defines another meaning.
 macro_rules! sample {
     (@default) => { Default::default() };
     (@default $default:expr) => { $default };
@@ -78,8 +79,8 @@ macro_rules! sample {
             }
         }
 
-        // SAFETY: `#[repr(C)]`, `Copy`, and made only of fields that are themselves fit for shared memory (checked in
-        // the constant below), so any process may read its bytes wherever they are mapped.
+        // SAFETY: `#[repr(C)]`, `Copy`, and all fields are themselves fit for shared memory (checked in the
+        // constant below), so any process may read its bytes at any mapped address.
         unsafe impl iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend for $name {
             unsafe fn type_name() -> &'static str {
                 stringify!($name)
@@ -109,7 +110,8 @@ macro_rules! sample {
             }
 
             fn of_octets(octets: &[u8]) -> Option<Self> {
-                // SAFETY: there are as many bytes as are read, and any bits are a sample: it is made of numbers only.
+                // SAFETY: the number of bytes is checked, and any bit pattern is a sample, because all fields are
+                // numbers.
                 (octets.len() == $size).then(|| unsafe { octets.as_ptr().cast::<Self>().read_unaligned() })
             }
         }
@@ -148,7 +150,7 @@ macro_rules! sample {
 }
 pub(crate) use sample;
 
-/// Every sample, those that others contain first.
+/// All samples, in the order of containment: contained samples first.
 pub const ALL: &[Layout] = &[
     crate::StageTimes::LAYOUT,
     crate::Identity::LAYOUT,
@@ -179,18 +181,18 @@ pub const ALL: &[Layout] = &[
 ];
 
 impl Layout {
-    /// Hash of this layout, of those that it contains, and of the header before every slice: what a slice carries so
-    /// that a subscriber built otherwise rejects it.
+    /// Returns the hash of this layout, of the contained layouts, and of the header before every slice. A slice
+    /// carries it, so that a subscriber built with another layout rejects the slice.
     pub const fn fingerprint(&self) -> u64 {
         let hash = Fnv(0xcbf2_9ce4_8422_2325).number(crate::SCHEMA_VERSION as usize);
         hash.layout(&crate::BatchHeader::LAYOUT).layout(self).0
     }
 
-    /// Schema of this sample for ROS 2 (`ros2msg`): its fields, then those of each sample that it contains.
+    /// Returns the schema of this sample for ROS 2 (`ros2msg`): its fields, then those of each contained sample.
     ///
-    /// CDR, ROS 2's encoding, puts numbers one after another, each at a multiple of its own size. That is how a sample
-    /// lies in memory, since its padding is fields, too: four octets that say "little-endian" and the sample's bytes
-    /// are a ROS 2 message.
+    /// CDR, the encoding of ROS 2, places numbers one after another, each at a multiple of its own size. Samples
+    /// have the same layout in memory, since their padding consists of fields. Four bytes that state
+    /// "little-endian", followed by the sample's bytes, are therefore a ROS 2 message.
     pub fn ros2_schema(&self) -> String {
         let mut out = String::new();
         self.ros2_fields(&mut out);
@@ -209,7 +211,7 @@ impl Layout {
         out
     }
 
-    /// Name of the field at this offset, as in `contributions[2].weight`.
+    /// Returns the name of the field at this offset, as in `contributions[2].weight`.
     pub fn name_at(&self, offset: usize) -> String {
         let holds = |field: &&Field| (field.offset..field.offset + field.size).contains(&offset);
         let Some(field) = self.fields.iter().find(holds) else {
@@ -232,14 +234,14 @@ impl Layout {
         }
     }
 
-    /// Samples that the fields of this one are, or are arrays of.
+    /// Returns the sample types contained in this sample's fields, directly or as arrays.
     pub fn contained(&self) -> impl Iterator<Item = &'static Self> {
         let of = |field: &Field| ALL.iter().find(|layout| names(field.kind, layout.name));
         self.fields.iter().filter_map(of)
     }
 }
 
-/// FNV-1a, the simplest hash that can run at compile time.
+/// FNV-1a, a simple hash suitable for compile-time evaluation.
 struct Fnv(u64);
 
 impl Fnv {
@@ -251,7 +253,7 @@ impl Fnv {
         let bytes = text.as_bytes();
         let mut index = 0;
         while index < bytes.len() {
-            // `stringify!` may or may not put blanks into `[f64; 3]`: they carry no meaning.
+            // `stringify!` may or may not put blanks into `[f64; 3]`; blanks have no meaning.
             if bytes[index] != b' ' {
                 self = self.byte(bytes[index]);
             }
@@ -292,7 +294,7 @@ impl Fnv {
     }
 }
 
-/// Whether `kind`, a field's type, is `name` or an array of it.
+/// Whether `kind`, a field's type, is `name` or an array of `name`.
 const fn names(kind: &str, name: &str) -> bool {
     let (kind, name) = (kind.as_bytes(), name.as_bytes());
     let start = if kind[0] == b'[' { 1 } else { 0 };
@@ -311,7 +313,7 @@ const fn names(kind: &str, name: &str) -> bool {
 }
 
 impl Field {
-    /// Type of the field, split into element and count: `[f64; 3]` is (`f64`, 3).
+    /// Returns the type of the field, split into element and count: `[f64; 3]` is (`f64`, 3).
     pub fn element(&self) -> (&'static str, Option<usize>) {
         let Some(inner) = self.kind.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) else {
             return (self.kind, None);
@@ -332,7 +334,7 @@ fn size_of_name(name: &str) -> Option<usize> {
     }
 }
 
-/// The constants a reader in another language needs, by name.
+/// Returns the constants for a reader in another language, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
     let lengths = [
         (
@@ -385,7 +387,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "BatchHeader.schema of its slices.",
         )
     };
-    // A slice is made of what is part of nothing else.
+    // Only samples that are not part of other samples travel in slices.
     let travels = |layout: &&Layout| {
         let part = |whole: &Layout| whole.contained().any(|part| part.name == layout.name);
         layout.name != crate::BatchHeader::LAYOUT.name && !ALL.iter().any(part)
@@ -402,7 +404,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
     list
 }
 
-/// `SYSTEM_TRACK` for `SystemTrack`.
+/// Returns `SYSTEM_TRACK` for `SystemTrack`.
 fn constant_name(type_name: &str) -> String {
     let mut name = String::new();
     for (index, letter) in type_name.char_indices() {
@@ -414,7 +416,7 @@ fn constant_name(type_name: &str) -> String {
     name
 }
 
-/// The layouts as a C11 header, with its own static assertions.
+/// Returns the layouts as a C11 header, with its own static assertions.
 pub fn c_header() -> String {
     let mut out = String::from(
         "/* Koseki's samples in shared memory. Written by `cargo run -p messages --example layouts`; a test keeps it true. */\n\
@@ -457,7 +459,7 @@ fn c_type(element: &str) -> String {
     }
 }
 
-/// The layouts as a Python module of `ctypes` structures that iceoryx2's Python package accepts.
+/// Returns the layouts as a Python module of `ctypes` structures, compatible with iceoryx2's Python package.
 pub fn python_module() -> String {
     let mut out = String::from(
         "\"\"\"Koseki's samples in shared memory, for ctypes and the iceoryx2 Python package.\n\n\

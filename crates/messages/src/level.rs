@@ -1,9 +1,10 @@
-//! Level of a target: the pressure altitude that its transponder states, in the steps of Mode C.
+//! Level of a target: the pressure altitude reported by its transponder, in the steps of Mode C.
 
-/// Metres in a step of a level: 25 feet, a quarter of a flight level, as ASTERIX and Mode S carry it.
+/// Size of a step of a level, metres: 25 feet, a quarter of a flight level, as in ASTERIX and Mode S.
 pub const LEVEL_STEP_M: f64 = 7.62;
 
-/// Level of a pressure altitude (metres, against 1013.25 hPa) in steps; `None` if no level is that.
+/// Returns the level of a pressure altitude (metres, against 1013.25 hPa) in steps; `None` outside the range of
+/// levels.
 pub fn level_of(altitude_m: f64) -> Option<i16> {
     let steps = (altitude_m / LEVEL_STEP_M).round();
     (f64::from(i16::MIN)..=f64::from(i16::MAX))
@@ -11,7 +12,7 @@ pub fn level_of(altitude_m: f64) -> Option<i16> {
         .then_some(steps as i16)
 }
 
-/// Pressure altitude of a level, metres.
+/// Returns the pressure altitude of a level, metres.
 pub fn altitude_m(level: i16) -> f64 {
     f64::from(level) * LEVEL_STEP_M
 }

@@ -1,16 +1,16 @@
-//! Samples of fixed layout that travel in shared memory, and the topics that carry them (PL-2, PL-8).
+//! Samples of fixed layout in shared memory, and the topics that carry them (PL-2, PL-8).
 //!
-//! Processes that were built apart, perhaps in other languages, read the same bytes. So every sample is
-//! `#[repr(C)]`, holds no pointer, spells out its padding, and has its size asserted at compile time. The
-//! [`layout`] module knows every field's offset; the C header and the Python module in `layout/` are written from
-//! it, and a test fails when they are not what it would write.
+//! Processes built separately, perhaps in other languages, read the same bytes. Every sample is therefore
+//! `#[repr(C)]`, holds no pointer, declares its padding, and has its size asserted at compile time. The [`layout`]
+//! module has every field's offset. It generates the C header and the Python module in `layout/`; a test fails if
+//! these files are outdated.
 //!
-//! A topic carries *slices* of one sample type: a scan is one send. Each slice is preceded by a [`BatchHeader`],
-//! in which the publisher says how many samples it has sent before (loss is counted from that, not guessed), which
-//! layout it was built with, and how far in time its source has got.
+//! A topic carries *slices* of one sample type: a scan is one send. A [`BatchHeader`] precedes each slice. In it,
+//! the publisher states the number of samples sent before (subscribers count losses from it), the layout of its
+//! build, and the progress of its source in time.
 //!
-//! Architecture invariant: nothing here performs I/O or knows how shared memory works; the marker trait that
-//! declares a type fit for it comes from iceoryx2's small trait crate.
+//! Architecture invariant: this crate performs no I/O and does not depend on the implementation of shared memory.
+//! The marker trait for types fit for shared memory comes from iceoryx2's small trait crate.
 
 #![forbid(unsafe_op_in_unsafe_fn)]
 
@@ -79,8 +79,8 @@ pub use topics::{
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};
 
-/// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice carries
-/// and every subscriber checks; a changed layout changes that of its own type by itself.
+/// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice
+/// carries and every subscriber checks. A changed layout changes the fingerprint of its own type automatically.
 pub const SCHEMA_VERSION: u32 = 6;
 
 /// Number of nanoseconds in a second.
@@ -102,7 +102,7 @@ codes! {
 }
 
 codes! {
-    /// Kind of what a track follows.
+    /// Kind of object followed by a track.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum TrackKind: u8, default Single {
         /// One target.
@@ -113,7 +113,7 @@ codes! {
 }
 
 codes! {
-    /// Rule by which a system track's contributions were weighed.
+    /// Rule for the weights of a system track's contributions.
     pub enum FusionRule: u8 {
         /// Filter of the target's own, with what its sources are worth learned.
         Auto = 1, "auto";

@@ -1,4 +1,4 @@
-//! Manner in which a target moves.
+//! Movement of a target.
 
 use crate::codes;
 use crate::codes::bits;
@@ -15,7 +15,7 @@ bits! {
 }
 
 sample! {
-    /// Modes of movement of a target and its acceleration, as far as they are known.
+    /// Modes of movement of a target and its acceleration, as far as known.
     Movement, size 16 {
         /// Acceleration east, north, up, metres per second squared.
         acceleration_mps2: [f32; 3],

@@ -1,10 +1,10 @@
 //! Records of a picture for a display.
 //!
-//! A display shows thousands of tracks several times a second to people far away, so it gets of each track that has
-//! changed only what can be seen. A picture is a [`PictureHeader`] and, one after another, as many records of each kind
-//! as the header counts: numbers of tracks that have gone (`u32`), then [`PictureTrack`], [`PictureIdentity`],
-//! [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`]. All numbers are little-endian.
-//! Times are ages: milliseconds from the time of the record to that of the picture.
+//! A display shows thousands of tracks several times a second to distant users. It therefore receives only the
+//! visible attributes of each changed track. A picture consists of a [`PictureHeader`] and, one after another, as
+//! many records of each kind as the header counts: numbers of removed tracks (`u32`), then [`PictureTrack`],
+//! [`PictureIdentity`], [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`]. All
+//! numbers are little-endian. Times are ages: milliseconds from the time of the record to that of the picture.
 
 use std::fmt::Write as _;
 
@@ -54,7 +54,7 @@ codes! {
     }
 }
 
-/// Value of [`PictureSensorTrack::mode_3a`] where no code is known.
+/// Value of [`PictureSensorTrack::mode_3a`] without a known code.
 pub const NO_CODE: u16 = u16::MAX;
 
 sample! {
@@ -134,7 +134,7 @@ sample! {
 }
 
 sample! {
-    /// Identity of one system track; it is sent when it changes.
+    /// Identity of one system track, sent on change.
     PictureIdentity, size 56 {
         /// System-track number.
         number: u32,
@@ -190,7 +190,7 @@ sample! {
 }
 
 sample! {
-    /// Place of one detection.
+    /// Position of one detection.
     PictureDetection, size 20 {
         /// Age of the detection, milliseconds.
         age_ms: i32,
@@ -257,7 +257,7 @@ sample! {
     }
 }
 
-/// Records of a picture: the header's count, their layout.
+/// Records of a picture: the header's count, and their layout.
 const BLOCKS: [(&str, Layout); 6] = [
     ("tracks", PictureTrack::LAYOUT),
     ("identities", PictureIdentity::LAYOUT),
@@ -267,7 +267,7 @@ const BLOCKS: [(&str, Layout); 6] = [
     ("areas", PictureArea::LAYOUT),
 ];
 
-/// Reader of pictures in JavaScript, with the codes and bits that they carry.
+/// Returns the reader of pictures in JavaScript, with the codes and bits in pictures.
 pub fn javascript_module() -> String {
     let mut out = String::from(
         "/**\n * Reader of pictures. Written from the tables of crate `messages`; a test keeps it true, \
@@ -323,7 +323,7 @@ pub fn javascript_module() -> String {
     out
 }
 
-/// Reader of one record, and its type.
+/// Writes the reader of one record, and its type.
 fn record(layout: &Layout, out: &mut String) {
     let name = layout.name;
     let _ = writeln!(out, "\n/**\n * @typedef {{object}} {name}");
@@ -363,7 +363,7 @@ fn used(layout: &Layout) -> impl Iterator<Item = &Field> {
     layout.fields.iter().filter(|field| field.name != "reserved")
 }
 
-/// Reader of a whole picture.
+/// Writes the reader of a whole picture.
 fn picture(out: &mut String) {
     out.push_str("\n/**\n * @typedef {object} PictureMessage\n * @property {PictureHeader} header\n");
     out.push_str(" * @property {number[]} removed Numbers of system tracks.\n");

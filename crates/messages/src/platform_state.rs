@@ -1,4 +1,4 @@
-//! Where a moving sensor is, and how it lies in space.
+//! Position and attitude of a moving sensor.
 
 use crate::StageTimes;
 use crate::codes::bits;

@@ -1,4 +1,4 @@
-//! Kinds of process that a deployment consists of.
+//! Kinds of process in a deployment.
 
 use crate::codes;
 

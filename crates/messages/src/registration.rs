@@ -1,4 +1,4 @@
-//! Systematic errors of one source, as fusion has learned them (BF-3).
+//! Systematic errors of one source, as estimated by fusion (BF-3).
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ bits! {
 }
 
 codes! {
-    /// Kind of a gross error of a source.
+    /// Kind of bias of a source.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
     pub enum GrossKind: u8 {
         /// Azimuths are too large, clockwise, radians: a north mark that is off.
@@ -39,23 +39,23 @@ codes! {
     }
 }
 
-/// Gross error of a source, as the tracks of another one show it.
+/// Bias of a source relative to the tracks of another source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GrossError {
     /// Kind.
     pub kind: GrossKind,
-    /// Amount, in the unit of the kind: one component, for a position east and north.
+    /// Amount, in the unit of the kind: one component; two for a position, east and north.
     pub value: [f64; 2],
-    /// Number of the source that shows it.
+    /// Number of the source that reveals the bias.
     pub partner: u16,
-    /// Whether it is surely an error of this source, not of the partner.
+    /// Whether the bias certainly belongs to this source rather than to the partner.
     pub is_certain: bool,
-    /// Whether it is taken off the source's reports.
+    /// Whether the bias is removed from the source's reports.
     pub is_removed: bool,
 }
 
-/// What is off, and by how much.
+/// Writes kind and amount.
 impl fmt::Display for GrossError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [value, north] = self.value;
@@ -69,7 +69,7 @@ impl fmt::Display for GrossError {
 }
 
 sample! {
-    /// Systematic errors of one source, as fusion has learned them (BF-3), and the truth of its covariances
+    /// Systematic errors of one source, as estimated by fusion (BF-3), and the consistency of its covariances
     /// (BF-5).
     Registration, size 168 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
@@ -113,11 +113,11 @@ impl Registration {
     pub fn set_clock_offset(&mut self, known: Option<(f64, f64)>) {
         let (offset_s, sigma_s) = known.unwrap_or_default();
         self.clock_offset_s = offset_s;
-        // 0 says that it is unknown, and no clock is as good as that.
+        // 0 means unknown, and no clock has this accuracy.
         self.clock_offset_sigma_s = if known.is_some() { sigma_s.max(1e-9) } else { 0.0 };
     }
 
-    /// Sets the gross error; `None`: there is none.
+    /// Sets the bias; `None`: there is none.
     pub fn set_gross_error(&mut self, error: Option<GrossError>) {
         self.gross_value = error.map_or([0.0; 2], |error| error.value);
         self.gross = error.map_or(0, |error| {
@@ -127,7 +127,7 @@ impl Registration {
         });
     }
 
-    /// Gross error; `None` if there is none, or one of a later version.
+    /// Returns the bias; `None` if there is none, or if its kind is of a later version.
     pub fn gross_error(&self) -> Option<GrossError> {
         let [kind, says, low, high] = self.gross.to_le_bytes();
         Some(GrossError {
@@ -145,7 +145,8 @@ impl Registration {
     }
 }
 
-/// One line for people: the horizontal offset always, what else is being removed, and the inflation if there is one.
+/// Writes one line for people: the horizontal offset always, other removed errors, and the covariance scaling if
+/// any.
 impl fmt::Display for Registration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(error) = self.gross_error() {

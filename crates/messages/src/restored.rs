@@ -1,17 +1,17 @@
-//! State that a fusion starts from, or has.
+//! Initial state of a fusion process, or a snapshot of its state.
 //!
-//! A fusion that starts after another one goes on from its checkpoint. It says so in the first moments after its start:
-//! what it starts from, in parts, then whatever comes of it. A recording that has the parts of an epoch, each one, can
-//! be replayed from there; an engine's start is a function of them alone. A recorder that was not there at the start
-//! asks for an image of the whole engine, which is said in the same way.
+//! A fusion that starts after another continues from its checkpoint. In the first moments after its start it
+//! publishes this initial state, in parts, before any output that depends on it. A recording with all parts of an
+//! epoch can be replayed from there, because an engine's start is a function of these parts alone. A recorder
+//! absent at the start requests a snapshot of the whole engine, which is published in the same form.
 
 use crate::layout::sample;
 
-/// Words of a part.
+/// Number of words in a part.
 pub const RESTORED_WORDS: usize = 120;
 
 sample! {
-    /// Part of what a fusion starts from, or of an image of what it has.
+    /// Part of the initial state of a fusion, or of a snapshot of its state.
     Restored, size 1000 {
         /// Start-up number of the fusion.
         epoch: u64,
@@ -34,6 +34,6 @@ sample! {
 }
 
 impl Restored {
-    /// [`Restored::ends`]: the part is one of an image.
+    /// [`Restored::ends`]: the part belongs to a snapshot.
     pub const IMAGE: u32 = 2;
 }

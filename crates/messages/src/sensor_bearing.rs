@@ -1,4 +1,4 @@
-//! From where a sensor hears a transmitter, before anybody has located it.
+//! Bearings of transmitters, with the position of the sensor, before location.
 
 use crate::StageTimes;
 use crate::codes::bits;
@@ -19,7 +19,7 @@ bits! {
 }
 
 sample! {
-    /// One bearing of a transmitter, with the place from which it was measured (FM-7).
+    /// One bearing of a transmitter, with the position of the measurement (FM-7).
     SensorBearing, size 120 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,

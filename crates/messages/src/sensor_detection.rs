@@ -1,4 +1,4 @@
-//! Detections of a sensor, before anybody makes tracks of them.
+//! Detections of a sensor, before tracking.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -17,7 +17,7 @@ bits! {
 }
 
 sample! {
-    /// One detection of one sensor (FM-6): a measurement that belongs to no track yet.
+    /// One detection of one sensor (FM-6): a measurement without an assigned track.
     SensorDetection, size 152 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
@@ -66,7 +66,7 @@ codes! {
     }
 }
 
-/// A measured quantity.
+/// Measured quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Metres east.
@@ -84,7 +84,7 @@ pub enum Quantity {
 }
 
 impl DetectionKind {
-    /// The quantities, in the order of their values.
+    /// Returns the quantities, in the order of their values.
     pub fn quantities(self) -> &'static [Quantity] {
         use Quantity::{Bearing, East, Elevation, North, Range, Up};
         match self {
@@ -99,7 +99,7 @@ impl DetectionKind {
 }
 
 impl Quantity {
-    /// Fault of a finite value of this quantity, and what to do about it; `None` if it has none.
+    /// Returns the fault of a finite value of this quantity, with a remedy; `None` for a valid value.
     pub fn fault(self, value: f64) -> Option<&'static str> {
         match self {
             Self::East | Self::North | Self::Up => None,

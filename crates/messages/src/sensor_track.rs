@@ -1,4 +1,4 @@
-//! Reports of adapters to fusion.
+//! Reports from adapters to fusion.
 
 use crate::codes::bits;
 use crate::layout::sample;
@@ -109,9 +109,9 @@ sample! {
 }
 
 impl SensorTrack {
-    /// A system track of another centre as a sensor track of `source`, for a deployment whose number is `origin` and
-    /// whose sources have the sensors `sensor_uids`. `None` if tracks of this deployment have gone into it: an echo
-    /// says nothing new.
+    /// Converts a system track of another centre to a sensor track of `source`, for a deployment whose number is
+    /// `origin` and whose sources have the sensors `sensor_uids`. `None` if tracks of this deployment contributed
+    /// to it: an echo carries no new information.
     pub fn of_centre(track: &SystemTrack, source: u16, origin: u32, sensor_uids: &[u32]) -> Option<Self> {
         let contributions = track.contributions();
         let is_echo = |of: u32| origin != 0 && of == origin;
@@ -119,7 +119,7 @@ impl SensorTrack {
             return None;
         }
         let has_all = usize::from(track.source_count) == contributions.len();
-        // What another centre has contributed names no sensor.
+        // A contribution of another centre identifies no sensor.
         let names_sensor = |contribution: &Contribution| contribution.sensor_uid != 0 && contribution.origin == 0;
         let is_known = has_all && contributions.iter().all(names_sensor);
         let shares = |uid: &u32| *uid == 0 || contributions.iter().any(|contribution| contribution.sensor_uid == *uid);
@@ -166,7 +166,7 @@ impl SensorTrack {
 mod tests {
     use super::*;
 
-    /// A system track of deployment 2 to which sensors of these identities, heard by those deployments, contribute.
+    /// System track of deployment 2 with contributions of these sensors, received by those deployments.
     fn of_two(contributors: &[(u32, u32)]) -> SystemTrack {
         let mut track = SystemTrack {
             origin: 2,

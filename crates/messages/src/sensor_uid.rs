@@ -1,8 +1,8 @@
 //! Identity of a sensor across deployments.
 
-/// Identity of the sensor called `name` where its configuration states none: FNV-1a over the octets of the name, 32
-/// bits, 1 where that is 0. Two sensors whose names collide are taken for one, which makes fusion across deployments
-/// more careful, never less.
+/// Returns the default identity of the sensor called `name`: FNV-1a over the bytes of the name, 32 bits, 1 instead
+/// of 0. Two sensors with colliding names count as the same sensor. This makes fusion across deployments more
+/// conservative, never less.
 pub const fn sensor_uid(name: &str) -> u32 {
     let octets = name.as_bytes();
     let (mut hash, mut index) = (0x811c_9dc5_u32, 0);

@@ -1,10 +1,10 @@
-//! Times at which a report passed the stages of its journey.
+//! Times of a report at the stages of its processing.
 
 use crate::layout::sample;
 
 sample! {
-    /// Monotonic stamps of one report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 where a
-    /// stage has not been reached. All processes of a deployment share that clock.
+    /// Monotonic stamps of one report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 for a
+    /// stage not reached. All processes of a deployment share that clock.
     StageTimes, size 32 {
         /// The adapter had the report's last byte.
         ingested_ns: i64,

@@ -1,10 +1,10 @@
-//! Samples that fusion publishes.
+//! Samples published by fusion.
 
 use crate::codes::bits;
 use crate::layout::sample;
 use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType, altitude_m};
 
-/// Number of contributions that one system track can list; more are counted in `source_count` only.
+/// Maximum number of listed contributions of a system track; `source_count` includes further contributions.
 pub const CONTRIBUTIONS_MAX: usize = 16;
 
 bits! {
@@ -130,8 +130,8 @@ const _: () = assert!(size_of::<[Contribution; CONTRIBUTIONS_MAX]>() == 16 * siz
 pub const CONTRIBUTORS_MAX: usize = 64;
 
 sample! {
-    /// Set of all sensors that have contributed to one system track since it was started. A deployment that is offered
-    /// the track fuses it as independent of its own only if it shares no sensor with it. Nobody publishes it yet.
+    /// Set of all sensors that have contributed to one system track since its start. A deployment that receives the
+    /// track fuses it as independent of its own only if the two share no sensor. No process publishes it yet.
     ContributorSet, size 304 {
         /// Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
@@ -155,26 +155,28 @@ sample! {
 }
 
 impl SystemTrack {
-    /// The contributions that led to the state.
+    /// Returns the contributions to the state.
     pub fn contributions(&self) -> &[Contribution] {
         let listed = self.listed();
         let last = listed.iter().rposition(|part| !part.is_of_silent_centre());
         &listed[..last.map_or(0, |last| last + 1)]
     }
 
-    /// The same, and after them those of other centres that told of the target and have fallen silent.
+    /// Returns the contributions to the state, followed by those of other centres that reported the target and have
+    /// fallen silent.
     pub fn listed(&self) -> &[Contribution] {
         &self.contributions[..usize::from(self.contribution_count).min(CONTRIBUTIONS_MAX)]
     }
 
-    /// Pressure altitude of the transponder's newest level, metres; `None` if none is known that is new enough.
+    /// Returns the pressure altitude of the transponder's newest level, metres; `None` without a sufficiently
+    /// recent level.
     pub fn level_m(&self) -> Option<f64> {
         (self.level_valid != 0).then(|| altitude_m(self.level))
     }
 }
 
 impl Contribution {
-    /// Whether it is another centre's that has fallen silent: it has no part in the state.
+    /// Whether the contribution is from another centre that has fallen silent: it has no part in the state.
     pub fn is_of_silent_centre(&self) -> bool {
         self.flags & (contribution_bits::CENTRE | contribution_bits::FRESH) == contribution_bits::CENTRE
     }

@@ -2,11 +2,11 @@
 
 use crate::layout::sample;
 
-/// Most characters of a type's name.
+/// Maximum number of characters of a type's name.
 pub const TYPE_NAME_MAX: usize = 12;
 
 sample! {
-    /// Type of a target, as far as it is known (WA-9).
+    /// Known type of a target (WA-9).
     TargetType, size 16 {
         /// Name in ASCII, padded with blanks.
         name: [u8; 12],
@@ -16,8 +16,8 @@ sample! {
 }
 
 impl TargetType {
-    /// A type with its probability; `None` if the name is empty, too long or not printable ASCII, or the confidence not
-    /// in (0, 1].
+    /// Creates a type with its probability; `None` if the name is empty, too long or not printable ASCII, or if the
+    /// confidence is not in (0, 1].
     pub fn new(name: &str, confidence: f64) -> Option<Self> {
         let printable = |byte: &u8| (b' '..=b'~').contains(byte);
         let fits = name.len() <= TYPE_NAME_MAX && name.bytes().all(|byte| printable(&byte));
@@ -32,12 +32,12 @@ impl TargetType {
         })
     }
 
-    /// Whether a type is known: with a probability that can be one.
+    /// Whether a type is known, with a valid probability.
     pub fn is_known(&self) -> bool {
         self.confidence > 0.0 && self.confidence <= 1.0
     }
 
-    /// The name without its padding, where a type is known.
+    /// Returns the name without its padding, if a type is known.
     pub fn name(&self) -> Option<&str> {
         let text = std::str::from_utf8(&self.name).ok()?.trim_end_matches([' ', '\0']);
         (self.is_known() && !text.is_empty()).then_some(text)

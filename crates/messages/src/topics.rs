@@ -1,6 +1,6 @@
-//! The topics: name, sample type and every size, in one place.
+//! Topics: name, sample type and all sizes, in one place.
 //!
-//! Publisher and subscriber must open a topic with the same sizes, so nobody writes them anywhere else.
+//! Publisher and subscriber must open a topic with the same sizes, so these are defined only here.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -19,7 +19,7 @@ use crate::{
 pub struct TopicName(String);
 
 impl TopicName {
-    /// The name as text.
+    /// Returns the name as text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -31,21 +31,21 @@ impl fmt::Display for TopicName {
     }
 }
 
-/// How much a topic holds. Memory is about `subscribers × depth` slices of `slice_len` samples per publisher.
+/// Capacity of a topic. Memory is about `subscribers × depth` slices of `slice_len` samples per publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capacity {
-    /// Slices that wait for a subscriber before the oldest is dropped (and counted by it).
+    /// Number of waiting slices per subscriber before the oldest is dropped (and counted by the subscriber).
     pub depth: usize,
-    /// Most samples in one slice.
+    /// Maximum number of samples in one slice.
     pub slice_len: usize,
-    /// Most publishers at a time, a dead one that is not yet cleaned up included.
+    /// Maximum number of publishers at a time, including terminated publishers not yet cleaned up.
     pub publishers: usize,
-    /// Most subscribers at a time.
+    /// Maximum number of subscribers at a time.
     pub subscribers: usize,
 }
 
 codes! {
-    /// Kind of topic whose samples are data, not talk between processes.
+    /// Kind of topic with data samples, as opposed to messages between processes.
     pub enum Stream: u8 {
         /// Sensor tracks of a source.
         SensorTracks = 1, "sensor-tracks";
@@ -68,7 +68,7 @@ codes! {
     }
 }
 
-/// Stream of one source or sensor, as [`Progress`](crate::Progress) names it.
+/// Stream of one source or sensor, identified as in [`Progress`](crate::Progress).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamId {
     /// Kind of topic.
@@ -78,7 +78,8 @@ pub struct StreamId {
 }
 
 impl Stream {
-    /// Whether a recorded input delivers it again, to the end and nothing twice. The others follow from those.
+    /// Whether a recorded input delivers the stream again, complete and without repetition. The other streams
+    /// result from these.
     pub const fn is_replayed(self) -> bool {
         matches!(self, Self::SensorTracks | Self::Detections | Self::WideArea)
     }
@@ -102,7 +103,7 @@ impl StreamId {
     };
 }
 
-/// A topic of samples `T`.
+/// Topic of samples `T`.
 #[derive(Clone, Debug)]
 pub struct Topic<T> {
     /// Name in shared memory.
@@ -122,12 +123,12 @@ impl<T> Topic<T> {
     }
 }
 
-/// A sample of one of the data streams.
+/// Sample of one of the data streams.
 pub trait Streamed: Sample {
-    /// The stream.
+    /// Stream of the sample type.
     const STREAM: Stream;
 
-    /// Topic of the source or sensor called `name`; there is one of the system tracks only.
+    /// Returns the topic of the source or sensor called `name`; the system tracks have a single topic.
     fn topic(name: &str) -> Topic<Self>;
 
     /// Sequence number at its publisher.
@@ -169,17 +170,17 @@ streamed! {
     Decision: Decisions, |_| decisions(), time_ns;
 }
 
-/// An operation on a topic of whatever samples: see [`visit`].
+/// Operation on a topic of any sample type: see [`visit`].
 pub trait Visitor {
     /// Result of the visit.
     type Output;
 
-    /// Does it.
+    /// Executes the operation.
     fn visit<T: Sample + ZeroCopySend + fmt::Debug + 'static>(self, topic: Topic<T>) -> Self::Output;
 }
 
-/// Name between the words before and after the braces of `pattern`, if `name` is of that form; nothing where the
-/// pattern has no braces, and is the name.
+/// Returns the part of `name` in place of the braces of `pattern`, if `name` matches the pattern; an empty text if
+/// the pattern has no braces and equals the name.
 fn matched<'a>(pattern: &str, name: &'a str) -> Option<&'a str> {
     let Some((before, rest)) = pattern.split_once('{') else {
         return (pattern == name).then_some("");
@@ -189,15 +190,15 @@ fn matched<'a>(pattern: &str, name: &'a str) -> Option<&'a str> {
     (!of.is_empty() && !of.contains('/')).then_some(of)
 }
 
-/// A sample that sources and sensors publish.
+/// Sample published by sources and sensors.
 pub trait Outgoing: Streamed + ZeroCopySend + fmt::Debug + Default + 'static {
-    /// Says in the sample which one of its publisher it is, and when it was published (monotonic, nanoseconds).
+    /// Sets the sequence number at its publisher and the time of publication (monotonic, nanoseconds).
     fn leave(&mut self, sequence: u64, sent_ns: i64);
 
-    /// Says in the sample when what it was made of came in (monotonic, nanoseconds).
+    /// Sets the time at which the sample's input arrived (monotonic, nanoseconds).
     fn came_in(&mut self, ingested_ns: i64);
 
-    /// Time at which what it was made of came in (monotonic, nanoseconds).
+    /// Returns the time at which the sample's input arrived (monotonic, nanoseconds).
     fn ingested_ns(&self) -> i64;
 }
 
@@ -229,7 +230,8 @@ outgoing!(
     WideArea
 );
 
-/// Declares topics: sample, name, slices that wait and samples in each, most publishers and subscribers.
+/// Declares topics: sample, name, number of waiting slices and samples in each, maximum numbers of publishers and
+/// subscribers.
 macro_rules! topics {
     ($(
         $(#[doc = $doc:literal])+
@@ -248,8 +250,8 @@ macro_rules! topics {
         }
     )+
 
-    /// Shows the topic called `name` to `visitor`, for programs that are told its name; `None` if no topic has such a
-    /// name.
+    /// Passes the topic called `name` to `visitor`, for programs that receive its name at run time; `None` if no
+    /// topic has this name.
     pub fn visit<V: Visitor>(name: &str, visitor: V) -> Option<V::Output> {
         $(
             if let Some(_of) = matched($name, name) {
@@ -261,62 +263,63 @@ macro_rules! topics {
 }
 
 topics! {
-    /// Sensor tracks of one source: one topic per source, so that a flood of one cannot displace another's reports.
+    /// Sensor tracks of one source: one topic per source, so that a flood from one source cannot displace the
+    /// reports of another.
     sensor_tracks(source_name) -> SensorTrack: "sensor/{source_name}/tracks", 256 slices of 64, 4 to 16;
 
-    /// Detections of one source whose adapter makes tracks of them: a scan at a time, before the tracks that it led to.
+    /// Detections of one source whose adapter forms tracks from them: a scan at a time, before the resulting
+    /// tracks.
     sensor_detections(source_name) -> SensorDetection: "sensor/{source_name}/detections", 256 slices of 64, 4 to 16;
 
-    /// Bearings of one source whose adapter locates their transmitters, before the tracks that they led to.
+    /// Bearings of one source whose adapter locates their transmitters, before the resulting tracks.
     sensor_bearings(source_name) -> SensorBearing: "sensor/{source_name}/bearings", 256 slices of 64, 4 to 16;
 
-    /// Place of a platform, whose sensors need to know: published by whoever knows it, the adapter of its sensor or a
-    /// process of its own.
+    /// Position of a platform, for its sensors: published by the adapter of its sensor or by a separate process.
     platform_states(platform_name) -> PlatformState: "platform/{platform_name}/state", 64 slices of 16, 4 to 16;
 
-    /// Reports of a wide-area sensor: read by every tracker that listens to it, and by the recorder.
+    /// Reports of a wide-area sensor: read by every tracker that uses it, and by the recorder.
     wide_area(sensor_name) -> WideArea: "wide-area/{sensor_name}/reports", 64 slices of 64, 4 to 72;
 
-    /// Places where the sensor of a source should look next: after each of its scans, one cue for each confirmed track.
+    /// Positions for the next look of a source's sensor: after each of its scans, one cue for each confirmed track.
     cues(source_name) -> Cue: "sensor/{source_name}/cues", 64 slices of 64, 4 to 16;
 
-    /// The fused picture: one slice per worked-off batch, in the order of fusion.
+    /// Fused track picture: one slice per processed batch, in the order of fusion.
     system_tracks() -> SystemTrack: "system/tracks", 256 slices of 64, 4 to 24;
 
-    /// Fused picture by the sources of this deployment alone, for other centres: each state names the sensors that have
-    /// contributed to it. Published where `fusion.exchange` asks for it.
+    /// Track picture fused from the sources of this deployment alone, for other centres: each state names the
+    /// contributing sensors. Published if `fusion.exchange` requests it.
     own_tracks() -> SystemTrack: "system/own-tracks", 256 slices of 64, 4 to 8;
 
-    /// Sensors that have contributed to each system track, for deployments that exchange tracks. Nobody publishes it
-    /// yet.
+    /// Sensors that have contributed to each system track, for deployments that exchange tracks. No process
+    /// publishes it yet.
     contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;
 
-    /// Alarms, from the monitor: each slice replaces the one before, and one comes twice a second, so whoever joins
-    /// late knows after half a second what stands.
+    /// Alarms from the monitor. Each slice replaces the previous slice, and slices are sent twice a second, so a
+    /// late subscriber has the standing alarms after half a second.
     alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;
 
-    /// Decisions of fusion, where `[fusion] decisions` asks for them: a few hundredths of a second after the states
-    /// that they led to.
+    /// Decisions of fusion, if `[fusion] decisions` requests them: a few hundredths of a second after the resulting
+    /// states.
     decisions() -> Decision: "system/decisions", 64 slices of 64, 2 to 16;
 
-    /// Place of the system frame, said again and again for whoever joins without the configuration.
+    /// Origin of the system frame, published repeatedly for subscribers without the configuration.
     frame_origin() -> FrameOrigin: "system/frame-origin", 2 slices of 1, 4 to 16;
 
     /// State and counters of every process.
-    // One publisher per process: 64 sources, the services, and restarted ones whose predecessor is not yet removed.
+    // One publisher per process: 64 sources, the services, and restarted processes whose predecessor is not yet
+    // removed.
     health() -> Health: "health", 8 slices of 80, 96 to 16;
 
     /// Progress of each consumer of recorded data.
     // Published by fusion and recorder, read by every adapter of a recording.
     progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
 
-    /// State that a fusion starts from, where there was one before it: bit by bit, in its first moments.
+    /// Initial state of a fusion with a predecessor: bit by bit, in its first moments.
     restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;
 
-    /// Orders to fusion.
+    /// Commands to fusion.
     control() -> Control: "control", 16 slices of 1, 8 to 8;
 
-    /// Order of fusion's work, as a log that outlives fusion: so many places, which is thirteen seconds at 20,000
-    /// reports a second.
+    /// Event log of fusion, which outlives fusion. Its capacity covers thirteen seconds at 20,000 reports a second.
     order() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
 }

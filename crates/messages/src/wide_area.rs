@@ -1,4 +1,4 @@
-//! How many targets a remote sensor sees, and where sensors on board should look next.
+//! Target counts of a remote sensor, and cues for sensors on board.
 
 use crate::StageTimes;
 use crate::codes::bits;
@@ -13,7 +13,7 @@ bits! {
 }
 
 sample! {
-    /// How many targets there were around a place (WA-2): a count, no detection.
+    /// Number of targets around a place (WA-2): a count, no detection.
     WideArea, size 128 {
         /// Time of observation, UTC, nanoseconds since 1970.
         time_of_observation_ns: i64,
@@ -39,7 +39,7 @@ sample! {
 }
 
 sample! {
-    /// Where and when a sensor should look for one track (WA-12): an ellipse around the predicted position.
+    /// Position and time for a sensor's look at one track (WA-12): an ellipse around the predicted position.
     Cue, size 136 {
         /// Time of the look, UTC, nanoseconds since 1970.
         time_ns: i64,

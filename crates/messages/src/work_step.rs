@@ -1,11 +1,11 @@
-//! The order in which fusion did its work.
+//! Event log of fusion.
 
 use crate::codes;
 use crate::codes::bits;
 use crate::layout::sample;
 
 codes! {
-    /// Kind of a step of fusion's work.
+    /// Kind of a step in the event log.
     pub enum StepKind: u8 {
         /// Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
         Begin = 1, "begin";
@@ -42,7 +42,7 @@ bits! {
 }
 
 sample! {
-    /// Step of fusion's work: with the reports, all steps since a beginning give the same system tracks again.
+    /// Step in the event log: with the reports, all steps since a start reproduce the same system tracks.
     WorkStep, size 16 {
         /// Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings:
         /// see `StepKind`.
@@ -60,10 +60,10 @@ sample! {
 }
 
 impl WorkStep {
-    /// Offset of a source's clock that is not known, in the place of milliseconds.
+    /// Offset of a source's clock in the absence of an estimate, in place of milliseconds.
     pub const CLOCK_UNKNOWN: i32 = i32::MIN;
 
-    /// The offset, seconds, that a step of kind [`StepKind::SourceClock`] states; `None` if it is not known.
+    /// Returns the offset, seconds, stated by a step of kind [`StepKind::SourceClock`]; `None` if it is unknown.
     pub fn clock_offset_s(&self) -> Option<f64> {
         let offset_ms = self.sequence.cast_signed();
         (offset_ms != Self::CLOCK_UNKNOWN).then(|| 1e-3 * f64::from(offset_ms))

@@ -1,4 +1,4 @@
-//! The layouts that other languages see are those that Rust compiled (PL-2).
+//! Tests that the layouts of other languages equal those compiled by Rust (PL-2).
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
