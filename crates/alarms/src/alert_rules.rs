@@ -1,4 +1,4 @@
-//! Rules by which Prometheus passes alarms on, written from the registry.
+//! Rules of Prometheus that forward alarms, generated from the registry.
 
 use std::fmt::Write as _;
 
@@ -20,7 +20,8 @@ groups:
           description: Look whether the deployment runs (`koseki status`), and at `monitor.prometheus` in its configuration.
 ";
 
-/// The rules, a YAML file. Alarms have waited long enough before they are raised, so no rule waits again.
+/// Returns the rules, a YAML file. The monitor applies the delays before it raises an alarm, so no rule waits
+/// again.
 pub fn alert_rules() -> String {
     let mut text = HEAD.to_owned();
     for kind in AlarmKind::ALL {

@@ -1,4 +1,4 @@
-//! When an alarm is raised and when it is cleared.
+//! Raising and clearing of alarms.
 //!
 //! ```text
 //!              bad for the on-delay              good for the off-delay
@@ -8,8 +8,9 @@
 //!       └───────────────────────────── bad again ────────────────────────────┘
 //! ```
 //!
-//! Conditions are gone through in *rounds*: in each, whoever evaluates them names those that it finds bad or in between
-//! ([`Round::find`]); all others are good. So a subject that is no more, a process that left, needs no farewell.
+//! Conditions are evaluated in *rounds*. In each round, the caller names the conditions found bad or in between
+//! ([`Round::find`]); all others are good. A subject that disappears, such as a terminated process, therefore needs
+//! no deregistration.
 
 use std::collections::BTreeMap;
 
@@ -18,15 +19,15 @@ use messages::{Alarm, AlarmEvent};
 use crate::registry::AlarmKind;
 use crate::subject::Subject;
 
-/// Most alarms that stand or are cleared in one round: a slice of the topic holds them.
+/// Maximum number of alarms standing or cleared in one round: the capacity of a slice of the topic.
 const TOLD_MAX: usize = 64;
-/// Most conditions that are remembered, those suspected and those cleared included.
+/// Maximum number of stored conditions, including suspected and cleared ones.
 const ENTRIES_MAX: usize = 512;
 
-/// Outcome of looking at a condition. Where there is nothing to be found, it is good.
+/// Result of evaluating a condition. A condition without a finding is good.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// Value between the limit for raising and that for clearing.
+    /// Value between the limits for raising and for clearing.
     Between,
     /// Value beyond the limit for raising.
     Bad,
@@ -42,39 +43,39 @@ pub struct Board {
 #[derive(Clone, Debug)]
 struct Entry {
     phase: Phase,
-    /// What was found in the round at hand.
+    /// Finding of the current round.
     found: Option<Finding>,
     text: String,
     times: u32,
-    /// UTC, nanoseconds, as the next one.
+    /// UTC, nanoseconds, like the next field.
     raised_ns: i64,
     cleared_ns: i64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Phase {
-    /// Bad, not yet for long enough; since when (monotonic, nanoseconds).
+    /// Bad, but shorter than the on-delay; start time (monotonic, nanoseconds).
     Suspected { since_ns: i64 },
-    /// Raised; since when it is good again, if it is (monotonic, nanoseconds).
+    /// Raised; start of the present good time, if any (monotonic, nanoseconds).
     Standing { good_ns: Option<i64> },
     /// Raised and cleared, or not raised.
     Cleared,
 }
 
-/// Alarm, as the final report tells of it.
+/// Alarm in the final report.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct History {
     /// Kind of the alarm.
     pub kind: AlarmKind,
     /// Subject of the alarm.
     pub subject: Subject,
-    /// The sentence, as it was last.
+    /// Latest sentence.
     pub text: String,
-    /// Times that it was raised.
+    /// Number of times that the alarm was raised.
     pub times: u32,
-    /// When it was raised last, UTC, nanoseconds.
+    /// Time of the latest raising, UTC, nanoseconds.
     pub raised_ns: i64,
-    /// When it was cleared, UTC, nanoseconds; `None` if it stands.
+    /// Time of clearing, UTC, nanoseconds; `None` while the alarm stands.
     pub cleared_ns: Option<i64>,
 }
 
@@ -88,7 +89,7 @@ impl Board {
         }
     }
 
-    /// Every alarm that was ever raised, in the order of the registry.
+    /// Returns every alarm raised so far, in the order of the registry.
     pub fn history(&self) -> impl Iterator<Item = History> + '_ {
         let raised = self.entries.iter().filter(|(_, entry)| entry.times > 0);
         raised.map(|((kind, subject), entry)| History {
@@ -104,7 +105,7 @@ impl Board {
         })
     }
 
-    /// Findings that there was no room for.
+    /// Returns the number of findings dropped for lack of room.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
@@ -114,7 +115,7 @@ impl Board {
         self.entries.values().filter(stands).count()
     }
 
-    /// Makes room for one more entry, at the cost of the alarm that was cleared first; whether there is room.
+    /// Makes room for one more entry by dropping the alarm that was cleared first; returns whether there is room.
     fn make_room(&mut self) -> bool {
         if self.entries.len() < ENTRIES_MAX {
             return true;
@@ -130,7 +131,7 @@ impl Board {
     }
 }
 
-/// One round of looking at all conditions.
+/// Round of evaluating all conditions.
 #[derive(Debug)]
 pub struct Round<'a> {
     board: &'a mut Board,
@@ -139,11 +140,12 @@ pub struct Round<'a> {
 }
 
 impl Round<'_> {
-    /// Notes what was found; of several findings about the same, the worst counts. `values` fill in the sentence.
+    /// Records a finding; of several findings about the same condition, the worst counts. `values` fill in the
+    /// sentence.
     pub fn find(&mut self, kind: AlarmKind, subject: Subject, finding: Finding, values: &[(&str, String)]) {
         let board = &mut *self.board;
         if !board.entries.contains_key(&(kind, subject)) {
-            // What is in between raises nothing.
+            // A value in between raises nothing.
             if finding == Finding::Between {
                 return;
             }
@@ -168,7 +170,7 @@ impl Round<'_> {
         }
     }
 
-    /// Ends the round: all that stands, the worst first, and what has been cleared in it.
+    /// Ends the round; returns all standing alarms, the worst first, and the alarms cleared in this round.
     pub fn end(self) -> Vec<Alarm> {
         let Self { board, now_ns, utc_ns } = self;
         let mut room = TOLD_MAX - board.told();
@@ -182,14 +184,14 @@ impl Round<'_> {
             }
             entry.times > 0 || found.is_some()
         });
-        // Stable: among equals, the order of the registry.
+        // The sort is stable: at equal severity, the order of the registry stays.
         told.sort_by_key(|alarm| std::cmp::Reverse(alarm.severity));
         told
     }
 }
 
 impl Entry {
-    /// Lets the entry go on; the event to tell, if there is one.
+    /// Advances the entry; returns the event to publish, if any.
     fn step(
         &mut self,
         kind: AlarmKind,
@@ -219,7 +221,7 @@ impl Entry {
                 Some(AlarmEvent::Raised)
             }
             (Phase::Suspected { .. }, _) => {
-                // One that was raised before stays known; the others are forgotten by the caller.
+                // An alarm raised earlier stays stored; the caller drops the others.
                 self.phase = Phase::Cleared;
                 None
             }
@@ -339,7 +341,7 @@ mod tests {
             }
             assert_eq!(round.end().len(), TOLD_MAX);
         }
-        // No room to be told, and no room to be remembered.
+        // No room in the slice, and no room in the store.
         assert_eq!(
             board.dropped() as usize,
             2 * ((ENTRIES_MAX - TOLD_MAX) + (600 - ENTRIES_MAX))

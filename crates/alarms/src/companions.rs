@@ -1,55 +1,57 @@
-//! Sources that see the same targets and do not know it.
+//! Detection of sources that observe the same targets without association.
 //!
-//! If the place of a sensor is configured wrongly, each of its targets is tracked twice: once where it is, by the
-//! others, and once where that sensor believes it to be. Nothing in either track is wrong, and no counter grows. But
-//! the two fly side by side, and what tells them from two aircraft on one airway is that *all* such pairs are apart by
-//! the same shift. So among the tracks that only one of two sources contributes to, this looks for a shift that takes
-//! several tracks of one onto tracks of the other, with the same velocity. Two sources of which any track has joined
-//! lately know of each other, and are left alone.
+//! If the position of a sensor is configured wrongly, each of its targets is tracked twice: at its true position by
+//! the other sources, and at a displaced position by that sensor. Neither track shows an error, and no counter
+//! grows. But the two tracks fly side by side, and unlike two aircraft on one airway, *all* such pairs have the
+//! same shift. The search covers tracks with a contribution from only one of two sources. It looks for a shift that
+//! maps several tracks of one source onto tracks of the other, with the same velocity. Two sources with a recent
+//! common track are associated, and are excluded.
 //!
-//! Limits: a sensor that is turned, or whose clock is off, moves each target by another shift; its azimuth bias or its
-//! clock's offset tell of it. Cost: the square of the tracks of one source only, of which so many are looked at.
+//! Limits: a sensor with an azimuth bias or a clock offset moves each target by a different shift; the estimates of
+//! azimuth bias and clock offset reveal these faults. Cost: quadratic in the number of tracks with a single source,
+//! of which a limited number is compared.
 
 use std::collections::BTreeMap;
 
 use messages::{NS_PER_S, SystemTrack, TrackState};
 
-/// Tracks that are remembered, and of those with one source how many of each are looked at.
+/// Maximum number of stored tracks, and of compared single-source tracks per source.
 const TRACKS_MAX: usize = 8192;
 const LONE_MAX: usize = 64;
-/// Time between two looks at one track, nanoseconds: states come more often.
+/// Minimum time between two updates of one track, nanoseconds: states arrive more often.
 const LOOK_NS: i64 = 1_000_000_000;
-/// Shifts that are tried of those that pairs have.
+/// Maximum number of shifts tested.
 const SHIFTS_MAX: usize = 256;
-/// A track that was not heard of for so long is gone, and so long ago two sources may have joined, nanoseconds.
+/// Time without a state after which a track is dropped, and time for which a common track associates two sources,
+/// nanoseconds.
 const GONE_NS: i64 = 30_000_000_000;
 const JOINED_NS: i64 = 600_000_000_000;
-/// A track has had one source for so long, and moves so fast, that it can be compared.
+/// Minimum time with a single source, and minimum speed, of a track to compare.
 const LONE_NS: i64 = 30_000_000_000;
 const SPEED_MIN_MPS: f64 = 20.0;
-/// Longest shift, and how far the shifts of pairs may lie apart to be the same, metres.
+/// Maximum shift, and maximum difference between the shifts of pairs with the same shift, metres.
 const SHIFT_MAX_M: f64 = 50_000.0;
 const SAME_SHIFT_M: f64 = 2_000.0;
-/// Velocities that differ by less are the same: this, or two standard deviations up to the next.
+/// Maximum difference between equal velocities: this, or two standard deviations up to the next.
 const SAME_VELOCITY_MPS: f64 = 2.0;
 const SAME_VELOCITY_MAX_MPS: f64 = 15.0;
-/// Pairs that are enough, and the share of the tracks of the source that has fewer.
+/// Minimum number of pairs, and their minimum share of the tracks of the source with fewer tracks.
 const PAIRS_MIN: usize = 3;
 const PAIRS_SHARE: f64 = 0.5;
 
-/// System tracks, as far as it matters who contributes to them.
+/// System tracks and their contributing sources.
 #[derive(Clone, Debug, Default)]
 pub struct Companions {
     incarnation: u64,
     tracks: BTreeMap<u32, Track>,
-    /// When two sources last contributed to one track, monotonic, nanoseconds.
+    /// Time of the latest common track of two sources, monotonic, nanoseconds.
     joined_ns: BTreeMap<(u16, u16), i64>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Track {
     heard_ns: i64,
-    /// Only source, and since when it is; `None` for several.
+    /// Single source and its start time; `None` for several sources.
     only: Option<(u16, i64)>,
     reference_ns: i64,
     position_m: [f64; 2],
@@ -57,21 +59,21 @@ struct Track {
     velocity_variance: f64,
 }
 
-/// Two sources whose tracks fly side by side.
+/// Two sources with tracks side by side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
-    /// Number of the one source.
+    /// Number of the first source.
     pub source: u16,
-    /// Number of the other source, which is larger.
+    /// Number of the second source, which is larger.
     pub partner: u16,
-    /// Pairs of tracks that are apart by the same shift.
+    /// Number of pairs of tracks with the same shift.
     pub pairs: usize,
-    /// Place of the partner's tracks less that of the source's, east and north, metres.
+    /// Position of the partner's tracks less that of the source's, east and north, metres.
     pub shift_m: [f64; 2],
 }
 
 impl Companions {
-    /// Takes a state that was received at `now_ns` (monotonic, nanoseconds) from the fusion process of `incarnation`.
+    /// Adds a state received at `now_ns` (monotonic, nanoseconds) from the fusion process of `incarnation`.
     pub fn take(&mut self, incarnation: u64, track: &SystemTrack, now_ns: i64) {
         if incarnation != self.incarnation {
             *self = Self {
@@ -115,7 +117,7 @@ impl Companions {
         self.tracks.insert(track.track_number, state);
     }
 
-    /// Pairs of sources that see the same targets without any of their tracks having joined, at `now_ns` (monotonic,
+    /// Returns pairs of sources that observe the same targets without any common track, at `now_ns` (monotonic,
     /// nanoseconds).
     pub fn apart(&mut self, now_ns: i64) -> Vec<Apart> {
         self.tracks.retain(|_, track| now_ns - track.heard_ns < GONE_NS);
@@ -158,9 +160,9 @@ fn ordered(one: u16, other: u16) -> (u16, u16) {
     (one.min(other), one.max(other))
 }
 
-/// The shift that takes the most of `of_source` onto tracks of `of_partner`, and how many.
+/// Returns the shift that maps the most tracks of `of_source` onto tracks of `of_partner`, with their number.
 fn same_shift(of_source: &[&Track], of_partner: &[&Track]) -> (usize, [f64; 2]) {
-    // A track has one companion per shift, so what counts is the tracks, not the pairs.
+    // A track has one companion per shift, so the tracks are counted, not the pairs.
     let shifts: Vec<(usize, [f64; 2])> = of_source
         .iter()
         .enumerate()
@@ -182,7 +184,7 @@ fn same_shift(of_source: &[&Track], of_partner: &[&Track]) -> (usize, [f64; 2]) 
     candidates.max_by_key(|(tracks, _)| *tracks).unwrap_or_default()
 }
 
-/// From a track to another at the same time, if both have the same velocity and are not too far apart.
+/// Returns the shift from a track to another at the same time, if both have the same velocity and are near enough.
 fn shift(track: &Track, other: &Track) -> Option<[f64; 2]> {
     let sigma_mps = (track.velocity_variance + other.velocity_variance).max(0.0).sqrt();
     let same_mps = (2.0 * sigma_mps).clamp(SAME_VELOCITY_MPS, SAME_VELOCITY_MAX_MPS);
@@ -207,7 +209,7 @@ mod tests {
 
     use super::*;
 
-    /// A state of a track at `now_s` that flies at `speed_mps` to where `heading` points, and has these contributors.
+    /// State of a track at `now_s` with a speed of 200 m/s in the direction `heading`, and with these contributors.
     fn state(number: u32, now_s: i64, [x, y]: [f64; 2], heading: f64, sources: &[u16]) -> SystemTrack {
         let velocity = [200.0 * heading.cos(), 200.0 * heading.sin()];
         let mut track = SystemTrack {
@@ -229,7 +231,7 @@ mod tests {
         track
     }
 
-    /// Ten targets, seen for two minutes by source 1 and, apart by `shift`, by source 4.
+    /// Ten targets, observed for two minutes by source 1 and, displaced by `shift`, by source 4.
     fn seen(companions: &mut Companions, shift: impl Fn(u32) -> [f64; 2]) -> Vec<Apart> {
         for now_s in 0..120 {
             for number in 0..10 {
@@ -254,7 +256,7 @@ mod tests {
         let [apart] = &found[..] else { panic!("{found:?}") };
         assert_eq!((apart.source, apart.partner, apart.pairs), (1, 4, 10));
         assert!(distance(apart.shift_m, [8_000.0, -3_000.0]) < 1.0);
-        // One of them joins: they know of each other.
+        // One track gets both sources: the sources are associated.
         companions.take(1, &state(3, 121, [0.0; 2], 1.0, &[1, 4]), 121 * S);
         assert_eq!(companions.apart(121 * S), []);
         assert_eq!(companions.apart(1_000 * S), [], "nothing was heard for long");

@@ -1,19 +1,19 @@
-//! Counters that should not grow.
+//! Counters whose growth is an alarm.
 
 use std::collections::BTreeMap;
 
 use crate::registry::AlarmKind;
 use crate::subject::Subject;
 
-/// Counters of which a growth is an alarm: each is bad in a round in which it is larger than in the one before.
+/// Detector of growing counters: a counter is bad in each round in which it has grown since the previous round.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
     counts: BTreeMap<(AlarmKind, Subject), u64>,
 }
 
 impl Growth {
-    /// Whether `count` has grown since it was last looked at. The first look finds growth from `at_first`: 0 for a
-    /// counter whose beginning was seen, else the count itself.
+    /// Whether `count` has grown since the previous call. The first call compares with `at_first`: 0 for a counter
+    /// observed from its start, else the count itself.
     pub fn has_grown(&mut self, kind: AlarmKind, subject: Subject, count: u64, at_first: u64) -> bool {
         let before = self.counts.entry((kind, subject)).or_insert(at_first);
         std::mem::replace(before, count) < count

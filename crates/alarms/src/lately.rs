@@ -1,20 +1,20 @@
-//! How much counters have grown in the time just past.
+//! Growth of counters in a recent interval.
 //!
-//! One report in a thousand that is bad is no trouble of its source, and an hour of good ones does not excuse those
-//! that follow. So shares are taken over a while that moves on with the clock.
+//! A single bad report in a thousand is no fault of its source, and an hour of good reports does not excuse later
+//! bad ones. Shares are therefore computed over an interval that moves with the clock.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use crate::registry::AlarmKind;
 use crate::subject::Subject;
 
-/// Counts and when they were noted, monotonic, nanoseconds; the oldest first.
+/// Counts and their times, monotonic, nanoseconds; the oldest first.
 type Past<const N: usize> = VecDeque<([u64; N], i64)>;
 
-/// Steps in which the while moves on.
+/// Number of steps in which the interval moves.
 const STEPS: i64 = 60;
 
-/// Growth of `N` counters of each subject in the last while.
+/// Growth of `N` counters of each subject in the recent interval.
 #[derive(Clone, Debug)]
 pub struct Lately<const N: usize> {
     while_ns: i64,
@@ -22,7 +22,7 @@ pub struct Lately<const N: usize> {
 }
 
 impl<const N: usize> Lately<N> {
-    /// A while of so many nanoseconds.
+    /// Creates an interval of `while_ns` nanoseconds.
     pub fn new(while_ns: i64) -> Self {
         Self {
             while_ns,
@@ -30,8 +30,8 @@ impl<const N: usize> Lately<N> {
         }
     }
 
-    /// Growth of counters that have come to `counts` by `now_ns` (monotonic, nanoseconds). Before the first look, they
-    /// have grown from 0.
+    /// Returns the growth of counters with the values `counts` at `now_ns` (monotonic, nanoseconds). Before the
+    /// first call, the counters are 0.
     pub fn grown(&mut self, kind: AlarmKind, subject: Subject, counts: [u64; N], now_ns: i64) -> [u64; N] {
         let begun = || VecDeque::from([([0; N], now_ns)]);
         let past = self.past.entry((kind, subject)).or_insert_with(begun);

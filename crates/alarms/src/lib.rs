@@ -1,19 +1,19 @@
-//! Alarms: conditions that somebody should look at, told once, in a sentence, with what to do about them.
+//! Alarms: conditions that need attention, each reported once, in a sentence, with a remedy.
 //!
-//! Counters and estimates say everything and tell nobody. An alarm is made of them in three steps:
+//! Counters and estimates contain all facts but notify no operator. An alarm is derived from them in three steps:
 //!
-//! 1. Something is *found* to be bad, good, or in between ([`Finding`]), from health messages and the picture;
-//!    [`Silence`], [`Growth`], [`Lately`], [`Usual`] and [`Companions`] find what takes a memory.
-//! 2. The [`Board`] *raises* the alarm when it has been bad for long enough, and *clears* it when it has been good for
-//!    long enough (ISA-18.2 calls these on-delay and off-delay). What lies in between changes nothing: so an alarm does
-//!    not come and go with a value that wavers about its limit.
-//! 3. What stands is *told*: on the topic `system/alarms`, each slice of which replaces the one before
-//!    ([`Present`] reads it); on standard error, no faster than a person reads ([`RateLimit`]).
+//! 1. A condition is *found* bad, good, or in between ([`Finding`]), from health messages and the picture;
+//!    [`Silence`], [`Growth`], [`Lately`], [`Usual`] and [`Companions`] evaluate conditions that need memory.
+//! 2. The [`Board`] *raises* the alarm after it was bad for long enough, and *clears* it after it was good for long
+//!    enough (ISA-18.2 calls these on-delay and off-delay). A value in between changes nothing, so an alarm does
+//!    not come and go with a value near its limit.
+//! 3. Standing alarms are *published*: on the topic `system/alarms`, where each slice replaces the previous slice
+//!    ([`Present`] reads it), and on standard error, at most at reading speed ([`RateLimit`]).
 //!
-//! Which alarms there are, how bad each is, how long its delays are, what it says and what to do is one line each in
-//! the table of [`AlarmKind`]; docs/alarms.md and rules for Prometheus are written from it.
+//! The table of [`AlarmKind`] has one line for each alarm: its severity, delays, sentence and remedy.
+//! docs/alarms.md and rules for Prometheus are generated from it.
 //!
-//! Nothing here reads a clock or a topic: times and messages are arguments.
+//! This crate reads no clock and no topic: times and messages are arguments.
 
 #![forbid(unsafe_code)]
 

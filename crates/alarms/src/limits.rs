@@ -28,7 +28,7 @@ settings::settings! {
     }
 }
 
-/// Finding of a value that is bad above `limit`, and good well below it.
+/// Returns the finding for a value that is bad above `limit`, and good well below it.
 pub fn above(value: f64, limit: f64) -> Option<Finding> {
     match value {
         value if value > limit => Some(Finding::Bad),
@@ -37,7 +37,7 @@ pub fn above(value: f64, limit: f64) -> Option<Finding> {
     }
 }
 
-/// Finding of a value that is bad below `limit`, and good well above it.
+/// Returns the finding for a value that is bad below `limit`, and good well above it.
 pub fn below(value: f64, limit: f64) -> Option<Finding> {
     match value {
         value if value < limit => Some(Finding::Bad),

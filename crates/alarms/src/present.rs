@@ -1,11 +1,11 @@
-//! Alarms as a reader of the topic knows them.
+//! Standing alarms as received by a reader of the topic.
 
 use messages::{Alarm, AlarmEvent, BatchHeader};
 
-/// Age beyond which the latest slice says nothing any more, nanoseconds: two come every second.
+/// Age at which the latest slice becomes invalid, nanoseconds: two slices arrive every second.
 const STALE_NS: i64 = 3_000_000_000;
 
-/// What stands, by the latest slice.
+/// Standing alarms in the latest slice.
 #[derive(Clone, Debug)]
 pub struct Present {
     said_ns: i64,
@@ -22,9 +22,9 @@ impl Default for Present {
 }
 
 impl Present {
-    /// Takes a slice: it replaces the one before.
+    /// Receives a slice, which replaces the previous slice.
     pub fn hear(&mut self, header: &BatchHeader, slice: &[Alarm]) {
-        // Of a monitor that was restarted, an earlier word may come late.
+        // After a restart of the monitor, an earlier slice may arrive late.
         if header.sent_ns >= self.said_ns {
             self.said_ns = header.sent_ns;
             self.standing.clear();
@@ -33,7 +33,7 @@ impl Present {
         }
     }
 
-    /// Alarms that stand at `now_ns` (monotonic, nanoseconds); `None` if nobody has said so lately.
+    /// Returns the alarms standing at `now_ns` (monotonic, nanoseconds); `None` without a recent slice.
     pub fn at(&self, now_ns: i64) -> Option<&[Alarm]> {
         (now_ns <= self.said_ns.saturating_add(STALE_NS)).then_some(&self.standing[..])
     }

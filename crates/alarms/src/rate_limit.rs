@@ -1,11 +1,11 @@
-//! No more lines than a person can read.
+//! Limit of output lines to reading speed.
 
-/// Lines that may come at once.
+/// Maximum number of lines at once.
 const BURST: f64 = 8.0;
-/// Lines a second after that.
+/// Lines per second after that.
 const PER_S: f64 = 1.0;
 
-/// Limit for lines: a few may come at once, then one a second; the others are counted (a token bucket).
+/// Limit for lines: a few at once, then one per second; further lines are counted (a token bucket).
 #[derive(Clone, Copy, Debug)]
 pub struct RateLimit {
     allowed: f64,
@@ -24,8 +24,8 @@ impl Default for RateLimit {
 }
 
 impl RateLimit {
-    /// Number of lines that were withheld since the last one, if another may be written at `now_ns` (monotonic,
-    /// nanoseconds); `None` if it is withheld.
+    /// Returns the number of lines withheld since the last permitted line, if another line is permitted at `now_ns`
+    /// (monotonic, nanoseconds); `None` if it is withheld.
     pub fn ask(&mut self, now_ns: i64) -> Option<u64> {
         let passed_s = (now_ns - self.at_ns.unwrap_or(now_ns)) as f64 / messages::NS_PER_S;
         self.at_ns = Some(now_ns);

@@ -1,4 +1,4 @@
-//! The page of alarms, written from the registry.
+//! Reference page of alarms, generated from the registry.
 
 use std::fmt::Write as _;
 
@@ -23,7 +23,7 @@ filled in.
 This page is written by `UPDATE_GOLDEN=1 cargo test -p alarms reference`.
 ";
 
-/// The page, in Markdown.
+/// Returns the page, in Markdown.
 pub fn reference() -> String {
     let mut page = HEAD.to_owned();
     page.push_str("\n| code | alarm | severity | raised after | cleared after |\n| --- | --- | --- | --- | --- |\n");

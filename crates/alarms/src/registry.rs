@@ -1,7 +1,7 @@
 //! Registry of alarms: a line each.
 //!
-//! A code never changes, and is not used again: recordings and other systems know an alarm by it. Words in braces stand
-//! for what is filled in when the alarm is raised; `source`, `partner` and `process` are the names of its subject.
+//! A code never changes and is never reused, because recordings and other systems identify alarms by code. Words in
+//! braces are filled in when the alarm is raised; `source`, `partner` and `process` are the names of its subject.
 
 use messages::AlarmSeverity;
 
@@ -19,35 +19,35 @@ macro_rules! alarms {
         }
 
         impl AlarmKind {
-            /// Every kind, in the order of the registry.
+            /// All kinds, in the order of the registry.
             pub const ALL: &'static [Self] = &[ $( Self::$name, )* ];
 
-            /// Word that tables, files and metrics use.
+            /// Returns the word used in tables, files and metrics.
             pub const fn word(self) -> &'static str {
                 match self { $( Self::$name => $word, )* }
             }
 
-            /// Severity.
+            /// Returns the severity.
             pub const fn severity(self) -> AlarmSeverity {
                 match self { $( Self::$name => AlarmSeverity::$severity, )* }
             }
 
-            /// Time for which the condition must have held before the alarm is raised, nanoseconds.
+            /// Returns the time for which the condition must hold before the alarm is raised, nanoseconds.
             pub const fn raise_after_ns(self) -> i64 {
                 match self { $( Self::$name => $raise_s * S, )* }
             }
 
-            /// Time for which the condition must not have held before the alarm is cleared, nanoseconds.
+            /// Returns the time for which the condition must be absent before the alarm is cleared, nanoseconds.
             pub const fn clear_after_ns(self) -> i64 {
                 match self { $( Self::$name => $clear_s * S, )* }
             }
 
-            /// Sentence, with braces round what is filled in.
+            /// Returns the sentence, with placeholders in braces.
             pub const fn sentence(self) -> &'static str {
                 match self { $( Self::$name => $sentence, )* }
             }
 
-            /// Advice: one sentence or two.
+            /// Returns the remedy: one sentence or two.
             pub const fn remedy(self) -> &'static str {
                 match self { $( Self::$name => $remedy, )* }
             }
@@ -59,17 +59,17 @@ macro_rules! alarms {
 const S: i64 = 1_000_000_000;
 
 impl AlarmKind {
-    /// Code that samples carry.
+    /// Returns the code used in samples.
     pub const fn code(self) -> u16 {
         self as u16
     }
 
-    /// Kind of a sample's code; `None` for that of a later version.
+    /// Returns the kind of a sample's code; `None` for a code of a later version.
     pub fn from_code(code: u16) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.code() == code)
     }
 
-    /// The sentence with each of `values` in the place of its name.
+    /// Returns the sentence with each of `values` in place of its name.
     pub fn say(self, values: &[(&str, String)]) -> String {
         values
             .iter()

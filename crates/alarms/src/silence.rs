@@ -1,18 +1,18 @@
-//! How long somebody has been silent, as far as one can tell.
+//! Silence of observed processes and sources.
 //!
-//! A counter that does not grow is silence only while the listener listens: a monitor that was itself held up (by a
-//! machine under load, a debugger, a suspended laptop) hears everything late, and would call everyone silent. So after
-//! a gap in its own looks, silence counts from its end.
+//! A counter that does not grow means silence only while the observer runs. A monitor that was itself delayed (by a
+//! loaded machine, a debugger, a suspended laptop) receives everything late, and would report all processes as
+//! silent. After a gap between its own polls, silence therefore counts from the end of the gap.
 
-/// Pause between two looks after which nothing is known of the time between, nanoseconds.
+/// Pause between two polls above which the time between them counts as unobserved, nanoseconds.
 const GAP_NS: i64 = 2_000_000_000;
 
-/// Silence of several things that count.
+/// Silence of several counted things.
 #[derive(Clone, Debug)]
 pub struct Silence {
     last: Vec<Last>,
     looked_ns: i64,
-    /// Since when looks have come regularly.
+    /// Start of the present sequence of regular polls.
     awake_ns: i64,
 }
 
@@ -23,7 +23,7 @@ struct Last {
 }
 
 impl Silence {
-    /// Of `count` things, of which nothing was heard before `now_ns` (monotonic, nanoseconds).
+    /// Creates the state of `count` things without any activity before `now_ns` (monotonic, nanoseconds).
     pub fn new(count: usize, now_ns: i64) -> Self {
         let last = Last {
             count: 0,
@@ -36,7 +36,8 @@ impl Silence {
         }
     }
 
-    /// Begins a look at `now_ns`; since when looks have come regularly, both monotonic, nanoseconds.
+    /// Begins a poll at `now_ns`; returns the start of the present sequence of regular polls. Both are monotonic,
+    /// nanoseconds.
     pub fn look(&mut self, now_ns: i64) -> i64 {
         if now_ns - self.looked_ns > GAP_NS {
             self.awake_ns = now_ns;
@@ -45,8 +46,8 @@ impl Silence {
         self.awake_ns
     }
 
-    /// For how long, at the latest look, thing number `index` has been silent, which has counted `count` by now,
-    /// nanoseconds. One that `may_be_silent` (it is not there, or nothing is expected of it) is not.
+    /// Returns the duration of the silence of thing number `index` at the latest poll, nanoseconds; `count` is its
+    /// present count. With `may_be_silent` (the thing is absent, or no activity is expected), the duration is 0.
     pub fn of(&mut self, index: usize, count: u64, may_be_silent: bool) -> i64 {
         let last = &mut self.last[index];
         if last.count != count || may_be_silent {

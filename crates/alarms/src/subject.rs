@@ -1,8 +1,8 @@
-//! Whom an alarm is about.
+//! Subject of an alarm.
 
 use messages::{Health, HealthName, NO_SOURCE};
 
-/// Subject of an alarm: a source, two of them, a process, or the deployment as a whole (the default).
+/// Subject of an alarm: a source, a pair of sources, a process, or the deployment as a whole (the default).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Subject {
     /// Number of the source; [`NO_SOURCE`] for none.
@@ -24,7 +24,7 @@ impl Default for Subject {
 }
 
 impl Subject {
-    /// The source of this number.
+    /// Creates the subject of a source.
     pub fn source(source: u16) -> Self {
         Self {
             source,
@@ -32,7 +32,7 @@ impl Subject {
         }
     }
 
-    /// Two sources, in whatever order.
+    /// Creates the subject of two sources, in any order.
     pub fn pair(one: u16, other: u16) -> Self {
         Self {
             source: one.min(other),
@@ -41,7 +41,7 @@ impl Subject {
         }
     }
 
-    /// The process of this name.
+    /// Creates the subject of a process.
     pub fn process(name: &str) -> Self {
         Self {
             process: Health::default().with_name(name).name,
@@ -49,7 +49,7 @@ impl Subject {
         }
     }
 
-    /// This subject, as far as the source of this number is concerned.
+    /// Returns this subject with the source of this number.
     #[must_use]
     pub fn of_source(self, source: u16) -> Self {
         Self { source, ..self }

@@ -1,14 +1,14 @@
-//! Values that should stay as they are: a sensor's bias, its probability of detection.
+//! Values that should stay constant: a sensor's bias, its detection probability.
 //!
-//! There is no right value to compare with, only the one that was usual so far. So the usual value follows the present
-//! one slowly (an exponential mean over an hour), from the moment on at which the present one can be believed; what
-//! differs from it by more than chance and a margin has changed. A change for good becomes usual in its turn, which
-//! clears the alarm.
+//! There is no correct reference value, only the usual value so far. The usual value follows the present value
+//! slowly (an exponential mean over an hour), starting when the present value is reliable. A value has changed if
+//! it differs from the usual value by more than chance and a margin. A permanent change becomes usual in turn,
+//! which clears the alarm.
 
-/// Time constant with which a value becomes usual, seconds.
+/// Time constant of the usual value, seconds.
 const MEMORY_S: f64 = 3600.0;
 
-/// Usual value of something that is estimated.
+/// Usual value of an estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Usual {
     known: Option<Known>,
@@ -22,8 +22,8 @@ struct Known {
 }
 
 impl Usual {
-    /// Usual value before `value`, with its standard deviation, at `now_ns` (monotonic, nanoseconds); `None` while
-    /// nothing has been usual. An estimate that is not `settled` is forgotten, and so is what was usual before.
+    /// Returns the usual value before `value`, with its standard deviation, at `now_ns` (monotonic, nanoseconds);
+    /// `None` without a usual value so far. An estimate that is not `settled` clears the usual value.
     pub fn before(&mut self, value: f64, sigma: f64, settled: bool, now_ns: i64) -> Option<(f64, f64)> {
         if !settled || !value.is_finite() || !sigma.is_finite() {
             self.known = None;
@@ -37,7 +37,7 @@ impl Usual {
         let passed_s = (now_ns - known.at_ns).max(0) as f64 / messages::NS_PER_S;
         known.value += (value - known.value) * -(-passed_s / MEMORY_S).exp_m1();
         known.at_ns = now_ns;
-        // Where it was well known, it goes on being so.
+        // The smallest standard deviation so far applies.
         known.sigma = known.sigma.min(sigma);
         Some((known.value, known.sigma))
     }
