@@ -1,7 +1,7 @@
-//! What one record costs, out of octets and back: items found, typed fields, named values, JSON, encoding.
+//! Cost of one record, decoding and encoding: items found, typed fields, named values, JSON, encoding.
 //!
-//! `cargo bench -p asterix --bench asterix`. Recordings of several sensors, held in memory, where they are present;
-//! radar reports made by the encoder where there are none. One element of the throughput is one record.
+//! `cargo bench -p asterix --bench asterix`. Inputs are recordings of several sensors, held in memory, if present,
+//! else radar reports made by the encoder. One element of the throughput is one record.
 
 #[path = "../crates/asterix/tests/files/mod.rs"]
 mod files;
@@ -23,11 +23,11 @@ const RECORDINGS: &[(&str, &str)] = &[
     ("cat048 radar", "akapetanovic/Jahorina.raw"),
 ];
 
-/// Of each recording so many blocks are read: a hundredth of a second and more.
+/// Number of blocks read from each recording: a hundredth of a second and more.
 const BLOCKS: usize = 10_000;
-/// Records made where there is no recording.
+/// Number of records made in the absence of recordings.
 const RECORDS: u64 = 10_000;
-/// The greatest block that fits an Ethernet frame behind the headers of IPv4 and UDP.
+/// Maximum size of a block in an Ethernet frame with headers of IPv4 and UDP, bytes.
 const BLOCK_OCTETS_MAX: u16 = 1472;
 
 fn asterix(criterion: &mut Criterion) {
@@ -119,7 +119,7 @@ fn made_blocks() -> Vec<u8> {
     bytes
 }
 
-/// A Mode S radar's report of a track, as radars send them most.
+/// Track report of a Mode S radar, in the most common form.
 fn radar_report(number: u64) -> NamedRecord {
     let flags = |names: &[&'static str]| names.iter().map(|name| (*name, 0u64.into())).collect::<Vec<_>>();
     let with = |names: &[&'static str], members: &[(&'static str, Value)]| {

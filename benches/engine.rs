@@ -1,8 +1,8 @@
-//! What one report costs in the engine: association, accuracy values, rule, combination, without any bus.
+//! Cost of one report in the engine: association, accuracy values, rule, combination, without any bus.
 //!
-//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7). The second group
-//! says what the checkpoint costs: two engines, one with and one without, take the same reports by turns, a thousand
-//! each.
+//! `cargo bench -p koseki --bench engine`. The cost must not grow with the number of targets (PL-7). The second
+//! group measures the cost of the checkpoint: two engines, with and without a checkpoint, take the same reports
+//! alternately, a thousand each.
 
 use std::sync::atomic::AtomicU64;
 use std::time::Instant;
@@ -66,7 +66,7 @@ fn settings(targets: usize) -> Settings {
     }
 }
 
-/// Targets on a grid 3 km apart, all moving; half of the sources know addresses.
+/// Targets on a grid 3 km apart, all moving; half of the sources report addresses.
 fn report(source: u16, target: u32, side: u32, second: f64) -> SensorTrack {
     let (column, row) = (f64::from(target % side), f64::from(target / side));
     let velocity = [100.0 + column % 7.0, row % 11.0 - 5.0, 0.0];
@@ -157,7 +157,7 @@ fn checkpoint(_: &mut Criterion) {
         let mut pairs: Vec<(f64, f64)> = Vec::new();
         for pair in 0..warm + 400 {
             let (without, with) = engines.split_at_mut(1);
-            // The first one warms the caches for neither: each has tables of its own.
+            // The first run does not warm the caches for the second: each engine has its own tables.
             let mut run = |is_kept: bool| match is_kept {
                 false => block(&mut without[0], pair * BLOCK, false),
                 true => block(&mut with[0], pair * BLOCK, true),

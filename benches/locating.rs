@@ -1,7 +1,7 @@
-//! What one bearing costs in the locator: all models, choice and selection, without any file or bus.
+//! Cost of one bearing in the locator: all models, choice and selection, without any file or bus.
 //!
-//! `cargo bench -p koseki --bench locating`. A thousand emitters with ten bearings a second each are 10,000 bearings a
-//! second; the cost must not grow with how long they have been heard.
+//! `cargo bench -p koseki --bench locating`. A thousand emitters with ten bearings a second each are 10,000
+//! bearings a second. The cost must not grow with the duration of reception.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use locating::settings::FilterChoice;
@@ -11,7 +11,7 @@ use observations::Bearing;
 const PERIOD_NS: u64 = 100_000_000;
 const SIGMA_RAD: f64 = 0.03;
 
-/// Emitters on a grid 1 km apart, every other one moving, seen from an aircraft that circles about them.
+/// Emitters on a grid 1 km apart, every other emitter moving, observed from an aircraft that circles around them.
 fn bearing(next: u64, emitters: u64) -> Bearing {
     let (emitter, round) = (next % emitters, next / emitters);
     let second = (round * PERIOD_NS) as f64 * 1e-9;
@@ -19,7 +19,7 @@ fn bearing(next: u64, emitters: u64) -> Bearing {
     let place = [1e3 * (emitter % 32) as f64 + drift, 1e3 * (emitter / 32) as f64];
     let angle = second / 300.0;
     let platform = [16e3 + 30e3 * angle.sin(), 16e3 + 30e3 * angle.cos()];
-    // As good as noise for a filter: no two of one emitter are alike.
+    // Equivalent to noise for a filter: all errors of an emitter differ.
     let error = ((next.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 33) as f64 / (1u64 << 30) as f64 - 1.0) * 1.7 * SIGMA_RAD;
     Bearing {
         time_of_measurement_ns: (round * PERIOD_NS) as i64,

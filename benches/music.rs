@@ -1,4 +1,4 @@
-//! What one set of snapshots costs: covariance, eigen-decomposition, search and accuracy.
+//! Cost of one set of array snapshots: covariance, eigen-decomposition, search and accuracy.
 //!
 //! `cargo bench -p locating --bench music`.
 
