@@ -1,7 +1,7 @@
-//! Records of ASTERIX for Python: as dicts, one after the other, or as columns.
+//! ASTERIX records for Python: as successive dicts, or as columns.
 //!
-//! Both decode without the interpreter lock. Dicts are made while another thread decodes the next records; a column is
-//! filled where an element of a name first appears, and holds a value or none for each record of its category.
+//! Both decode without the interpreter lock. Dicts are made while another thread decodes the next records. A column
+//! is created when an element of a name first appears, and holds a value or none for each record of its category.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
@@ -18,9 +18,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
 
-/// Records that go from one thread to the other at a time.
+/// Number of records passed between threads at a time.
 const BATCH: usize = 256;
-/// Batches that may wait.
+/// Maximum number of waiting batches.
 const BATCHES_WAITING: usize = 4;
 
 fn chosen(editions: &[String]) -> PyResult<Vec<ChosenEdition>> {
@@ -28,7 +28,7 @@ fn chosen(editions: &[String]) -> PyResult<Vec<ChosenEdition>> {
     parsed.collect::<Result<_, String>>().map_err(PyValueError::new_err)
 }
 
-/// Hands every record that can be believed to `visit`, until that fails.
+/// Passes every plausible record to `visit`, until `visit` fails.
 fn for_each<E>(
     octets: &[u8],
     editions: &[ChosenEdition],
@@ -57,7 +57,7 @@ pub(super) struct Records {
     names: Names,
 }
 
-/// Begins to decode.
+/// Starts decoding.
 #[pyfunction]
 pub(super) fn records(py: Python<'_>, path: PathBuf, editions: Vec<String>) -> PyResult<Records> {
     let editions = chosen(&editions)?;
@@ -65,7 +65,7 @@ pub(super) fn records(py: Python<'_>, path: PathBuf, editions: Vec<String>) -> P
     let (sender, batches) = sync_channel(BATCHES_WAITING);
     thread::spawn(move || {
         let mut batch = Vec::with_capacity(BATCH);
-        // Sending fails when nobody wants any more.
+        // Sending fails after the receiver was dropped.
         let sent = for_each(&octets, &editions, |record| {
             batch.push(record);
             match batch.len() {
@@ -90,7 +90,7 @@ impl Records {
 
     fn __next__<'py>(&mut self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         if self.batch.len() == 0 {
-            // The sender is gone when all are told.
+            // The sender is dropped after the last record.
             let next = py.detach(|| super::lock(&self.batches).recv());
             self.batch = next.unwrap_or_default().into_iter();
         }
@@ -99,7 +99,7 @@ impl Records {
     }
 }
 
-/// Names that Python has, by the place of ours.
+/// Python strings of the names, by address and length of the Rust text.
 #[derive(Default)]
 struct Names(HashMap<(usize, usize), Py<PyString>>);
 
@@ -129,7 +129,7 @@ impl Names {
         Ok(dict)
     }
 
-    /// A value as JSON has it.
+    /// Converts a value to the form used in JSON.
     fn value<'py>(&mut self, py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
         Ok(match value {
             Value::Unsigned(number) => number.into_pyobject(py)?.into_any(),
@@ -160,7 +160,7 @@ struct Columns {
     root: Node,
 }
 
-/// Names below a name, and the column of the values there.
+/// Child names of a name, and the column of its values.
 #[derive(Default)]
 struct Node {
     members: Vec<(&'static str, Node)>,
@@ -172,7 +172,7 @@ struct Column {
     values: Values,
 }
 
-/// One value a record; those of records at the end that have none may lack.
+/// One value per record; values of trailing records without the element may be absent.
 enum Values {
     Numbers(Vec<f64>),
     Others(Vec<Option<Value>>),
@@ -186,7 +186,8 @@ impl Values {
                 numbers.push(number);
                 return;
             }
-            // An element whose content depends on another is a number here and a text there.
+            // An element whose content depends on another element may be a number in some records and a text in
+            // others.
             let known = numbers
                 .iter()
                 .map(|number| (!number.is_nan()).then_some(Value::Quantity(*number)));
@@ -254,7 +255,7 @@ impl Node {
 
 type Table<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
-/// Columns of each category: the octets of 64-bit floats, or a list.
+/// Returns the columns of each category: the bytes of 64-bit floats, or a list.
 #[pyfunction]
 pub(super) fn columns<'py>(
     py: Python<'py>,

@@ -1,7 +1,7 @@
-//! `koseki-client` for Python: what `koseki/__init__.py` stands on, which says what everything is.
+//! `koseki-client` for Python: the native part of `koseki/__init__.py`, which documents the interface.
 //!
-//! A slice is handed out as a buffer: numpy reads it where it lies, and it is given back when the last array over it is
-//! gone. Waiting lets other Python threads run.
+//! A slice is passed to Python as a buffer: numpy reads it in place, and it is returned when the last array over it
+//! is dropped. Waiting releases the interpreter lock for other Python threads.
 
 mod decoding;
 mod tables;
@@ -23,10 +23,10 @@ use pyo3::ffi;
 use pyo3::prelude::*;
 use recording::{Item, RecordingError};
 
-/// Longest wait before Python may look whether somebody has pressed Ctrl-C.
+/// Maximum wait before Python checks for Ctrl-C.
 const SIGNALS: Duration = Duration::from_millis(200);
 
-/// Hands an error over: Python's side makes an exception of its kind.
+/// Converts an error: the Python side raises an exception of its kind.
 fn failed(error: Error) -> PyErr {
     let kind = match error.kind() {
         ErrorKind::NotRunning => "NotRunning",
@@ -41,7 +41,7 @@ fn failed(error: Error) -> PyErr {
     raised(kind, error.to_string())
 }
 
-/// An exception of the package, of the class called `kind`.
+/// Creates an exception of the package, of the class called `kind`.
 fn raised(kind: &str, text: String) -> PyErr {
     Python::attach(|py| {
         let class = py.import("koseki._errors").and_then(|module| module.getattr(kind));
@@ -57,7 +57,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 type Field = (&'static str, &'static str, usize, usize, &'static str);
 
-/// Fields of the sample called `name`: name, Rust type, offset, size and documentation of each, and octets of all.
+/// Returns the fields of a sample (name, Rust type, offset, size and documentation of each) and the size of the
+/// sample, bytes.
 fn fields(layout: &Layout) -> (Vec<Field>, usize) {
     let of = |field: &koseki_client::messages::layout::Field| {
         (field.name, field.kind, field.offset, field.size, field.doc.trim())
@@ -65,13 +66,13 @@ fn fields(layout: &Layout) -> (Vec<Field>, usize) {
     (layout.fields.iter().map(of).collect(), layout.size)
 }
 
-/// Memory maps of all samples: name, fields, octets.
+/// Memory maps of all samples: name, fields, size in bytes.
 #[pyfunction]
 fn layouts() -> Vec<(&'static str, (Vec<Field>, usize))> {
     ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
 }
 
-/// Samples of a recording of all topics: the layout's name and all octets of each topic.
+/// Samples of a recording of all topics: the layout's name and all bytes of each topic.
 #[pyfunction]
 fn read(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, (&'static str, Vec<u8>)>> {
     py.detach(|| {
@@ -132,7 +133,8 @@ impl Subscription {
         Ok(Self(Mutex::new(Some(opened))))
     }
 
-    /// The next slice; `None` if none comes within `timeout_s` seconds, where `None` is as long as it takes.
+    /// Returns the next slice; `None` if none arrives within `timeout_s` seconds. A timeout of `None` waits without
+    /// limit.
     fn receive(&self, py: Python<'_>, timeout_s: Option<f64>) -> PyResult<Option<Slice>> {
         let timeout = timeout_s.map(|seconds| Duration::try_from_secs_f64(seconds.max(0.0)).unwrap_or(Duration::MAX));
         let mut left = timeout.unwrap_or(Duration::MAX);
@@ -161,7 +163,7 @@ impl Subscription {
         fd.ok_or_else(closed)
     }
 
-    /// Samples taken, lost and of older epochs, and the epoch.
+    /// Returns the numbers of samples taken, lost and of older epochs, and the epoch.
     fn counts(&self) -> PyResult<(u64, u64, u64, u64)> {
         let subscription = lock(&self.0);
         let counts = subscription.as_ref().map(|subscription| subscription.counts());
@@ -169,7 +171,7 @@ impl Subscription {
         Ok((counts.taken, counts.lost, counts.of_older_epochs, counts.epoch))
     }
 
-    /// Name of the samples.
+    /// Returns the name of the sample type.
     fn sample(&self) -> PyResult<&'static str> {
         let subscription = lock(&self.0);
         let name = subscription.as_ref().map(|subscription| subscription.layout().name);
@@ -181,11 +183,11 @@ impl Subscription {
     }
 }
 
-/// A slice in shared memory, as a buffer of octets.
+/// Slice in shared memory, as a buffer of bytes.
 #[pyclass(frozen)]
 struct Slice(Box<dyn AnySlice>);
 
-// SAFETY: after it was made, a slice is only read.
+// SAFETY: a slice is only read after its creation.
 unsafe impl Sync for Slice {}
 
 #[pymethods]
@@ -211,7 +213,7 @@ impl Slice {
     }
 
     /// # Safety
-    /// As Python calls it.
+    /// Python's buffer protocol is the only caller.
     unsafe fn __getbuffer__(slf: PyRef<'_, Self>, view: *mut ffi::Py_buffer, flags: c_int) -> PyResult<()> {
         const OCTETS: &CStr = c"B";
         if view.is_null() || flags & ffi::PyBUF_WRITABLE != 0 {
@@ -219,8 +221,8 @@ impl Slice {
         }
         let octets = slf.0.octets();
         let (start, length) = (octets.as_ptr(), octets.len().cast_signed());
-        // SAFETY: Python hands over a view to be filled. The octets stay where they are as long as the slice lives, of
-        // which the view holds a reference; nothing writes to them through it, since it is marked as read-only.
+        // SAFETY: Python passes a view to fill. The bytes stay in place while the slice lives, and the view holds a
+        // reference to the slice. Nothing writes through the view, since it is marked as read-only.
         let outcome = unsafe {
             let format = OCTETS.as_ptr();
             let outcome =
@@ -263,7 +265,7 @@ impl Publisher {
             .ok_or_else(closed)
     }
 
-    /// Name of the samples.
+    /// Returns the name of the sample type.
     fn sample(&self) -> PyResult<&'static str> {
         lock(&self.0)
             .as_ref()

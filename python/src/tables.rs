@@ -1,8 +1,8 @@
-//! Commands on tables for Python: what the executable does with files, on columns.
+//! Commands on tables for Python: the executable's commands on files, applied to columns.
 //!
-//! The commands read and write tables of text, so columns become text in memory, and text columns: numbers in the
-//! shortest form that is read as the same number again. So results are those of the executable to the digit, and an
-//! error names the line of the table as it would that of a file, of which the first has the columns' names.
+//! The commands read and write tables of text. Columns are therefore converted to text in memory and back, with
+//! numbers in the shortest form that reads as the same number. Results equal those of the executable to the digit.
+//! An error names the line of the table as in a file whose first line holds the columns' names.
 
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -20,14 +20,14 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyList};
 
-/// Time between two looks whether somebody has pressed Ctrl-C, of which Python learns the progress.
+/// Time between two checks for Ctrl-C, with progress reports to Python.
 const LOOKS: Duration = Duration::from_millis(50);
-/// Columns that stay text, whatever they look like: an address may look like a number.
+/// Columns that stay text regardless of content: an address may look like a number.
 const TEXTS: [&str; 8] = [
     "address", "callsign", "lambda", "mode_3a", "sources", "state", "type", "weights",
 ];
 
-/// A table that Python hands over.
+/// Table from Python.
 #[derive(FromPyObject)]
 pub(super) enum Given {
     Text(String),
@@ -67,7 +67,7 @@ impl Values {
         }
     }
 
-    /// Appends the value of a row; nothing where there is none.
+    /// Appends the value of a row; nothing for a missing value.
     fn write(&self, row: usize, text: &mut String) {
         // Writing to a string cannot fail.
         let _ = match self {
@@ -78,7 +78,7 @@ impl Values {
         };
     }
 
-    /// Values as numbers, if all of them are some, or are missing.
+    /// Converts values to numbers if all of them are numbers or missing.
     fn of(name: &str, texts: Vec<&str>) -> Self {
         if !TEXTS.contains(&name) {
             if let Ok(wholes) = texts.iter().map(|text| text.parse()).collect() {
@@ -92,7 +92,7 @@ impl Values {
         Self::Texts(texts.into_iter().map(str::to_owned).collect())
     }
 
-    /// Type of numpy and octets, or a list.
+    /// Returns the numpy type and bytes, or a list.
     fn handed_out<'py>(&self, py: Python<'py>) -> PyResult<(&'static str, Bound<'py, PyAny>)> {
         fn octets<const N: usize, T: Copy>(values: &[T], octets: fn(T) -> [u8; N]) -> Vec<u8> {
             values.iter().flat_map(|value| octets(*value)).collect()
@@ -111,7 +111,7 @@ impl Values {
     }
 }
 
-/// Text of a table; the fault if its columns cannot be one.
+/// Returns the text of a table, or the fault of its columns.
 fn as_text(columns: &[(String, Values)]) -> Result<String, String> {
     let rows = columns.first().map_or(0, |(_, values)| values.len());
     let mut text = String::new();
@@ -145,7 +145,7 @@ fn as_text(columns: &[(String, Values)]) -> Result<String, String> {
     Ok(text)
 }
 
-/// Columns of a table that a command has written.
+/// Returns the columns of a table written by a command.
 fn as_columns(text: &str) -> Vec<(String, Values)> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
@@ -161,7 +161,7 @@ fn as_columns(text: &str) -> Vec<(String, Values)> {
         .collect()
 }
 
-/// Python's wish that a command ends: Ctrl-C, or an exception in its function for the progress.
+/// Request from Python to end a command: Ctrl-C, or an exception in its progress function.
 struct Watch {
     progress: Option<Py<PyAny>>,
     looked: Cell<Instant>,
@@ -169,7 +169,7 @@ struct Watch {
 }
 
 impl Watch {
-    /// Looks, now and then.
+    /// Checks regularly, at most every `LOOKS`.
     fn look(&self, share: Option<f64>) -> io::Result<()> {
         match self.looked.get().elapsed() < LOOKS {
             true => Ok(()),
@@ -197,7 +197,7 @@ impl Watch {
     }
 }
 
-/// An input during whose reading Python may end the command.
+/// Input that permits Python to end the command during reading.
 struct Watched<T> {
     octets: T,
     watch: Rc<Watch>,
@@ -218,7 +218,7 @@ impl<T: Seek> Seek for Watched<T> {
 
 type Written = Rc<RefCell<BTreeMap<PathBuf, Vec<u8>>>>;
 
-/// Tables in memory by name; any other name is that of a file. All that is written stays in memory.
+/// Tables in memory by name; other names refer to files. All output stays in memory.
 struct Memory {
     tables: BTreeMap<PathBuf, Arc<[u8]>>,
     written: Written,
@@ -270,12 +270,12 @@ impl Host for Memory {
     }
 
     fn passed(&self) {
-        // A failure is found below.
+        // A failure is detected below.
         let _ = self.watch.look_now(Some(1.0));
     }
 }
 
-/// A table that is written.
+/// Output table.
 #[derive(Debug)]
 struct Kept {
     path: PathBuf,
@@ -303,7 +303,7 @@ impl Output for Kept {
 
 type HandedOut<'py> = BTreeMap<String, Vec<(String, (&'static str, Bound<'py, PyAny>))>>;
 
-/// Does what `words` say; gives the tables that were written, the answer, and what was said beside it.
+/// Executes the command `words`; returns the written tables, the answer, and the messages beside it.
 #[pyfunction]
 pub(super) fn run<'py>(
     py: Python<'py>,
@@ -363,7 +363,7 @@ pub(super) fn run<'py>(
     Ok((handed_out.collect::<PyResult<_>>()?, answer, said))
 }
 
-/// A refused input or option is an error of the value; else the engine has failed.
+/// Converts an error: a rejected input or option becomes a `ValueError`, other errors a failure of the engine.
 fn failed(error: &anyhow::Error) -> PyErr {
     let text = format!("{error:#}");
     match offline::is_refused(error) {
