@@ -1,5 +1,5 @@
-//! Publishes tracks of an external source in a layout that nobody here knows, as a program of another version would:
-//! `other_layout INSTANCE SOURCE`, until it is killed. Tests of the languages run it beside their readers.
+//! Publishes tracks of an external source in an unknown layout, like a program of another version: `other_layout
+//! INSTANCE SOURCE`, until it is killed. Tests of the languages run it beside their readers.
 
 use std::thread::sleep;
 use std::time::Duration;

@@ -1,7 +1,7 @@
-//! `koseki-client` for C: the functions that `include/koseki.h` declares, which says what they do.
+//! `koseki-client` for C: implements the functions declared and documented in `include/koseki.h`.
 //!
-//! A handle is a box that its close function takes back. What failed is a code; the text of the calling thread's latest
-//! failure can be asked for. A panic would be a fault of this library, and ends the program.
+//! A handle is a box; its close function takes the box back. Failures are codes; the text of the calling thread's
+//! latest failure is available by a function. A panic would be a fault of this library, and ends the program.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -15,7 +15,7 @@ use koseki_client::messages::layout::Layout;
 use koseki_client::{Error, ErrorKind, Root};
 
 const OK: c_int = 0;
-/// Code of a wait that ended with nothing; the others are those of [`ErrorKind`].
+/// Code of a wait that ended without a slice; the other codes are those of [`ErrorKind`].
 const NOTHING: c_int = 9;
 
 /// Handle of a subscription.
@@ -26,7 +26,7 @@ pub struct Subscription(Box<dyn AnySubscription>);
 #[derive(Debug)]
 pub struct Publisher(Box<dyn AnyPublisher>);
 
-/// A slice that is kept from being overwritten until it is released.
+/// Slice protected from being overwritten until its release.
 #[derive(Debug)]
 #[repr(C)]
 pub struct Slice {
@@ -62,7 +62,7 @@ fn code(done: Result<c_int, Error>) -> c_int {
     done.unwrap_or_else(|error| failed(error.kind(), error.to_string()))
 }
 
-/// The text at `text`, or why it is none.
+/// Returns the text at `text`, or an error code if it is invalid.
 ///
 /// # Safety
 /// `text` is null or a string that ends with a zero.
@@ -70,12 +70,12 @@ unsafe fn word<'a>(text: *const c_char, name: &str) -> Result<&'a str, c_int> {
     if text.is_null() {
         return Err(failed(ErrorKind::Argument, format!("{name} is null")));
     }
-    // SAFETY: as asked for.
+    // SAFETY: guaranteed by the caller, as stated above.
     let text = unsafe { CStr::from_ptr(text) }.to_str();
     text.map_err(|error| failed(ErrorKind::Argument, format!("{name}: {error}")))
 }
 
-/// Whether the samples of the caller's header are those of this library.
+/// Checks that the samples of the caller's header match those of this library.
 fn check_schema(stated: u64, layout: &Layout) -> Result<(), c_int> {
     if stated == layout.fingerprint() {
         return Ok(());
@@ -89,7 +89,7 @@ fn check_schema(stated: u64, layout: &Layout) -> Result<(), c_int> {
     Err(failed(ErrorKind::Schema, text))
 }
 
-/// Opens something called `topic` in the deployment called `instance`, and hands it out by `handle`.
+/// Opens `topic` in the deployment `instance`, and stores the new handle in `handle`.
 ///
 /// # Safety
 /// The texts are null or end with a zero; `handle` is null or can be written to.
@@ -107,9 +107,9 @@ unsafe fn open<T, H>(
                 "the place of the handle is null".to_owned(),
             ));
         }
-        // SAFETY: `handle` is not null, and the caller says that it can be written to.
+        // SAFETY: `handle` is not null, and the caller guarantees that it can be written to.
         unsafe { *handle = ptr::null_mut() };
-        // SAFETY: as asked for.
+        // SAFETY: guaranteed by the caller, as stated above.
         let (instance, topic) = unsafe { (word(instance, "instance")?, word(topic, "topic")?) };
         let root = Root::new(instance).map_err(Error::from);
         let opened = root.and_then(|root| open(&root, topic));
@@ -128,7 +128,7 @@ unsafe fn open<T, H>(
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_subscribe(
     instance: *const c_char,
@@ -140,17 +140,17 @@ pub unsafe extern "C" fn koseki_subscribe(
         check_schema(schema, opened.layout())?;
         Ok(Subscription(opened))
     };
-    // SAFETY: as the header says.
+    // SAFETY: the contract of the header.
     unsafe { open(instance, topic, handle, by_name::subscribe, checked) }
 }
 
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout_ms: i64, slice: *mut Slice) -> c_int {
-    // SAFETY: the header asks for a handle that is open and used by one thread at a time, and for a place to write to.
+    // SAFETY: the header requires an open handle, used by one thread at a time, and a writable place.
     let (Some(subscription), false) = (unsafe { subscription.as_mut() }, slice.is_null()) else {
         return failed(ErrorKind::Argument, "subscription or slice is null".to_owned());
     };
@@ -162,7 +162,7 @@ pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout
         starts_epoch: 0,
         kept: ptr::null_mut(),
     };
-    // SAFETY: as above; what was there needs no drop.
+    // SAFETY: as above; the overwritten value needs no drop.
     unsafe { slice.write(empty) };
     let timeout = u64::try_from(timeout_ms).map_or(Duration::MAX, Duration::from_millis);
     let size = subscription.0.layout().size;
@@ -188,17 +188,17 @@ pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_release(slice: *mut Slice) {
-    // SAFETY: the header asks for null or a slice that `koseki_receive` has written.
+    // SAFETY: the header requires null or a slice written by `koseki_receive`.
     let Some(slice) = (unsafe { slice.as_mut() }) else {
         return;
     };
     let kept = std::mem::replace(&mut slice.kept, ptr::null_mut());
     (slice.samples, slice.header, slice.count) = (ptr::null(), ptr::null(), 0);
     if !kept.is_null() {
-        // SAFETY: it comes from `Box::into_raw`, and has just been taken out of its only place.
+        // SAFETY: the pointer comes from `Box::into_raw`, and has just been taken out of its only place.
         drop(unsafe { Box::from_raw(kept) });
     }
 }
@@ -206,10 +206,10 @@ pub unsafe extern "C" fn koseki_release(slice: *mut Slice) {
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_descriptor(subscription: *const Subscription) -> c_int {
-    // SAFETY: the header asks for null or a handle that is open.
+    // SAFETY: the header requires null or an open handle.
     let subscription = unsafe { subscription.as_ref() };
     subscription.map_or(-1, |subscription| subscription.0.as_fd().as_raw_fd())
 }
@@ -217,10 +217,10 @@ pub unsafe extern "C" fn koseki_descriptor(subscription: *const Subscription) ->
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_counts(subscription: *const Subscription) -> Counts {
-    // SAFETY: the header asks for null or a handle that is open.
+    // SAFETY: the header requires null or an open handle.
     let subscription = unsafe { subscription.as_ref() };
     let counts = subscription
         .map(|subscription| subscription.0.counts())
@@ -236,11 +236,11 @@ pub unsafe extern "C" fn koseki_counts(subscription: *const Subscription) -> Cou
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_unsubscribe(subscription: *mut Subscription) {
     if !subscription.is_null() {
-        // SAFETY: the header asks for a handle that is open, which comes from `Box::into_raw`.
+        // SAFETY: the header requires an open handle, which comes from `Box::into_raw`.
         drop(unsafe { Box::from_raw(subscription) });
     }
 }
@@ -248,7 +248,7 @@ pub unsafe extern "C" fn koseki_unsubscribe(subscription: *mut Subscription) {
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_advertise(
     instance: *const c_char,
@@ -260,17 +260,17 @@ pub unsafe extern "C" fn koseki_advertise(
         check_schema(schema, opened.layout())?;
         Ok(Publisher(opened))
     };
-    // SAFETY: as the header says.
+    // SAFETY: the contract of the header.
     unsafe { open(instance, topic, handle, by_name::publisher, checked) }
 }
 
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *const c_void, count: usize) -> c_int {
-    // SAFETY: the header asks for a handle that is open and used by one thread at a time.
+    // SAFETY: the header requires an open handle, used by one thread at a time.
     let (Some(publisher), false) = (unsafe { publisher.as_mut() }, samples.is_null()) else {
         return failed(ErrorKind::Argument, "publisher or samples are null".to_owned());
     };
@@ -280,7 +280,7 @@ pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *con
             format!("{count} samples are more than memory holds"),
         );
     };
-    // SAFETY: the header asks for `count` samples of the publisher's type, all of whose octets are fields.
+    // SAFETY: the header requires `count` samples of the publisher's type, whose bytes are all fields.
     let octets = unsafe { std::slice::from_raw_parts(samples.cast::<u8>(), length) };
     code(publisher.0.publish(octets).map(|()| OK))
 }
@@ -288,11 +288,11 @@ pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *con
 /// See the header.
 ///
 /// # Safety
-/// As the header says.
+/// As documented in the header.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut Publisher) {
     if !publisher.is_null() {
-        // SAFETY: the header asks for a handle that is open, which comes from `Box::into_raw`.
+        // SAFETY: the header requires an open handle, which comes from `Box::into_raw`.
         drop(unsafe { Box::from_raw(publisher) });
     }
 }
@@ -300,6 +300,6 @@ pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut Publisher) {
 /// See the header.
 #[unsafe(no_mangle)]
 pub extern "C" fn koseki_error() -> *const c_char {
-    // It stays where it is until this thread's next failure replaces it.
+    // The text stays in place until this thread's next failure replaces it.
     LATEST.with_borrow(|text| text.as_ptr())
 }
