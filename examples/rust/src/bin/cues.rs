@@ -1,7 +1,7 @@
-//! Where a sensor should look next: what the controller of a steerable sensor needs to read from Koseki (WA-12).
+//! Cues for a sensor: the minimal reader in the controller of a steerable sensor (WA-12).
 //!
-//! A source with `[source.tracker] cues = true` says after each scan where its sensor will find each confirmed track at
-//! the next look, and how far around it has to search.
+//! For a source with `[source.tracker] cues = true`, Koseki publishes after each scan the predicted position of
+//! each confirmed track at the sensor's next look, and the size of the search region.
 //!
 //! ```text
 //! koseki demo --set 'source[4].tracker.cues=true'           # in one terminal; the source called radar-south
@@ -14,16 +14,16 @@ use koseki_client::messages::{self, Cue};
 use koseki_client::{Error, ErrorKind, Root, Subscription};
 
 fn main() -> Result<(), Error> {
-    // Which deployment (`koseki up --instance`, or the name in its configuration), and which of its sources.
+    // Deployment (the name given to `koseki up --instance`, or that of its configuration), and source.
     let mut arguments = std::env::args().skip(1);
     let instance = arguments.next().unwrap_or_else(|| "demo".to_owned());
     let source = arguments.next().unwrap_or_else(|| "radar-south".to_owned());
 
-    // The topic is there if the source has `cues = true`.
+    // The topic exists if the source has `cues = true`.
     let mut cues = Subscription::at(&Root::new(&instance)?, &messages::cues(&source))?;
     loop {
         match cues.next(Duration::from_secs(1)) {
-            // All cues of one scan come together. A controller would sort them by time and direction, and steer.
+            // All cues of one scan arrive together. A controller would sort them by time and direction, and steer.
             Ok(Some(scan)) => scan.iter().for_each(show),
             Ok(None) => {}
             Err(error) if error.kind() == ErrorKind::Ended => return Ok(()),
@@ -32,7 +32,7 @@ fn main() -> Result<(), Error> {
     }
 }
 
-/// One line per cue: when to look, for which track, where, and in what ellipse around it.
+/// Prints a line per cue: time, track, position, and the ellipse of the search.
 fn show(cue: &Cue) {
     let seconds = cue.time_ns as f64 / messages::NS_PER_S;
     let ([x, y, z], [vx, vy, _]) = (cue.position_m, cue.velocity_mps);

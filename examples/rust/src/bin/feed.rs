@@ -1,6 +1,6 @@
-//! A source of one's own: tracks that another program has made, given to fusion.
+//! External source: passes tracks of another program to fusion.
 //!
-//! The configuration says that it comes from outside: a `[[source]]` with a name and `[source.external]`.
+//! The configuration declares it as external: a `[[source]]` with a name and `[source.external]`.
 //!
 //! ```text
 //! koseki up examples/feed.toml                  # in one terminal

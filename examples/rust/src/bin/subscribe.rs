@@ -1,12 +1,12 @@
-//! The smallest subscriber of system tracks: what another program needs to read Koseki's picture.
+//! Minimal subscriber of system tracks: the code required in another program to read Koseki's track picture.
 //!
 //! ```text
 //! koseki demo                                       # in one terminal
 //! cd examples/rust; cargo run --bin subscribe demo  # in another
 //! ```
 //!
-//! A reader can come and go at any time, and can be as slow as it likes: it never holds anybody up. What it misses by
-//! being slow, it is told.
+//! A reader can start and stop at any time, and can read slowly: it never delays other processes. A slow reader is
+//! informed of the number of lost samples.
 
 use std::time::Duration;
 
@@ -14,11 +14,12 @@ use koseki_client::messages::{NS_PER_S, SystemTrack, TrackKind, TrackState};
 use koseki_client::{Error, ErrorKind, Subscription};
 
 fn main() -> Result<(), Error> {
-    // Which deployment: the name given to `koseki up --instance`, or that of its configuration.
+    // Deployment: the name given to `koseki up --instance`, or that of its configuration.
     let instance = std::env::args().nth(1).unwrap_or_else(|| "demo".to_owned());
     let mut tracks = Subscription::open(&instance)?;
     loop {
-        // Samples are read where fusion wrote them, as long as the slice is kept. Copy what is needed longer.
+        // The slice refers to the samples written by fusion until it is dropped. Copy samples that are needed
+        // longer.
         let slice = match tracks.next(Duration::from_secs(1)) {
             Ok(Some(slice)) => slice,
             Ok(None) => continue,
@@ -32,7 +33,7 @@ fn main() -> Result<(), Error> {
     }
 }
 
-/// One line per update: time, number, state, who and what it is, where it is, how fast, and who sees it.
+/// Prints a line per update: time, number, state, identity, position, velocity, and sources.
 fn show(track: &SystemTrack) {
     let seconds = track.reference_time_ns as f64 / NS_PER_S;
     let state = TrackState::from_code(track.state).map_or("?", TrackState::word);
