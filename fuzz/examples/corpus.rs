@@ -1,11 +1,11 @@
-//! Makes a corpus for the target `codec` out of recordings, whatever their blocks are packed in.
+//! Makes a corpus for the target `codec` from recordings in any container.
 //!
 //! ```text
 //! cargo run --release --manifest-path fuzz/Cargo.toml --example corpus -- fuzz/corpus/codec FILE...
 //! ```
 //!
-//! Of blocks with the same category, length and FSPEC of the first record only the first is kept: the others would lead
-//! the fuzzer to the same places. A block becomes one input for each edition of its category.
+//! Of blocks with the same category, length and FSPEC of the first record only the first is kept: the others would
+//! lead the fuzzer to the same places. A block becomes one input for each edition of its category.
 
 use std::collections::HashSet;
 use std::error::Error;
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// One input for each edition of the category.
+/// Writes one input for each edition of the category.
 fn write_inputs(folder: &Path, number: usize, category: u8, body: &[u8]) -> std::io::Result<()> {
     for (index, table) in registry::REGISTRY.iter().enumerate() {
         if table.number == category {

@@ -1,7 +1,7 @@
-//! The ASTERIX codec: a block's body read in all ways with any table, and written again.
+//! ASTERIX codec: decodes a block's body in all ways with any table, and encodes it again.
 //!
-//! What must hold is in `crates/asterix/tests/any_bytes`. The octets are read as the body of a block of the table's
-//! category, which goes deep, and as they are, which tries the framing.
+//! `crates/asterix/tests/any_bytes` defines the required properties. The bytes are read as the body of a block of
+//! the table's category, which reaches deep code, and unchanged, which tests the framing.
 
 #![no_main]
 

@@ -1,7 +1,7 @@
-//! Recordings: what they come packed in, and which of their records can be believed.
+//! Recordings: their containers, and the selection of plausible records.
 //!
-//! The first octet forces a kind of container or leaves it to the content; the rest is the recording. Every octet must
-//! be accounted for, and whatever is in the datagrams must be surveyed and read to its end.
+//! The first byte forces a kind of container or leaves it to the content; the rest is the recording. Every byte
+//! must be accounted for, and the content of all datagrams must be surveyed and read to its end.
 
 #![no_main]
 

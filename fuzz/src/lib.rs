@@ -1,16 +1,16 @@
-//! What the octets of an input stand for; the targets take inputs apart, the corpus puts them together.
+//! Formats of fuzzing inputs; the targets split inputs, the corpus joins them.
 
 #![forbid(unsafe_code)]
 
-/// Inputs of the target `codec`: one octet that chooses the table and the mode, then the body of a data block.
+/// Inputs of the target `codec`: one byte that selects the table and the mode, then the body of a data block.
 pub mod codec {
     use asterix::block::HEADER_OCTETS;
     use asterix::{Category, Mode, registry};
 
-    /// The most octets of a body.
+    /// Maximum size of a body, bytes.
     pub const BODY_OCTETS_MAX: usize = u16::MAX as usize - HEADER_OCTETS;
 
-    /// The table, the mode and the body of an input.
+    /// Splits an input into table, mode and body.
     pub fn split(input: &[u8]) -> Option<(&'static Category, Mode, &[u8])> {
         let (&choice, body) = input.split_first()?;
         let table = registry::REGISTRY[usize::from(choice >> 1) % registry::REGISTRY.len()];
@@ -18,7 +18,7 @@ pub mod codec {
         Some((table, mode, &body[..body.len().min(BODY_OCTETS_MAX)]))
     }
 
-    /// The input that reads this body leniently with the registry's table of this index.
+    /// Returns the input that reads this body leniently with the registry's table of this index.
     pub fn join(index: usize, body: &[u8]) -> Vec<u8> {
         let choice = u8::try_from(index << 1).expect("at most 128 tables");
         [&[choice], body].concat()
