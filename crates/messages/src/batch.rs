@@ -7,7 +7,7 @@ use crate::layout::sample;
 sample! {
     /// Header before every slice on every topic.
     ///
-    /// A slice may be empty: then it only reports the progress of its source.
+    /// A slice may be empty: then it only reports the source's progress.
     BatchHeader, size 64 {
         /// Fingerprint of the layout the publisher was built with; others are rejected.
         schema: u64,

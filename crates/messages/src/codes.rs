@@ -1,8 +1,8 @@
-//! Enumerations and flag bits: one declaration gives each value its code, its word and its sentence.
+//! Enumerations and flag bits: one declaration gives each value a code, a word and a sentence.
 //!
-//! A code is part of the contract between processes and recordings. It is written beside its name and never
-//! changes, so inserted values have no effect on others. The C header and the Python module take their constants
-//! from the same declaration.
+//! A code is part of the contract between processes and recordings. The declaration states the code beside the
+//! name, and the code never changes, so inserted values have no effect on others. The C header and the Python
+//! module take constants from the same declaration.
 
 /// Value for other languages.
 #[derive(Clone, Copy, Debug)]

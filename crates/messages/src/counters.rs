@@ -1,5 +1,4 @@
-//! Counters: one declaration gives each counter its code, label, class, the processes that count it, and its
-//! sentence.
+//! Counters: one declaration gives each counter a code, a label, a class, the counting processes, and a sentence.
 //!
 //! Overload, loss and bad input are counted instead of logged: counters can be read from outside at any time.
 //! Reports, displays and metrics group counters by the classes defined here. Two words have a fixed meaning: input
@@ -14,7 +13,7 @@ use crate::layout::sample;
 pub const COUNTERS_MAX: usize = 128;
 
 sample! {
-    /// Values of all counters of a process, or of one source within a process.
+    /// Values of all counters of a process, or of a source within a process.
     Counters, size 1024 {
         /// Counts since the process started, indexed by the codes of `Counter`; a few are levels.
         values: [u64; 128] = [0; COUNTERS_MAX],
@@ -22,7 +21,7 @@ sample! {
 }
 
 impl Counters {
-    /// Returns these counters with one counter set to `count`.
+    /// Returns these counters with a single counter set to `count`.
     #[must_use]
     pub fn with(mut self, counter: Counter, count: u64) -> Self {
         self[counter] = count;
@@ -34,12 +33,12 @@ impl Counters {
         self[counter] += count;
     }
 
-    /// Returns the sum of the counters of one class.
+    /// Returns the sum of the counters of a class.
     pub fn sum_of(&self, class: CounterClass) -> u64 {
         Counter::of(class).map(|counter| self[counter]).sum()
     }
 
-    /// Returns these counters without those of whole processes.
+    /// Returns these counters without the counters of whole processes.
     #[must_use]
     pub fn without_those_of_processes(mut self) -> Self {
         for counter in Counter::ALL.iter().filter(|counter| counter.is_of_process()) {
@@ -103,7 +102,7 @@ pub enum CounterClass {
     FusionRemark,
     /// Events of the fused picture.
     Picture,
-    /// Work of a process, independent of its sources.
+    /// Work of a process, independent of sources.
     Process,
     /// Traffic through a process's sockets.
     Network,
@@ -123,7 +122,7 @@ macro_rules! counters {
         }
 
         impl Counter {
-            /// All counters, in the order of their codes.
+            /// All counters, in the order of codes.
             pub const ALL: &'static [Self] = &[ $( Self::$name, )* ];
 
             /// Returns the short name used in tables, JSON and metrics.
@@ -141,7 +140,7 @@ macro_rules! counters {
                 match self { $( Self::$name => &[ $( ProcessKind::$kind, )* ], )* }
             }
 
-            /// Returns a one-sentence description of the counted event.
+            /// Returns a description of the counted event, a single sentence.
             pub fn sentence(self) -> &'static str {
                 match self { $( Self::$name => $sentence, )* }
             }
@@ -152,7 +151,7 @@ macro_rules! counters {
 }
 
 impl Counter {
-    /// Returns the counters of one class, in the order of their codes.
+    /// Returns the counters of a class, in the order of codes.
     pub fn of(class: CounterClass) -> impl Iterator<Item = Self> + Clone {
         Self::ALL
             .iter()
@@ -160,7 +159,7 @@ impl Counter {
             .filter(move |counter| counter.class() == class)
     }
 
-    /// Whether the counter exists only for a whole process, never for one of its sources.
+    /// Whether the counter exists only for a whole process, never for a source.
     pub const fn is_of_process(self) -> bool {
         matches!(
             self.class(),

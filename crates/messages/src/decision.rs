@@ -1,8 +1,8 @@
 //! Decisions of fusion: the causes of the picture (BF-4).
 //!
-//! The state of a system track lists the contributing sources with weight and accuracy value. One record per
-//! decision states the gate distance that admitted a sensor track, the cause of its removal, and the reason why a
-//! track is shown or not.
+//! The state of a system track lists the contributing sources with weight and accuracy value. Each decision has a
+//! record with the gate distance that admitted a sensor track, the cause of a removal, and the reason why a track
+//! is shown or not.
 
 use crate::codes;
 use crate::health::NO_SOURCE;

@@ -3,7 +3,7 @@
 use crate::layout::sample;
 
 sample! {
-    /// Horizontal extent of a target: a box around it, centred on the track's position.
+    /// Horizontal extent of a target: a box centred on the track's position.
     Extent, size 24 {
         /// Length of the longer side, metres; 0: unknown.
         length_m: f32,

@@ -1,4 +1,4 @@
-//! Health messages: every process publishes its state several times a second.
+//! Health messages: every process publishes state and counters several times a second.
 
 use crate::codes;
 use crate::layout::sample;

@@ -81,14 +81,14 @@ impl Identity {
         (self.valid & identity_bits::MODE_3A != 0).then_some(self.mode_3a)
     }
 
-    /// Returns the callsign without its padding, if known.
+    /// Returns the callsign without padding, if known.
     pub fn callsign(&self) -> Option<&str> {
         (self.valid & identity_bits::CALLSIGN != 0)
             .then(|| unpadded(&self.callsign))
             .flatten()
     }
 
-    /// Returns the name without its padding, if known.
+    /// Returns the name without padding, if known.
     pub fn name(&self) -> Option<&str> {
         (self.valid & identity_bits::NAME != 0)
             .then(|| unpadded(&self.name))
@@ -111,7 +111,7 @@ impl Identity {
         self
     }
 
-    /// Returns this identity with a name, cut to its first [`NAME_MAX`] bytes.
+    /// Returns this identity with a name, cut to the first [`NAME_MAX`] bytes.
     #[must_use]
     pub fn with_name(mut self, name: &str) -> Self {
         self.name = [b' '; NAME_MAX];
@@ -145,7 +145,7 @@ impl Identity {
             || differ(self.mode_3a().map(u32::from), other.mode_3a().map(u32::from))
     }
 
-    /// Returns this identity without its unique number.
+    /// Returns this identity without a unique number.
     #[must_use]
     pub fn without_unique_number(mut self) -> Self {
         self.address = 0;

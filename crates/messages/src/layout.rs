@@ -1,10 +1,10 @@
-//! Layouts of samples: one declaration per sample, from which all descriptions of its bytes are derived.
+//! Layouts of samples: a single declaration per sample, from which all descriptions of the bytes are derived.
 //!
-//! `sample!` writes the `#[repr(C)]` struct as given and, beside it, a table of its fields with their offsets.
-//! [`c_header`] and [`python_module`] print those tables for the other languages. Two processes agree on a layout
-//! exactly if they agree on its [`Layout::fingerprint`], which hashes names, types, offsets and sizes. A comparison
-//! of type names and sizes alone would miss two swapped `f64`. Each type has its own fingerprint, so a new or
-//! changed type does not separate readers and publishers of other types.
+//! `sample!` writes the `#[repr(C)]` struct as given and, beside it, a table of fields and offsets. [`c_header`]
+//! and [`python_module`] print those tables for the other languages. Two processes agree on a layout exactly if both
+//! have the same [`Layout::fingerprint`], a hash of names, types, offsets and sizes. A comparison of type names and
+//! sizes alone would miss two swapped `f64`. Each type has its own fingerprint, so a new or changed type does not
+//! separate readers and publishers of other types.
 
 use std::fmt::Write as _;
 
@@ -48,13 +48,13 @@ pub trait Sample: Copy {
     /// Returns the bytes of `samples` in memory order.
     fn octets(samples: &[Self]) -> &[u8];
 
-    /// Returns the sample with these bytes; `None` if their number differs from its size.
+    /// Returns the sample with these bytes; `None` if the number of bytes differs from the sample's size.
     fn of_octets(octets: &[u8]) -> Option<Self>;
 }
 
-/// Declares a shared-memory sample: a `#[repr(C)]` struct with its asserted size, its zero-copy marker, its
-/// [`Layout`], and its default. A field without an explicit default is zero, which means "unknown" unless the field
-/// defines another meaning.
+/// Declares a shared-memory sample: a `#[repr(C)]` struct with asserted size, zero-copy marker, [`Layout`], and
+/// default. A field without an explicit default is zero, which means "unknown" unless the field defines another
+/// meaning.
 macro_rules! sample {
     (@default) => { Default::default() };
     (@default $default:expr) => { $default };
@@ -188,11 +188,12 @@ impl Layout {
         hash.layout(&crate::BatchHeader::LAYOUT).layout(self).0
     }
 
-    /// Returns the schema of this sample for ROS 2 (`ros2msg`): its fields, then those of each contained sample.
+    /// Returns the schema of this sample for ROS 2 (`ros2msg`): the fields, then the fields of each contained
+    /// sample.
     ///
-    /// CDR, the encoding of ROS 2, places numbers one after another, each at a multiple of its own size. Samples
-    /// have the same layout in memory, since their padding consists of fields. Four bytes that state
-    /// "little-endian", followed by the sample's bytes, are therefore a ROS 2 message.
+    /// CDR, the encoding of ROS 2, places numbers in succession, each at a multiple of the number's size. Samples
+    /// have the same layout in memory, since all padding consists of fields. Four bytes that state "little-endian",
+    /// followed by the sample's bytes, are therefore a ROS 2 message.
     pub fn ros2_schema(&self) -> String {
         let mut out = String::new();
         self.ros2_fields(&mut out);
@@ -416,7 +417,7 @@ fn constant_name(type_name: &str) -> String {
     name
 }
 
-/// Returns the layouts as a C11 header, with its own static assertions.
+/// Returns the layouts as a C11 header, with static assertions.
 pub fn c_header() -> String {
     let mut out = String::from(
         "/* Koseki's samples in shared memory. Written by `cargo run -p messages --example layouts`; a test keeps it true. */\n\

@@ -1,4 +1,4 @@
-//! Level of a target: the pressure altitude reported by its transponder, in the steps of Mode C.
+//! Level of a target: the pressure altitude reported by the transponder, in the steps of Mode C.
 
 /// Size of a step of a level, metres: 25 feet, a quarter of a flight level, as in ASTERIX and Mode S.
 pub const LEVEL_STEP_M: f64 = 7.62;

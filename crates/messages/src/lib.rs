@@ -1,13 +1,13 @@
 //! Samples of fixed layout in shared memory, and the topics that carry them (PL-2, PL-8).
 //!
 //! Processes built separately, perhaps in other languages, read the same bytes. Every sample is therefore
-//! `#[repr(C)]`, holds no pointer, declares its padding, and has its size asserted at compile time. The [`layout`]
-//! module has every field's offset. It generates the C header and the Python module in `layout/`; a test fails if
-//! these files are outdated.
+//! `#[repr(C)]`, holds no pointer, declares all padding, and has a size asserted at compile time. The [`layout`]
+//! module has every field's offset. The module generates the C header and the Python module in `layout/`; a test
+//! fails if these files are outdated.
 //!
-//! A topic carries *slices* of one sample type: a scan is one send. A [`BatchHeader`] precedes each slice. In it,
-//! the publisher states the number of samples sent before (subscribers count losses from it), the layout of its
-//! build, and the progress of its source in time.
+//! A topic carries *slices* of one sample type: a scan is one send. A [`BatchHeader`] precedes each slice. There,
+//! the publisher states the number of samples sent before (the basis of subscribers' loss counts), the layout of
+//! the publisher's build, and the source's progress in time.
 //!
 //! Architecture invariant: this crate performs no I/O and does not depend on the implementation of shared memory.
 //! The marker trait for types fit for shared memory comes from iceoryx2's small trait crate.
@@ -80,7 +80,7 @@ pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};
 
 /// Version of the meaning of the samples' fields. It is part of every sample's fingerprint, which every slice
-/// carries and every subscriber checks. A changed layout changes the fingerprint of its own type automatically.
+/// carries and every subscriber checks. A changed layout changes the fingerprint of that type automatically.
 pub const SCHEMA_VERSION: u32 = 6;
 
 /// Number of nanoseconds in a second.

@@ -1,8 +1,8 @@
 //! Records of a picture for a display.
 //!
-//! A display shows thousands of tracks several times a second to distant users. It therefore receives only the
-//! visible attributes of each changed track. A picture consists of a [`PictureHeader`] and, one after another, as
-//! many records of each kind as the header counts: numbers of removed tracks (`u32`), then [`PictureTrack`],
+//! A display shows thousands of tracks several times a second to distant users. The display therefore receives only
+//! the visible attributes of each changed track. A picture consists of a [`PictureHeader`] and, one after another,
+//! as many records of each kind as the header counts: numbers of removed tracks (`u32`), then [`PictureTrack`],
 //! [`PictureIdentity`], [`PictureSensorTrack`], [`PictureDetection`], [`PictureBearing`], [`PictureArea`]. All
 //! numbers are little-endian. Times are ages: milliseconds from the time of the record to that of the picture.
 
@@ -257,7 +257,7 @@ sample! {
     }
 }
 
-/// Records of a picture: the header's count, and their layout.
+/// Records of a picture: the header's count, and the layout.
 const BLOCKS: [(&str, Layout); 6] = [
     ("tracks", PictureTrack::LAYOUT),
     ("identities", PictureIdentity::LAYOUT),

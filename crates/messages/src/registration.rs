@@ -69,8 +69,8 @@ impl fmt::Display for GrossError {
 }
 
 sample! {
-    /// Systematic errors of one source, as estimated by fusion (BF-3), and the consistency of its covariances
-    /// (BF-5).
+    /// Systematic errors of one source, as estimated by fusion (BF-3), and the consistency of the source's
+    /// covariances (BF-5).
     Registration, size 168 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
         comparisons: f64,

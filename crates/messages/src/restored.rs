@@ -1,8 +1,8 @@
-//! Initial state of a fusion process, or a snapshot of its state.
+//! Initial state, or snapshot of the state, of a fusion process.
 //!
-//! A fusion that starts after another continues from its checkpoint. In the first moments after its start it
-//! publishes this initial state, in parts, before any output that depends on it. A recording with all parts of an
-//! epoch can be replayed from there, because an engine's start is a function of these parts alone. A recorder
+//! A fusion that starts after another continues from the predecessor's checkpoint. In the first moments after the
+//! start, fusion publishes this initial state, in parts, before any dependent output. A recording with all parts of
+//! an epoch can be replayed from there, because an engine's start is a function of these parts alone. A recorder
 //! absent at the start requests a snapshot of the whole engine, which is published in the same form.
 
 use crate::layout::sample;

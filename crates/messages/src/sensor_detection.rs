@@ -84,7 +84,7 @@ pub enum Quantity {
 }
 
 impl DetectionKind {
-    /// Returns the quantities, in the order of their values.
+    /// Returns the quantities, in the order of the values.
     pub fn quantities(self) -> &'static [Quantity] {
         use Quantity::{Bearing, East, Elevation, North, Range, Up};
         match self {

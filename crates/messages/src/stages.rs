@@ -1,10 +1,10 @@
-//! Times of a report at the stages of its processing.
+//! Times of a report at the stages of processing.
 
 use crate::layout::sample;
 
 sample! {
-    /// Monotonic stamps of one report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 for a
-    /// stage not reached. All processes of a deployment share that clock.
+    /// Monotonic stamps of a report's stages (PL-8), nanoseconds of the machine's `CLOCK_MONOTONIC`; 0 for a stage
+    /// not reached. All processes of a deployment share that clock.
     StageTimes, size 32 {
         /// The adapter had the report's last byte.
         ingested_ns: i64,

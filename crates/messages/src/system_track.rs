@@ -130,8 +130,9 @@ const _: () = assert!(size_of::<[Contribution; CONTRIBUTIONS_MAX]>() == 16 * siz
 pub const CONTRIBUTORS_MAX: usize = 64;
 
 sample! {
-    /// Set of all sensors that have contributed to one system track since its start. A deployment that receives the
-    /// track fuses it as independent of its own only if the two share no sensor. No process publishes it yet.
+    /// Set of all sensors that have contributed to one system track since the start of the track. A deployment that
+    /// receives the track fuses the track as independent only if the deployments share no sensor. No process
+    /// publishes this set yet.
     ContributorSet, size 304 {
         /// Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
         reference_time_ns: i64,

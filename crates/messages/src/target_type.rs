@@ -37,7 +37,7 @@ impl TargetType {
         self.confidence > 0.0 && self.confidence <= 1.0
     }
 
-    /// Returns the name without its padding, if a type is known.
+    /// Returns the name without padding, if a type is known.
     pub fn name(&self) -> Option<&str> {
         let text = std::str::from_utf8(&self.name).ok()?.trim_end_matches([' ', '\0']);
         (self.is_known() && !text.is_empty()).then_some(text)

@@ -36,7 +36,7 @@ impl fmt::Display for TopicName {
 pub struct Capacity {
     /// Number of waiting slices per subscriber before the oldest is dropped (and counted by the subscriber).
     pub depth: usize,
-    /// Maximum number of samples in one slice.
+    /// Maximum number of samples in a slice.
     pub slice_len: usize,
     /// Maximum number of publishers at a time, including terminated publishers not yet cleaned up.
     pub publishers: usize,
@@ -263,8 +263,8 @@ macro_rules! topics {
 }
 
 topics! {
-    /// Sensor tracks of one source: one topic per source, so that a flood from one source cannot displace the
-    /// reports of another.
+    /// Sensor tracks of one source: a topic per source, so that a flood from one source cannot displace the reports
+    /// of another.
     sensor_tracks(source_name) -> SensorTrack: "sensor/{source_name}/tracks", 256 slices of 64, 4 to 16;
 
     /// Detections of one source whose adapter forms tracks from them: a scan at a time, before the resulting
@@ -274,13 +274,13 @@ topics! {
     /// Bearings of one source whose adapter locates their transmitters, before the resulting tracks.
     sensor_bearings(source_name) -> SensorBearing: "sensor/{source_name}/bearings", 256 slices of 64, 4 to 16;
 
-    /// Position of a platform, for its sensors: published by the adapter of its sensor or by a separate process.
+    /// Position of a platform, for its sensors: published by the sensor's adapter or by a separate process.
     platform_states(platform_name) -> PlatformState: "platform/{platform_name}/state", 64 slices of 16, 4 to 16;
 
-    /// Reports of a wide-area sensor: read by every tracker that uses it, and by the recorder.
+    /// Reports of a wide-area sensor: read by every connected tracker, and by the recorder.
     wide_area(sensor_name) -> WideArea: "wide-area/{sensor_name}/reports", 64 slices of 64, 4 to 72;
 
-    /// Positions for the next look of a source's sensor: after each of its scans, one cue for each confirmed track.
+    /// Positions for the next look of a source's sensor: after each scan, one cue for each confirmed track.
     cues(source_name) -> Cue: "sensor/{source_name}/cues", 64 slices of 64, 4 to 16;
 
     /// Fused track picture: one slice per processed batch, in the order of fusion.
@@ -291,7 +291,7 @@ topics! {
     own_tracks() -> SystemTrack: "system/own-tracks", 256 slices of 64, 4 to 8;
 
     /// Sensors that have contributed to each system track, for deployments that exchange tracks. No process
-    /// publishes it yet.
+    /// publishes this topic yet.
     contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;
 
     /// Alarms from the monitor. Each slice replaces the previous slice, and slices are sent twice a second, so a
@@ -314,12 +314,12 @@ topics! {
     // Published by fusion and recorder, read by every adapter of a recording.
     progress() -> Progress: "progress", 16 slices of 80, 8 to 96;
 
-    /// Initial state of a fusion with a predecessor: bit by bit, in its first moments.
+    /// Initial state of a fusion with a predecessor: bit by bit, in the first moments.
     restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;
 
     /// Commands to fusion.
     control() -> Control: "control", 16 slices of 1, 8 to 8;
 
-    /// Event log of fusion, which outlives fusion. Its capacity covers thirteen seconds at 20,000 reports a second.
+    /// Event log of fusion, which outlives fusion. The capacity covers thirteen seconds at 20,000 reports a second.
     order() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
 }
