@@ -16,7 +16,7 @@ use crate::random::{Purpose, stream};
 use crate::target::TargetState;
 use crate::truth::Truth;
 
-/// Lateral acceleration of the platform in its turns, m/s² (25° of bank).
+/// Lateral acceleration of the platform in turns, m/s² (25° of bank).
 const TURN_ACCELERATION_MPS2: f64 = 4.57;
 /// Frequencies of the transmitters, hertz: maritime and airborne radars.
 const FREQUENCIES_HZ: std::ops::Range<f64> = 2.9e9..9.5e9;
@@ -56,8 +56,8 @@ impl DirectionFinderSettings {
         self.speed_mps.powi(2) / TURN_ACCELERATION_MPS2
     }
 
-    /// Returns the duration of the quarter turn at the start of the path: the platform has completed it at the
-    /// scenario's start.
+    /// Returns the duration of the quarter turn at the start of the path: the platform has completed this turn at
+    /// the scenario's start.
     fn first_turn_s(&self) -> f64 {
         std::f64::consts::FRAC_PI_2 * self.turn_radius_m() / self.speed_mps
     }
@@ -203,7 +203,7 @@ impl SimulatedDirectionFinder {
         self.period += 1;
     }
 
-    /// Returns the frequency of the target's transmitter, if it has any; the same for every finder.
+    /// Returns the frequency of the target's transmitter, if any; the same for every finder.
     fn transmitter(&self, target: u32) -> Option<f64> {
         let mut random = stream(self.seed, Purpose::Transmitter, 0, u64::from(target), 0);
         let (share, frequency_hz) = (random.random_range(0.0..1.0), random.random_range(FREQUENCIES_HZ));

@@ -11,7 +11,7 @@ use rand_distr::{Distribution as _, Poisson, StandardNormal};
 use crate::random::{Purpose, stream};
 use crate::sensor_settings::Checked;
 
-/// Detection probability of a false target during its life.
+/// Detection probability of a false target while present.
 pub(crate) const DETECTION_PROBABILITY: f64 = 0.95;
 /// Mean life of a false target, periods.
 const MEAN_LIFE_PERIODS: f64 = 5.0;
@@ -63,7 +63,7 @@ impl FalseTarget {
         }
     }
 
-    /// Returns the position, also outside its life.
+    /// Returns the position, also outside the lifetime.
     pub(crate) fn position_at(&self, time_s: f64) -> [f64; 3] {
         let age_s = time_s - self.begin_s;
         [

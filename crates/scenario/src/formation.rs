@@ -1,4 +1,4 @@
-//! Targets in formation: side by side for a part of their path, well apart before and after.
+//! Targets in formation: side by side for a part of the path, well apart before and after.
 //!
 //! A formation follows a closed path, in and back, with the half turns of a racetrack at both ends. Each member has
 //! a place in a line across the inbound direction, and keeps it in turns too, so that all members fly at the same

@@ -1,4 +1,4 @@
-//! Settings of formations: their number and their flight.
+//! Settings of formations: number and flight.
 
 use std::f64::consts::{PI, TAU};
 

@@ -4,7 +4,7 @@
 //! minimum spanning tree. Four points in a line thus have three links, and each link can break separately.
 
 /// Groups `points` (east and north, metres). Two points are near if their eastward distance is at most `reach_m`
-/// and `apart` returns less than 1 for them. A link between near points breaks if `breaks` returns true.
+/// and `apart` returns less than 1. A link between near points breaks if `breaks` returns true.
 ///
 /// The result holds, for each point, the smallest index in its group: its own index if the point is alone or the
 /// first.
@@ -76,7 +76,8 @@ mod tests {
         move |one, other| (points[one][0] - points[other][0]).hypot(points[one][1] - points[other][1]) / reach_m
     }
 
-    /// Three points in a line and a point beside: the middle link breaks alone, and no longer link replaces it.
+    /// Three points in a line and a point beside: the middle link breaks alone, and no longer link replaces that
+    /// link.
     #[test]
     fn links_break_one_by_one() {
         let points = [[0.0, 0.0], [100.0, 0.0], [190.0, 0.0], [0.0, 900.0]];

@@ -3,8 +3,8 @@
 //! A demonstration or a test needs reports with known truth.
 //!
 //! - [`Truth`] gives the position of every target at any time.
-//! - A [`SimulatedSensor`] observes the truth like a radar, a multilateration system or an ADS-B receiver. It
-//!   tracks the detections with its own filter and delivers sensor tracks.
+//! - A [`SimulatedSensor`] observes the truth like a radar, a multilateration system or an ADS-B receiver. The
+//!   sensor tracks the detections with a separate filter and delivers sensor tracks.
 //! - A [`SimulatedDirectionFinder`] flies along a path and measures bearings of transmitters.
 //! - A [`SimulatedWideAreaSensor`] counts targets from afar.
 //!

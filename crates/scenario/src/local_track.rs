@@ -1,8 +1,8 @@
 //! Track of one target in a sensor: a filter and a life cycle.
 //!
-//! The first hit starts a tentative track; further hits confirm it. A confirmed track without a hit coasts; too
-//! many misses in a row terminate it. The sensor reports the termination once, and assigns a new number if the
-//! target returns.
+//! The first hit starts a tentative track; further hits confirm the track. A confirmed track without a hit coasts;
+//! too many misses in a row terminate the track. The sensor reports the termination once, and assigns a new number
+//! if the target returns.
 
 use estimation::Gaussian;
 use messages::TrackState;

@@ -1,4 +1,4 @@
-//! Looks of a sensor at a target: their times, detections, and effects on the track.
+//! Looks of a sensor at a target: times, detections, and effects on the track.
 
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use observations::Truth as Of;

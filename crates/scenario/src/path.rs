@@ -1,4 +1,4 @@
-//! Closed path, travelled for ever; its position at any time needs no integration.
+//! Closed path, travelled for ever; the position at any time needs no integration.
 //!
 //! Waypoints are joined by straight legs. Each corner is rounded by an arc of the waypoint's turn radius, tangent
 //! to both legs. Speed is constant in a turn and changes at a constant rate along a leg, from one waypoint's speed

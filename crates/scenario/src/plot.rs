@@ -1,7 +1,7 @@
 //! Plots: detections of a sensor before its own tracking.
 //!
-//! Plots replace a sensor's tracks as input of a tracker under test. They carry no information about earlier looks;
-//! only the truth identifies their targets.
+//! Plots replace a sensor's tracks as input of a tracker under test. A plot carries no information about earlier
+//! looks; only the truth identifies the target.
 
 use observations::Truth as Of;
 use rand::RngExt as _;
@@ -23,7 +23,7 @@ pub struct Plot {
     pub of: Of,
     /// Measured position: east, north, up, metres; up is 0 without a height.
     pub position_m: [f64; 3],
-    /// Standard deviations of the position as stated by the sensor, metres; 0 for the height if it is not measured.
+    /// Standard deviations of the position as stated by the sensor, metres; 0 for an unmeasured height.
     pub sigma_m: [f64; 3],
     /// Whether height was measured.
     pub height: bool,

@@ -1,8 +1,8 @@
 //! Random numbers independent of the order of draws.
 //!
 //! With a single generator for a whole run, every draw depends on all earlier draws: an additional target or a
-//! restarted sensor changes everything after it. Here each purpose has its own stream, keyed by the purpose. ChaCha
-//! is a cipher, so streams of keys that differ in one bit are unrelated.
+//! restarted sensor changes everything after it. Here each purpose has a separate stream, keyed by the purpose.
+//! ChaCha is a cipher, so streams of keys that differ in one bit are unrelated.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -1,10 +1,10 @@
 //! Unresolved targets of a radar.
 //!
-//! A radar resolves two targets separated by more than the length of its pulse in range, or by more than the width
-//! of its beam in azimuth. Otherwise their echoes merge. In this model, all targets joined by a chain of unresolved
-//! pairs give one plot in their middle, at the time at which the antenna points at the first of them. The plot
-//! exists if any member is detected. Occasionally echoes differ enough to be resolved nevertheless: then a link of
-//! the chain breaks for one turn.
+//! A radar resolves two targets separated by more than the length of the pulse in range, or by more than the width
+//! of the beam in azimuth. Otherwise their echoes merge. In this model, all targets joined by a chain of unresolved
+//! pairs give one plot in the middle, at the time at which the antenna points at the first of them. The plot exists
+//! if any member is detected. Occasionally echoes differ enough to be resolved nevertheless: then a link of the
+//! chain breaks for one turn.
 //!
 //! Simplifications: echoes are equally strong, the middle is that of the positions and has the errors of a single
 //! target, and false plots merge with nothing. The groups are determined once per delivery.

@@ -1,4 +1,4 @@
-//! Times of a sensor's looks at each target, and of its deliveries.
+//! Times of a sensor's looks at each target, and of the sensor's deliveries.
 //!
 //! Time is cut into *slots*, one for each delivery in a period; slot n ends with one delivery. The slot number is
 //! the entire state of a sensor's clock, so a sensor can start anywhere.
@@ -69,7 +69,7 @@ impl Slot {
         self.begin_s
     }
 
-    /// Returns a time in this slot: 0 is its start, 1 its end.
+    /// Returns a time in this slot: 0 is the start, 1 the end.
     pub(crate) fn time_within_s(&self, share: f64) -> f64 {
         self.begin_s + share * (self.end_s - self.begin_s)
     }
@@ -81,8 +81,8 @@ impl Slot {
     }
 
     /// Returns the time of the sensor's look at a thing in this slot, seconds; `None` without a look. `position_at`
-    /// gives the position of the thing at a time. `phase` (0 to 1) gives the position of its look within each
-    /// period, unless the sensor determines it.
+    /// gives the position of the thing at a time. `phase` (0 to 1) gives the position of the look within each
+    /// period, unless the sensor determines that position.
     pub(crate) fn look_s(&self, settings: &Checked, aim: &Aim, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
         match settings.kind {
             SensorKind::Radar => self.antenna_passes_s(settings, position_at),
@@ -108,8 +108,8 @@ impl Slot {
         };
         let middle_s = 0.5 * (self.begin_s + self.end_s);
         let mut step_s = behind_s(middle_s);
-        // The target is far from this sector in the middle of the slot: further steps can bring it back only if it
-        // is very close to the radar.
+        // The target is far from this sector in the middle of the slot: further steps can bring the target back
+        // only very close to the radar.
         if schedule.deliveries > 4 && step_s.abs() > self.end_s - self.begin_s {
             return None;
         }

@@ -19,8 +19,8 @@ use crate::truth::Truth;
 
 /// Maximum number of concurrent false targets of a sensor; further false targets do not appear.
 pub const FALSE_TARGETS_MAX: usize = 256;
-/// Track numbers reserved per delivery, so that a sensor started in mid-scenario does not reuse numbers. It may use
-/// this many new tracks per delivery on average.
+/// Track numbers reserved per delivery, so that a sensor started in mid-scenario does not reuse numbers. A sensor
+/// may use this many new tracks per delivery on average.
 const NUMBERS_PER_SLOT: u64 = 64;
 
 /// Simulated sensor, see the module's documentation.
@@ -36,7 +36,7 @@ pub struct SimulatedSensor {
 
 impl SimulatedSensor {
     /// Creates a sensor that starts at the scenario's start `start_utc_ns` (UTC, nanoseconds since 1970). It
-    /// reports as source number `source`, which also separates its random numbers from those of other sensors.
+    /// reports as source number `source`, which also separates the random numbers of different sensors.
     ///
     /// # Errors
     /// An invalid setting.

@@ -1,7 +1,7 @@
 //! Settings of a simulated sensor.
 //!
-//! One flat table of settings serves all kinds; omitted values default to those of the kind. [`SensorSettings`]
-//! holds the values as written; [`Checked`] holds the complete values used by the sensor.
+//! One flat table of settings serves all kinds; omitted values default to the values of the kind.
+//! [`SensorSettings`] holds the values as written; [`Checked`] holds the complete values used by the sensor.
 
 use estimation::{FirstVelocity, NearlyConstantVelocity};
 use settings::{SettingsError, within};
@@ -12,11 +12,11 @@ const WITH_PLOTS: &str = "only a sensor with plots = true has it";
 settings::words! {
     /// Kinds of simulated sensors.
     pub enum SensorKind {
-        /// Rotating antenna; measures range and azimuth of each target when the antenna points at it.
+        /// Rotating antenna; measures range and azimuth of each target when the antenna points at the target.
         Radar = "radar",
         /// Ground stations locate transponder replies; all targets at the same times.
         Multilateration = "multilateration",
-        /// Targets broadcast their own positions, each at its own times.
+        /// Targets broadcast self-determined positions, each target at different times.
         AdsB = "ads-b",
     }
 

@@ -1,4 +1,4 @@
-//! Targets: their properties and their paths.
+//! Targets: properties and paths.
 
 use std::sync::Arc;
 

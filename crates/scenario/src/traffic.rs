@@ -30,7 +30,7 @@ const SHIP_TURN_RADIUS_M: f64 = 600.0;
 /// Levels of one stack; further targets follow in the same pattern.
 const HOLDING_LEVELS: usize = 8;
 
-/// Returns the targets of a scenario, in the order of their numbers.
+/// Returns the targets of a scenario, in the order of numbers.
 pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     let count = settings.targets as usize;
     let share = |share: f64| ((share * count as f64).round() as usize).min(count);

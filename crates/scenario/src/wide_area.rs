@@ -1,10 +1,10 @@
 //! Simulated wide-area sensor: distant, coarse, slow and late, but with the number of targets (WA-2).
 //!
-//! The sensor watches a circle. Once per period, it reports each group of targets that it cannot resolve in
-//! position: the group's middle and velocity, with large errors, and its count. The count is available because the
-//! sensor has watched the targets since they were apart. A report may include the position of the first sighting.
-//! For a limited time, the sensor reports zero targets at the expected position of a vanished group. It reports no
-//! absence near the edge of its circle, because a group there may have left.
+//! The sensor watches a circle. Once per period, the sensor reports each group of targets unresolved in position:
+//! the group's middle and velocity, with large errors, and its count. The count is available because the sensor has
+//! watched the targets since they were apart. A report may include the position of the first sighting. For a
+//! limited time, the sensor reports zero targets at the expected position of a vanished group. There is no report
+//! of absence near the edge of the circle, because a group there may have left.
 //!
 //! Simplifications: the sensor never confuses targets, and a wrong count is off by one, never down to zero.
 
@@ -110,7 +110,7 @@ impl Sighting {
 
 impl SimulatedWideAreaSensor {
     /// Creates a sensor that starts at the scenario's start `start_utc_ns` (UTC, nanoseconds since 1970). `number`
-    /// separates its random numbers from those of other wide-area sensors.
+    /// separates the random numbers of different wide-area sensors.
     ///
     /// # Errors
     /// An invalid setting.
@@ -168,7 +168,7 @@ impl SimulatedWideAreaSensor {
         self.period += 1;
     }
 
-    /// Reports a group, unless it is missed in this period.
+    /// Reports a group, unless missed in this period.
     fn report<'a, M: Iterator<Item = &'a TargetState>>(
         &mut self,
         time_s: f64,
