@@ -1,9 +1,9 @@
 //! `koseki bench compare`: before and after.
 //!
-//! Two files are comparable if both measurements used the same settings; the command lists differences. It reports
-//! a change only if the runs of one file all lie on one side of the runs of the other. With five runs each, chance
-//! alone causes this once in 126 comparisons of equal figures. The floor is compared as well: a changed floor means
-//! a changed machine.
+//! Two files are comparable if both measurements used the same settings; the command lists differences. The command
+//! reports a change only if the runs of one file all lie on one side of the runs of the other. With five runs each,
+//! chance alone causes this once in 126 comparisons of equal figures. The floor is compared as well: a changed
+//! floor means a changed machine.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Distributions of one rate over all runs, and the report's figures derived from them.
+//! Distributions of one rate over all runs, and the derived figures of the report.
 
 use hdrhistogram::Histogram;
 

@@ -1,4 +1,4 @@
-//! Sends batches at their due times and receives the answers.
+//! Sends batches at the due times and receives the answers.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -82,7 +82,7 @@ pub(crate) struct Load<'a> {
     pub(crate) batches: u64,
     /// Whether the thread must rest when nothing is due.
     pub(crate) rests: bool,
-    /// Flooding source: sends further batches at its own pace meanwhile.
+    /// Flooding source: sends further batches at a separate pace meanwhile.
     pub(crate) flood: Option<(u16, Pace)>,
 }
 
@@ -101,7 +101,7 @@ pub(crate) struct Driven {
     pub(crate) last_heard_ns: i64,
 }
 
-/// Sends and receives on one thread, which sleeps only if the load requires it.
+/// Sends and receives on one thread, which sleeps only if required by the load.
 pub(crate) fn spin(
     load: &Load<'_>,
     sender: &mut impl Sender,
@@ -167,8 +167,7 @@ pub(crate) fn send_all(
     Ok(driven)
 }
 
-/// Receives until all sent batches are answered or answers stop; `all_sent` holds the number of batches once it is
-/// known.
+/// Receives until all sent batches are answered or answers stop; `all_sent` holds the number of batches once known.
 pub(crate) fn read_all(
     receiver: &mut impl Receiver,
     recorder: &mut Recorder,

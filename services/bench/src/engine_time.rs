@@ -6,8 +6,8 @@
 //! Both cover the engine only: the cost of building the reports is measured separately and subtracted from the
 //! first.
 //!
-//! Limits: the engine runs at full speed here, with its tables in warm caches. At a low rate in its own process,
-//! other work evicts these tables between updates.
+//! Limits: the engine runs at full speed here, with tables in warm caches. At a low rate in its own process, other
+//! work evicts these tables between updates.
 
 use std::hint::black_box;
 use std::path::Path;

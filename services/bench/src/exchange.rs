@@ -34,7 +34,7 @@ impl<S: Sender, R: Receiver> Exchange for OneThread<S, R> {
     }
 }
 
-/// Exchange that sends while its own second thread receives. Both run at the place of the creating thread.
+/// Exchange that sends while a second thread receives. Both run at the place of the creating thread.
 pub(crate) struct TwoThreads<S> {
     sender: S,
     jobs: SyncSender<Recorder>,
@@ -44,8 +44,7 @@ pub(crate) struct TwoThreads<S> {
 }
 
 impl<S: Sender> TwoThreads<S> {
-    /// Creates the exchange. The reading thread calls `make_receiver`, because ports stay on the thread of their
-    /// creation.
+    /// Creates the exchange. The reading thread calls `make_receiver`, because ports stay on the creating thread.
     pub(crate) fn new<R: Receiver>(
         sender: S,
         make_receiver: impl FnOnce() -> anyhow::Result<R> + Send + 'static,

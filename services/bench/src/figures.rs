@@ -38,7 +38,7 @@ impl Figures {
         }
     }
 
-    /// Returns the percentiles and the maximum, in the order of their names.
+    /// Returns the percentiles and the maximum, in the order of [`Self::NAMES`].
     pub(crate) fn values(&self) -> [u64; 5] {
         [self.p50_ns, self.p90_ns, self.p99_ns, self.p999_ns, self.max_ns]
     }

@@ -44,7 +44,7 @@ impl Jitter {
     }
 
     /// Reads the clock for `seconds`, as if batches were due at `rate` per second. With rests, the thread sleeps
-    /// when the schedule permits it.
+    /// when the schedule permits.
     pub(crate) fn measure(clock: &impl Clock, seconds: f64, rate: f64, rests: bool) -> Self {
         let mut jitter = Self::new();
         jitter.reading_ns = reading_ns(clock);

@@ -35,7 +35,7 @@ pub(crate) struct Links<'a> {
 pub(crate) struct Carried {
     /// States due to be sent by the link, to each mirror.
     pub(crate) states: u64,
-    /// Arrivals at a mirror.
+    /// Number of arrivals at a mirror.
     pub(crate) came: u64,
     /// Replacements by a newer state of the same track.
     pub(crate) conflated: u64,

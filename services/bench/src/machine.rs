@@ -43,7 +43,7 @@ pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
     (machine, notes)
 }
 
-/// Returns reasons to distrust the figures, or to read them with care, one sentence each.
+/// Returns reasons to distrust the figures, or to read the figures with care, a sentence each.
 pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
     let mut notes = Vec::new();
     if !machine.optimised {

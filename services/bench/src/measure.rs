@@ -55,16 +55,16 @@ pub(crate) struct Measured {
     pub(crate) warm_up: WarmUp,
     /// Memory of the process under test, before and after.
     pub(crate) memory: [Memory; 2],
-    /// Reports sent to the process since its start.
+    /// Reports sent to the process since the start.
     pub(crate) sent_ever: u64,
-    /// Counts of fusion since its start; `None` for a relay.
+    /// Counts of fusion since the start; `None` for a relay.
     pub(crate) fusion: Option<FusionCounts>,
 }
 
 /// Course of the warm-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WarmUp {
-    /// Reports sent during the warm-up; no figure includes them.
+    /// Reports sent during the warm-up, excluded from all figures.
     pub reports: u64,
     /// Duration, seconds.
     pub seconds: f64,
@@ -91,7 +91,7 @@ impl Measured {
         self.driven.batches * batch as u64
     }
 
-    /// Returns the unanswered reports among them, without those of a flooding source.
+    /// Returns the unanswered reports of the measured time, without those of a flooding source.
     pub(crate) fn unanswered(&self) -> u64 {
         self.recorder.unanswered(self.driven.batches)
     }
@@ -299,7 +299,7 @@ fn load<'a>(
 ) -> (Load<'a>, Recorder) {
     let rate = plan.rate_per_s / settings.batch as f64;
     let batches = ((seconds * rate).round() as u64).max(1);
-    // The recorder allocates its memory before the first report is due.
+    // The recorder allocates memory before the first report is due.
     let mut recorder = Recorder::new(Pace::new(0, rate, false), batches, settings.batch, plan.detailed);
     let pace = Pace::new(MachineClock.now_ns() + LEAD_NS, rate, rests(settings));
     recorder.set_pace(pace);

@@ -1,4 +1,4 @@
-//! Memory use of a process, and its page faults.
+//! Memory use and page faults of a process.
 
 use std::fs;
 

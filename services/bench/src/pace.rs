@@ -20,7 +20,7 @@ pub(crate) struct Pace {
 
 /// Time from the start of one rest to the start of the next, nanoseconds.
 const REST_EVERY_NS: f64 = 50e6;
-/// Length of a rest, nanoseconds: it leaves well below 95 % of the time for spinning.
+/// Length of a rest, nanoseconds; leaves well below 95 % of the time for spinning.
 const REST_NS: f64 = 6e6;
 /// Margin at both ends of a rest for a process that rests together with the bench, nanoseconds.
 const REST_MARGIN_NS: f64 = 300e3;

@@ -32,7 +32,7 @@ pub struct Report {
     pub stages: BTreeMap<String, Figures>,
     /// Highest rate without loss after a search, else the received rate, reports per second.
     pub throughput_per_s: f64,
-    /// Time per update of the engine alone, nanoseconds; 0 if it was not measured.
+    /// Time per update of the engine alone, nanoseconds; 0 if not measured.
     pub engine_ns_per_update: f64,
     /// Detailed figures of the engine alone.
     pub engine: EngineTimes,
@@ -108,9 +108,9 @@ pub struct Account {
     pub unconfirmed: u64,
     /// Lateness of the bench's last report, nanoseconds.
     pub bench_late_ns: i64,
-    /// Reports sent to the process since its start, warm-up and flood included.
+    /// Reports sent to the process since the start, warm-up and flood included.
     pub sent_ever: u64,
-    /// Counts of fusion since its start.
+    /// Counts of fusion since the start.
     pub fusion: FusionCounts,
 }
 
@@ -137,10 +137,10 @@ pub struct JitterFigures {
 pub struct Stamps {
     /// Cost of a reading, nanoseconds.
     pub reading_ns: u64,
-    /// Readings of the bench for each slice: at its sending, and at the reception of its states.
+    /// Readings of the bench for each slice: at sending, and at the reception of the states.
     pub bench_per_slice: u32,
-    /// Readings of fusion for each slice: at its reception, at the sending of its states, and both clocks at the
-    /// start of a turn.
+    /// Readings of fusion for each slice: at reception, at the sending of the states, and both clocks at the start
+    /// of a turn.
     pub fusion_per_slice: u32,
 }
 
@@ -149,7 +149,7 @@ pub struct Stamps {
 pub struct Throughput {
     /// The highest rate of the bare relay, reports per second.
     pub floor_per_s: f64,
-    /// Every probe of the pipeline, in the order of its rate.
+    /// Every probe of the pipeline, in the order of rates.
     pub probes: Vec<ProbeFigures>,
     /// Measurement beyond the highest rate.
     pub overload: Option<Overload>,

@@ -84,7 +84,7 @@ impl Wait {
     }
 }
 
-/// Source that sends more than its share.
+/// Source that sends more than an equal share.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Flood {
     /// Number of the source, from 0.

@@ -1,6 +1,6 @@
-//! Deployment of the bench: an exclusive instance, its configuration, and the processes under test.
+//! Deployment of the bench: an exclusive instance, a configuration, and the processes under test.
 //!
-//! Fusion runs as in any deployment: the same executable, a configuration file, topics held by its launcher. Its
+//! Fusion runs as in any deployment: the same executable, a configuration file, topics held by the launcher. The
 //! sources are external: the bench itself publishes them. At any end of a measurement (completion, an error,
 //! Ctrl-C, a panic), the bench first stops the processes and then removes every trace of the instance.
 
@@ -175,7 +175,7 @@ impl Running<'_> {
     }
 
     fn signal(&self, signal: Signal) {
-        // Signalling fails only after the process has ended; its number stays reserved until it is waited for.
+        // Signalling fails only after the process has ended; the process number stays reserved until it is reaped.
         let _ = kill_process(Pid::from_child(&self.child), signal);
     }
 }
@@ -196,11 +196,11 @@ impl Drop for Running<'_> {
     }
 }
 
-/// Process with its health messages.
+/// Process with health messages.
 #[derive(Debug)]
 pub(crate) struct Heard<'a> {
-    /// Declared before the process, hence dropped first: a process with its own instance waits for its readers to
-    /// leave.
+    /// Declared before the process, hence dropped first: a process with a separate instance waits for all readers
+    /// to leave.
     health: Subscriber<SharedMemory, Health>,
     _bus: Option<Bus<SharedMemory>>,
     running: Running<'a>,
@@ -301,7 +301,7 @@ impl Fusion<'_> {
     }
 }
 
-/// Removes the remains of killed benches: they could not clean up, and later benches have other names.
+/// Removes the remains of killed benches: a killed bench cannot clean up, and later benches have other names.
 fn remove_left_behind() {
     // Failures to list or remove do not prevent a measurement; `koseki status` shows the remains.
     for left in Root::list(bus::base::find()).unwrap_or_default() {

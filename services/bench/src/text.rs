@@ -282,7 +282,7 @@ pub(crate) fn row(table: &mut Table, name: &str, figures: &Figures) {
     table.row(cells);
 }
 
-/// Adds two lines: medians, and their range over the runs.
+/// Adds two lines: medians, and the range over the runs.
 fn spread_row(table: &mut Table, name: &str, runs: &[Run], of: impl Fn(&Run) -> Figures) {
     spread(table, name, &runs.iter().map(of).collect::<Vec<_>>());
 }

@@ -1,7 +1,7 @@
 //! Verdicts on the performance targets.
 //!
-//! The pipeline is compared with its parts, measured in the same session: the bare relay and the engine alone.
-//! Limits are sums of these, so they hold on any machine; the machine's noise is in both sides.
+//! The pipeline is compared with the parts, measured in the same session: the bare relay and the engine alone.
+//! Limits are sums of these, so the limits apply on any machine; the machine's noise is in both sides.
 
 use serde::{Deserialize, Serialize};
 
