@@ -1,7 +1,7 @@
 //! `koseki-client` for C: implements the functions declared and documented in `include/koseki.h`.
 //!
-//! A handle is a box; its close function takes the box back. Failures are codes; the text of the calling thread's
-//! latest failure is available by a function. A panic would be a fault of this library, and ends the program.
+//! A handle is a box; its close function takes the box back. Failures are codes; `koseki_error` returns the text
+//! of the calling thread's latest failure. A panic would be a fault of this library, and ends the program.
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};

@@ -1,7 +1,7 @@
-//! Recordings: their containers, and the selection of plausible records.
+//! Recordings: containers, and the selection of plausible records.
 //!
-//! The first byte forces a kind of container or leaves it to the content; the rest is the recording. Every byte
-//! must be accounted for, and the content of all datagrams must be surveyed and read to its end.
+//! The first byte forces a kind of container or leaves the choice to the content; the rest is the recording. Every
+//! byte must be accounted for, and the content of all datagrams must be surveyed and read to the end.
 
 #![no_main]
 

@@ -1,8 +1,8 @@
-//! Formats of fuzzing inputs; the targets split inputs, the corpus joins them.
+//! Formats of fuzzing inputs; the targets split inputs, the corpus joins the parts.
 
 #![forbid(unsafe_code)]
 
-/// Inputs of the target `codec`: one byte that selects the table and the mode, then the body of a data block.
+/// Inputs of the target `codec`: a leading byte that selects the table and the mode, then the body of a data block.
 pub mod codec {
     use asterix::block::HEADER_OCTETS;
     use asterix::{Category, Mode, registry};

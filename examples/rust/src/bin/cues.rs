@@ -14,7 +14,7 @@ use koseki_client::messages::{self, Cue};
 use koseki_client::{Error, ErrorKind, Root, Subscription};
 
 fn main() -> Result<(), Error> {
-    // Deployment (the name given to `koseki up --instance`, or that of its configuration), and source.
+    // Deployment (the name given to `koseki up --instance`, or the name in the configuration), and source.
     let mut arguments = std::env::args().skip(1);
     let instance = arguments.next().unwrap_or_else(|| "demo".to_owned());
     let source = arguments.next().unwrap_or_else(|| "radar-south".to_owned());

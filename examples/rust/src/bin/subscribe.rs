@@ -14,12 +14,12 @@ use koseki_client::messages::{NS_PER_S, SystemTrack, TrackKind, TrackState};
 use koseki_client::{Error, ErrorKind, Subscription};
 
 fn main() -> Result<(), Error> {
-    // Deployment: the name given to `koseki up --instance`, or that of its configuration.
+    // Deployment: the name given to `koseki up --instance`, or the name in the configuration.
     let instance = std::env::args().nth(1).unwrap_or_else(|| "demo".to_owned());
     let mut tracks = Subscription::open(&instance)?;
     loop {
-        // The slice refers to the samples written by fusion until it is dropped. Copy samples that are needed
-        // longer.
+        // The slice refers to the samples in place, as written by fusion. Copy samples that are needed longer than
+        // the slice.
         let slice = match tracks.next(Duration::from_secs(1)) {
             Ok(Some(slice)) => slice,
             Ok(None) => continue,
