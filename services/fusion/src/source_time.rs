@@ -110,12 +110,16 @@ impl SourceTime {
     pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: Common) -> bool {
         match self {
             Self::Unpaced => return true,
-            Self::Stated { .. } => {
-                let known = self.known(clocks.ahead_s);
+            Self::Stated { step_s, .. } => {
+                // A clock that is not known yet is taken for a sound one.
+                let sound = Known {
+                    offset_s: clocks.host_offset_s,
+                    step_s: *step_s,
+                };
+                let known = self.known(clocks.ahead_s).unwrap_or(sound);
                 // Adapters mark reports that are farther ahead; a publisher beside the adapter may not.
                 let ahead_s = time_ns.saturating_sub(now.utc_ns) as f64 / messages::NS_PER_S;
-                let is_due = |known: &Known| ahead_s <= known.offset_s + known.step_s;
-                return known.is_none_or(|known| agrees(&known, clocks.host_offset_s) && is_due(&known));
+                return agrees(&known, clocks.host_offset_s) && ahead_s <= known.offset_s + known.step_s;
             }
             Self::Received { .. } | Self::Paced { .. } => {}
         }
@@ -206,6 +210,8 @@ mod tests {
             time.state(offset_ms);
             time.believes(at(ahead_s).utc_ns, at(0).mono_ns, at(0), Common::default())
         };
+        assert!(!believes(0, 700), "before anything is known of the clock");
+        assert!(believes(0, 0) && believes(0, 4), "as of a sound clock");
         assert!(believes(-200, 0) && believes(-200, 4), "what its adapter lets pass");
         assert!(!believes(0, 700), "a publisher that states no offset");
         assert!(believes(0, 0) && believes(0, -60), "old reports change no track");
