@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use crate::clutter::Extent;
 use crate::settings::{Limit, SensorModel, SensorSettings, Splitting};
 use crate::testing::{S, position, settings};
-use crate::{FieldOfView, Rejection, Settings, Tracker};
+use crate::{FieldOfView, Rejection, Settings, Tracker, TrackerCounts};
 
 /// A number that looks random, in [-1, 1], for each step.
 fn noise(step: u64) -> f64 {
@@ -226,6 +226,54 @@ fn every_splitting_option_and_all_together_find_both_targets() {
             "{name}"
         );
     }
+}
+
+/// Counts of a tracker with this splitting, for a target that becomes two, and false detections beside them.
+fn counts_with(choose: impl Fn(&mut Splitting)) -> TrackerCounts {
+    let mut chosen = Splitting::default();
+    choose(&mut chosen);
+    let mut tracker = Tracker::new(Settings {
+        splitting: chosen,
+        ..settings()
+    })
+    .unwrap();
+    for second in 0..40 {
+        let mut scan = splitting(second);
+        for number in 0..2 {
+            let beside = (1.0 - 2.0 * number as f64) * (22.0 + 8.0 * noise(second as u64 + 500 * number));
+            scan.push(position(second * S, 15.0 * second as f64 - beside, beside));
+        }
+        tracker.scan(1, second * S, &scan).unwrap();
+    }
+    tracker.counts().clone()
+}
+
+#[test]
+fn each_option_of_splitting_rejects_what_it_names() {
+    let plain = counts_with(|_| ());
+    let rejected = [
+        plain.starts_forbidden,
+        plain.too_many_new_tracks,
+        plain.too_many_tentative_tracks,
+        plain.out_of_company,
+    ];
+    assert_eq!(rejected, [0; 4]);
+    assert!(
+        counts_with(|options| options.start_in_confirmed_gates = true).starts_forbidden > 0,
+        "SP-1"
+    );
+    assert!(
+        counts_with(|options| options.new_tracks_max = Limit::Fixed(0)).too_many_new_tracks > 0,
+        "SP-3"
+    );
+    assert!(
+        counts_with(|options| options.tentative_tracks = Limit::Fixed(1)).too_many_tentative_tracks > 0,
+        "SP-5"
+    );
+    assert!(
+        counts_with(|options| options.company_min = Some(0.9)).out_of_company > 0,
+        "SP-7"
+    );
 }
 
 #[test]
