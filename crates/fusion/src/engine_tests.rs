@@ -683,6 +683,45 @@ fn a_source_that_drops_out_is_blended_out_by_its_last_report() {
 }
 
 #[test]
+fn a_source_that_has_missed_its_report_is_left_at_once_though_the_last_one_is_fresh() {
+    let run = |drop_out| {
+        let mut settings = test_settings(2);
+        settings.rule.hand_over.ramp = vec![0.25, 0.5, 0.75];
+        settings.rule.hand_over.drop_out = drop_out;
+        // The twelfth state is the first that may leave source 0: at 6.1 s.
+        settings.rule.hold_refreshes = 11;
+        let mut harness = Harness::new(settings);
+        for step in 0..7 {
+            let time = f64::from(step);
+            // The last report of source 0, at 4 s, is off: it is overdue from 5.5 s on, and fresh until 6.5 s.
+            let off_m = if step == 4 { 5.0 } else { 0.0 };
+            if step <= 4 {
+                harness.take(&report(0, 1, time, [0.0, off_m], [20.0, 0.0]));
+            }
+            let wander = if step % 2 == 0 { 0.01 } else { -0.01 };
+            harness.take(&report(1, 1, time + 0.1, [0.0, 8.0 + wander], [20.0, 0.0]));
+        }
+        let weight = |track: &SystemTrack| {
+            let own = track
+                .contributions()
+                .iter()
+                .filter(|contribution| contribution.source == 1);
+            own.map(|contribution| contribution.weight).sum::<f64>()
+        };
+        harness
+            .published
+            .iter()
+            .rev()
+            .take(2)
+            .rev()
+            .map(weight)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(run(DropOut::Switch), [0.0, 1.0]);
+    assert_eq!(run(DropOut::Blend), [0.0, 0.25]);
+}
+
+#[test]
 fn what_cannot_be_used_for_weighing_is_counted_at_its_source() {
     let mut settings = test_settings(2);
     settings.rule.name.0 = messages::FusionRule::Information;
