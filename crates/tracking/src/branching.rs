@@ -1,6 +1,6 @@
 //! The tracks of child hypotheses (HT-3): continued without a detection, updated with one, or begun at one.
 //!
-//! Each is made when the first child needs it, and shared by all that have it.
+//! Each track is made when the first child needs it, and all children that contain the track share it.
 
 use messages::NS_PER_S;
 
@@ -32,7 +32,7 @@ pub(crate) struct Branches {
     begun: [u32; ROWS_MAX],
     /// (number, reliability) of confirmed tracks.
     numbers: Vec<(u32, f64)>,
-    /// Places of the branches of one of them.
+    /// Indices of the branches of each number.
     of_number: Vec<u32>,
 }
 
@@ -79,7 +79,7 @@ impl Branches {
         *made
     }
 
-    /// Keeps what directions have made of the track `number`; `None` if it is given up.
+    /// Stores the track `number` after its update by directions; `None` deletes the track.
     pub(crate) fn keep_directed(&mut self, number: u32, track: Option<Track>, store: &mut HypothesisStore) {
         self.missed[number as usize] = track.map_or(REMOVED, |track| kept(store, track));
     }
@@ -162,7 +162,7 @@ fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) ->
     track.missed += 1;
     track.log_silence += log_miss;
     track.log_likelihood_ratio += log_miss;
-    // A quick sensor that finds nothing here must not push out of the memory what a slow one has left open.
+    // A fast sensor without detections here must not push the open choices of a slow sensor out of the memory.
     if !joined.plots.is_empty() || scan.sensor.scan_weight >= 1.0 {
         track.remember(NO_DETECTION);
     }
@@ -191,7 +191,7 @@ fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Track
     let plot = &scan.plots[found.plot as usize];
     let mut track = scan.before.tracks[number as usize];
     track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
-    // It was compared before, so it can be done.
+    // The update cannot fail: the same comparison succeeded before.
     let _ = track.motion.update(&plot.measurement.weighted(scan.sensor.scan_weight));
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
     (track.missed, track.log_silence) = (0, 0.0);
@@ -208,7 +208,7 @@ fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Track
     Some(track)
 }
 
-/// A new track, with an inherited motion or with what a first detection tells. `None` of a direction alone.
+/// Begins a track with an inherited motion, or with the state of a first detection. `None` for a direction alone.
 pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
@@ -228,7 +228,7 @@ fn lacks_company(joined: &Joined<'_>, track: &Track) -> bool {
     least.is_some_and(|least| track.company() < least)
 }
 
-/// Tells that a track was missed too often, or silent for too long.
+/// Records the end of a track by misses or by silence.
 pub(crate) fn explain_end(
     scan: &ScanContext<'_>,
     track: &Track,

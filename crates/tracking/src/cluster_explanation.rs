@@ -1,12 +1,11 @@
-//! Records of what a scan has made of a cluster, told before its parts are separated: when all of it is still there.
+//! Records of a cluster's update in a scan, made before the cluster is separated, while all its hypotheses exist.
 
 use crate::counts::TrackerCounts;
 use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::hypothesis_store::HypothesisStore;
 use crate::joined::Joined;
 
-/// Tells which tracks were confirmed: those numbered from `first_number` on, from `first_early` on earlier than
-/// otherwise.
+/// Records confirmed tracks: numbers from `first_number` on; numbers from `first_early` on were confirmed early.
 pub(crate) fn explain_confirmations(
     joined: &Joined<'_>,
     store: &HypothesisStore,
@@ -31,7 +30,7 @@ pub(crate) fn explain_confirmations(
     }
 }
 
-/// Tells which tracks are in no hypothesis any longer, with no branch of theirs.
+/// Records tracks without any branch in the remaining hypotheses.
 pub(crate) fn explain_ends(joined: &Joined<'_>, store: &HypothesisStore) {
     let before = &joined.scan.before.tracks;
     for (place, number) in joined.tracks().enumerate() {
@@ -47,7 +46,7 @@ pub(crate) fn explain_ends(joined: &Joined<'_>, store: &HypothesisStore) {
     }
 }
 
-/// Tells of the cluster as a whole, from what was counted before and after.
+/// Records the cluster as a whole, from the counts before and after.
 pub(crate) fn explain_cluster(
     joined: &Joined<'_>,
     observer: &dyn Observer,
@@ -68,7 +67,7 @@ pub(crate) fn explain_cluster(
     }));
 }
 
-/// Tells of the hypotheses that are left, the most reliable first, each with its tracks.
+/// Records the remaining hypotheses with their tracks, the most reliable first.
 pub(crate) fn explain_hypotheses(joined: &Joined<'_>, observer: &dyn Observer, store: &HypothesisStore) {
     let scan = joined.scan;
     for (reliability, tracks) in store.hypotheses() {

@@ -1,8 +1,9 @@
-//! One cluster, one scan: from its hypotheses before to its hypotheses after.
+//! Update of a cluster by a scan: from the hypotheses before to the hypotheses after.
 //!
-//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); their tracks are made
-//! as they are needed ([`crate::branching`]). Then they are corrected by what is known otherwise, reduced, their tracks
-//! confirmed ([`crate::hypothesis_store`]), and the clusters that they fall into are written ([`crate::separation`]).
+//! The children of all parents are drawn together, likeliest first ([`crate::interpretations`]); their tracks are
+//! made on demand ([`crate::branching`]). The children are then corrected by wide-area reports and reduced, and
+//! their tracks are confirmed ([`crate::hypothesis_store`]). Finally the separated clusters are written
+//! ([`crate::separation`]).
 
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
@@ -24,7 +25,7 @@ use crate::wide_area::children::ChildCorrection;
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
 const DRAWN_PER_KEPT: usize = 8;
-/// Most children kept until they are reduced: twice as many where those with enough tracks are drawn apart.
+/// Maximum of children before the reduction: doubled because children with enough tracks are drawn separately.
 const CHILDREN_MAX: usize = 2 * HYPOTHESES_MAX;
 
 /// Working memory for one cluster after the other.
@@ -65,7 +66,7 @@ impl ClusterUpdate {
         }
     }
 
-    /// Works off the clusters that the scan has joined with each other, and writes what they become to `next`.
+    /// Updates the clusters that the scan has joined, and writes the resulting clusters to `next`.
     pub(crate) fn run(
         &mut self,
         scan: &ScanContext<'_>,
@@ -159,7 +160,7 @@ impl Children {
         let (mut drawn, mut taken, mut fallback) = (0, 0.0, None);
         while let Some(cost) = self.interpretations.next_cost() {
             let enough = self.store.children.len() >= children_max;
-            // Its reliability is below its share of it and the best one together.
+            // The share of this child in the sum with the best child is below the minimum.
             let unreliable = (best - cost).exp() < reduction.reliability_min;
             if enough || unreliable || drawn >= DRAWN_PER_KEPT * children_max {
                 break;

@@ -1,11 +1,12 @@
 //! How many false detections a sensor gives, learned while running.
 //!
-//! What an operator rarely knows can be counted: detections outside the gates of all confirmed tracks are false or the
-//! beginnings of tracks, and those are few. Their mean number per scan over about [`SCANS`] scans, divided by the area
-//! in which the sensor sees, is the density. The area is that of the field of view, or where none is given, or
-//! detections lie outside, the smallest rectangle around all of them. A sensor without a field of view that shows
-//! little but one target has a rectangle as small as the target's path, and its few detections look like dense clutter.
-//! The density is too low for clutter in patches, where tentative tracks will be more than they should.
+//! Operators rarely have a figure for the clutter density, but it can be counted: detections outside the gates of
+//! all confirmed tracks are false or begin tracks, and beginnings are few. The density is their mean number per scan
+//! over about [`SCANS`] scans, divided by the area that the sensor covers. The area is the field of view. Without a
+//! field of view, or with detections outside, the area is the smallest rectangle around all detections. A sensor
+//! without a field of view that shows little but one target has a rectangle as small as the target's path; its few
+//! detections look like dense clutter. For clutter in patches the density is too low, and too many tentative tracks
+//! begin.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -19,7 +20,7 @@ const SCANS: f64 = 20.0;
 /// Smallest mean number of false detections per scan: none seen so far does not mean never.
 const COUNT_MIN: f64 = 0.1;
 
-/// Extent of what a sensor sees.
+/// Area that a sensor covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extent {
     /// Width of all bearings, radians.
@@ -78,8 +79,8 @@ impl Estimate {
 /// Logarithm of the density of false detections per unit of each measured quantity, where there are `density` per
 /// square metre, or per radian of bearing.
 ///
-/// In the plane a ring of range r has an area in proportion to r. Heights, elevations and range rates of false
-/// detections are taken to be anywhere within what is assumed of targets.
+/// In the plane, the area of a ring of range r is proportional to r. Heights, elevations and range rates of false
+/// detections are assumed anywhere within the limits assumed of targets.
 pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &Initiation) -> f64 {
     let range = measurement.values[0].max(1.0);
     let per_height = 0.5 / guess.height_sigma_m;

@@ -1,11 +1,11 @@
-//! Counts of what was done, rejected (input) or dropped (for want of room).
+//! Counts of processed, rejected (input) and dropped (for lack of room) items.
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrackerCounts {
     /// Scans worked off, repetitions after late ones included.
     pub scans: u64,
-    /// Scans that came after later ones and were worked in.
+    /// Scans that came after later scans and were inserted in their place.
     pub late_scans: u64,
     /// Scans rejected: older than every open one, or of an unknown sensor.
     pub rejected_scans: u64,
@@ -35,7 +35,7 @@ pub struct TrackerCounts {
     pub starts_with_parents_motion: u64,
     /// Hypotheses drawn.
     pub hypotheses_drawn: u64,
-    /// Hypotheses that were merged with one of the same associations.
+    /// Hypotheses that were merged with a hypothesis of the same associations.
     pub hypotheses_merged: u64,
     /// Hypotheses pruned because of low reliability or number.
     pub hypotheses_pruned: u64,
@@ -51,9 +51,9 @@ pub struct TrackerCounts {
     pub wide_area_reports_used: u64,
     /// Reports used that no cluster was near enough to.
     pub wide_area_reports_unmatched: u64,
-    /// Clusters whose hypotheses, or some hypothesis' children, were corrected (WA-4).
+    /// Clusters with corrected hypotheses or children (WA-4).
     pub wide_area_corrections: u64,
-    /// Hypotheses whose children could not be corrected: too many ways to begin the tracks they lack.
+    /// Hypotheses whose children could not be corrected: too many ways to begin the missing tracks.
     pub wide_area_uncorrected: u64,
     /// Tracks given up earlier because a wide-area report shows nothing there (WA-8).
     pub wide_area_deletions: u64,
@@ -65,13 +65,13 @@ pub struct TrackerCounts {
     pub emissions_rejected: u64,
     /// Emissions used by a scan, repetitions after late ones included.
     pub emissions_used: u64,
-    /// Emissions used in whose direction there was no track, or more than one.
+    /// Emissions used with no track, or several tracks, in their direction.
     pub emissions_unclear: u64,
     /// Tracks confirmed.
     pub confirmed: u64,
-    /// Detections that became one with another of the same scan, nearer than the sensor's resolution.
+    /// Detections united with another detection of the same scan, nearer than the sensor's resolution.
     pub united_detections: u64,
-    /// Updates of clusters: each is one cluster in one scan, after joining.
+    /// Updates of clusters, counted per cluster and scan, after joining.
     pub cluster_updates: u64,
     /// Largest share of a cluster's probability that was dropped in a scan, in [0, 1]: an upper bound.
     pub dropped_probability_max: f64,

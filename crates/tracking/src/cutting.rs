@@ -1,18 +1,18 @@
-//! Detections as they come from one sensor, cut into scans.
+//! Cuts the stream of detections of a sensor into scans.
 //!
-//! The tracker wants scans: all that a sensor saw in one look around. A radar sends plots one after the other, some a
-//! little late, and says when its antenna points north. To call a scan complete at that message would leave late plots
-//! to the next scan, and by the clock of the machine the result would depend on its load. So only times of the data
-//! count. A scan reaches from one boundary to the next; it is complete when something has come that is later than its
-//! end by the *wait*. What is older than the scan at hand comes too late, and is rejected.
+//! The tracker needs scans: all detections of a sensor in one turn. A radar sends plots one after the other, some a
+//! little late, and reports when its antenna points north. A scan that ended at this message would leave late plots
+//! to the next scan; a scan that ended by the machine's clock would make the result depend on the load. Therefore
+//! only times of the data count. A scan reaches from one boundary to the next. The scan is complete when data arrive
+//! that are later than its end by the *wait*. Detections older than the current scan are too late, and are rejected.
 //!
-//! A boundary is where the sensor says that its turn begins ([`Cutter::turn_begins`]). Where it does not say so for
-//! longer than a period and the wait, the turn is taken to have lasted one period; and where the sensor is not asked
-//! ([`Boundaries::Period`]), boundaries are at whole multiples of the period. After a silence the next scan begins with
-//! the first detection.
+//! A boundary is the start of a turn as the sensor reports it ([`Cutter::turn_begins`]). Without such a report for
+//! longer than a period and the wait, the turn is assumed to last one period. With [`Boundaries::Period`], reports
+//! are ignored and boundaries are at whole multiples of the period. After a silence the next scan begins with the
+//! first detection.
 //!
-//! Where the period is not configured, it is found first ([`TurnTime`]), and until then all detections wait. It is that
-//! of the data alone, too.
+//! If no period is configured, it is estimated first ([`TurnTime`]), and all detections wait until then. The
+//! estimate also depends on the data alone.
 //!
 //! # Numbers
 //!
@@ -30,12 +30,12 @@ use crate::turn_time::{Turn, TurnTime};
 pub const NUMBERS_PER_S: i64 = 16;
 /// Shortest period, nanoseconds.
 pub const PERIOD_MIN_NS: i64 = NS_PER_S / NUMBERS_PER_S;
-/// Most boundaries that wait for detections to reach them.
+/// Maximum of boundaries that wait for detections to reach them.
 const BOUNDARIES_MAX: usize = 8;
 const NS_PER_S: i64 = messages::NS_PER_S as i64;
 /// Period of a sensor that has shown none.
 const PERIOD_UNKNOWN_NS: i64 = NS_PER_S;
-/// Wait, where none is configured: one part of so many of a period.
+/// Default wait: this fraction of a period.
 const WAIT_PARTS: i64 = 10;
 
 /// Settings of a cutter.
@@ -48,7 +48,7 @@ pub struct CutterSettings {
     /// Wait: time by which a detection may come after later ones, nanoseconds, at most a period; `None`: a tenth of a
     /// period.
     pub wait_ns: Option<i64>,
-    /// Most detections that wait for their scan to be complete.
+    /// Maximum of detections that wait for the end of their scan.
     pub waiting_max: usize,
     /// From where scan numbers count, UTC, nanoseconds.
     pub epoch_ns: i64,
@@ -57,7 +57,7 @@ pub struct CutterSettings {
 settings::words! {
     /// Places where scans begin.
     pub enum Boundaries {
-        /// Boundaries where the sensor says so.
+        /// Boundaries at the sensor's reports.
         Turn = "turn",
         /// Boundaries at whole multiples of the period.
         Period = "period",
@@ -67,7 +67,7 @@ settings::words! {
 /// A scan that is complete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CutScan {
-    /// Number of the scan, which its detections have, too.
+    /// Number of the scan, also set in its detections.
     pub number: u32,
     /// Time of its latest detection, nanoseconds.
     pub time_ns: i64,
@@ -96,7 +96,7 @@ struct Rhythm {
 struct Scan {
     number: u32,
     begin_ns: i64,
-    /// Whether it begins where the sensor said so.
+    /// Set if the scan begins at a boundary reported by the sensor.
     at_boundary: bool,
 }
 
@@ -129,7 +129,7 @@ pub struct Cutter<T> {
 }
 
 impl<T: Copy> Cutter<T> {
-    /// A cutter that has seen nothing yet.
+    /// Makes a cutter without data.
     pub fn new(settings: CutterSettings) -> Self {
         Self {
             settings,
@@ -146,7 +146,7 @@ impl<T: Copy> Cutter<T> {
         }
     }
 
-    /// Takes a detection, with what is to stay with it.
+    /// Takes a detection together with the data attached to it.
     pub fn take(&mut self, detection: Detection, with_it: T) -> Taken {
         let time_ns = detection.time_of_measurement_ns;
         if self.scan.is_some_and(|scan| time_ns < scan.begin_ns) {
@@ -167,7 +167,7 @@ impl<T: Copy> Cutter<T> {
         Taken::Waits
     }
 
-    /// The sensor says that its turn begins at `time_ns`.
+    /// Takes the sensor's report that a turn begins at `time_ns`.
     pub fn turn_begins(&mut self, time_ns: i64) {
         let is_new = self.boundaries.back().is_none_or(|last_ns| *last_ns < time_ns);
         if self.settings.boundaries == Boundaries::Turn && is_new {
@@ -180,7 +180,7 @@ impl<T: Copy> Cutter<T> {
         self.passed(time_ns);
     }
 
-    /// The sensor states that its turn takes `turn_ns` nanoseconds.
+    /// Takes the sensor's report that a turn takes `turn_ns` nanoseconds.
     pub fn turn_takes(&mut self, turn_ns: i64) {
         self.turn_time.stated(turn_ns);
     }
@@ -190,7 +190,7 @@ impl<T: Copy> Cutter<T> {
         self.turn_time.turn()
     }
 
-    /// Period by which scans are cut, nanoseconds, once it is known.
+    /// Period of the scans, nanoseconds; `None` until it is known.
     pub fn period_ns(&self) -> Option<i64> {
         self.rhythm.map(|rhythm| rhythm.period_ns)
     }
@@ -210,7 +210,7 @@ impl<T: Copy> Cutter<T> {
         self.complete_scan(i64::MAX)
     }
 
-    /// Detections of the latest scan, in the order of their times; of one time, in that in which they came.
+    /// Detections of the latest scan, ordered by time and, at equal times, by arrival.
     pub fn detections(&self) -> &[Detection] {
         &self.complete
     }
@@ -261,7 +261,7 @@ impl<T: Copy> Cutter<T> {
         self.rhythm
     }
 
-    /// The scan at hand; after a silence, the one in which the next detection is.
+    /// Returns the current scan; after a silence, the scan of the next detection.
     fn scan_at_hand(&mut self, rhythm: Rhythm) -> Scan {
         let period_ns = rhythm.period_ns;
         let is_silence = |scan: &Scan| self.first_ns.saturating_sub(scan.begin_ns) >= 2 * period_ns;
@@ -287,10 +287,10 @@ impl<T: Copy> Cutter<T> {
         scan
     }
 
-    /// End of the scan, nanoseconds, and whether the sensor has said so; `None` as long as it still may.
+    /// End of the scan, nanoseconds, and whether the sensor reported it; `None` while a report is still possible.
     fn end(&self, scan: Scan, rhythm: Rhythm, running_ns: i64) -> Option<(i64, bool)> {
         let Rhythm { period_ns, wait_ns } = rhythm;
-        // A turn is never half as long as it should be, unless it was not seen from its beginning.
+        // No turn is shorter than half a period, unless its beginning was not seen.
         let shortest_ns = if scan.at_boundary { period_ns / 2 } else { 0 };
         let after = |time_ns: i64| scan.begin_ns.saturating_add(time_ns);
         let latest_ns = after(period_ns + wait_ns);
@@ -302,7 +302,7 @@ impl<T: Copy> Cutter<T> {
         is_given.then_some((after(period_ns), false))
     }
 
-    /// Takes the detections before `end_ns` out of those that wait.
+    /// Moves the waiting detections before `end_ns` to the scan.
     fn collect(&mut self, end_ns: i64, number: u32) {
         // Unlike a stable sort, this one needs no memory.
         self.waiting

@@ -1,27 +1,27 @@
-//! Directions without ranges, from cameras and listeners: they improve tracks that positions have begun.
+//! Directions without ranges, from cameras and passive receivers: they improve tracks that positions have begun.
 //!
-//! A bearing is a ray, and a ray crosses the gates of many tracks. Treated as positions are, each image of a camera
-//! joins half of all clusters, gives every hypothesis a dozen children, and, ten times a second, pushes out of the
-//! memory of eight scans what the radar saw a second ago: a choice between two of its detections would be decided by
-//! force before the next turn. And the rule that a detection is of one target at most does not even hold: a boat behind
-//! another one gives no bearing of its own.
+//! A bearing is a ray, and a ray crosses the gates of many tracks. If bearings were treated like positions, each
+//! camera frame would join half of all clusters and give every hypothesis a dozen children. Ten times a second, it
+//! would push the radar detections of a second ago out of the memory of eight scans: a choice between two of them
+//! would be forced before the next turn. Besides, the rule of at most one target per detection does not hold: a boat
+//! behind another boat has no bearing of its own.
 //!
-//! So directions do not branch. Each track takes all directions in its gate, each by the probability that it is its
-//! own, as the mean of what it would be with each and with none (probabilistic data association). What a scan of
-//! directions says of a track's still being there,
+//! Directions therefore do not branch. Each track uses all directions in its gate, each by the probability that the
+//! direction belongs to the track: the result is the mean of the updates with each direction and with none
+//! (probabilistic data association). The evidence of a scan of directions for the track's presence,
 //!
 //! ```text
 //! evidence = 1 − P + Σ p·N(ν)/λ        (P: detected and in the gate, p: detected, λ: density of false ones)
 //! ```
 //!
-//! makes up for misses, or adds to them, for what the scan is worth ([`crate::sensor`]). It does not weigh hypotheses:
-//! of two explanations that lie on one ray, both would be made certain by every image. So directions say where a target
-//! is and whether it still is, not whether it is one: none begins or becomes likelier, clusters, histories and numbers
-//! of detections stay as they are.
+//! compensates misses, or adds to them, by the weight of the scan ([`crate::sensor`]). The evidence does not weigh
+//! hypotheses: of two explanations on one ray, every frame would make both certain. Directions therefore show the
+//! position and presence of a target, not its existence: no track begins or becomes likelier, and clusters,
+//! histories and numbers of detections stay unchanged.
 //!
-//! Two tracks with one direction between them share it: what a confirmed track may have given is to any other one as
-//! good as false, and its likelihood adds to λ, over the probability that it was not seen (the joint probabilities of
-//! two tracks and one direction, exactly). Of several others the likeliest counts.
+//! Two tracks with one direction between them share it. A direction that may belong to a confirmed track counts as
+//! false for any other track: its likelihood adds to λ, over the probability that the confirmed track was not seen
+//! (exact joint probabilities for two tracks and one direction). Of several competing tracks the likeliest counts.
 //!
 //! Limits: the tangent of a direction is good where the direction is known; a track that is not known better than
 //! [`KNOWN_RAD`] takes none.
@@ -41,7 +41,7 @@ use crate::track::{TENTATIVE, Track};
 
 /// Largest standard deviation of a track's direction, seen from the sensor, radians.
 const KNOWN_RAD: f64 = 0.2;
-/// From this probability on that a direction was its own, a track counts as seen.
+/// Least probability of an own direction for a track to count as seen.
 const SEEN_MIN: f64 = 0.5;
 
 /// A scan of directions.
@@ -118,8 +118,8 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// Lets a track take the directions in its gate. One that has been seen only once takes none: where it goes is not
-    /// known yet.
+    /// Updates a track by the directions in its gate. A track seen only once is left out: its velocity is not known
+    /// yet.
     pub(crate) fn take_in(&self, track: &mut Track, claims: &[Claims]) {
         let Some((predicted, seen)) = self.predicted(track) else {
             return;
@@ -148,7 +148,7 @@ impl<'a> Directions<'a> {
         }
         track.motion = mean;
         track.time_ns = self.time_ns;
-        // What speaks for the track makes up for misses, and no more.
+        // Positive evidence compensates misses, and no more.
         track.log_silence = (track.log_silence + evidence).min(0.0);
         if sum - of_none > SEEN_MIN * sum {
             track.missed = 0;
@@ -158,8 +158,8 @@ impl<'a> Directions<'a> {
         }
     }
 
-    /// A track at the time of the scan, and the probability that it is in the field of view; `None` if directions can
-    /// teach nothing about it.
+    /// Returns a track at the time of the scan, and the probability that the track is in the field of view; `None`
+    /// if directions cannot improve the track.
     fn predicted(&self, track: &Track) -> Option<(Motion, f64)> {
         if track.detections < 2 {
             return None;
@@ -190,7 +190,7 @@ impl<'a> Directions<'a> {
         let state = predicted.widest();
         let [xx, xy, _, yy, ..] = state.position_covariance();
         let line = [0, 1].map(|axis| state.mean[axis] - first.measurement.platform_m[axis]);
-        // Written so that NaN says no.
+        // Written so that NaN yields false.
         distance::largest_sigma2([xx, xy, yy]) <= KNOWN_RAD * line[0].hypot(line[1])
     }
 }

@@ -1,21 +1,20 @@
-//! Records of what the tracker considered and decided, and why.
+//! Records of the tracker's decisions and their reasons.
 //!
-//! A track says where a target is, not how it came to be believed: which interpretations there were, how reliable each
-//! was, and what tipped the scales. Each of these can be had as a record by whoever gives
-//! [`crate::Tracker::scan_explained`] an observer. Records are made of what is there anyway and kept nowhere; where
-//! nobody observes, nothing is made of them.
+//! A track gives a target's position, not the reasons for the track: the interpretations, their reliabilities and
+//! the decisive evidence. An observer given to [`crate::Tracker::scan_explained`] receives these as records. Records
+//! are made from data that exist anyway and are not stored; without an observer, none are made.
 //!
-//! Records come in this order: the scan; then of each cluster that the scan has worked off what became of its tracks,
-//! how a wide-area report corrected it, the cluster as a whole, its hypotheses after reduction, the most reliable
-//! first, each with its tracks. Tracks that begin at a detection far from all others come last, without a cluster, and
-//! then the groups that are given out. A scan that came late has those after it explained again.
+//! Order of the records: first the scan. Then for each updated cluster: the fate of its tracks, its correction by a
+//! wide-area report, the cluster as a whole, and its hypotheses after reduction, the most reliable first, each with
+//! its tracks. Tracks that begin at a detection far from all others follow, without a cluster; the published groups
+//! come last. After a late scan, the later scans are explained again.
 
 use std::fmt;
 
 use crate::plot::Plot;
 use crate::track::{NO_DETECTION, TENTATIVE, Track};
 
-/// Receiver of what the tracker considered and decided.
+/// Receiver of the records.
 pub trait Observer: fmt::Debug {
     /// Takes one record.
     fn explain(&self, what: &Explanation<'_>);
@@ -43,21 +42,21 @@ pub enum Explanation<'a> {
         track: TrackRecord,
         /// Value compared; NaN if nothing was.
         value: f64,
-        /// Limit that the value was compared with; NaN if nothing was.
+        /// Limit for the value; NaN if there is none.
         limit: f64,
     },
     /// A wide-area report has corrected a cluster's reliabilities (WA-4).
     Correction(CorrectionRecord),
     /// A cluster as a whole.
     Cluster(ClusterRecord<'a>),
-    /// One of the hypotheses that are left of it.
+    /// A remaining hypothesis of the cluster.
     Hypothesis {
-        /// Sum of the probability that it holds, in [0, 1].
+        /// Probability of the hypothesis, in [0, 1].
         reliability: f64,
     },
     /// A track of the hypothesis before.
     Member(TrackRecord),
-    /// After a scan: a cluster's tracks are given out as those of one group (WA-7).
+    /// After a scan: a cluster's tracks are published as one group (WA-7).
     Group {
         /// The group's number.
         number: u32,
@@ -102,7 +101,7 @@ pub enum TrackEvent {
     AbsentSilent,
     /// A branch was too rarely in a confirmed track's gate (SP-7): value the share, limit the least.
     OutOfCompany,
-    /// No branch of it is in any hypothesis that is left.
+    /// No remaining hypothesis contains a branch of the track.
     Ended,
 }
 
@@ -130,7 +129,7 @@ impl TrackEvent {
 /// A track, or a branch of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackRecord {
-    /// Number that all branches of one first detection share.
+    /// Number shared by all branches of the same first detection.
     pub root: u32,
     /// Number of the confirmed track, or 0.
     pub number: u32,
@@ -138,16 +137,16 @@ pub struct TrackRecord {
     pub detections: u32,
     /// Scans since the last one.
     pub missed: u32,
-    /// `detection_id` of the one that it takes in this scan.
+    /// `detection_id` of the track's detection in this scan.
     pub detection_id: Option<u32>,
-    /// Sum over the hypotheses that contain it, as far as it is known yet.
+    /// Sum over the hypotheses that contain the track, as far as computed yet.
     pub reliability: f64,
-    /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
+    /// Log-likelihood ratio of its detections: from one target against all false.
     pub log_likelihood_ratio: f64,
 }
 
 impl TrackRecord {
-    /// `plots` are those of the scan, of which the first has the serial number `first_serial`.
+    /// `plots` are the detections of the scan; the first has the serial number `first_serial`.
     pub(crate) fn of(track: &Track, plots: &[Plot], first_serial: u32) -> Self {
         let serial = track.history[0];
         let plot = plots.get(serial.wrapping_sub(first_serial) as usize);
@@ -181,11 +180,11 @@ pub struct ClusterRecord<'a> {
     pub considered: u64,
     /// Interpretations left out by SP-3 to SP-6.
     pub forbidden: u64,
-    /// Hypotheses that became one with another.
+    /// Hypotheses merged with another hypothesis.
     pub merged: u64,
     /// Hypotheses dropped because of low reliability or number.
     pub dropped: u64,
-    /// Upper bound of the probability that was dropped with them and with what was never considered.
+    /// Upper bound of the probability lost with dropped and never considered hypotheses.
     pub dropped_probability: f64,
 }
 

@@ -1,16 +1,15 @@
 //! Where a sensor sees, and whether a target is there.
 //!
-//! A tracker that knows nothing of it takes every scan for a miss of every track, and a sensor that reaches 100 m
-//! deletes what a sensor reaching 300 m has found. An operator knows the reach and the sector of a sensor; outside of
-//! them its silence means nothing. Where a target is, is known as well as its track; so a miss counts with the
-//! probability that the target is inside: the track's position is a Gaussian, and inside is what of it lies between two
-//! ranges and two bearings (range and bearing are taken as independent, with the variances along and across the line of
-//! sight).
+//! Without a field of view, the tracker takes every scan for a miss of every track: a sensor with a reach of 100 m
+//! deletes the tracks of a sensor with a reach of 300 m. Operators know a sensor's reach and sector; outside, its
+//! silence means nothing. A target's position is as uncertain as its track, so a miss counts with the probability
+//! that the target is inside. This probability is the part of the track's Gaussian between two ranges and two
+//! bearings (range and bearing are taken as independent, with the variances along and across the line of sight).
 //!
-//! A detection needs no such question: the target that gave it was inside.
+//! A detection needs no such test: its target was inside.
 //!
-//! Limits: a sector is given in bearings from north, so one that turns with its vehicle must be given as the whole
-//! round; what hides behind what is not known.
+//! Limits: a sector is given in bearings from north, so a sector that turns with its vehicle must be configured as
+//! the full circle. Occlusion is not modelled.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -83,7 +82,7 @@ impl FieldOfView {
         let Some([from, _]) = self.sector_deg else { return 1.0 };
         let from = from.rad();
         let width = self.width_rad();
-        // Nobody knows the bearing of what may be on any side.
+        // The bearing is unknown if the position may be on any side of the sensor.
         if sigma > 1.0 {
             return width / TAU;
         }
@@ -208,7 +207,7 @@ mod tests {
                 "{bearing}"
             );
         }
-        // Nearly all round: what is uncertain on one side of the gap is seen on the other.
+        // Nearly a full circle: the probability beyond one side of the gap is seen on the other side.
         let gap = sector([1.0, 359.0]);
         assert!((seen(gap, 0.0, 5.0) - 0.86).abs() < 0.01, "{}", seen(gap, 0.0, 5.0));
         let close = south.holds(&target(0.0, 12.0, 15.0), Some([0.0; 2]));

@@ -1,7 +1,7 @@
 //! How far from its prediction a target's detection may be (HT-2).
 //!
-//! If all is as modelled, the squared statistical distance of a detection of D quantities from what was predicted is
-//! distributed as chi-square with D degrees of freedom. The gate is the value that it stays below with the configured
+//! Under the model, the squared statistical distance between a detection of D quantities and its prediction follows
+//! a chi-square distribution with D degrees of freedom. The gate is the distance not exceeded with the configured
 //! probability.
 
 use crate::measurement::DIMENSIONS_MAX;

@@ -1,4 +1,4 @@
-//! Which detections may be of which tracks, and which clusters they bring together (HT-2, HT-4).
+//! Pairs of detections and tracks within the gates, and the clusters that these pairs join (HT-2, HT-4).
 //!
 //! Every track is predicted to each detection's time and compared with the detections near it, which a grid finds. A
 //! detection in a gate belongs to the track's cluster; if it already belongs to another one, the two become one.
@@ -40,15 +40,15 @@ pub(crate) struct Pair {
 pub(crate) struct Gating {
     /// Sorted by track.
     pub(crate) pairs: Vec<Pair>,
-    /// By track: where its pairs begin; one more at the end.
+    /// By track: index of its first pair; the last entry is the end.
     pub(crate) pairs_begin: Vec<u32>,
-    /// By track: logarithm of the probability that there is no detection in its gate, for what the scan is worth.
+    /// By track: logarithm of the probability of no detection in its gate, times the weight of the scan.
     pub(crate) log_misses: Vec<f64>,
-    /// By cluster: another one that is joined with it, or itself.
+    /// By cluster: another cluster joined with it, or the cluster itself.
     joined: Vec<u32>,
-    /// By representative: tracks and detections of all that are joined with it.
+    /// By representative: numbers of tracks and detections of its joined clusters.
     sizes: Vec<(u32, u32)>,
-    /// By detection: a cluster that it belongs to, or [`NONE`].
+    /// By detection: a cluster that contains it, or [`NONE`].
     owner: Vec<u32>,
     /// (representative, cluster), sorted.
     pub(crate) clusters: Vec<(u32, u32)>,
@@ -243,7 +243,7 @@ impl Gating {
         true
     }
 
-    /// The cluster that represents all that are joined with this one: the first of them.
+    /// Returns the representative of the joined clusters: the first of them.
     fn representative(&mut self, cluster: u32) -> u32 {
         representative(&mut self.joined, cluster)
     }

@@ -1,9 +1,9 @@
 //! The child hypotheses of one cluster while a scan is worked off: reduction and confirmation (HT-9, HT-10).
 //!
-//! Children that were drawn are first merged: those of the same tracks, and, if so configured, those whose associations
-//! over the last scans are the same and that hold as many confirmed tracks; of these the more reliable one stays and
-//! takes over the other's reliability. Two hypotheses in which two targets have exchanged their past, for example,
-//! become one that way once the exchange is old enough: which was which will never be known.
+//! Drawn children are merged first. Children with the same tracks merge; if configured, so do children with the same
+//! associations over the last scans and as many confirmed tracks. The more reliable child stays and takes over the
+//! other's reliability. For example, two hypotheses in which two targets have exchanged their past merge once the
+//! exchange is old enough, as the two can no longer be distinguished.
 //!
 //! Then children of low reliability are dropped, and tracks that remain beyond doubt are confirmed.
 //!
@@ -20,7 +20,7 @@ use crate::track::{TENTATIVE, Track};
 /// A child hypothesis.
 #[derive(Clone, Debug)]
 pub(crate) struct Child {
-    /// Logarithm; those of all children sum to 1 once they are reduced.
+    /// Logarithm; the reliabilities of all children sum to 1 after the reduction.
     pub(crate) log_reliability: f64,
     /// Places in the list of members.
     members: Range<u32>,
@@ -144,7 +144,7 @@ impl HypothesisStore {
         }
     }
 
-    /// Likeliest first: an earlier one stays and takes over a later one's reliability.
+    /// Likeliest first: an earlier child stays and takes over a later child's reliability.
     fn merge(&mut self, by_key: bool, counts: &mut TrackerCounts) {
         let mut kept = 0;
         for place in 0..self.children.len() {
@@ -208,13 +208,13 @@ impl HypothesisStore {
     }
 }
 
-/// Hash of what a track adds to its hypothesis' associations over the last `scans`.
+/// Hash of a track's associations over the last `scans`, for its hypothesis' key.
 fn associations_key(track: &Track, scans: usize) -> u64 {
     let serials = track.history[..scans].iter();
     let associations = serials.fold(0x9e37_79b9_7f4a_7c15, |key, serial| mixed(key ^ u64::from(*serial)));
     let number = if track.number == TENTATIVE { 0 } else { mixed(1) };
-    // Sums of both over all tracks: who has which associations does not matter. Nor does a confirmed track's number: of
-    // two numbers for the same associations one is too many.
+    // Sums of both over all tracks: the order of the tracks does not matter. A confirmed track's number does not
+    // matter either: two numbers for the same associations are one too many.
     associations.wrapping_add(number.rotate_left(17))
 }
 

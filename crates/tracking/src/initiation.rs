@@ -1,14 +1,14 @@
 //! Initiation: the state of a track after its first detection.
 //!
-//! One detection says where, not whither: the velocity starts at zero with the standard deviation of the speeds that
-//! targets have, and the second detection finds it. A range rate, where there is one, already narrows it along the line
-//! of sight. But boats are ten times slower than aircraft, and one standard deviation for both either loses the one or
-//! joins every boat with every detection within the second detection's gate, a third of a kilometre after two seconds.
-//! So a first state is two: of a slow target and of a fast one, and the second detection shows which. A direction alone
-//! does not begin a track: what it says of the position is a ray.
+//! A single detection gives a position, not a velocity: the velocity starts at zero with the standard deviation of
+//! target speeds, and the second detection determines it. A range rate narrows the velocity along the line of sight
+//! at once. But boats are ten times slower than aircraft. A common standard deviation either loses aircraft or joins
+//! every boat with every detection in a gate of a third of a kilometre after two seconds. A first state therefore
+//! consists of a slow and a fast target, and the second detection selects. A direction alone begins no track: its
+//! position is only a ray.
 //!
-//! In the gate of a track that is believed, a new one is likelier a target that has flown along and now parts; then it
-//! may start with that track's motion instead (SP-2, [`crate::splitting`]).
+//! In the gate of a confirmed track, a new track is probably a target that flew along and now separates; the new
+//! track may then start with that track's motion (SP-2, [`crate::splitting`]).
 
 use estimation::Gaussian;
 use messages::{Covariance, STATE_LEN};
@@ -116,7 +116,8 @@ mod tests {
         }
     }
 
-    /// A measurement's own state surprises nobody, and another one equal to it halves the variances along its axes.
+    /// A measurement at the predicted state has no innovation, and an equal second measurement halves the variances
+    /// along its axes.
     #[test]
     fn each_kind_begins_where_it_was_seen() {
         for (kind, values, sigmas) in [

@@ -1,7 +1,7 @@
 //! The interpretations of a scan by the hypotheses of one cluster, as ranked assignment problems (HT-5 … HT-8).
 //!
-//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): its rows are the cluster's detections, what
-//! each may be taken for are its choices, and their costs are negative logarithms of
+//! Each hypothesis of the cluster poses one problem ([`crate::ranked`]): the rows are the cluster's detections, the
+//! choices are their possible origins, and the costs are the negative logarithms of
 //!
 //! | taken for | likelihood, relative to false |
 //! | --- | --- |
@@ -9,10 +9,10 @@
 //! | new | density of new targets / density of false detections |
 //! | of track T | probability of detection × density of the innovation / (false detections' density × that of a miss) |
 //!
-//! with the misses of all its tracks and its own reliability as the problem's base.
+//! with the misses of all its tracks and its own reliability as the base cost.
 //!
-//! Where a hypothesis lacks tracks that it ought to have, its children with enough of them are posed as problems of
-//! their own besides: their costs are lowered by so much that the best of them comes out with the best of the others.
+//! If a hypothesis lacks expected tracks, its children with enough tracks are posed as additional problems. Their
+//! costs are lowered until the best of them ranks beside the best of the others.
 
 use crate::counts::TrackerCounts;
 use crate::joined::Joined;
@@ -30,7 +30,7 @@ const NEW: u32 = u32::MAX - 1;
 #[derive(Clone, Debug)]
 pub(crate) struct Interpretations {
     ranked: Ranked,
-    /// By problem: whose it is.
+    /// By problem: its parent.
     problems: Vec<Problem>,
     /// (row, column, pair) of one hypothesis.
     entries: Vec<(u32, u32, u32)>,
@@ -46,7 +46,7 @@ struct Problem {
     lowered: f64,
 }
 
-/// An interpretation, and the parent that it makes a child of.
+/// Interpretation and its parent hypothesis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Interpretation {
     solution: Solution,
@@ -74,7 +74,8 @@ impl Interpretations {
         }
     }
 
-    /// Poses the problem of each parent; then, where it lacks tracks, that of its children with enough of them.
+    /// Poses the problem of each parent and, if the parent lacks tracks, the problem of its children with enough
+    /// tracks.
     pub(crate) fn pose(&mut self, joined: &Joined<'_>, parents: &Parents, counts: &mut TrackerCounts) {
         self.ranked.clear();
         self.problems.clear();
@@ -130,7 +131,7 @@ impl Interpretations {
         self.ranked.meanings(of.solution).filter(|meaning| *meaning < NEW)
     }
 
-    /// Rows whose detections start new tracks in an interpretation.
+    /// Rows whose detections begin new tracks in an interpretation.
     pub(crate) fn new_rows(&self, of: &Interpretation) -> impl Iterator<Item = usize> + '_ {
         let rows = self.ranked.meanings(of.solution).enumerate();
         rows.filter(|(_, meaning)| *meaning == NEW).map(|(row, _)| row)
@@ -140,8 +141,8 @@ impl Interpretations {
         self.ranked.meanings(solution).filter(|meaning| *meaning == NEW).count()
     }
 
-    /// Children that begin at least `lacking` new tracks, each of them once: the first so many rows that begin one are
-    /// given, and the rows between them do not (WA-4).
+    /// Poses the children that begin at least `lacking` new tracks, each child once: the first rows that begin a
+    /// track are fixed, and the rows between them begin none (WA-4).
     fn pose_enough(
         &mut self,
         joined: &Joined<'_>,
@@ -182,7 +183,7 @@ impl Interpretations {
         }
     }
 
-    /// Poses a problem of the parent whose entries were found last. `None` if there is no room.
+    /// Poses a problem of the parent with the entries found last. `None` if there is no room.
     fn pose_problem(
         &mut self,
         joined: &Joined<'_>,

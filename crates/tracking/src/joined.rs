@@ -1,4 +1,4 @@
-//! Clusters that a scan brings together: they are updated as one.
+//! Clusters joined by a scan: they are updated together.
 
 use std::ops::Range;
 
@@ -32,7 +32,7 @@ impl Rows {
     }
 }
 
-/// Joined clusters, with what their update depends on.
+/// Joined clusters and the inputs of their update.
 #[derive(Clone, Copy)]
 pub(crate) struct Joined<'a> {
     pub(crate) scan: &'a ScanContext<'a>,
@@ -121,7 +121,7 @@ impl<'a> Joined<'a> {
         self.rows.in_confirmed_gate[row]
     }
 
-    /// Whether new tracks that start at a row's detection are the ones that SP-1 forbids.
+    /// Returns whether SP-1 forbids new tracks at a row's detection.
     pub(crate) fn is_start_forbidden(&self, row: usize) -> bool {
         self.confirmed > 0 && self.scan.settings.splitting.start_in_confirmed_gates && !self.is_in_confirmed_gate(row)
     }

@@ -1,16 +1,16 @@
 //! Tracks from detections: several interpretations are kept side by side until later scans decide (HT, SP).
 //!
-//! A sensor gives detections: some of targets, some of nothing, and none of them says of which. The obvious way gives
-//! each detection to the nearest track. It fails where there is a choice, and it cannot be undone. This tracker keeps
-//! the choices as *hypotheses*: each is a set of tracks without a common detection, which explains everything seen so
-//! far, with a *reliability*, its probability. Each scan gives each hypothesis a child for every consistent
-//! interpretation of the scan; later scans make the wrong ones unlikely. A track that remains in all that are left is
-//! beyond doubt, and only then is it confirmed.
+//! A sensor reports detections, some of targets and some false, without their origin. The obvious tracker gives each
+//! detection to the nearest track; it fails at ambiguous detections, and its choice cannot be undone. This tracker
+//! keeps the alternatives as *hypotheses*: each is a set of tracks without a common detection, which explains all
+//! detections so far, with a *reliability*, its probability. Each scan gives each hypothesis a child for every
+//! consistent interpretation of the scan; later scans make wrong interpretations unlikely. A track is confirmed only
+//! when all remaining hypotheses contain it.
 //!
 //! # A scan's way (HT-1)
 //!
-//! 1. [`Tracker::scan`] finds the scan's place among the open ones (`tracker`): late ones are worked in as if they had
-//!    come in time. `plot` takes over the usable detections; `measurement` knows what each kind says of a state.
+//! 1. [`Tracker::scan`] finds the scan's place among the open scans (`tracker`): late scans are processed as if they
+//!    had come in time. `plot` copies the usable detections; `measurement` models each kind of measurement.
 //! 2. `scan_update` makes the tables after the scan of those before it. Every track is predicted and compared with the
 //!    detections near it. Detections in several clusters' gates bring them together (`gating`, `joined`), and the
 //!    product of their hypotheses is made (`parents`).
@@ -22,21 +22,19 @@
 //!
 //! Wide-area support is asked in one place, `wide_area::support`.
 //!
-//! A tracker goes on where another one was killed (`resumption`).
+//! A tracker can resume the tracks of a killed tracker (`resumption`).
 //!
-//! What was considered and decided can be had as records ([`explanation`]).
-//! Detections that come one by one are made into scans by [`cutting`], those of files by [`scans`]. The time of a turn
-//! that is not configured is found by [`turn_time`].
-//! [`settings`] says what can be chosen; the options for targets that part are in `splitting`.
+//! Decisions are available as records ([`explanation`]). [`cutting`] makes scans of single detections, [`scans`]
+//! makes scans of files. [`turn_time`] estimates the turn time if none is configured. [`settings`] lists the
+//! options; the options for separating targets are in `splitting`.
 //!
 //! # Memory and time
 //!
-//! Everything is allocated in [`Tracker::new`], and nothing after. A population is four flat tables, and each scan
-//! writes the next one (`population`); a track is a flat record that remembers its last scans (`track`). What has no
-//! room is dropped and counted ([`TrackerCounts`]); every search has a named maximum: [`COMPARISONS_MAX`] detections
-//! per track, of which [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster,
-//! [`HYPOTHESES_MAX`] hypotheses. What the maxima cut off is bounded and reported, too
-//! ([`TrackerCounts::dropped_probability_max`], HT-11).
+//! [`Tracker::new`] allocates all memory. A population is four flat tables, and each scan writes the next population
+//! (`population`); a track is a flat record with its last scans (`track`). Items without room are dropped and
+//! counted ([`TrackerCounts`]). Every search has a named maximum: [`COMPARISONS_MAX`] detections per track, of which
+//! [`PAIRS_MAX`] are considered, [`CLUSTER_TRACKS_MAX`] tracks and 64 detections per cluster, [`HYPOTHESES_MAX`]
+//! hypotheses. The loss by these maxima is bounded and reported ([`TrackerCounts::dropped_probability_max`], HT-11).
 //!
 //! Nothing here performs I/O or reads a clock; the same scans give the same bits. Clusters are worked off one after the
 //! other.
