@@ -22,7 +22,7 @@
 //!
 //! Wide-area support is asked in one place, `wide_area::support`.
 //!
-//! A tracker can resume the tracks of a killed tracker (`resumption`).
+//! The update calls wide-area support through a single module, `wide_area::support`.
 //!
 //! Decisions are available as records ([`explanation`]). [`cutting`] makes scans of single detections, [`scans`]
 //! makes scans of files. [`turn_time`] estimates the turn time if none is configured. [`settings`] lists the

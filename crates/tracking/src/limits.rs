@@ -8,7 +8,7 @@ pub const CLUSTER_TRACKS_MAX: usize = 256;
 pub const COMPARISONS_MAX: usize = 512;
 /// Most detections that a track may take in a scan.
 pub const PAIRS_MAX: usize = 16;
-/// Scans that a track remembers; those of quick sensors without a detection in its cluster are none.
+/// Scans in a track's memory, without scans of fast sensors that have no detection in its cluster.
 pub const HISTORY_MAX: usize = 8;
 /// Scans over which a cluster's detections are counted (SP-4).
 pub const DETECTION_COUNTS: usize = 5;

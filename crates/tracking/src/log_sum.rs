@@ -1,11 +1,11 @@
 //! Sums of probabilities that are kept as logarithms, so that products of many do not vanish.
 
-/// Logarithm of the sum of what these are the logarithms of; −∞ of nothing.
+/// Logarithm of the sum of the exponentials of `logarithms`; −∞ for an empty sum.
 pub(crate) fn log_sum(logarithms: impl Iterator<Item = f64>) -> f64 {
     logarithms.fold(f64::NEG_INFINITY, log_add)
 }
 
-/// Logarithm of the sum of what `a` and `b` are the logarithms of.
+/// Logarithm of the sum of the exponentials of `a` and `b`.
 pub(crate) fn log_add(a: f64, b: f64) -> f64 {
     let (low, high) = if a < b { (a, b) } else { (b, a) };
     if low == f64::NEG_INFINITY {

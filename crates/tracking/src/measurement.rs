@@ -1,4 +1,4 @@
-//! Measurement models (HT-12): what a detection says of a state, each kind with its own quantities and errors.
+//! Measurement models (HT-12): each kind of detection with its measured quantities and errors.
 //!
 //! Sensors of different kinds feed one tracker, so a detection is never turned into a position first: a bearing alone
 //! has none, and that of a distant radar plot is a narrow ellipse across the beam. Instead the state is compared in the
@@ -22,7 +22,7 @@ use crate::turn::TurnRate;
 
 /// Most quantities of a detection: three and the range rate.
 pub(crate) const DIMENSIONS_MAX: usize = QUANTITIES_MAX + 1;
-/// Squared horizontal distance, m², below which a sensor is at the target, and a direction says nothing.
+/// Squared horizontal distance, m², below which a sensor is at the target, and a direction is without information.
 const AT_SENSOR_M2: f64 = 1e-6;
 
 /// The measured part of a detection, with standard deviations of every quantity.
@@ -36,7 +36,7 @@ pub(crate) struct Measurement {
     pub(crate) platform_m: [f64; AXES],
 }
 
-/// By how much a measurement differed from what was predicted.
+/// Innovation of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Innovation {
     /// Quantities compared.
@@ -47,7 +47,7 @@ pub(crate) struct Innovation {
     pub(crate) log_likelihood: f64,
 }
 
-/// One quantity at a state: measured less predicted, and its derivative.
+/// One quantity at a state: innovation and derivative.
 #[derive(Clone, Copy, Debug)]
 struct Tangent {
     residual: f64,
@@ -312,7 +312,7 @@ impl Tangents {
         Some(())
     }
 
-    /// L⁻¹·H·c of a component outside the state that has the covariances c with it.
+    /// L⁻¹·H·c for a component outside the state, with covariances c between that component and the state.
     fn gain_of(&self, cross: &[f64; STATE_LEN]) -> [f64; DIMENSIONS_MAX] {
         let mut gain = [0.0; DIMENSIONS_MAX];
         for row in 0..self.count {

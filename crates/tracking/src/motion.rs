@@ -1,10 +1,10 @@
 //! How targets move between detections (HT-13).
 //!
-//! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter that assumes no more
-//! loses a target that turns; one that is ready for turns at any time has wide gates, takes in more clutter and smooths
-//! less. So two run side by side, one for steady flight and one for manoeuvres with a stronger noise, and each
-//! detection shows which of them foretold it better (interacting multiple models). A detection's likelihood is that of
-//! both, weighed; it is in the gate if it is in that of either.
+//! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter with this assumption
+//! alone loses turning targets; a filter with strong noise has wide gates, takes in more clutter and smooths less.
+//! Therefore two filters run side by side, one for steady flight and one for manoeuvres with a stronger noise. Each
+//! detection weighs them by their likelihoods (interacting multiple models). A detection's likelihood is the
+//! weighted sum of both; the detection is in the gate if it is in the gate of either.
 //!
 //! Limit: a long turn is followed as a manoeuvre of unknown direction, not as a circle, unless coordinated turns are
 //! configured ([`crate::turn`]).
@@ -60,11 +60,11 @@ kept! {
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct Motion {
         steady: Gaussian,
-        /// Like the steady one where there is no such model.
+        /// Manoeuvring state; equal to the steady state without a manoeuvring model.
         turning: Gaussian,
         /// Turn rate of the turning model; [`TurnRate::NONE`] where there are no coordinated turns.
         turn: TurnRate,
-        /// Probability that the target manoeuvres; 0 where there is no such model.
+        /// Probability of a manoeuvre; 0 without a manoeuvring model.
         turning_probability: f64,
         speed: Speed,
     }
@@ -175,7 +175,7 @@ impl Motion {
         }
     }
 
-    /// The turning state, of which `still` was turning before, on its circle.
+    /// Moves the turning state along its circle; `still` is the part that was turning before.
     fn turned(
         &self,
         mut state: Gaussian,
@@ -353,7 +353,7 @@ mod tests {
         assert!(!followed, "the turn is too much for steady flight");
     }
 
-    /// Mean squared distance of the last 15 s of a long circle from what was predicted.
+    /// Mean squared prediction error in the last 15 s of a long circle.
     fn circled(turn: Option<Turn>) -> f64 {
         let mut settings = TWO_MODELS;
         settings.manoeuvres.turn = turn;

@@ -1,7 +1,8 @@
-//! The hypotheses of clusters that a scan brings together, made into those of one cluster (HT-4).
+//! Joins the hypotheses of the clusters in a scan into the hypotheses of one cluster (HT-4).
 //!
-//! What happens in one cluster says nothing about another, so a hypothesis of both is one of each, and its reliability
-//! the product. Of all combinations the best ones are kept, cluster after cluster; what is dropped is known exactly.
+//! Clusters are independent: a hypothesis of the joined cluster combines a hypothesis of each, and its reliability
+//! is their product. Cluster after cluster, the best combinations are kept; the dropped probability is known
+//! exactly.
 
 use std::ops::Range;
 
@@ -14,8 +15,8 @@ use crate::wide_area::support::Demand;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Parent {
     pub(crate) log_reliability: f64,
-    /// Number of tracks that it lacks of those that a valid wide-area report has seen, and of those by which
-    /// reliabilities are corrected in this scan.
+    /// Number of missing tracks: against the targets in valid wide-area reports, and against the targets of this
+    /// scan's correction.
     pub(crate) lacking: usize,
     pub(crate) lacking_due: usize,
     /// Places in the list of members.
@@ -29,9 +30,9 @@ pub(crate) struct Parents {
     members: Vec<u32>,
     /// The same after the next cluster.
     next: (Vec<Parent>, Vec<u32>),
-    /// Logarithm of a product, with the two places that it comes from.
+    /// Logarithm of a product, and the indices of its two factors.
     products: Vec<(f64, u32, u32)>,
-    /// Whether a wide-area report that is due changed their reliabilities.
+    /// Set if a due wide-area report changed the reliabilities.
     pub(crate) corrected: bool,
 }
 
@@ -82,7 +83,7 @@ impl Parents {
     fn multiply(&mut self, population: &Population, cluster: &Cluster, hypotheses_max: usize, demand: &Demand) {
         let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;
         let hypotheses = &population.hypotheses[range];
-        // WA-4, to the hypotheses themselves; their children follow once they are drawn.
+        // WA-4 for the hypotheses themselves; their children follow after they are drawn.
         let gains = demand.gains(hypotheses);
         self.corrected |= demand.corrects_children && !gains.are_none();
         self.products.clear();

@@ -1,4 +1,4 @@
-//! Detections as the tracker keeps them, and which of a scan's are usable.
+//! Detections in the tracker's form, and the test of a scan's detections for usability.
 
 use observations::Detection;
 

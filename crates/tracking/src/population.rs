@@ -27,7 +27,8 @@ pub(crate) struct Cluster {
     pub(crate) tracks: Range<u32>,
     /// Most reliable first.
     pub(crate) hypotheses: Range<u32>,
-    /// Numbers of detections in the last scans, latest first; fractions of what it inherited when others separated.
+    /// Numbers of detections in the last scans, latest first; fractions after an inheritance from a separated
+    /// cluster.
     pub(crate) detections: [f32; DETECTION_COUNTS],
     /// Number of scans counted, at most [`DETECTION_COUNTS`].
     pub(crate) scans: u32,
@@ -66,7 +67,7 @@ impl Population {
         }
     }
 
-    /// Empties the tables, to be filled with what follows from `before`.
+    /// Clears the tables before they are filled with the successors of `before`.
     pub(crate) fn follow(&mut self, before: &Self, time_ns: i64) {
         self.time_ns = time_ns;
         self.support.follow(&before.support);
@@ -80,7 +81,7 @@ impl Population {
         self.next_number = before.next_number;
     }
 
-    /// Makes it the same as `before`, its time too: a scan that counts as no look.
+    /// Copies `before`, including its time, for a scan that does not count as a look.
     pub(crate) fn carry_on(&mut self, before: &Self) {
         self.follow(before, before.time_ns);
         self.tracks.extend_from_slice(&before.tracks);

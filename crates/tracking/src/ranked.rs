@@ -1,20 +1,19 @@
 //! The likeliest interpretations of a scan, one after the other, over all hypotheses of a cluster (HT-11).
 //!
-//! All interpretations are far too many: ten detections that may each be false, new or of one of three tracks have
-//! millions. But only the best few dozen will be kept. In logarithms the likelihood of an interpretation is a sum over
-//! its rows, so the best one is an assignment problem: each row takes one of its choices, no column is taken twice
-//! (false and new belong to the row alone, and bar nobody). It is solved by shortest augmenting paths
-//! ([`association::augmenting`]).
+//! All interpretations are far too many: ten detections that may each be false, new or one of three tracks have
+//! millions. Only the best few dozen are kept. In logarithms the likelihood of an interpretation is a sum over its
+//! rows, so the best interpretation is an assignment problem: each row takes one of its choices, and no column is
+//! taken twice (false and new belong to the row alone and exclude no other row). The problem is solved by shortest
+//! augmenting paths ([`association::augmenting`]).
 //!
-//! Murty's method finds the next ones. What remains after the best is split into disjoint parts: the first row takes
-//! something else; the first row keeps its choice and the second takes something else; and so on. The best of each part
-//! is again an assignment problem. The parts of all parent hypotheses wait in one heap, so the best children of the
-//! cluster come out in order whatever parent they have, and no part is solved twice.
+//! Murty's method finds the next solutions. The remaining solutions are split into disjoint parts: the first row
+//! changes its choice; the first row keeps its choice and the second changes; and so on. The best solution of each
+//! part is again an assignment problem. The parts of all parent hypotheses wait in one heap, so the best children of
+//! the cluster come out in order over all parents, and no part is solved twice.
 //!
 //! Bounds: at most [`ROWS_MAX`] rows of at most [`CHOICES_MAX`] choices, [`COLUMNS_MAX`] columns, and the tables'
-//! sizes; what finds no room is dropped and counted. Time is bounded by the number of solutions asked for times rows,
-//! each with one solution of an assignment problem. Equal costs come out in the order of the problems and their
-//! choices.
+//! sizes; entries without room are dropped and counted. Time is bounded by the number of requested solutions times
+//! rows, each with one assignment problem. Equal costs come out in the order of the problems and their choices.
 //!
 //! Sources: K. G. Murty, *An algorithm for ranking all the assignments in order of increasing cost*, Operations
 //! Research 16 (1968); I. J. Cox, S. L. Hingorani, *An efficient implementation of Reid's multiple hypothesis tracking
@@ -38,7 +37,7 @@ pub(crate) const COLUMNS_MAX: usize = 256;
 pub(crate) const PROBLEMS_MAX: usize = 256;
 /// Most choices of all rows of all problems.
 const CHOICES_TOTAL_MAX: usize = 1 << 17;
-/// Most parts that wait in the heap or have come out of it.
+/// Maximum of parts in the heap, including parts already taken out.
 const PARTS_MAX: usize = 1 << 14;
 
 /// The column of a choice that bars no other row.
@@ -47,7 +46,7 @@ pub(crate) const OWN: u16 = u16::MAX;
 /// Something that a row may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
-    /// Column that it takes, or [`OWN`].
+    /// Column of the choice, or [`OWN`].
     pub(crate) column: u16,
     /// Meaning of the choice, for the caller alone.
     pub(crate) meaning: u32,
@@ -63,8 +62,8 @@ struct Problem {
     columns: usize,
 }
 
-/// All solutions of a problem in which the first `fixed` rows take what is chosen and the next one none of `forbidden`;
-/// `chosen` is the best of them.
+/// All solutions of a problem with the first `fixed` rows as `chosen` and the next row without the choices in
+/// `forbidden`; `chosen` is the best solution.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     problem: u16,
@@ -72,7 +71,7 @@ struct Part {
     chosen: [u8; ROWS_MAX],
     forbidden: u64,
     cost: f64,
-    /// Logarithm of a likelihood that all its solutions together do not exceed.
+    /// Logarithm of an upper bound of the likelihood of all its solutions together.
     log_bound: f64,
 }
 
@@ -111,7 +110,7 @@ impl PartialOrd for Queued {
     }
 }
 
-/// The rows of a part with the choices that it leaves them. A choice's label is its row and its number in it.
+/// The rows of a part with their open choices. The label of a choice is its row and its number in the row.
 struct Open<'a> {
     choices: &'a [Choice],
     /// Places of each row's choices.
@@ -163,7 +162,8 @@ pub(crate) struct Ranked {
     problems: Vec<Problem>,
     /// Places of each row's choices.
     rows: Vec<Range<u32>>,
-    /// By row: logarithm of the product, over it and those after it, of the sums of their choices' likelihoods.
+    /// By row: logarithm of the product, over this row and all later rows, of the sums of their choices'
+    /// likelihoods.
     log_rest: Vec<f64>,
     choices: Vec<Choice>,
     parts: Vec<Part>,
@@ -206,7 +206,7 @@ impl Ranked {
         self.log_dropped = f64::NEG_INFINITY;
     }
 
-    /// Begins a problem whose solutions cost `base_cost` more than their choices. `false` if there is no room.
+    /// Begins a problem with a base cost added to the costs of the choices. `false` if there is no room.
     pub(crate) fn begin_problem(&mut self, base_cost: f64) -> bool {
         let room = self.problems.len() < PROBLEMS_MAX;
         if room {
@@ -351,7 +351,7 @@ impl Ranked {
         (0..problem.rows).map(move |row| self.choice(&problem, row as u8, part.chosen[row]).meaning)
     }
 
-    /// Solves a part and lets it wait, if it has a solution.
+    /// Solves a part and adds it to the heap, if there is a solution.
     fn submit(&mut self, mut part: Part) {
         part.log_bound = self.log_bound(&part);
         if self.parts.len() >= PARTS_MAX {
@@ -373,7 +373,8 @@ impl Ranked {
         self.choices[range.start as usize + usize::from(choice)]
     }
 
-    /// Cost of the best solution of the part, which is left in its choices; `None` if it has none.
+    /// Returns the cost of the part's best solution, and writes the solution to its choices; `None` without a
+    /// solution.
     fn solve(&mut self, problem: &Problem, part: &mut Part) -> Option<f64> {
         self.paths
             .forget_ranges(usize::from(part.fixed)..problem.rows, 0..problem.columns);
@@ -488,7 +489,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(2000))]
         #[test]
         fn every_solution_comes_out_once_and_in_order(problems in prop::collection::vec(any_problems(), 1..3)) {
-            // The same memory for all: one cluster must leave nothing behind for the next.
+            // The same memory for all problems: a cluster must not affect the next cluster.
             let mut ranked = Ranked::new();
             for problems in problems {
                 pose(&mut ranked, &problems);

@@ -1,9 +1,10 @@
-//! Several detections of one target: what a sensor finds nearer together than it can tell targets apart is one thing.
+//! Unites several detections of one target: detections nearer together than the sensor's resolution are one
+//! detection.
 //!
-//! A lidar sees two ends of a hull, and a tracker whose targets give at most one detection per scan makes the second
-//! end a second target. An operator knows how large targets are to a sensor, or how near to each other two of them are
-//! told apart; what lies nearer together in a scan is made one detection, at the mean place, with the errors of a
-//! single one: where on a hull the reflections come from is an error that all of them share.
+//! A lidar detects two ends of a hull, and a tracker with at most one detection per target and scan makes the second
+//! end a second target. Operators know the size of targets, or the resolution of a sensor. Detections of a scan
+//! within this distance become one detection at their mean position. Its errors are those of a single detection,
+//! because the unknown place of the reflections on the hull is an error common to all.
 //!
 //! Detections are taken in the order of their places, from west to east; one that lies near enough to the mean of some
 //! already taken joins them. So the result does not depend on the order in which they came. At most [`COMPARED_MAX`]

@@ -1,9 +1,9 @@
-//! Going on with the tracks of a tracker whose process was killed.
+//! Resumption of the tracks of a tracker whose process was killed.
 //!
-//! What others know of a tracker are its confirmed tracks and their numbers. So the best branch of each is kept after a
-//! scan, whole, and with them the numbers that come next. The tracker that goes on begins with these tracks, each the
-//! only explanation of a cluster of its own: what else they might have been, tentative tracks and what was learned of
-//! false detections come again within a few scans.
+//! Other processes hold a tracker's confirmed tracks and their numbers. So after a scan the best branch of each
+//! confirmed track is saved completely, together with the next free numbers. The resuming tracker begins with these
+//! tracks, each the only explanation of a cluster of its own. Alternatives, tentative tracks and the estimate of
+//! false detections form again within a few scans.
 
 use std::sync::atomic::AtomicU64;
 
@@ -27,17 +27,17 @@ kept! {
     }
 }
 
-/// Memory in which a tracker keeps its confirmed tracks.
+/// Memory for a tracker's confirmed tracks.
 #[derive(Debug)]
 pub struct TrackMemory(Picture<Front, Track>);
 
 impl TrackMemory {
-    /// Words that it takes for a tracker with these settings.
+    /// Size in words of the memory for a tracker with these settings.
     pub fn words(settings: &Settings) -> usize {
         Picture::<Front, Track>::words(settings.capacity.tracks())
     }
 
-    /// In `memory`, which is blank; `owner` tells whose tracker it is.
+    /// Begins in `memory`, which is blank; `owner` identifies the tracker.
     pub fn begin(memory: Box<dyn Memory>, owner: &str, settings: &Settings) -> Self {
         Self(Picture::begin(memory, owner, settings.capacity.tracks()))
     }
@@ -51,16 +51,16 @@ pub struct LeftTracks {
 }
 
 impl LeftTracks {
-    /// Reads what a tracker with the same settings has kept; `None` if it has kept nothing yet.
+    /// Reads the tracks saved by a tracker with the same settings; `None` if none are saved yet.
     ///
     /// # Errors
-    /// If it is not whole, or another one's.
+    /// If the memory is incomplete, or belongs to another tracker.
     pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, Refused> {
         let found = Picture::read(memory, owner, settings.capacity.tracks())?;
         Ok(found.map(|(front, tracks)| Self { front, tracks }))
     }
 
-    /// Time at which they were kept, UTC, nanoseconds.
+    /// Time of the saved tracks, UTC, nanoseconds.
     pub fn kept_ns(&self) -> i64 {
         self.front.kept_ns
     }
@@ -89,7 +89,7 @@ impl Tracker {
             .write(&front, best.map(|best| &population.tracks[best.track as usize]));
     }
 
-    /// Goes on with the tracks that another one has left. To be said before the first scan.
+    /// Resumes the tracks of another tracker. Must be called before the first scan.
     pub fn resume(&mut self, left: &LeftTracks) {
         let population = self.first_population();
         population.time_ns = left.front.time_ns;

@@ -1,4 +1,4 @@
-//! The scan at hand, with everything that its clusters are updated by.
+//! The current scan with all inputs of its clusters' update.
 
 use crate::explanation::{Explanation, Observer, TrackEvent, TrackRecord};
 use crate::gating::Gating;
@@ -9,7 +9,7 @@ use crate::settings::Settings;
 use crate::track::Track;
 use crate::wide_area::support::Support;
 
-/// A scan, and what it is worked off with.
+/// A scan and the inputs of its update.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScanContext<'a> {
     pub(crate) before: &'a Population,
@@ -25,7 +25,7 @@ pub(crate) struct ScanContext<'a> {
     pub(crate) time_ns: i64,
     /// Serial number of the first detection.
     pub(crate) first_serial: u32,
-    /// Whoever wants to know.
+    /// Receiver of the records, if any.
     pub(crate) observer: Option<&'a dyn Observer>,
 }
 

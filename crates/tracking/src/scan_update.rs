@@ -1,4 +1,4 @@
-//! One scan: from the population before it to the population after it.
+//! Update by a scan: from the population before to the population after.
 
 use crate::branching;
 use crate::cluster_update::ClusterUpdate;
@@ -24,7 +24,7 @@ pub(crate) struct ScanUpdate {
     gating: Gating,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
-    /// By detection: whether it lies in a confirmed track's gate; by direction: which tracks claim it.
+    /// By detection: set if it lies in a confirmed track's gate; by direction: the claims of tracks.
     is_inside: Vec<bool>,
     claims: Vec<Claims>,
 }
@@ -44,7 +44,8 @@ impl ScanUpdate {
         }
     }
 
-    /// Makes the population `next` of the one before a scan, whose detections have a weight with this logarithm (WA-1).
+    /// Makes the population `next` of the population before a scan; the logarithm is that of the detections' weight
+    /// (WA-1).
     pub(crate) fn run(
         &mut self,
         (scan, log_weight): (&Scan, f64),
@@ -105,7 +106,7 @@ impl ScanUpdate {
     }
 }
 
-/// Updates the clusters, and begins new ones at detections that are in no gate.
+/// Updates the clusters, and begins new clusters at detections outside all gates.
 fn run_clusters(
     scan: &ScanContext<'_>,
     clusters: &mut ClusterUpdate,

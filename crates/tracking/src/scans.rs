@@ -1,9 +1,9 @@
-//! Rows of detections made into scans, for inputs that have no scans of their own.
+//! Makes scans of rows of detections, for inputs without scans.
 //!
-//! A file of detections is a list; what the tracker needs is what each sensor saw each time, and when it saw nothing at
-//! all. Detections of one sensor with the same scan number are a scan, at the time of its latest one. Numbers that are
-//! left out are scans without detections, evenly spaced between their neighbours: each of them is a miss for every
-//! track. Before the first scan with a detection and after the last one nothing is known.
+//! A file of detections is a list; the tracker needs the detections of each look, and also the looks without
+//! detections. Detections of one sensor with the same scan number are a scan, at the time of the latest detection.
+//! Missing numbers are scans without detections, evenly spaced between their neighbours: each is a miss for every
+//! track. No scans are assumed before the first scan with a detection or after the last.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ pub struct ScanOfDetections {
     pub sensor_id: u32,
     /// Number of the scan at the sensor.
     pub number: u32,
-    /// Time of its latest detection, nanoseconds; of a scan without any, between its neighbours.
+    /// Time of the latest detection, nanoseconds; for an empty scan, a time between its neighbours.
     pub time_ns: i64,
     /// Places of the detections in the sorted list.
     pub detections: Range<usize>,

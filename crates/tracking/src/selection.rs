@@ -1,11 +1,11 @@
 //! Which detections of on-board sensors are used at all (WA-1).
 //!
-//! Old, inaccurate or second-best detections seldom improve a track, and cost as much as others. They may be rejected
-//! by their age, by their accuracy, or by the priority of their sensor where several look at the same time. Or they are
-//! kept, but what is concluded from them weighs less: with a weight of 0 no hypothesis takes them for a target; with a
-//! small one those that do are less reliable and so the first to be dropped.
+//! Old, inaccurate or redundant detections seldom improve a track, and cost as much as others. They may be rejected
+//! by age, by accuracy, or by the priority of their sensor if several sensors look at the same time. Alternatively
+//! they are kept with a smaller weight: with a weight of 0 no hypothesis takes them for a target; with a small
+//! weight, hypotheses with them are less reliable and are dropped first.
 //!
-//! A scan that is outranked and whose detections are rejected counts as no look at all: it is nobody's miss.
+//! An outranked scan with rejected detections does not count as a look: no track is missed in it.
 
 use settings::Seconds;
 

@@ -1,4 +1,4 @@
-//! Model of a sensor: what a scan can tell, and what of it is worth how much.
+//! Model of a sensor: its detection probability, and the weight of its scans.
 //!
 //! The obvious reading of a probability of detection of 0.9 is that five misses in a row happen to a target once in a
 //! hundred thousand times. That holds for a radar that turns once in four seconds. A camera with ten images a second
@@ -26,10 +26,10 @@ use crate::motion::MotionSettings;
 use crate::plot::Plot;
 use crate::settings::{SensorSettings, Settings};
 
-/// Smallest weight of a scan: several at one time must not count for nothing.
+/// Smallest weight of a scan: several scans at one time must keep some weight.
 const WEIGHT_MIN: f64 = 1e-3;
 
-/// Settings of a sensor, and what is known of the scan at hand.
+/// Settings of a sensor, and the known properties of the current scan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensor {
     pub(crate) gates: [f64; DIMENSIONS_MAX],
@@ -52,7 +52,7 @@ pub(crate) struct Memory {
     pub(crate) clutter: Estimate,
     /// Time of the previous scan, nanoseconds.
     time_ns: Option<i64>,
-    /// Position that its latest detection was made from, east and north, metres.
+    /// Position of the sensor at its latest detection, east and north, metres.
     platform_m: Option<[f64; 2]>,
     /// Whether the latest scan with detections had directions only.
     directions_only: bool,
@@ -106,7 +106,7 @@ impl Sensor {
         }
     }
 
-    /// Extent of what the sensor sees.
+    /// Area that the sensor covers.
     pub(crate) fn extent(&self) -> Extent {
         let view = self.field_of_view;
         Extent {

@@ -1,7 +1,8 @@
 //! The clusters that a cluster falls into after a scan (HT-4).
 //!
-//! Tracks that share nothing any longer part: with no common detection in their memory and no common root, they are of
-//! one cluster no more. Each part keeps of every hypothesis its own tracks, and hypotheses that become the same add up.
+//! Tracks separate when they share nothing any longer: without a common detection in their memory and without a
+//! common root, they belong to different clusters. Each part keeps its own tracks of every hypothesis; hypotheses
+//! that become equal are added up.
 
 use association::components::{join, representative};
 
@@ -19,13 +20,13 @@ const NONE: u32 = u32::MAX;
 /// Working memory for one cluster after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Separation {
-    /// By track: the one that represents its part; [`NONE`] of tracks in no hypothesis.
+    /// By track: the representative of its part; [`NONE`] for tracks in no hypothesis.
     part_of: Vec<u32>,
     /// By track: its place in the population, while a part is written.
     place: Vec<u32>,
     /// (root or detection, track).
     shared: Vec<(u64, u32)>,
-    /// Parts, by the tracks that represent them.
+    /// Representatives of the parts.
     parts: Vec<u32>,
 }
 
@@ -135,7 +136,7 @@ impl Separation {
         }
     }
 
-    /// Writes one part as a cluster, unless nothing but the hypothesis without tracks is left of it.
+    /// Writes a part as a cluster, unless only the hypothesis without tracks is left.
     fn write_part(
         &mut self,
         store: &HypothesisStore,
@@ -189,8 +190,8 @@ impl Separation {
         });
     }
 
-    /// Copies the tracks that the hypotheses from `first` on still contain, sums up their reliabilities, and lets the
-    /// members name their new places.
+    /// Copies the tracks contained in the hypotheses from `first` on, sums up their reliabilities, and updates the
+    /// members to the new indices.
     fn place_tracks(&mut self, store: &HypothesisStore, next: &mut Population, first: usize) {
         for place in first..next.hypotheses.len() {
             let hypothesis = next.hypotheses[place].clone();

@@ -1,22 +1,22 @@
 //! Targets that part (SP-1 … SP-7).
 //!
-//! Targets that fly together are seen as one, and tracked as one. When they part, one of them goes on as that track and
-//! the other is new; to a tracker that knows nothing of this, a second detection nearby is most likely clutter, and it
-//! takes long to believe otherwise. The options say what is special: the new target comes out of the believed one's
-//! gate (SP-1) with its motion (SP-2); there are no more of them than detections have lately been too many (SP-3 to
-//! SP-6); and it has been near all along (SP-7). They apply to clusters that have a confirmed track; elsewhere nothing
-//! can split.
+//! Targets that fly together appear as one, and are tracked as one. When they part, one target continues the track
+//! and the other is new. Without special treatment, a second detection nearby is most likely clutter, and the new
+//! track takes long to be confirmed. The options model the special case: the new target starts in the confirmed
+//! track's gate (SP-1) with its motion (SP-2); the number of new targets is limited by the recent surplus of
+//! detections (SP-3 to SP-6); and the new target has been near all along (SP-7). The options apply to clusters with
+//! a confirmed track; elsewhere nothing can split.
 //!
-//! Readings where the source leaves room: computed numbers are rounded up, and count the present scan too, so that a
-//! second detection is allowed for in the scan in which it comes. Of several believed tracks in whose gate a new one
-//! starts, it takes the motion of the most reliable one.
+//! Interpretations of the source, where it is ambiguous: computed numbers are rounded up and include the present
+//! scan, so that a second detection is allowed in its own scan. If a new track starts in the gates of several
+//! confirmed tracks, it takes the motion of the most reliable track.
 
 use crate::limits::DETECTION_COUNTS;
 use crate::motion::Motion;
 use crate::population::Cluster;
 use crate::settings::{Limit, Splitting};
 
-/// The numbers that hold for one cluster in one scan.
+/// Numbers for one cluster in one scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Limits {
     /// SP-3: most new tracks.
@@ -97,7 +97,7 @@ impl DetectionCounts {
     }
 }
 
-/// SP-2: the mean of several predictions by their weights, with the spread of their means in its covariance.
+/// SP-2: weighted mean of several predictions, with the spread of their means in its covariance.
 pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Option<Motion> {
     let weighted = branches.filter(|(_, weight)| *weight > 0.0);
     let sum = weighted.reduce(|(mean, sum), (branch, weight)| {

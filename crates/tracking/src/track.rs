@@ -1,8 +1,8 @@
-//! A track: one sequence of detections that may be one target's, and what it says of the target.
+//! A track: a sequence of detections that may be of one target, and the resulting state.
 //!
-//! The obvious record of a track is a tree of all its detections, of which branches share the beginning. But what is
-//! ever asked of the past is little: whether two tracks share a detection, or have the same ones, within the last few
-//! scans; and whether they sprang from the same first detection. So a track is a flat record with the last
+//! The obvious record of a track is a tree of all its detections, with branches that share the beginning. But the
+//! update needs little of the past: whether two tracks share a detection, or have the same detections, within the
+//! last few scans; and whether they have the same first detection. So a track is a flat record with the last
 //! [`HISTORY_MAX`] scans and its root. Branching is copying; nothing is ever walked, collected or fragmented.
 
 use kept::kept;
@@ -17,13 +17,13 @@ pub(crate) const NO_DETECTION: u32 = 0;
 pub(crate) const TENTATIVE: u32 = 0;
 
 kept! {
-    /// One branch of what one first detection became.
+    /// A branch of a first detection.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct Track {
-        /// Motion as the last detection or direction left it, and the time of that, nanoseconds.
+        /// Motion after the last detection or direction, and its time, nanoseconds.
         pub(crate) motion: Motion,
         pub(crate) time_ns: i64,
-        /// Time of the last detection, or of the last scan of directions with one that was probably its own,
+        /// Time of the last detection, or of the last scan of directions with a probable direction of its own,
         /// nanoseconds.
         pub(crate) seen_ns: i64,
         /// Number of the track tree: the same for all branches of one first detection.
@@ -37,18 +37,18 @@ kept! {
         pub(crate) missed: u32,
         /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
         pub(crate) log_silence: f64,
-        /// Logarithm of how much likelier its detections are if they are of one target than if all are false.
+        /// Log-likelihood ratio of its detections: from one target against all false.
         pub(crate) log_likelihood_ratio: f64,
-        /// Sum over the hypotheses that contain it.
+        /// Sum over the hypotheses that contain the track.
         pub(crate) reliability: f64,
-        /// Serial numbers of its detections by scan, latest first; without scans of quick sensors that had none in its
-        /// cluster.
+        /// Serial numbers of its detections by scan, latest first; without scans of fast sensors that had none in
+        /// its cluster.
         pub(crate) history: [u32; HISTORY_MAX],
     }
 }
 
 impl Track {
-    /// A tentative track of one detection with the number `serial`, whose motion at `time_ns` that detection tells.
+    /// Makes a tentative track of the detection with the number `serial` and its motion at `time_ns`.
     pub(crate) fn begun(motion: Motion, time_ns: i64, serial: u32, root: u32) -> Self {
         let mut history = [NO_DETECTION; HISTORY_MAX];
         history[0] = serial;
@@ -87,12 +87,12 @@ impl Track {
         self.motion.moved(seconds, settings)
     }
 
-    /// SP-7: share of its detections that lay in confirmed tracks' gates.
+    /// SP-7: share of its detections in confirmed tracks' gates.
     pub(crate) fn company(&self) -> f64 {
         f64::from(self.in_company) / f64::from(self.detections)
     }
 
-    /// One scan later, with that scan's detection.
+    /// Adds a scan and its detection to the memory.
     pub(crate) fn remember(&mut self, serial: u32) {
         self.history.rotate_right(1);
         self.history[0] = serial;

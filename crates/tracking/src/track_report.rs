@@ -16,11 +16,11 @@ pub struct TrackReport {
     pub number: u32,
     /// Confirmed, or coasted if the latest scan had no detection of it.
     pub state: TrackState,
-    /// Time of the latest scan or of its detection in it, nanoseconds.
+    /// Time of the latest scan or of its detection in that scan, nanoseconds.
     pub time_ns: i64,
     /// Position and velocity then.
     pub estimate: Gaussian,
-    /// Whether any detection has told its height.
+    /// Set if any detection has measured the height.
     pub height_known: bool,
     /// Sum over the hypotheses that contain the branch.
     pub reliability: f64,
@@ -30,7 +30,7 @@ pub struct TrackReport {
     pub detections: u32,
     /// Scans since the last one.
     pub missed: u32,
-    /// Set if this is not a single target but several that are not told apart (WA-7).
+    /// Set if the report is for several unresolved targets (WA-7).
     pub group: Option<Group>,
     /// Origin of the targets around, as a wide-area sensor reports it: east and north in the system frame, metres
     /// (WA-9); `None` if it is not known.
@@ -50,7 +50,7 @@ impl TrackReport {
         }
     }
 
-    /// In the order of times; of one time, in that of the tracks' numbers.
+    /// Sort key: time, then track number.
     pub fn order(&self) -> (i64, u32) {
         (self.time_ns, self.number)
     }
@@ -74,7 +74,7 @@ impl TrackReport {
         if self.height_known {
             track.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
         } else {
-            // What was never observed is not passed on.
+            // Unobserved components are not published.
             (track.position_m[2], track.velocity_mps[2]) = (0.0, 0.0);
         }
         track

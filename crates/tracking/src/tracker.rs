@@ -1,10 +1,10 @@
 //! Scan after scan, late ones included (HT-1, HT-12).
 //!
-//! A scan that comes after later ones could be used as it comes, by carrying its detections forward; but what was
-//! decided without them stays decided. Instead the last scans stay open: they are kept with the population before each.
-//! A late one is put in its place, and all from there on are worked off again. So the result is the same, to the last
-//! bit, as if every scan had come in order; scans of equal time are in the order of their sensors. Scans older than all
-//! open ones are rejected and counted.
+//! A late scan could be used at once, with its detections carried forward; but decisions made without them would
+//! stay. Instead the last scans stay open: they are stored with the population before each. A late scan is inserted
+//! in its place, and all scans from there on are processed again. So the result is bitwise the same as if every scan
+//! had come in order; scans of equal time are in the order of their sensors. Scans older than all open scans are
+//! rejected and counted.
 
 use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
@@ -90,9 +90,8 @@ impl Tracker {
         })
     }
 
-    /// Lets confirmed tracks be numbered from `first` on (0 is taken for 1). A tracker that takes another one's place
-    /// begins beyond the numbers that the other may have given. To be said before the first scan; later it is not
-    /// heard.
+    /// Numbers confirmed tracks from `first` on (0 is taken for 1). After a take-over, the tracker begins beyond the
+    /// numbers that its predecessor may have used. Must be called before the first scan; later calls have no effect.
     pub fn number_from(&mut self, first: u32) {
         if self.counts.scans == 0 {
             let first = first.max(1);
@@ -102,7 +101,7 @@ impl Tracker {
         }
     }
 
-    /// Works in a scan of the sensor `sensor_id` at `time_ns`. No detections at all say something, too.
+    /// Processes a scan of the sensor `sensor_id` at `time_ns`. An empty scan is information, too.
     ///
     /// # Errors
     /// [`Rejection`], counted, if the scan cannot be used; single detections that cannot be used are left out and
@@ -111,7 +110,7 @@ impl Tracker {
         self.scan_explained(sensor_id, time_ns, detections, None)
     }
 
-    /// Works in a scan as [`Self::scan`] does, and tells an observer what was considered and decided.
+    /// Processes a scan as [`Self::scan`] does, and gives an observer the records of its decisions.
     ///
     /// # Errors
     /// As [`Self::scan`].
@@ -156,8 +155,9 @@ impl Tracker {
         Ok(())
     }
 
-    /// Takes a report of a wide-area sensor at its arrival (WA-2). It is used in the first scan after that; scans that
-    /// came before it and are still open are worked off again, later ones of closed scans use it from the next scan on.
+    /// Takes a report of a wide-area sensor at its arrival (WA-2). The report is used in the first scan after the
+    /// arrival. Open scans after the arrival are processed again; if the scans are closed, the next scan uses the
+    /// report.
     ///
     /// # Errors
     /// [`ReportRejection`], counted, if the report cannot be used.
@@ -173,8 +173,8 @@ impl Tracker {
         Ok(())
     }
 
-    /// Takes an emission that an on-board receiver has heard (WA-9). It is used in the first scan after it, to identify
-    /// the track that it comes from; scans that came before it and are still open identify their tracks again.
+    /// Takes an emission received on board (WA-9). The first scan after the emission uses it to identify the
+    /// emitting track; open scans after the emission identify their tracks again.
     ///
     /// # Errors
     /// [`EmissionRejection`], counted, if the emission cannot be used.
@@ -212,8 +212,8 @@ impl Tracker {
         picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
     }
 
-    /// Writes to `cues` where the sensor `sensor_id`, whose detections have a standard deviation of `sigma_m` metres,
-    /// should look at `time_ns` for each confirmed track (WA-12).
+    /// Writes to `cues` a search region for each confirmed track at `time_ns`, for the sensor `sensor_id` with a
+    /// standard deviation of `sigma_m` metres (WA-12).
     pub fn cues_at(&self, (sensor_id, time_ns): (u32, i64), sigma_m: f64, cues: &mut Vec<Cue>) {
         let Settings { motion, gate, .. } = &self.settings;
         let look = (sensor_id, time_ns);
@@ -222,7 +222,7 @@ impl Tracker {
         cues.extend(all.map(|track| cue(track, look, sigma_m, gate.probability, motion)));
     }
 
-    /// Counters of what was done and rejected so far.
+    /// Counters of processed and rejected inputs so far.
     pub fn counts(&self) -> &TrackerCounts {
         &self.counts
     }
@@ -271,8 +271,8 @@ impl Tracker {
         Ok((sensor, place))
     }
 
-    /// The first open scan that is to be worked off again because of the one at `place`: that itself, or one that it
-    /// outranks.
+    /// Returns the first open scan to be processed again because of the scan at `place`: this scan, or a scan that
+    /// it outranks.
     fn first_changed(&self, place: usize) -> usize {
         if !self.has_priorities() {
             return place;
@@ -307,7 +307,7 @@ impl Tracker {
         self.report(observer);
     }
 
-    /// Makes the population after the open scan at `place` of the one before it.
+    /// Makes the population after the open scan at `place`.
     fn work_off(&mut self, place: usize, observer: Option<&dyn Observer>) {
         let is_outranked = self.is_outranked(place);
         self.counts.outranked_scans += u64::from(is_outranked);
@@ -329,7 +329,7 @@ impl Tracker {
         );
     }
 
-    /// Finds who the tracks after the open scan at `place` are (WA-9).
+    /// Identifies the tracks after the open scan at `place` (WA-9).
     fn identify(&mut self, place: usize) {
         let (before, after) = self.populations.split_at_mut(place + 1);
         let (before, next) = (&before[place], &mut after[0]);

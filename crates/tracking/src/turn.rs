@@ -1,15 +1,14 @@
-//! Coordinated turns: a target that turns goes on turning (HT-13).
+//! Coordinated turns: a turning target continues its turn (HT-13).
 //!
-//! A manoeuvre as a strong noise of acceleration says that a turning target may go anywhere, anew at each scan; the
-//! filter lags behind on the outside of the curve. Vehicles turn at a nearly constant rate instead, with constant
-//! speed. The turn rate ω is not known; so the manoeuvring model estimates it, as a seventh component of its state
-//! beside position and velocity. A pair of models with fixed rates to the left and to the right would need a third
-//! Gaussian per track, and fits only turns of those rates.
+//! With manoeuvres modelled as strong acceleration noise, a turning target may go anywhere at each scan; the filter
+//! lags behind on the outside of the curve. Vehicles instead turn at a nearly constant rate with constant speed. The
+//! turn rate ω is unknown; so the manoeuvring model estimates ω as a seventh component of its state, beside position
+//! and velocity. A pair of models with fixed rates to the left and to the right would need a third Gaussian per
+//! track, and fits only these rates.
 //!
-//! The state moves on a circle, which depends on ω by a curve; covariances follow its tangent (extended Kalman filter).
-//! The first six components stay a [`Gaussian`] as in all other models; this module keeps the rest: ω, its
-//! variance, and its covariance with the six. A measurement says nothing of ω itself; what is learned of it comes
-//! through that.
+//! The state moves on a circle, a nonlinear function of ω; covariances follow its tangent (extended Kalman filter).
+//! The first six components stay a [`Gaussian`] as in all other models; this module holds the rest: ω, its variance,
+//! and its covariance with the six. Measurements do not depend on ω; updates reach ω through this covariance.
 //!
 //! Limits: turns are in the plane. The tangent is good for turns of up to about a radian between two detections.
 //!
@@ -37,7 +36,7 @@ settings::settings! {
 }
 
 kept! {
-    /// The turn rate of one target. Single precision is enough for what is never known to a thousandth.
+    /// Turn rate of a target. Single precision suffices for an estimate with errors above a thousandth.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct TurnRate {
         /// Counter-clockwise, rad/s.
@@ -106,8 +105,8 @@ impl TurnRate {
         self.variance = (after(TURN, TURN) + noise) as f32;
     }
 
-    /// Takes over what an update has taught of the state: `whitened` and `gain` are L⁻¹·ν and L⁻¹·H·P, `gain_of_turn`
-    /// is L⁻¹·H·c with the covariance c of [`Self::cross`] (see [`crate::measurement`]).
+    /// Applies an update of the state: `whitened` and `gain` are L⁻¹·ν and L⁻¹·H·P, `gain_of_turn` is L⁻¹·H·c with
+    /// the covariance c of [`Self::cross`] (see [`crate::measurement`]).
     pub(crate) fn learn(&mut self, whitened: &[f64], gain: &[[f64; STATE_LEN]], gain_of_turn: &[f64]) {
         for ((whitened, gain), of_turn) in whitened.iter().zip(gain).zip(gain_of_turn) {
             self.rate += (of_turn * whitened) as f32;

@@ -1,17 +1,17 @@
-//! Time that a sensor takes to look all around, found in its data.
+//! Estimates a sensor's turn time from its data.
 //!
-//! Scans that are much shorter than a turn hold a part of the sky each, and a target has no detection in most of them:
-//! no track is ever confirmed. So where nobody has configured the time of a turn, it is found before the first scan is
-//! cut. Three things show it, in this order:
+//! Scans much shorter than a turn hold a part of the sky each, and a target has no detection in most of them: no
+//! track is ever confirmed. So if no turn time is configured, it is estimated before the first scan is cut. There
+//! are three sources, in this order:
 //!
 //! 1. The sensor states it (I034/041, I002/041).
-//! 2. The sensor says when its antenna points north. Two intervals in a row that agree are a turn.
-//! 3. An antenna comes back to a direction once in a turn. The times between detections in one direction, of whatever
-//!    target and of false ones too, are therefore a turn, or several where it saw nothing. The short ones that agree
-//!    are one turn. North marks have precedence, so that this waits for three turns.
+//! 2. The sensor reports when its antenna points north. Two successive intervals that agree are a turn.
+//! 3. An antenna returns to a direction once in a turn. The times between detections in one direction, of any target
+//!    or false, are therefore a turn, or several after misses. The short intervals that agree are one turn. North
+//!    marks have precedence, so this source waits for three turns.
 //!
-//! Limits: turns of less than 0.4 s, and sensors that do not look around, whose detections come from all directions at
-//! once. The period of those has to be configured.
+//! Limits: turns of less than 0.4 s, and sensors without rotation, whose detections come from all directions at
+//! once. Such sensors need a configured period.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,9 +21,10 @@ use observations::Detection;
 /// Shortest and longest turn that is believed, nanoseconds.
 const TURN_MIN_NS: i64 = 400_000_000;
 const TURN_MAX_NS: i64 = 60_000_000_000;
-/// Directions that are told apart. Within the shortest turn, an antenna leaves each of them in a few milliseconds.
+/// Number of distinguished directions. Within the shortest turn, an antenna leaves each direction in a few
+/// milliseconds.
 const DIRECTIONS: usize = 64;
-/// Returns that have to agree, the share of all that they have to be, and the most that are kept.
+/// Minimum of returns that agree, their minimum share of all returns, and the maximum of stored returns.
 const AGREEING_MIN: usize = 8;
 const AGREEING_SHARE: usize = 4;
 const RETURNS_MAX: usize = 256;
@@ -31,7 +32,7 @@ const RETURNS_MAX: usize = 256;
 const AGREEMENT_PARTS: i64 = 20;
 /// Turns for which north marks are waited for.
 const TURNS_BEFORE: i64 = 3;
-/// Returns after which it is plain that they do not agree.
+/// Returns after which disagreement is certain.
 const UNCLEAR_RETURNS: u32 = 1000;
 
 /// Time of a turn, and how it is known.
@@ -43,7 +44,7 @@ pub struct Turn {
     pub basis: Basis,
 }
 
-/// Origin of what is known of a turn.
+/// Source of the turn time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Basis {
     /// The sensor states it.
@@ -83,12 +84,12 @@ impl Default for TurnTime {
 }
 
 impl TurnTime {
-    /// Time of a turn, once it is known; it does not change after that.
+    /// Turn time, once known; constant afterwards.
     pub fn turn(&self) -> Option<Turn> {
         self.turn
     }
 
-    /// Whether so much has come that it should be known, and is not.
+    /// Returns whether the turn time is still unknown after sufficient data.
     pub fn is_unclear(&self) -> bool {
         self.turn.is_none() && self.returns_in_all > UNCLEAR_RETURNS
     }
@@ -240,7 +241,7 @@ mod tests {
     #[test]
     fn two_intervals_between_north_marks_that_agree_are_a_turn() {
         let mut search = TurnTime::default();
-        // One mark comes twice, and one is missing.
+        // One mark comes twice, and one mark is missing.
         for tenths in [0, 40, 40, 121, 161] {
             search.north(tenths * S / 10);
             assert_eq!(search.turn(), None);
