@@ -1,9 +1,9 @@
-//! Reports that wait for the scans to come to their arrival.
+//! Queue of reports until the scans reach their arrival.
 //!
-//! A report is used in the first scan after its arrival. Where scans are worked off later than they were made, which is
-//! the rule, reports come before the scan that they are for; given to the tracker at once, they would take room there
-//! from those that are needed first. So they wait here, in an order that depends on what they say and not on when they
-//! came: whoever collects them in another order, from a file or from several sensors, gives the tracker the same.
+//! A report is used in the first scan after its arrival. Scans are usually processed later than they were made, so
+//! reports come before their scan; given to the tracker at once, they would take the room of reports needed earlier.
+//! They wait here, ordered by their content and not by their arrival at the queue. So the tracker receives the same
+//! sequence from a file and from several sensors.
 
 use std::cmp::Ordering;
 use std::collections::VecDeque;
@@ -32,7 +32,7 @@ impl Arrivals {
         }
     }
 
-    /// All that will ever come, as files have them.
+    /// Makes a queue of all reports of a file.
     pub fn of(mut reports: Vec<WideAreaReport>) -> Self {
         reports.sort_by(order);
         Self {
@@ -51,7 +51,7 @@ impl Arrivals {
         true
     }
 
-    /// Gives the tracker what has arrived until `time_ns`; `rejected` hears of each that it rejects.
+    /// Gives the tracker the reports that have arrived until `time_ns`; calls `rejected` for each rejected report.
     pub fn give(&mut self, time_ns: i64, tracker: &mut Tracker, mut rejected: impl FnMut(ReportRejection)) {
         while self.waiting.front().is_some_and(|report| report.arrival_ns <= time_ns)
             && let Some(report) = self.waiting.pop_front()
@@ -74,7 +74,7 @@ impl Default for Arrivals {
     }
 }
 
-/// By arrival and observation; of one time, by all that they say, so that only equal ones are in no order.
+/// Orders by arrival and observation; at equal times, by all other fields, so that only equal reports are unordered.
 pub fn order(one: &WideAreaReport, other: &WideAreaReport) -> Ordering {
     let times = |report: &WideAreaReport| (report.arrival_ns, report.time_ns, report.targets);
     let numbers = |report: &WideAreaReport| {

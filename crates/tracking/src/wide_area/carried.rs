@@ -23,7 +23,7 @@ impl Carried {
         }
     }
 
-    /// Takes over what was used before. Who the tracks are is found when they are there.
+    /// Takes over the reports and emissions in use. Tracks are identified after the update.
     pub(crate) fn follow(&mut self, before: &Self) {
         self.reports_ns = before.reports_ns;
     }

@@ -31,8 +31,8 @@ impl ChildCorrection {
         self.families.push((parent, is_enough));
     }
 
-    /// Corrects the children's reliabilities, counts that, and tells of it together with the correction of their
-    /// parents.
+    /// Corrects the children's reliabilities, counts the correction, and records it together with the correction of
+    /// their parents.
     pub(crate) fn run(
         &self,
         joined: &Joined<'_>,
@@ -77,8 +77,8 @@ impl ChildCorrection {
         (log_sum(enough.map(|(log_reliability, _)| log_reliability)) - log_sum(children)).exp()
     }
 
-    /// Tells how the clusters before the scan were corrected, and the children, of which so large a share had enough
-    /// tracks before.
+    /// Records the correction of the clusters before the scan and of the children, with the share of children that
+    /// had enough tracks before.
     fn explain(&self, joined: &Joined<'_>, observer: &dyn Observer, store: &HypothesisStore, before: f64) {
         let hypotheses = &joined.scan.before.hypotheses;
         for (place, cluster) in joined.clusters() {
@@ -88,7 +88,7 @@ impl ChildCorrection {
             }
         }
         let after = self.share_of_enough(store);
-        // Written so that NaN, of no children at all, explains nothing.
+        // Written so that NaN (no children) makes no record.
         if after > before {
             observer.explain(&Explanation::Correction(CorrectionRecord {
                 targets: joined.support.targets_due(),

@@ -1,4 +1,4 @@
-//! Which cluster a wide-area report speaks of (WA-3).
+//! Choice of the cluster for a wide-area report (WA-3).
 //!
 //! The report is coarse and late. So nothing is gated: of each cluster only the centre is taken, the mean of its
 //! tracks' positions with their reliabilities as weights, moved along their velocities to the time of observation; and
@@ -53,7 +53,7 @@ impl Centre {
     }
 }
 
-/// Nothing here is so far away that squares overflow, for which `hypot` would take several times as long.
+/// Distances here are too small for squares to overflow, so the slower `hypot` is not needed.
 fn length(east: f64, north: f64) -> f64 {
     (east * east + north * north).sqrt()
 }

@@ -1,17 +1,17 @@
 //! Correction of reliabilities by a known number of targets (WA-4).
 //!
-//! A hypothesis is a set of tracks. Somebody who has watched for long says how many targets there are; so the
-//! hypotheses with at least as many tracks are likelier than those with fewer. How much likelier, the on-board
-//! detections cannot say, and multiplying by a probability of 0 or 1 would make the report a dictator. The source's
-//! rule states the outcome instead: the sums of the two groups stand as r to 1 − r, and within each group everything
-//! keeps its ratio. A group that already has more than r keeps it: the correction only ever raises it.
+//! A hypothesis is a set of tracks. A sensor with a long observation reports the number of targets, so hypotheses
+//! with at least as many tracks are likelier than hypotheses with fewer. The on-board detections do not determine
+//! the factor, and a probability of 0 or 1 would let the report override everything. The source's rule sets the
+//! outcome instead: the sums of the two groups stand as r to 1 − r, and ratios within each group stay unchanged. A
+//! group above r keeps its sum: the correction only ever raises it.
 //!
-//! It is done twice in the scan for which it is needed: to the hypotheses before the scan, then to the children of each
-//! of them, before unreliable ones are dropped. Otherwise a child that the report makes likely has been dropped
-//! already.
+//! The correction is applied twice in its scan: to the hypotheses before the scan, then to the children of each,
+//! before unreliable children are dropped. Otherwise a child made likely by the report would already have been
+//! dropped.
 //!
-//! Limit: a report that is wrong is raised to r all the same. [`Rule::Factor`] is milder: it multiplies the odds, so
-//! that what the detections say counts on.
+//! Limit: a wrong report is raised to r all the same. [`Rule::Factor`] is milder: it multiplies the odds, so the
+//! detections keep their influence.
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 
@@ -98,7 +98,7 @@ impl Value for Rule {
     }
 }
 
-/// Gains added to the logarithms of the two groups' reliabilities; their sum stays what it was.
+/// Gains added to the logarithms of the two groups' reliabilities; the total stays unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Gains {
     /// Gain of hypotheses with at least the reported number of tracks.
@@ -113,7 +113,7 @@ impl Gains {
         fewer: 0.0,
     };
 
-    /// For groups whose reliabilities sum to what these are the logarithms of.
+    /// Computes the gains for two groups; `enough` and `fewer` are the logarithms of their reliability sums.
     pub(crate) fn of(enough: f64, fewer: f64, rule: Rule) -> Self {
         // Written so that NaN changes nothing.
         if !(enough > f64::NEG_INFINITY && fewer > f64::NEG_INFINITY) {
@@ -136,7 +136,7 @@ impl Gains {
         }
     }
 
-    /// Whether they change nothing.
+    /// Returns whether both gains are zero.
     pub(crate) fn are_none(&self) -> bool {
         *self == Self::NONE
     }

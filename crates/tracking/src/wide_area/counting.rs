@@ -1,14 +1,14 @@
 //! Another system's tracks, counted by place (WA-2).
 //!
-//! A remote system that sends its tracks says how many targets there are without being asked. Its tracks come one after
-//! the other, each of its own time; a count needs all of one moment. So they are cut by time: what was measured in one
-//! period is one picture, with the latest report of each track; it is complete when something of a later period has
-//! come, or when the caller says that a period has passed in silence. Then all tracks of the picture are moved along
-//! their velocities to the time of the latest of them, and those within a distance of each other, directly or by others
-//! between them, are one report: their number, mean position and mean velocity.
+//! A remote system that sends its tracks implicitly reports the number of targets. Its tracks come one after the
+//! other, each with its own time; a count needs all tracks at one time. So they are cut by time: the measurements of
+//! one period are a picture, with the latest report of each track. The picture is complete when a track of a later
+//! period arrives, or when the caller reports a period of silence. Then all tracks of the picture are moved along
+//! their velocities to the latest time among them. Tracks within a distance of each other, directly or through
+//! others between them, make one report: their number, mean position and mean velocity.
 //!
-//! All reports of a picture have one time of observation and one of arrival, so that a tracker that shares counts among
-//! clusters can take them together.
+//! All reports of a picture have the same time of observation and of arrival, so that a tracker that shares counts
+//! among clusters can use them together.
 //!
 //! Limits: a picture is up to a period late. A track that changes its number within a period counts twice in it.
 
@@ -34,7 +34,7 @@ pub struct CountedTrack {
 /// Totals of tracks counted and left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CountingTotals {
-    /// Tracks of a period whose picture was complete already.
+    /// Tracks of a period whose picture was already complete.
     pub late: u64,
     /// Tracks beyond [`TRACKS_MAX`] in one period.
     pub crowded_out: u64,
@@ -50,7 +50,7 @@ pub struct Counting {
     /// Number of the period at hand.
     period: Option<i64>,
     picture: Vec<CountedTrack>,
-    /// By track of the picture: the group that it is in.
+    /// By track of the picture: its group.
     groups: Vec<usize>,
     counts: CountingTotals,
 }
@@ -69,8 +69,8 @@ impl Counting {
         }
     }
 
-    /// Takes a track that came in at `arrival_ns` (UTC, nanoseconds). If it is of a later period, the picture before it
-    /// is complete: its reports are added to `reports`.
+    /// Takes a track received at `arrival_ns` (UTC, nanoseconds). A track of a later period completes the picture
+    /// before; its reports are added to `reports`.
     pub fn take(&mut self, track: CountedTrack, arrival_ns: i64, reports: &mut Vec<WideAreaReport>) {
         let period = track.time_ns.div_euclid(self.period_ns);
         match self.period {
@@ -95,14 +95,14 @@ impl Counting {
         let Some(time_ns) = self.picture.iter().map(|track| track.time_ns).max() else {
             return;
         };
-        // So that reports are in the same order, and their sums the same, whatever came first.
+        // Makes the order of the reports, and their sums, independent of the order of arrival.
         self.picture.sort_unstable_by_key(|track| track.number);
         for track in &mut self.picture {
             let seconds = (time_ns - track.time_ns) as f64 / NS_PER_S;
             track.position_m = std::array::from_fn(|axis| track.position_m[axis] + track.velocity_mps[axis] * seconds);
         }
         self.group();
-        // What arrives before it was observed is of a clock that is ahead.
+        // An arrival before the observation comes from a clock that is ahead.
         let arrival_ns = arrival_ns.max(time_ns);
         for group in 0..self.picture.len() {
             let members = || {

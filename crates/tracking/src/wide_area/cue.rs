@@ -1,8 +1,8 @@
 //! Where sensors should look next (WA-12).
 //!
-//! A sensor that can be steered wants to know before its next look where each target will be, and how far around to
-//! search. Both are in the tracker: the state predicted to the time of the look, and the gate in which a detection
-//! would be accepted (HT-2). A cue is that, in the plane: an ellipse around the predicted position.
+//! Before its next look, a steerable sensor needs the expected position of each target and the size of the search
+//! region. The tracker holds both: the state predicted to the time of the look, and the gate for detections (HT-2).
+//! A cue combines them in the plane: an ellipse around the predicted position.
 
 use messages::{AXES, StageTimes};
 use observations::{Detection, Sampled, sensor_id};
@@ -12,7 +12,7 @@ use crate::measurement::Measurement;
 use crate::motion::MotionSettings;
 use crate::track_report::TrackReport;
 
-/// Region in which a sensor should look for one track, and when.
+/// Search region for one track, and the time of the look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cue {
     /// The sensor that is to look.
@@ -61,7 +61,7 @@ impl Sampled for Cue {
     }
 }
 
-/// Times at which sensors look next: one period after the last look of each.
+/// Times of the sensors' next looks: one period after the last look of each.
 #[derive(Clone, Debug, Default)]
 pub struct Looks {
     /// (sensor, last time, period), nanoseconds.
@@ -89,7 +89,7 @@ impl Looks {
         }
     }
 
-    /// (sensor, time of its next look in nanoseconds), of those whose period is known.
+    /// Pairs (sensor, time of its next look in nanoseconds) for the sensors with a known period.
     pub fn next(&self) -> impl Iterator<Item = (u32, i64)> + '_ {
         let next = |(sensor, last_ns, period_ns): &(u32, i64, Option<i64>)| {
             period_ns.map(|period_ns| (*sensor, last_ns.saturating_add(period_ns)))
@@ -110,7 +110,8 @@ pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64
     (count > 0.0).then_some(sum_m / count)
 }
 
-/// A cue for `sensor_id`, whose detections have a standard deviation of `sigma_m` in any direction, at `time_ns`.
+/// Makes a cue at `time_ns` for `sensor_id`, whose detections have a standard deviation of `sigma_m` in any
+/// direction.
 pub(crate) fn cue(
     track: &TrackReport,
     (sensor_id, time_ns): (u32, i64),
@@ -118,7 +119,7 @@ pub(crate) fn cue(
     gate_probability: f64,
     motion: &MotionSettings,
 ) -> Cue {
-    // Wide enough for one that manoeuvres.
+    // Wide enough for a manoeuvring target.
     let noise = motion
         .manoeuvres()
         .map_or(motion.process_noise_m2ps3, |turning| turning.process_noise_m2ps3);

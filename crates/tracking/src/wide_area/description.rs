@@ -1,5 +1,4 @@
-//! Additions of wide-area support to the tracks that are given out: who they are and where they came from (WA-9), and
-//! that several are one group (WA-7).
+//! Wide-area additions to published tracks: target type and origin (WA-9), and unresolved groups (WA-7).
 
 use estimation::Gaussian;
 use messages::TrackState;
@@ -33,7 +32,8 @@ impl Description {
         }
     }
 
-    /// Finds what is known of the tracks of `next`, from what was known before the scan at `time_ns` (WA-9).
+    /// Derives the identification of the tracks of `next` from the identification before the scan at `time_ns`
+    /// (WA-9).
     pub(crate) fn identify(
         &mut self,
         (reports, emissions): (&[WideAreaReport], &Emissions),
@@ -74,7 +74,7 @@ impl Description {
         next.support.emissions_ns = time_ns;
     }
 
-    /// Adds what is known to the reports of the best branches, and makes one report of those that are not told apart.
+    /// Adds the identification to the reports of the best branches, and combines the reports of unresolved targets.
     pub(crate) fn amend(
         &mut self,
         reports: &[WideAreaReport],
@@ -118,7 +118,7 @@ impl Description {
         tracks.truncate(kept);
     }
 
-    /// WA-7: whether a cluster's targets are not told apart.
+    /// WA-7: returns the group of a cluster with unresolved targets.
     fn group(&self, population: &Population, cluster: u32, settings: &WideArea) -> Option<Group> {
         let groups = settings.groups?;
         let targets = self.expectations.of(cluster).targets?;
@@ -131,7 +131,8 @@ impl Description {
     }
 }
 
-/// One track for the confirmed ones of a cluster, branches included: their mean by reliability. `None` of none.
+/// Combines the confirmed tracks of a cluster, including branches: their mean weighted by reliability. `None`
+/// without confirmed tracks.
 fn joined(population: &Population, cluster: u32, group: Group, settings: &Settings) -> Option<TrackReport> {
     let cluster = &population.clusters[cluster as usize];
     let tracks = population.tracks[cluster.tracks.start as usize..cluster.tracks.end as usize].iter();

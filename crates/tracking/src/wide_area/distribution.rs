@@ -1,9 +1,9 @@
 //! A report's number of targets shared among several clusters (WA-5).
 //!
-//! Where a coarse position could mean any of several clusters, the nearest one may be the wrong one. Then the number is
-//! shared among all within a range, by closeness: the weights are inverse distances, and may count the tracks that a
-//! cluster already has besides. Whole shares are rounded so that they sum up (largest remainders); they may also be
-//! asked to sum up to more than was reported, so that nobody goes without.
+//! If a coarse position fits several clusters, the nearest cluster may be the wrong choice. Then the number is
+//! shared among all clusters within a range, by closeness: the weights are inverse distances, optionally combined
+//! with the tracks already in a cluster. Whole shares are rounded to the correct sum (largest remainders);
+//! optionally their sum may exceed the reported number, so that no cluster is left without a share.
 //!
 //! Source: patent JP4702010B2, embodiment 2.
 
@@ -26,7 +26,7 @@ settings::settings! {
     }
 }
 
-/// Writes to `shares` what each cluster gets of `targets`, whose (distance in metres, expected tracks) are `clusters`.
+/// Writes to `shares` each cluster's share of `targets`; `clusters` holds (distance in metres, expected tracks).
 /// Clusters at or beyond `range_m` get nothing.
 pub fn share(
     targets: f64,
@@ -57,8 +57,8 @@ pub fn share(
     }
 }
 
-/// Largest remainders: everybody gets the whole part, and what is left goes to those who lost most; the first of
-/// equals.
+/// Largest remainders: every cluster gets the integer part, and the rest goes to the largest fractions; the first of
+/// equals wins.
 fn round(shares: &mut [f64], total: f64) {
     // Rounding errors of 1.999… are no loss.
     let floor = |share: f64| (share + 1e-9).floor();

@@ -1,4 +1,4 @@
-//! Emissions that an on-board receiver heard (WA-9), and those that a scan may still use.
+//! Emissions received on board (WA-9), and the list of emissions that a scan may still use.
 
 use observations::Bearing;
 
@@ -31,7 +31,7 @@ pub enum EmissionRejection {
     NoTypes,
     /// A value is no number, or cannot be.
     NoNumber,
-    /// Nanoseconds by which it was received before the scans that are closed: more than allowed.
+    /// Received this many nanoseconds before the closed scans: more than allowed.
     TooLate(i64),
     /// No room for another one.
     Full,
@@ -58,7 +58,8 @@ impl std::fmt::Display for EmissionRejection {
 impl std::error::Error for EmissionRejection {}
 
 impl Emission {
-    /// The emission that a direction finder's bearing is of; `None` without a frequency, by which a type could be told.
+    /// Makes an emission of a direction finder's bearing; `None` without a frequency, which is needed to identify a
+    /// type.
     pub fn of(bearing: &Bearing) -> Option<Self> {
         let [east, north, _] = bearing.platform_m;
         Some(Self {
@@ -81,10 +82,10 @@ impl Emission {
     }
 }
 
-/// Emissions that may still matter, in the order in which scans use them.
+/// Emissions still in use, in the order of their use by scans.
 #[derive(Clone, Debug)]
 pub(crate) struct Emissions {
-    /// Each with the time from which on a scan uses it, nanoseconds.
+    /// Each with the earliest time of a scan that uses it, nanoseconds.
     list: Vec<(i64, Emission)>,
 }
 
@@ -97,8 +98,8 @@ impl Emissions {
         }
     }
 
-    /// Keeps an emission, and returns from which time on a scan uses it. Those that no scan after `closed_ns` uses make
-    /// room.
+    /// Stores an emission, and returns the earliest time of a scan that uses it. Emissions that no scan after
+    /// `closed_ns` uses are removed.
     pub(crate) fn keep(
         &mut self,
         emission: &Emission,
@@ -128,7 +129,7 @@ impl Emissions {
         Ok(due_ns)
     }
 
-    /// Emissions that a scan at `until_ns` uses after one at `after_ns`.
+    /// Emissions used by a scan at `until_ns` that follows a scan at `after_ns`.
     pub(crate) fn between(&self, after_ns: i64, until_ns: i64) -> impl Iterator<Item = &Emission> {
         let first = self.list.partition_point(|(due_ns, _)| *due_ns <= after_ns);
         let due = self.list[first..].iter();

@@ -1,7 +1,7 @@
-//! Expectations that the reports give of each cluster at one scan.
+//! Expected targets of each cluster in one scan, derived from the reports.
 //!
-//! Reports of the same time of observation add up where they mean the same cluster: a sensor may report targets one by
-//! one, or many together. Of different times the latest one holds.
+//! Reports of the same time of observation add up if they refer to the same cluster: a sensor may report targets
+//! singly or together. Among different times the latest report holds.
 
 use association::Grid;
 use messages::{AXES, NS_PER_S};
@@ -20,7 +20,7 @@ use crate::track::Track;
 /// direction.
 const CELL_M: f64 = 5000.0;
 const CELLS_MAX: i32 = 16;
-/// Most centres that are compared one by one, without a grid.
+/// Maximum of centres compared directly, without a grid.
 const FEW: usize = 16;
 
 /// Knowledge of one cluster from reports.
@@ -30,7 +30,7 @@ pub(crate) struct Expectation {
     pub(crate) targets: Option<f64>,
     /// Whether the report is due in this scan.
     pub(crate) is_due: bool,
-    /// A report that covers its place shows no target around it.
+    /// Set if a report covers the cluster's place and shows no target around it.
     pub(crate) is_absent: bool,
     /// Origin of the targets.
     pub(crate) origin: Option<Origin>,
@@ -43,7 +43,7 @@ pub(crate) struct Expectation {
 pub(crate) struct Expectations {
     /// By cluster; empty if nothing is known of any.
     list: Vec<Expectation>,
-    /// (cluster, its centre), of those that a report may mean.
+    /// Pairs (cluster, centre) of the candidates for a report.
     centres: Vec<(u32, Centre)>,
     /// Positions of the centres, unless they are few; and the greatest of their speeds, metres per second.
     grid: Grid,
@@ -51,7 +51,7 @@ pub(crate) struct Expectations {
     speed_max_mps: f64,
     /// Places in the list of centres of those that may be within range of the report at hand, in no order.
     near: Vec<u32>,
-    /// By those: share of its targets.
+    /// By candidate: share of the targets.
     shares: Vec<f64>,
     /// Reports that have been taken into a group.
     grouped: Vec<bool>,
@@ -150,7 +150,7 @@ impl Expectations {
         }
     }
 
-    /// A report, together with those of its group (WA-5).
+    /// Collects a report and the reports of its group (WA-5).
     fn group(
         &mut self,
         reports: &[WideAreaReport],
@@ -179,7 +179,7 @@ impl Expectations {
         sum
     }
 
-    /// Lets the clusters know that a report means. `false` if it means none. The centres are those of `reference_ns`.
+    /// Adds a report to its clusters. `false` if no cluster fits. The centres are at `reference_ns`.
     fn take(&mut self, report: &WideAreaReport, is_due: bool, reference_ns: i64, settings: &WideArea) -> bool {
         if report.targets == 0 {
             // Nothing to correct; absence is another matter.
@@ -229,7 +229,7 @@ impl Expectations {
         let coverage = settings.deletion.and_then(|early| early.coverage);
         for (expectation, cluster) in self.list.iter_mut().zip(&before.clusters) {
             let centre = centre_of(cluster, before);
-            // Where several valid reports speak of the place, the latest one holds.
+            // Among several valid reports on the place, the latest holds.
             let (mut latest_ns, mut is_absent) = (i64::MIN, false);
             let mut none_ns = i64::MIN;
             for report in reports
@@ -259,8 +259,7 @@ impl Expectations {
                     }
                 }
             }
-            // Targets that were reported are not gone because a later report of others does not mention them; one of
-            // none says so.
+            // A later report on other targets does not remove reported targets; a report of no targets does.
             let is_over = expectation.targets.is_none() || none_ns > expectation.observed_ns;
             expectation.is_absent = is_absent && is_over;
         }

@@ -1,13 +1,13 @@
-//! Targets that cannot be told apart, followed as one group (WA-7).
+//! Unresolved targets, tracked as one group (WA-7).
 //!
-//! On-board sensors that see four targets now as one and now as three give tracks that come and go. Whoever needs one
-//! steady answer is better served by a group: one state for all of them, and how many they are. Whether that is so, the
-//! wide-area sensor tells: as long as a cluster has fewer tracks than reported targets, the on-board sensors do not
-//! resolve them. Hypotheses differ in that, so the answer is a probability.
+//! On-board sensors that see four targets alternately as one and as three give tracks that come and go. A group is
+//! steadier: one state for all targets, and their number. The wide-area sensor shows when to use it: as long as a
+//! cluster has fewer tracks than reported targets, the on-board sensors do not resolve them. Hypotheses differ in
+//! their numbers of tracks, so the result is a probability.
 //!
-//! A group track takes the place of its cluster's confirmed tracks. It has the smallest of their numbers, the mean of
-//! their states by reliability with the spread of their positions in its covariance, and the expected number of
-//! members. The tracker itself goes on following single targets: when they are resolved, their tracks are there.
+//! A group track replaces its cluster's confirmed tracks. Its number is the smallest of their numbers, its state is
+//! their mean by reliability, with the spread of their positions in its covariance, and it has the expected number
+//! of members. The tracker itself continues to track single targets: when they are resolved, their tracks exist.
 
 use super::correction::has_enough;
 
@@ -20,7 +20,7 @@ settings::settings! {
     }
 }
 
-/// Size of a group that is given out as one track.
+/// Size of a group published as one track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
     /// Expected number of members, at least 2.

@@ -1,19 +1,19 @@
-//! Identification of a target (WA-9) by what it emits and where it came from.
+//! Identification of a target (WA-9) by its emissions and its origin.
 //!
-//! Neither tells enough alone. An on-board receiver measures frequency, pulse interval and bearing of an emission;
-//! several types emit the like, and a bearing has no range. The wide-area sensor knows where the targets came from;
-//! several types start there. Together they decide, by Bayes' rule: the prior knowledge of the origin gives each type
-//! its probability, and each emission multiplies that of the types that emit the like.
+//! Neither is sufficient alone. An on-board receiver measures frequency, pulse interval and bearing of an emission;
+//! several types have similar emissions, and a bearing has no range. The wide-area sensor observed the origin of the
+//! targets; several types start there. Bayes' rule combines both: the prior knowledge of the origin gives each type
+//! its probability, and each emission multiplies the probabilities of the matching types.
 //!
-//! An emission belongs to the track in whose direction it comes from; where two are in that direction, to none: it
-//! would teach both. The origin is that of the route that the wide-area sensor reports; without one, the place where it
-//! first saw the track's targets. The answer is the likeliest type with its probability, or none while anything else is
-//! likelier.
+//! An emission belongs to the track in its direction; with two tracks in that direction, to none, since it would
+//! identify both. The origin is taken from the route that the wide-area sensor reports; without a route, it is the
+//! first position of the track's targets at that sensor. The result is the likeliest type with its probability, or
+//! none while the alternative is likelier.
 //!
-//! What is known of tracks is part of the population after a scan, like the tracks: a late scan, report or emission has
-//! it derived again.
+//! Identifications are part of the population after a scan, like the tracks: after a late scan, report or emission
+//! they are derived again.
 //!
-//! Limits: emissions of one target are taken to be independent, which they are not; so at most [`EMISSIONS_MAX`] count
+//! Limits: emissions of one target are assumed independent, which is not exact; so at most [`EMISSIONS_MAX`] count
 //! per track.
 
 use std::f64::consts::{PI, TAU};
@@ -27,9 +27,9 @@ use crate::track::Track;
 
 /// Most emissions of a track that count.
 const EMISSIONS_MAX: u32 = 3;
-/// Probability that an emission of a type lies in one of its bands: receivers err, and lists are incomplete.
+/// Probability that an emission of a type lies in a band of that type: receivers err, and lists are incomplete.
 const MATCH: f64 = 0.9;
-/// The same for a type whose emissions are not known.
+/// The same for a type without known emissions.
 const UNKNOWN: f64 = 0.5;
 /// Statistical distance within which an emission comes from a track's direction.
 const GATE: f64 = 3.0;
@@ -56,7 +56,7 @@ struct Known {
 pub(crate) struct Origin {
     /// East and north, metres.
     pub(crate) place_m: [f64; 2],
-    /// Whether a route says so; else it is where they were seen.
+    /// Set if a route reports the origin; otherwise it is the first observed position.
     pub(crate) is_reported: bool,
 }
 
@@ -69,13 +69,13 @@ impl Origin {
         }
     }
 
-    /// Origin by a route, east and north, metres; `None` if no route says so.
+    /// Origin from a route, east and north, metres; `None` without a route.
     pub(crate) fn reported_m(&self) -> Option<[f64; 2]> {
         self.is_reported.then_some(self.place_m)
     }
 }
 
-/// Position of a track when something is heard.
+/// Position of a track at the time of an emission.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Whereabouts {
     /// East and north, metres.
@@ -114,7 +114,7 @@ impl Identities {
         }
     }
 
-    /// Takes over what was known of the tracks with these numbers, which rise; the others are forgotten.
+    /// Takes over the identifications of the tracks with these numbers, in rising order; all others are removed.
     pub(crate) fn follow(&mut self, before: &Self, numbers: impl Iterator<Item = u32>) {
         self.tracks.clear();
         self.log_likelihoods.clear();
@@ -148,8 +148,8 @@ impl Identities {
         }
     }
 
-    /// Learns of an emission. `tracks` are in the order of their numbers. Returns the place of the track that it is of,
-    /// if that is clear.
+    /// Applies an emission. `tracks` are in the order of their numbers. Returns the index of the emitting track, if
+    /// it is unambiguous.
     pub(crate) fn emitted(
         &mut self,
         emission: &Emission,
@@ -173,8 +173,7 @@ impl Identities {
         Some(place)
     }
 
-    /// Type of the track at `place`, if some type is likelier than all others together with those that nobody
-    /// described.
+    /// Type of the track at `place`, if it is likelier than all other types together, including undescribed types.
     pub(crate) fn target_type(&self, place: usize, knowledge: &Knowledge) -> TargetType {
         let best = self.best(place, knowledge);
         let named = best.and_then(|(target, confidence)| TargetType::new(&knowledge.types[target].name, confidence));
@@ -207,7 +206,7 @@ impl Identities {
 }
 
 impl Whereabouts {
-    /// Place of a track at `time_ns`, along its velocity; as uncertain as it was when it was last seen.
+    /// Position of a track at `time_ns`, along its velocity; with the covariance of its last observation.
     pub(crate) fn of(track: &Track, time_ns: i64) -> Self {
         let estimate = track.motion.estimate();
         let (position_m, velocity_mps) = (estimate.position_m(), estimate.velocity_mps());

@@ -1,25 +1,24 @@
-//! Support by a wide-area sensor that knows how many targets there are (WA).
+//! Support by a wide-area sensor that reports the number of targets (WA).
 //!
-//! On-board sensors are accurate and fast, but see targets that fly close together as one. A remote sensor has watched
-//! the same targets since they were apart. Its detections would not help: they are coarse, rare and late. The obvious
-//! way, to feed them to the tracker like any others, makes tracks worse and work more. But that sensor knows how *many*
-//! there are, and that is just what the on-board detections cannot tell. So only the number is used, and it touches
-//! nothing but reliabilities: not a detection, gate or interpretation is added.
+//! On-board sensors are accurate and fast, but see targets that fly close together as one. A remote sensor has
+//! watched the same targets since they were apart. Its detections would not help: they are coarse, rare and late,
+//! and as ordinary tracker input they degrade tracks and increase the load. But that sensor reports the *number* of
+//! targets, which on-board detections cannot show. So only the number is used, and only to change reliabilities: no
+//! detection, gate or interpretation is added.
 //!
-//! A report ([`WideAreaReport`]) arrives late; what it says is of its time of observation. The clusters' tracks are
-//! moved there along their velocities, and the cluster meant is found ([`choice`]) or the number is shared among
-//! several ([`distribution`]). In the first scan after its arrival the hypotheses of that cluster, and then the
-//! children of each of them, are corrected ([`correction`]). For as long as a report is valid, hypotheses with enough
-//! tracks are held at a small share, so that they are still there when the next one comes; the report also helps new
-//! tracks to be confirmed, and its silence about a place that it covers helps clusters to be given up ([`settings`]).
+//! A report ([`WideAreaReport`]) arrives late; its content refers to its time of observation. The clusters' tracks
+//! are moved to that time along their velocities, and the matching cluster is found ([`choice`]), or the number is
+//! shared among several clusters ([`distribution`]). In the first scan after the arrival, the hypotheses of that
+//! cluster and then their children are corrected ([`correction`]). While a report is valid, hypotheses with enough
+//! tracks keep a small share, so that they still exist at the next report. The report also eases the confirmation of
+//! new tracks, and the absence of targets in a covered place accelerates deletion ([`settings`]).
 //!
 //! Everything is derived anew in each scan from the reports and the population before the scan. So scans that are
 //! worked off again after a late one see the same reports in the same places, and the same input gives the same bits.
 //!
-//! What goes with it and is used by others: where the tracks of another system become counts ([`counting`]), where
-//! reports wait until their time has come ([`arrivals`]), whether targets are followed as a group ([`group`]), who they
-//! are (`identification`, from each [`Emission`] and where the targets came from), what is known beforehand
-//! ([`prior`]), and where sensors should look next ([`cue`]); and when pictures are given out ([`schedule`]).
+//! Further modules: counts from the tracks of another system ([`counting`]), the queue of reports ([`arrivals`]),
+//! groups ([`group`]), identification (`identification`, from each [`Emission`] and the origin of the targets),
+//! prior knowledge ([`prior`]), search regions for sensors ([`cue`]), and the times of publication ([`schedule`]).
 //!
 //! Source: patent JP4702010B2.
 

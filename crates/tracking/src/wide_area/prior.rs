@@ -1,14 +1,14 @@
 //! Knowledge before anything is seen (WA-10).
 //!
-//! Who comes from where is often known: from this bearing come airliners; from that field, fours of the same type. Such
-//! knowledge is of a place, not of a target, so it is stated by place: a sector of bearings from a point, or a circle.
-//! It applies to a wide-area report by where its targets came from, or where they are if that is not known, and says
-//! two things: which types are likely (module `identification`), and how many fly together. Where a formation of four
-//! is likely and two are reported, the correction may count on four.
+//! The usual origin of targets is often known: airliners come from this bearing; groups of four of the same type
+//! come from that field. Such knowledge refers to a place: a sector of bearings from a point, or a circle. It
+//! applies to a wide-area report by the origin of its targets, or by their position if the origin is unknown. It
+//! contains the likely types (module `identification`) and the likely sizes of formations. If a formation of four is
+//! likely and two are reported, the correction may count on four.
 //!
-//! Statements that contradict each other are rejected, since nobody could say which one holds: probabilities beyond 1,
-//! a type or number stated twice, two sectors from one point or two circles that overlap. Where a sector and a circle
-//! overlap, the first one listed holds.
+//! Contradictory statements are rejected, because no rule could choose between them: probabilities beyond 1, a type
+//! or number stated twice, two sectors from one point, or two circles that overlap. If a sector and a circle
+//! overlap, the first in the list holds.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -201,7 +201,7 @@ impl Knowledge {
         self.priors.iter().find(|prior| prior.contains(point_m))
     }
 
-    /// Prior knowledge of a report's targets: of where they came from, or are.
+    /// Prior knowledge of a report's targets, by their origin or position.
     pub fn of(&self, report: &WideAreaReport) -> Option<&Prior> {
         let [east, north, _] = report.position_m;
         self.at(report.origin_m.unwrap_or([east, north]))
@@ -275,7 +275,7 @@ impl Prior {
     }
 }
 
-/// The number of members that the key of a formation says; `None` if it says none.
+/// Number of members in the key of a formation; `None` if the key is not a number.
 fn members(size: &str) -> Option<u32> {
     size.parse().ok().filter(|members| (1..=TARGETS_MAX).contains(members))
 }

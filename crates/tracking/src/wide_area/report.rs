@@ -1,4 +1,4 @@
-//! Which reports of a wide-area sensor are taken (WA-2), and those that may still matter.
+//! Acceptance of wide-area reports (WA-2), and the list of reports still in use.
 
 use observations::WideAreaReport;
 
@@ -6,7 +6,7 @@ use observations::WideAreaReport;
 pub const TARGETS_MAX: u32 = 256;
 /// Most reports kept at a time.
 pub(crate) const REPORTS_MAX: usize = 4096;
-/// Farthest coordinate that is a place, metres: beyond it nothing on Earth is in one plane with the sensors.
+/// Largest valid coordinate, metres: beyond it nothing on Earth is in one plane with the sensors.
 pub(crate) const PLACE_MAX_M: f64 = 1e7;
 
 /// Reason why a report was rejected.
@@ -53,7 +53,7 @@ impl std::fmt::Display for ReportRejection {
 
 impl std::error::Error for ReportRejection {}
 
-/// Fault of a report, whoever may use it; `None` if there is none.
+/// Returns the fault of a report, independent of the receiver; `None` if there is none.
 pub fn fault_in(report: &WideAreaReport) -> Option<ReportRejection> {
     let is_place = |value: f64| value.abs() <= PLACE_MAX_M;
     let origin = report.origin_m.unwrap_or_default();
@@ -75,13 +75,13 @@ pub(crate) fn fault(report: &WideAreaReport, delay_max_ns: i64) -> Option<Report
     fault_in(report).or(late)
 }
 
-/// Whether a report says something at `time_ns`, if that is so for `valid_ns` after its observation.
+/// Returns whether a report is valid at `time_ns`: at most `valid_ns` after its observation.
 pub(crate) fn is_valid(report: &WideAreaReport, time_ns: i64, valid_ns: i64) -> bool {
     report.arrival_ns <= time_ns && time_ns.saturating_sub(report.time_ns) <= valid_ns
 }
 
-/// Whether the scan at `time_ns` is the first one after a report's arrival, if those that came until `used_ns` have
-/// been used.
+/// Returns whether the scan at `time_ns` is the first after a report's arrival, if reports up to `used_ns` have been
+/// used.
 pub(crate) fn is_due(report: &WideAreaReport, used_ns: i64, time_ns: i64) -> bool {
     used_ns < report.arrival_ns && report.arrival_ns <= time_ns
 }
@@ -103,7 +103,7 @@ impl Reports {
         &self.list
     }
 
-    /// Keeps a report. Those that can matter to no scan after `closed_ns` make room.
+    /// Stores a report. Reports without effect on scans after `closed_ns` are removed.
     pub(crate) fn keep(
         &mut self,
         report: WideAreaReport,

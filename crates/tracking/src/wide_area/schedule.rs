@@ -1,4 +1,4 @@
-//! Times at which pictures are given out (WA-11): at a fixed period, whatever the sensors do.
+//! Times of publication of the track picture (WA-11): at a fixed period, independent of the sensors.
 //!
 //! Scans come when they come; a display or another system wants the confirmed tracks at even times. So the times are
 //! multiples of the period, and the tracks are moved to them ([`Tracker::picture_at`](crate::Tracker::picture_at)).

@@ -94,7 +94,7 @@ impl WideArea {
         self.held.is_some() || self.confirmation.is_some() || self.deletion.is_some()
     }
 
-    /// Whether they say something of the tracks that are given out.
+    /// Returns whether the settings affect published tracks.
     pub(crate) fn describes_tracks(&self) -> bool {
         self.groups.is_some() || !self.knowledge.priors.is_empty()
     }

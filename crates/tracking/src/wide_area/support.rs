@@ -1,8 +1,7 @@
-//! The one place where wide-area support and the tracker meet: what the tracker asks of it is asked here.
+//! Interface between the tracker and wide-area support: all calls of the tracker go through this module.
 //!
-//! A tracker has one [`Support`], and each update of clusters a [`ClusterSupport`]: what the reports say of these
-//! clusters, as answers to the questions that the update has. Where there are no reports, each answer is that of a
-//! tracker without support.
+//! A tracker has one [`Support`], and each update of clusters a [`ClusterSupport`] with the content of the reports
+//! for these clusters. Without reports, each method returns the value for a tracker without support.
 
 use observations::WideAreaReport;
 
@@ -40,7 +39,7 @@ impl Support {
         }
     }
 
-    /// Keeps a report that scans after `closed_ns` may use (WA-2), and returns from which time on they do, nanoseconds.
+    /// Stores a report for scans after `closed_ns` (WA-2), and returns the earliest time of use, nanoseconds.
     ///
     /// # Errors
     /// [`ReportRejection`], counted, if the report cannot be used.
@@ -64,8 +63,7 @@ impl Support {
         Ok(due_ns)
     }
 
-    /// Keeps an emission that scans after `closed_ns` may use (WA-9), and returns from which time on they do,
-    /// nanoseconds.
+    /// Stores an emission for scans after `closed_ns` (WA-9), and returns the earliest time of use, nanoseconds.
     ///
     /// # Errors
     /// [`EmissionRejection`], counted, if the emission cannot be used.
@@ -82,7 +80,7 @@ impl Support {
         Ok(due_ns)
     }
 
-    /// Finds what the reports say of the clusters before the scan at `time_ns`.
+    /// Applies the reports to the clusters before the scan at `time_ns`.
     pub(crate) fn begin_scan(
         &mut self,
         before: &Population,
@@ -111,7 +109,7 @@ impl Support {
         }
     }
 
-    /// Finds who the tracks of `next` are, from what was known before the scan at `time_ns` (WA-9).
+    /// Identifies the tracks of `next` from the identification before the scan at `time_ns` (WA-9).
     pub(crate) fn identify(
         &mut self,
         before: &Population,
@@ -125,7 +123,7 @@ impl Support {
             .identify(heard, before, next, time_ns, settings, counts);
     }
 
-    /// Adds what is known to the reports of the best branches, and makes one report of those that are not told apart.
+    /// Adds the identification to the reports of the best branches, and combines the reports of unresolved targets.
     pub(crate) fn amend(
         &mut self,
         population: &Population,
@@ -155,7 +153,7 @@ impl<'a> ClusterSupport<'a> {
         self.clusters.iter().map(|(_, cluster)| expectations.of(*cluster))
     }
 
-    /// WA-4: demand on one of the clusters, by the rule where a report is due; later, by the one that holds.
+    /// WA-4: demand on one of the clusters, by the rule of a due report, or by the valid rule afterwards.
     pub(crate) fn demand(&self, cluster: u32) -> Demand {
         let expectation = self.expectations.of(cluster);
         let held = self.settings.held;
@@ -168,7 +166,7 @@ impl<'a> ClusterSupport<'a> {
         }
     }
 
-    /// WA-4: how reports that are due correct; `None` if they do not.
+    /// WA-4: correction rule of the due reports; `None` without a correction.
     pub(crate) fn correction(&self) -> Option<Rule> {
         let settings = self.settings;
         settings
@@ -176,7 +174,7 @@ impl<'a> ClusterSupport<'a> {
             .filter(|_| self.confirmed > 0 || !settings.corrects_confirmed_only)
     }
 
-    /// Number of targets that reports ask for which are due.
+    /// Number of targets in the due reports.
     pub(crate) fn targets_due(&self) -> f64 {
         let due = self.expectations().filter(|expectation| expectation.is_due);
         due.filter_map(|expectation| expectation.targets).sum()
@@ -198,7 +196,7 @@ impl<'a> ClusterSupport<'a> {
         is_absent.then_some(early.deletion)
     }
 
-    /// WA-6: confirms what may be confirmed sooner, where reports show more targets than there are confirmed tracks.
+    /// WA-6: confirms tracks early if reports show more targets than there are confirmed tracks.
     pub(crate) fn confirm(&self, store: &mut HypothesisStore, next_number: &mut u32, counts: &mut TrackerCounts) {
         let Some(early) = self.easier_confirmation() else {
             return;
@@ -229,9 +227,9 @@ impl<'a> ClusterSupport<'a> {
 pub(crate) struct Demand {
     /// Number of targets, if that is known.
     targets: Option<f64>,
-    /// Rule that corrects the reliabilities of its hypotheses; `None` if they are not corrected.
+    /// Rule for the reliabilities of its hypotheses; `None` without a correction.
     correction: Option<Rule>,
-    /// Whether those of their children are corrected, too.
+    /// Set if the reliabilities of the children are corrected, too.
     pub(crate) corrects_children: bool,
 }
 
@@ -253,7 +251,7 @@ impl Demand {
         self.correction.map_or(Gains::NONE, |rule| Gains::of_all(rated, rule))
     }
 
-    /// Record of the correction of these hypotheses; `None` if it changes nothing.
+    /// Record of the correction of these hypotheses; `None` without a change.
     pub(crate) fn explained(&self, hypotheses: &[Hypothesis]) -> Option<CorrectionRecord> {
         let gains = self.gains(hypotheses);
         let enough = hypotheses.iter().filter(|hypothesis| self.is_enough(hypothesis));
