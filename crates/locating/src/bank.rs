@@ -1,8 +1,8 @@
 //! Several models of one emitter's motion side by side; the bearings decide (EL-2).
 //!
-//! Nobody knows beforehand whether an emitter lies still. A filter for fixed points is wrong about one that moves, and
-//! one for straight motion pays for its freedom with accuracy: from a platform that flies straight on it cannot tell
-//! the range at all. So the models run side by side, and the simplest one is believed that nothing speaks against.
+//! Whether an emitter is stationary is unknown beforehand. A filter for fixed points is wrong for a moving emitter,
+//! and a filter for straight motion is less accurate: from a platform that flies straight it cannot determine the
+//! range at all. So the models run side by side, and the simplest model without contrary evidence is chosen.
 //!
 //! | filter | in the order of simplicity |
 //! | --- | --- |
@@ -10,13 +10,15 @@
 //! | fixed | fixed point, wandering |
 //! | straight | straight motion, manoeuvring |
 //!
-//! Two things speak against a model. Against the fixed point does the velocity that the straight motion has found, if
-//! rest is far from it (a Bayes factor, for some bearings in a row). Against each model without process noise do
-//! bearings that disagree for long while the platform does not turn. Then it begins anew: one for straight motion where
-//! the manoeuvring one is, a fixed point with its last lines. It is believed again when its bearings have agreed for a
-//! while, twice as many after each such failure. Meanwhile the model with process noise stands in.
+//! There are two kinds of contrary evidence. Against the fixed point: the velocity found by the straight motion, if
+//! rest is far from it (a Bayes factor, for some bearings in a row). Against each model without process noise:
+//! bearings that disagree for long while the platform does not turn. The model then restarts: straight motion at the
+//! state of the manoeuvring model, a fixed point with its last lines. The model can be chosen again when its
+//! bearings have agreed for a while, twice as many after each such failure. Meanwhile the model with process noise
+//! replaces it.
 //!
-//! While the simplest model only lacks geometry, nothing is said: a model with more freedom cannot know more.
+//! While the simplest model only lacks geometry, no fix is published: a model with more freedom cannot be more
+//! accurate.
 
 use nalgebra::Matrix4;
 
@@ -43,7 +45,7 @@ pub struct RawFix {
     pub covariance: Matrix4<f64>,
     /// Model of motion that is believed.
     pub motion: Motion,
-    /// Whether the bearings agree with it; without that it is older ones' fix.
+    /// Set if the bearings agree with the fix; otherwise the fix is from older bearings.
     pub is_agreed: bool,
 }
 
@@ -90,7 +92,7 @@ struct Member {
 pub(crate) struct Bank {
     members: [Option<Member>; MODELS_MAX],
     chosen: Option<usize>,
-    /// Whether the emitter moves, by the evidence, and for how many bearings the evidence has said the opposite.
+    /// Set if the evidence shows a moving emitter, and the number of bearings with evidence for the opposite.
     is_moving: bool,
     doubts: u32,
 }
@@ -109,7 +111,7 @@ impl Bank {
         }
     }
 
-    /// Begins anew, with another emitter.
+    /// Restarts with another emitter.
     pub(crate) fn reset(&mut self, settings: &MotionSettings) {
         *self = Self::new(settings);
     }
@@ -152,7 +154,7 @@ impl Bank {
             },
             turning_since_ns,
         };
-        // The believed model first: while the platform turns, what it sets aside is wrong for all.
+        // The chosen model first: while the platform turns, its outliers are wrong for all models.
         let believed = self.chosen;
         let verdict = believed.map(|place| self.add_to(place, line, bounds, notes));
         let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
@@ -202,7 +204,7 @@ impl Bank {
         taken
     }
 
-    /// The model with process noise begins where the one without is, as soon as that has settled.
+    /// Starts the model with process noise at the state of the model without, as soon as the latter has settled.
     fn begin_stand_in(&mut self) {
         let [.., one, other] = match &mut self.members {
             [first, second, None] => [None, first.as_mut(), second.as_mut()],
@@ -236,7 +238,7 @@ impl Bank {
         }
     }
 
-    /// Whether the emitter moves, once the evidence has said so for long enough, and the other way round.
+    /// Switches between moving and resting once the evidence has lasted long enough.
     fn weigh_motion(&mut self, settings: &MotionSettings) -> f64 {
         let straight = self
             .members
@@ -261,7 +263,7 @@ impl Bank {
         evidence
     }
 
-    /// The simplest model that nothing speaks against; if there is none, the one that was, or the one with most
+    /// Returns the simplest model without contrary evidence; otherwise the previous model, or the model with most
     /// freedom.
     fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut Notes) {
         let is_moving = self.is_moving;
@@ -299,7 +301,7 @@ impl Bank {
         });
         let Some(member) = &mut self.members[place] else { return };
         if member.motion == Motion::Straight {
-            // What it said of the velocity is void.
+            // The velocity estimate of the restarted model is void.
             (self.is_moving, self.doubts) = (false, 0);
         }
         match &mut member.filter {

@@ -1,4 +1,4 @@
-//! Counts of what was done, rejected (input) or dropped (for want of room).
+//! Counts of processed, rejected (input) and dropped (for lack of room) items.
 
 /// Counters; they only rise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,13 +13,13 @@ pub struct LocatorCounts {
     pub table_full: u64,
     /// Emitters seen.
     pub emitters: u64,
-    /// Emitters whose place was given to another.
+    /// Emitters replaced by another emitter.
     pub emitters_dropped: u64,
-    /// Bearings that found their emitter by frequency and direction.
+    /// Bearings associated with their emitter by frequency and direction.
     pub associated: u64,
     /// Bearings of emitters without a fix: the geometry does not allow one.
     pub without_fix: u64,
-    /// Bearings that the model which is believed has set aside.
+    /// Bearings set aside by the chosen model.
     pub set_aside: u64,
     /// Fixes given out.
     pub fixes: u64,

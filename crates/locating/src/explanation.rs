@@ -1,20 +1,20 @@
-//! Why the output is what it is: a record per decision (`--explain`).
+//! Reasons for the output: a record per decision (`--explain`).
 
 use crate::motion::Motion;
 use crate::selection::{Reason, Stage};
 
-/// One decision on one emitter.
+/// Decision on an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision {
-    /// Time of the bearing at which it was made, nanoseconds.
+    /// Time of the deciding bearing, nanoseconds.
     pub time_ns: i64,
     /// The emitter's number.
     pub emitter: u32,
     /// Decision.
     pub kind: DecisionKind,
-    /// Value that was compared; not a number where nothing was.
+    /// Compared value; NaN if there is none.
     pub value: f64,
-    /// Limit that it was compared with; not a number where nothing was.
+    /// Limit for the value; NaN if there is none.
     pub limit: f64,
 }
 
@@ -25,14 +25,14 @@ pub enum DecisionKind {
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
-    /// Another model is believed. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: what is
-    /// enough.
+    /// Another model is chosen. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: sufficient
+    /// evidence.
     ModelChosen(Motion),
     /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
     BearingsSetAside(Motion),
     /// A model's bearings agree again, after so many without a turn.
     BearingsAgree(Motion),
-    /// A model begins anew: its bearings disagreed for so many seconds without a turn.
+    /// A model restarts: its bearings disagreed for this many seconds without a turn.
     ModelRestarted(Motion),
     /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its
     /// threshold; or the times that were compared, seconds.
@@ -79,7 +79,8 @@ impl DecisionKind {
     }
 }
 
-/// A few decisions, before time and emitter are written on them. Further ones are dropped: nobody makes more.
+/// A few decisions without time and emitter, which are added later. Decisions beyond the capacity are dropped; the
+/// models never make so many.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Notes<const N: usize> {
     notes: [Option<(DecisionKind, f64, f64)>; N],

@@ -1,16 +1,17 @@
 //! Where a transmitter is, from bearings alone (EL).
 //!
-//! A platform that flies past a transmitter and measures only its direction can still tell where it is: the direction
-//! changes as the platform moves. How well it can tell depends on how the platform flies, and what filters make of it
-//! wanders in arcs and jumps. This crate makes a trustworthy, smooth position of it, for many emitters at once.
+//! A platform that passes a transmitter and measures only its direction can still locate it, because the direction
+//! changes as the platform moves. The accuracy depends on the platform's path, and the fixes of filters wander in
+//! arcs and jump. This crate makes a trustworthy, smooth position of these fixes, for many emitters at once.
 //!
 //! # A bearing's way
 //!
-//! 1. [`Locator::bearing`] checks it and finds its emitter: by the id that it carries, or by frequency and direction.
-//! 2. Each model of the emitter's motion takes it: is it a fixed point, does it move straight on, does it manoeuvre?
-//!    (`smoother` has the method, and what is done with bearings that are wrong.) `bank` believes one of them.
+//! 1. [`Locator::bearing`] checks the bearing and finds its emitter: by the id in the bearing, or by frequency and
+//!    direction.
+//! 2. Each model of the emitter's motion processes the bearing: fixed point, straight motion, or manoeuvres.
+//!    (`smoother` describes the method and the treatment of wrong bearings.) `bank` chooses one of the models.
 //! 3. If the geometry allows a fix, its position, velocity and variance go through the [`selection`], a state
-//!    machine that knows nothing of bearings, and becomes the output.
+//!    machine independent of bearings, and becomes the output.
 //!
 //! ```
 //! use observations::Bearing;

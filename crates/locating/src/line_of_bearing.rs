@@ -1,4 +1,4 @@
-//! A bearing as the filters use it, and how it depends on where the emitter is.
+//! A bearing in the filters' form, and its dependence on the emitter's position.
 
 use kept::kept;
 use observations::Bearing;
@@ -42,7 +42,7 @@ impl LineOfBearing {
         is_used: false,
     };
 
-    /// Line of a bearing whose values are finite.
+    /// Makes the line of a bearing with finite values.
     pub(crate) fn new(bearing: &Bearing) -> Self {
         let (sine, cosine) = bearing.bearing_rad.sin_cos();
         Self {
@@ -63,7 +63,7 @@ impl LineOfBearing {
         if squared.is_nan() || squared < OVERHEAD_M * OVERHEAD_M {
             return None;
         }
-        // The expected direction, turned so that the measured one is north.
+        // The expected direction, rotated so that the measured direction is north.
         let across = east * self.cosine - north * self.sine;
         let along = north * self.cosine + east * self.sine;
         Some(Residual {
@@ -111,8 +111,8 @@ impl LineOfBearing {
     }
 }
 
-/// The angle whose tangent is `across / along`; nearly all are small, and then a few terms of the series are exact to
-/// a millionth of a degree.
+/// Returns the angle with the tangent `across / along`; nearly all angles are small, and then a few terms of the
+/// series are exact to a millionth of a degree.
 fn small_angle(across: f64, along: f64) -> f64 {
     let tangent = across / along;
     if along > 0.0 && tangent.abs() < 0.125 {

@@ -1,4 +1,4 @@
-//! All emitters: whose a bearing is, and what follows from it.
+//! All emitters: association of each bearing with an emitter, and the update.
 
 use kept::kept;
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
@@ -12,7 +12,7 @@ use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
 use crate::settings::Settings;
 
-/// Emitters that the locator tells apart itself are numbered from here on.
+/// First number of emitters that the locator distinguishes itself.
 pub const OWN_NUMBERS: u32 = 1_000_001;
 /// Decisions on one bearing at most.
 const DECISIONS_MAX: usize = 16;
@@ -107,10 +107,10 @@ impl std::error::Error for Rejection {}
 #[derive(Clone, Debug)]
 struct Emitter {
     number: u32,
-    /// Whether its bearings carry its number.
+    /// Set if the bearings carry the emitter's number.
     is_labelled: bool,
     frequency_hz: f64,
-    /// Time of its first bearing: what is worked out in seconds counts from there, so that the day does not matter.
+    /// Time of its first bearing: times in seconds count from here, so that precision does not depend on the date.
     first_ns: i64,
     last: LineOfBearing,
     last_heading_rad: Option<f64>,
@@ -146,7 +146,7 @@ pub struct Locator {
 }
 
 impl Locator {
-    /// A locator that has seen nothing. All memory is allocated here.
+    /// Makes a locator without data. All memory is allocated here.
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -165,7 +165,7 @@ impl Locator {
     /// Takes a bearing. `None`: the geometry does not allow a fix yet.
     ///
     /// # Errors
-    /// If it cannot be used; it is counted, and changes nothing.
+    /// If the bearing is unusable; the bearing is counted and changes nothing.
     pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, Rejection> {
         self.decisions.clear();
         if let Some(fault) = fault(bearing) {
@@ -196,7 +196,7 @@ impl Locator {
         &self.decisions
     }
 
-    /// Counters of what was done so far.
+    /// Counters of processed and rejected bearings so far.
     pub fn counts(&self) -> &LocatorCounts {
         &self.counts
     }
@@ -367,7 +367,7 @@ impl Locator {
         Ok(slot)
     }
 
-    /// The slot of the emitter that was silent longest, if that was long enough; it is emptied.
+    /// Returns the emptied slot of the emitter with the longest silence, if the silence was long enough.
     fn given_up(&mut self, time_ns: i64) -> Option<usize> {
         let (slot, emitter) = (self.emitters.iter_mut().enumerate()).min_by_key(|(_, emitter)| emitter.last.time_ns)?;
         let silent_s = (time_ns - emitter.last.time_ns) as f64 * 1e-9;
@@ -405,7 +405,8 @@ impl Emitter {
         if let Some(compared) = self.bank.compare(line) {
             return compared;
         }
-        // Without a fix it is expected where it was last, or as far off as its bearing can have gone.
+        // Without a fix, the emitter is expected in the direction of its last bearing, within the largest possible
+        // change.
         let after_s = line.after_s(self.last.time_ns).abs();
         let may_have_gone = rate_max_rad_per_s * after_s;
         let variance = 1.0 / line.information + 1.0 / self.last.information + may_have_gone * may_have_gone;
@@ -420,7 +421,7 @@ impl Emitter {
         let after_s = line.after_s(self.last.time_ns);
         if let (Some(heading_rad), Some(last)) = (heading_rad, self.last_heading_rad) {
             if after_s <= 0.0 {
-                // Two at one time tell nothing new.
+                // Two bearings at the same time contain no new information.
                 return;
             }
             let change = (heading_rad - last).sin().atan2((heading_rad - last).cos());

@@ -1,8 +1,8 @@
-//! Going on with the emitters of a locator whose process was killed.
+//! Resumption of the emitters of a locator whose process was killed.
 //!
-//! Kept is what tells emitters apart: their numbers, their frequencies and their last bearings, and the number that
-//! comes next. So the next bearing of an emitter finds it, and its track keeps its number. The fix itself follows from
-//! many bearings; it is found anew from those that come.
+//! The saved data distinguish emitters: their numbers, frequencies and last bearings, and the next free number. So
+//! the next bearing of an emitter is associated with it, and its track keeps its number. The fix itself depends on
+//! many bearings and is found again from new bearings.
 
 use std::sync::atomic::AtomicU64;
 
@@ -20,7 +20,7 @@ kept! {
     }
 }
 
-/// Memory in which a locator keeps its emitters.
+/// Memory for a locator's emitters.
 #[derive(Debug)]
 pub struct EmitterMemory {
     picture: Picture<Front, Known>,
@@ -28,12 +28,12 @@ pub struct EmitterMemory {
 }
 
 impl EmitterMemory {
-    /// Words that it takes for a locator with these settings.
+    /// Size in words of the memory for a locator with these settings.
     pub fn words(settings: &Settings) -> usize {
         Picture::<Front, Known>::words(settings.emitters_max)
     }
 
-    /// In `memory`, which is blank; `owner` tells whose locator it is.
+    /// Begins in `memory`, which is blank; `owner` identifies the locator.
     pub fn begin(memory: Box<dyn Memory>, owner: &str, settings: &Settings) -> Self {
         Self {
             picture: Picture::begin(memory, owner, settings.emitters_max),
@@ -50,16 +50,16 @@ pub struct LeftEmitters {
 }
 
 impl LeftEmitters {
-    /// Reads what a locator with the same settings has kept; `None` if it has kept nothing yet.
+    /// Reads the emitters saved by a locator with the same settings; `None` if none are saved yet.
     ///
     /// # Errors
-    /// If it is not whole, or another one's.
+    /// If the memory is incomplete, or belongs to another locator.
     pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, Refused> {
         let found = Picture::read(memory, owner, settings.emitters_max)?;
         Ok(found.map(|(front, emitters)| Self { front, emitters }))
     }
 
-    /// Time at which they were kept, UTC, nanoseconds.
+    /// Time of the saved emitters, UTC, nanoseconds.
     pub fn kept_ns(&self) -> i64 {
         self.front.kept_ns
     }
@@ -83,7 +83,7 @@ impl Locator {
         picture.write(&front, known.iter());
     }
 
-    /// Goes on with the emitters that another one has left. To be said before the first bearing.
+    /// Resumes the emitters of another locator. Must be called before the first bearing.
     pub fn resume(&mut self, left: &LeftEmitters) {
         self.resume_numbers(left.front.next_number);
         left.emitters.iter().for_each(|emitter| self.resume_emitter(emitter));
@@ -98,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// Bearings of two emitters, told apart by their frequencies, from a platform that flies east.
+    /// Bearings of two emitters, distinguished by their frequencies, from a platform that flies east.
     fn bearings(second: i64) -> [Bearing; 2] {
         [(0.0, 20_000.0, 9.0e9), (10_000.0, 30_000.0, 9.4e9)].map(|(east, north, frequency_hz)| {
             let platform_m = [100.0 * second as f64, 0.0, 1000.0];
@@ -125,7 +125,7 @@ mod tests {
         );
         let mut kept = EmitterMemory::begin(Box::new(memory.clone()), "finder", &settings);
         let mut first = Locator::new(settings).unwrap();
-        // The second one is heard first by the successor.
+        // The successor receives the second emitter first.
         let numbers = |locator: &mut Locator, seconds: std::ops::Range<i64>| {
             let mut numbers = [0; 2];
             for second in seconds {

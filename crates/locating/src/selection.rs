@@ -1,9 +1,8 @@
-//! Which fixes are used, and the smooth path that is made of them (EL-4 … EL-10).
+//! Selection of fixes, and the smooth path through the selected fixes (EL-4 … EL-10).
 //!
 //! The fixes of a bearings-only filter wander in arcs, because range comes slowly, and jump when bearings are wrong.
-//! This keeps only some of them, those that can be trusted, and joins them by straight, continuous motion. It knows
-//! nothing of bearings: it sees time, position and variance, so fixes of any other origin will do (ultrasound, radar;
-//! EL-12).
+//! This module selects the trustworthy fixes and joins them by straight, continuous motion. Its inputs are time,
+//! position and variance, not bearings, so fixes of any other origin will do (ultrasound, radar; EL-12).
 //!
 //! # One rule
 //!
@@ -13,10 +12,10 @@
 //! V(n) = (S(n) − P(n−1)) / (t(n) − t(n−1))          the way from where the output was to where the emitter is
 //! ```
 //!
-//! This is EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for those at minima of
-//! the variance, in one. What differs is when a fix is selected, and what stands for S(n) and P(n−1) when its variance
-//! is too large: nothing does (option a: V stays), or the motion up to where the variance rose above its threshold, and
-//! from where it fell below it (option b, EL-7 and EL-8).
+//! The formula combines EL-6, P(n+1) = P(n) + S(n) − P(n−1), for selections a fixed interval apart, and EL-9, for
+//! selections at minima of the variance. They differ in the time of selection and in the replacement of S(n) and
+//! P(n−1) when the variance is too large. Option a has none: V stays. Option b uses the motion up to the rise of the
+//! variance above its threshold, and from its fall below (EL-7 and EL-8).
 //!
 //! # States
 //!
@@ -32,17 +31,17 @@
 //!  └─────────┘                                                        minimum      └──────────┘
 //! ```
 //!
-//! In `passing` and `first` fixes are passed on as they are. In all other states the output is continuous: each step is
-//! exactly its own velocity times the time. A filter whose variance only falls has no minimum; then minimum selection
-//! passes its fixes on, and staged selection stays with intervals.
+//! In `passing` and `first` fixes are output unchanged. In all other states the output is continuous: each step is
+//! exactly its own velocity times the time. A filter with a monotonically falling variance has no minimum; then
+//! minimum selection outputs its fixes, and staged selection stays with intervals.
 //!
 //! # What it costs
 //!
-//! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). Its free
-//! oscillation, of period six intervals, is not damped: an interval of a sixth of the period in which the filter's
-//! errors come back (often that of the platform's circles) makes them resonate. Longer intervals, or minima, do not.
-//! `Steered` is our own answer for filters that are good already: at every fix the output is headed to where the filter
-//! says that the emitter will be a little later. It does not oscillate, and never jumps either.
+//! With equal intervals and S(n) = truth + e(n), the error of the output obeys p(n+1) − p(n) + p(n−1) = e(n). Its
+//! free oscillation, of period six intervals, is not damped: an interval of a sixth of the period of the filter's
+//! errors (often the period of the platform's circles) causes resonance. Longer intervals, or minima, do not.
+//! `Steered` is our own addition for filters that are already good: at every fix the output heads to the position
+//! that the filter predicts a little later. The output then neither oscillates nor jumps.
 //!
 //! Source: patent JP7553304B2.
 
@@ -65,7 +64,7 @@ settings::words! {
     pub enum AboveThreshold {
         /// Option a: direction and speed stay as they are.
         Continue = "continue",
-        /// Option b: they become those up to the fix at which the variance rose, and after it fell.
+        /// Option b: direction and speed become those up to the fix at the rise of the variance, and after its fall.
         UseCrossings = "use-crossings",
     }
 }
@@ -106,14 +105,14 @@ impl SelectionSettings {
     }
 }
 
-/// A fix, of whatever origin.
+/// Fix of any origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fix {
     /// Time, seconds.
     pub time_s: f64,
     /// Position, east, north and up in the system frame, metres.
     pub position_m: [f64; 3],
-    /// Velocity, east, north and up, m/s; 0 where it is not known. It is passed on with fixes that are, and steers.
+    /// Velocity, east, north and up, m/s; 0 if unknown. The velocity is output with unchanged fixes, and steers.
     pub velocity_mps: [f64; 3],
     /// Variance of the position (EL-3), m².
     pub variance_m2: f64,
@@ -145,7 +144,7 @@ pub enum Stage {
     Interval,
     /// A straight line until the next minimum.
     Minimum,
-    /// Headed to where the filter says.
+    /// Headed to the filter's prediction.
     Steered,
 }
 
@@ -220,7 +219,7 @@ struct Point {
 pub struct Selector {
     settings: SelectionSettings,
     stage: Stage,
-    /// Beginning of the present line, and how it goes on.
+    /// Beginning and velocity of the present line.
     line: Point,
     velocity_mps: [f64; 3],
     /// t(n−1), and P(n−1); while there is one selection only, S1.
@@ -230,7 +229,7 @@ pub struct Selector {
     /// The fix before, and whether it was below the threshold.
     last: Option<(Point, bool)>,
     was_above_at_selection: bool,
-    /// Last fix before the variance rose above its threshold, first one after it fell below.
+    /// Last fix before the variance rose above its threshold, first fix after it fell below.
     up: Option<Point>,
     down: Option<Point>,
     valley: Valley,
@@ -370,7 +369,8 @@ impl Selector {
         found
     }
 
-    /// From where to where the output's next velocity is taken, at a selection time; `None`: it stays.
+    /// Start and end of the way that gives the output's next velocity, at a selection time; `None`: the velocity
+    /// stays.
     fn way(&self, seen: Point, is_below: bool) -> (Reason, Option<(Point, Point)>) {
         let crossings = self.settings.above_threshold == AboveThreshold::UseCrossings;
         if !is_below {
@@ -387,7 +387,8 @@ impl Selector {
         }
     }
 
-    /// EL-9. A minimum is known once the variance has risen: the output turns then, by what it was at the minimum.
+    /// EL-9. A minimum is known once the variance has risen: the output turns then, based on its position at the
+    /// minimum.
     fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(Reason, f64, f64)> {
         let minimum = minimum?;
         let limit = self.settings.variance_max_m2();
@@ -465,7 +466,7 @@ impl Selector {
         self.at_interval(fix, seen, before, is_below)
     }
 
-    /// The output goes on from `begin` with the velocity of a way, or as it did; `p` is P(n).
+    /// Continues the output from `begin` with the velocity of a way, or unchanged; `p` is P(n).
     fn turn(&mut self, stage: Stage, begin: Point, way: Option<(Point, Point)>, p: Point) {
         if let Some((from, to)) = way {
             let duration_s = to.time_s - from.time_s;
@@ -508,7 +509,7 @@ struct Minimum {
 /// Finds minima: where the variance has fallen, and then risen by a share.
 #[derive(Clone, Copy, Debug, Default)]
 struct Valley {
-    /// The least since it last fell; `None` while it rises.
+    /// The minimum since the last fall; `None` while the variance rises.
     least: Option<Minimum>,
     /// The greatest while it rises.
     greatest: Option<f64>,

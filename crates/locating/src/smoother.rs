@@ -1,20 +1,20 @@
 //! The filter: all bearings at once for as long as it matters, then one after the other (EL-2).
 //!
-//! A bearing says nothing about range; range comes from how the bearings change while the platform flies. The obvious
-//! filter, an extended Kalman filter, linearises each bearing once, where it believes the emitter to be at that time.
-//! At first it believes a triangulation of a few nearly parallel bearings, which may be wrong by its own size. What it
-//! then takes the bearings to say of the range is wrong, and nothing undoes it: with an emitter 50 km away the filter
-//! ends seven times worse than the bearings allow, and is sure of itself.
+//! A bearing contains no range; range comes from the change of the bearings while the platform flies. The obvious
+//! filter, an extended Kalman filter, linearises each bearing once, at the emitter position estimated at that time.
+//! The first estimate is a triangulation of a few nearly parallel bearings, with an error possibly as large as the
+//! range. The resulting range information is wrong, and is never corrected: with an emitter 50 km away the filter
+//! ends seven times worse than the bearings allow, with a far too small variance.
 //!
-//! Here nothing is linearised for good while it matters. The last lines are kept ([`crate::window`]); what they say
-//! together is found by Gauss–Newton iteration, that is, with all of them linearised anew where the emitter is believed
-//! to be *now* (the maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their
-//! range go into a Gaussian prior for good, and for them the linearisation is exact enough.
+//! Here no linearisation is final while it matters. The last lines are stored ([`crate::window`]) and solved
+//! together by Gauss–Newton iteration: all lines are linearised anew at the *current* estimate (the
+//! maximum-likelihood estimate). Only lines for which the position is known to a fiftieth of their range are folded
+//! into a Gaussian prior for good, and for them the linearisation is exact enough.
 //!
-//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without process
-//! noise the state at a reference time holds all there is, and no bearing is ever forgotten. With process noise, for
-//! emitters that wander or manoeuvre, it is the extended Kalman filter; that works well once it knows the range, so it
-//! is begun where the model without noise has settled.
+//! An emitter is a fixed point (two components: position) or moves straight on (four: velocity, too). Without
+//! process noise the state at a reference time holds all information, and no bearing is ever forgotten. With process
+//! noise, for emitters that wander or manoeuvre, the filter is the extended Kalman filter. It works well with a
+//! known range, so it starts at the settled state of the model without noise.
 //!
 //! # Bearings that are wrong
 //!
@@ -46,7 +46,7 @@ const SETTLED_SHARE: f64 = 0.05;
 const LINEAR_SHARE: f64 = 0.02;
 /// Lines that go into the prior at a time.
 const FOLDED_AT_ONCE: usize = 16;
-/// Bearings after which a settled filter linearises its window anew.
+/// Bearings between two linearisations of a settled filter's window.
 const RELINEARISED_EVERY: u64 = 8;
 /// Before that, after this share of all bearings.
 const SEARCHED_EVERY: u64 = 16;
@@ -68,7 +68,7 @@ const DEVIATION_MAX: f64 = 4.0;
 /// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
-/// Lines that are taken back when the sum leaves its bounds.
+/// Lines removed when the sum leaves its bounds.
 const TAKEN_BACK: usize = 8;
 /// A fix by which fewer bearings than this were judged is no match for bearings that disagree.
 const YOUNG: u64 = 32;
@@ -76,7 +76,7 @@ const YOUNG: u64 = 32;
 const AGREE_SUM: f64 = 2.0;
 const AGREE_ONE: f64 = 2.5;
 
-/// Assumptions on the motion of an emitter, and what is known of it before the first bearing.
+/// Assumptions on the motion of an emitter, and prior knowledge before the first bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Model {
     /// Fixed point: m²/s; straight motion: m²/s³.
@@ -101,7 +101,7 @@ pub(crate) struct Bounds {
 pub(crate) enum Taken {
     /// Used.
     Used,
-    /// Not used: it disagrees, or those before it do.
+    /// Not used: the bearing or its predecessors disagree.
     SetAside,
     /// The first that was set aside; the sum of innovations in standard deviations.
     Distrusted(f64),
@@ -146,9 +146,9 @@ pub(crate) struct Smoother<const D: usize> {
 enum Stage {
     /// Nothing yet.
     Empty,
-    /// Lines, and no place that explains them.
+    /// Lines without a consistent position.
     Searching,
-    /// A place, and the geometry does not allow to say it.
+    /// A position, but with insufficient geometry for a fix.
     Vague,
     /// A fix.
     Located,
@@ -227,7 +227,7 @@ impl<const D: usize> Smoother<D> {
         ([state[0], state[1]], velocity, full)
     }
 
-    /// Whether the search goes on, and nothing speaks against its success yet.
+    /// Returns whether the search continues without contrary evidence.
     pub(crate) fn is_open(&self) -> bool {
         self.stage < Stage::Located && !self.is_misfit
     }
@@ -249,8 +249,8 @@ impl<const D: usize> Smoother<D> {
         Some(lead + factor.log_determinant() - log_prior)
     }
 
-    /// Comparison of a line of bearing with what is expected: squared normalised innovation, and the logarithm of the
-    /// innovation's variance; `None` where nothing is expected.
+    /// Compares a line of bearing with its prediction: squared normalised innovation, and the logarithm of the
+    /// innovation's variance; `None` without a prediction.
     pub(crate) fn compare(&self, line: &LineOfBearing) -> Option<(f64, f64)> {
         if !self.is_located() {
             return None;
@@ -267,7 +267,7 @@ impl<const D: usize> Smoother<D> {
         ))
     }
 
-    /// Takes the next line. A model with process noise takes none before it is told where to begin.
+    /// Processes the next line. A model with process noise takes no line before its start state is set.
     pub(crate) fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
         if self.is_recursive() {
             return self.add_recursively(line);
@@ -295,18 +295,18 @@ impl<const D: usize> Smoother<D> {
             self.linearise();
         }
         if is_distrusted && (self.settled_for < YOUNG || self.share(line) > LOCATED_SHARE) {
-            // The fix is young, or rests on what was taken back: it is the fix that is wrong.
+            // The fix is young, or rests on removed lines: the fix is wrong, not the bearings.
             self.restart();
         }
         self.look_at_geometry(line);
         taken
     }
 
-    /// Sets the next line aside, because a model that knows more than this one does. `since_ns`: with all since then,
-    /// because it has only now found out.
+    /// Sets the next line aside, because a more accurate model rejects it. `since_ns`: with all lines since then,
+    /// because that model has detected the error only now.
     pub(crate) fn set_aside(&mut self, line: &LineOfBearing, since_ns: Option<i64>) {
         if self.is_recursive() {
-            // What it has taken in cannot be taken back.
+            // Lines already folded in cannot be removed.
             if since_ns.is_some() {
                 self.stage = Stage::Empty;
             }
@@ -330,7 +330,7 @@ impl<const D: usize> Smoother<D> {
         if self.stage != Stage::Settled {
             return Taken::Used;
         }
-        // With process noise it is always the state that is wrong, and the bearings put it right.
+        // With process noise the state is always at fault, and the bearings correct it.
         self.advance(line.time_ns);
         self.improve(line);
         Taken::Used
@@ -345,7 +345,7 @@ impl<const D: usize> Smoother<D> {
         self.since_linearised >= wait.max(1)
     }
 
-    /// Begins anew: with the lines of the window, and nothing else.
+    /// Restarts with the lines of the window alone.
     pub(crate) fn restart(&mut self) {
         let Some(first) = self.window.all().first().copied() else {
             self.stage = Stage::Empty;
@@ -357,7 +357,7 @@ impl<const D: usize> Smoother<D> {
         self.linearise();
     }
 
-    /// Begins anew where another filter of the same kind is, if that knows; whether it does.
+    /// Restarts at the state of another filter of the same kind; returns whether that filter has one.
     pub(crate) fn restart_like(&mut self, other: &Self) -> bool {
         let Some(factor) = Factor::of(&other.covariance).filter(|_| other.is_settled() && !other.is_distrusting) else {
             return false;
@@ -374,8 +374,8 @@ impl<const D: usize> Smoother<D> {
         true
     }
 
-    /// Considers that the emitter rests where a fixed point is, and goes on from there should that explain prior and
-    /// window better: a search that began before there were many bearings may have ended where nothing is.
+    /// Tests rest at a fixed point, and continues from there if it explains prior and window better: a search that
+    /// began with few bearings may have ended at a false position.
     pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
         if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
             return;
@@ -417,7 +417,7 @@ impl<const D: usize> Smoother<D> {
         (self.sum, self.is_distrusting) = (0.0, false);
     }
 
-    /// Whether a line is to be believed, by what the settled filter expects.
+    /// Judges a line by the prediction of the settled filter.
     fn judge(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
         let Some((squared, _)) = self.compare(line) else {
             return Taken::SetAside;
@@ -445,7 +445,7 @@ impl<const D: usize> Smoother<D> {
         }
     }
 
-    /// The extended Kalman filter's update; until the next linearisation it is what there is.
+    /// Update of the extended Kalman filter; valid until the next linearisation.
     fn improve(&mut self, line: &LineOfBearing) {
         if self.stage < Stage::Vague {
             return;
@@ -458,7 +458,7 @@ impl<const D: usize> Smoother<D> {
         let spread = self.covariance * h;
         let expected = h.dot(&spread);
         let mut variance = 1.0 / line.information;
-        // An outlier is taken for what it is: a bearing as bad as that.
+        // An outlier enters with a standard deviation as large as its innovation.
         let squared = residual.innovation_rad * residual.innovation_rad / (expected + variance);
         variance *= (squared / (DEVIATION_MAX * DEVIATION_MAX)).max(1.0);
         let gain = spread / (expected + variance);
@@ -482,7 +482,7 @@ impl<const D: usize> Smoother<D> {
                 }
             }
             if self.window.is_full() {
-                // Nothing could be folded or merged: what is used and what is not alternate.
+                // No line could be folded or merged: used and unused lines alternate.
                 self.window.forget_first(1);
             }
         }
@@ -517,7 +517,7 @@ impl<const D: usize> Smoother<D> {
         self.window.forget_first(count);
     }
 
-    /// Searches the state that explains prior and window best, linearising all of it where that is.
+    /// Searches the state that explains prior and window best, with all lines linearised there.
     fn linearise(&mut self) {
         self.since_linearised = 0;
         let is_first = self.stage == Stage::Searching;
@@ -548,7 +548,7 @@ impl<const D: usize> Smoother<D> {
         }
         self.is_misfit = self.stage < Stage::Settled && !system.is_plausible();
         if self.is_misfit {
-            // What was a place for a few bearings is none for all of them.
+            // The position fitted a few bearings, but does not fit all.
             self.stage = Stage::Searching;
             return;
         }
@@ -636,7 +636,7 @@ impl<const D: usize> Smoother<D> {
         system
     }
 
-    /// Judges what the geometry allows to say.
+    /// Judges whether the geometry allows a fix.
     fn look_at_geometry(&mut self, latest: &LineOfBearing) {
         if self.stage < Stage::Vague {
             return;

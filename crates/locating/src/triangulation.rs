@@ -1,12 +1,12 @@
 //! A first guess of where bearings cross: total least squares.
 //!
-//! A bearing β from p says that n·(x − p) = 0 with n = (cos β, −sin β). Solving these equations by ordinary least
-//! squares takes the n as exact. They are not, and the error is always to one side: for an emitter far away the
-//! solution lies at a fraction of its range, and a filter that starts there believes it. Total least squares lets all
-//! coefficients be wrong: with (x, 1) in homogeneous coordinates, it is the direction in which the equations together
-//! are least, the last eigenvector of a 3×3 matrix (S. C. Nardone, A. G. Lindgren, K. F. Gong, *Fundamental properties
-//! and performance of conventional bearings-only target motion analysis*, IEEE Transactions on Automatic Control 29,
-//! 1984, for the bias). It is a start for a search, and nothing more: how good it is, the search's result tells.
+//! A bearing β from p means n·(x − p) = 0 with n = (cos β, −sin β). Ordinary least squares takes the n as exact.
+//! They are not, and the error is always to one side: for a distant emitter the solution lies at a fraction of its
+//! range, and a filter that starts there keeps this error. Total least squares admits errors in all coefficients:
+//! with (x, 1) in homogeneous coordinates, the solution is the direction that minimises the equations together, the
+//! last eigenvector of a 3×3 matrix (S. C. Nardone, A. G. Lindgren, K. F. Gong, *Fundamental properties and
+//! performance of conventional bearings-only target motion analysis*, IEEE Transactions on Automatic Control 29,
+//! 1984, for the bias). It only starts a search; the search's result gives the accuracy.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 

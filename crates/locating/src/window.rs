@@ -50,7 +50,7 @@ impl Window {
         self.len -= count;
     }
 
-    /// Forgets the first that does not count; whether there was one.
+    /// Removes the first unused line; returns whether there was one.
     pub(crate) fn forget_unused(&mut self) -> bool {
         let Some(place) = self.all().iter().position(|line| !line.is_used) else {
             return false;
@@ -76,8 +76,8 @@ impl Window {
         }
     }
 
-    /// Makes one of two neighbours wherever nothing is lost by it, with the emitter at `position_m` (`None`: nobody
-    /// knows, then everywhere); how many places that has given.
+    /// Merges neighbours wherever this loses no information, with the emitter at `position_m` (`None`: unknown, then
+    /// everywhere); returns the number of freed places.
     pub(crate) fn merge(&mut self, position_m: Option<[f64; 2]>) -> usize {
         let (before, mut kept, mut next) = (self.len, 0, 0);
         while next < before {
@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(far.all()[3], at(8_000.0));
         // Near an emitter no two are alike.
         assert_eq!(window().merge(Some([20.0, 5.0])), 0);
-        // As long as nobody knows where it is, there is no other way.
+        // With an unknown position, all neighbours are merged.
         assert_eq!(window().merge(None), 2);
     }
 

@@ -11,13 +11,13 @@
 //! For one source, and for several that are well separated and independent, this is the stochastic Cramér–Rao bound
 //! itself. All of it is known from the measurement, so that every bearing brings an accuracy of its own.
 //!
-//! Antennas whose phases are wrong by φ each, independently, move a bearing by φ / |projection of a'|, however many
-//! snapshots there are; that is added.
+//! Independent phase errors φ of the antennas move a bearing by φ / |projection of a'|, whatever the number of
+//! snapshots; this term is added.
 //!
-//! Along the line of a line array the phases do not change with the bearing: what is measured well is the cosine of the
-//! angle to the line. An error ε of the cosine is an error ε / sin of the angle, but never more than √(2ε), since there
-//! the cosine is flat. So that a bearing that only happens to look further off the line does not claim too much, the
-//! sine is taken two deviations nearer to it.
+//! Along the line of a line array the phases do not change with the bearing: the measured quantity is the cosine of
+//! the angle to the line. An error ε of the cosine is an error ε / sin of the angle, but never more than √(2ε),
+//! since the cosine is flat there. A bearing that appears farther off the line by chance must not seem too accurate,
+//! so the sine is taken two deviations nearer to the line.
 //!
 //! At a true source's bearing the null spectrum is not 0 but σ²/N · Σ … times half a chi-square number with two degrees
 //! of freedom per noise eigenvector, or with wrong phases that more. A minimum that is clearly less deep is none of a
@@ -55,7 +55,7 @@ impl Accuracy {
             }
             None => of_search,
         };
-        // No number, where nothing is known: 0 / 0.
+        // NaN (0 / 0) if the bearing is undetermined.
         if of_bearing < UNKNOWN_RAD {
             of_bearing
         } else {
@@ -68,7 +68,7 @@ impl Accuracy {
         let noise_vectors = (antennas - self.sources) as f64;
         let by_noise = 0.5 * self.deviation(minimum) * chi_square_limit(2.0 * noise_vectors);
         let by_phases = self.phase_sigma_rad.powi(2) * chi_square_limit(noise_vectors);
-        // Few snapshots know neither the noise nor the deviation well, and rounding is never beaten.
+        // Few snapshots estimate neither the noise nor the deviation well, and rounding is a lower limit.
         let few = self.snapshots as f64 / (self.snapshots - self.sources) as f64;
         minimum.depth <= few * (by_noise + by_phases) + f64::EPSILON * (antennas * antennas) as f64
     }

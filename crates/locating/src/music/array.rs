@@ -175,7 +175,7 @@ impl Response {
     }
 }
 
-/// The greatest distance between two antennas, and which they are.
+/// Returns the greatest distance between two antennas, and their indices.
 fn widest(elements: &[[f64; 2]]) -> Result<(f64, [usize; 2]), MusicError> {
     let mut widest = (0.0, [0, 1]);
     for (second, b) in elements.iter().enumerate() {

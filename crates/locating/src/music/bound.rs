@@ -20,7 +20,7 @@ use super::simulation::SimulatedWaves;
 /// the waves.
 ///
 /// # Errors
-/// Waves that cannot be, or that no array of this kind tells apart.
+/// If the waves are impossible, or no array of this kind can separate them.
 pub fn stochastic_bound(array: &AntennaArray, waves: &SimulatedWaves) -> Result<Vec<f64>, MusicError> {
     waves.check()?;
     let (antennas, sources) = (array.len(), waves.bearings_rad.len());

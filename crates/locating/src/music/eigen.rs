@@ -64,7 +64,7 @@ impl EigenSystem {
         let Some(found) = SymmetricEigen::try_new(matrix, f64::EPSILON, STEPS_PER_VALUE_MAX * size) else {
             return false;
         };
-        // Each value goes to the place that the number of greater ones gives it; of equal ones the earlier is first.
+        // The index of each value is the number of greater values; among equal values the earlier is first.
         for index in 0..size {
             let value = found.eigenvalues[index];
             let before = |other: usize| {

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Fault of an array, a measurement or its settings; each message says what to do.
+/// Fault of an array, a measurement or its settings; each message gives the remedy.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum MusicError {
     /// An array of fewer than two antennas.
@@ -81,7 +81,7 @@ pub enum MusicError {
         /// Number needed.
         needed: usize,
     },
-    /// Samples whose power cannot be used.
+    /// Samples with unusable power.
     #[error("the snapshots' power is {power}: silence, or samples too large to be squared")]
     Power {
         /// Sum over the antennas, in squares of the samples' unit.
@@ -97,7 +97,7 @@ pub enum MusicError {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// Condition that it has to fulfil.
+        /// Violated condition.
         limit: &'static str,
     },
 }

@@ -1,9 +1,10 @@
 //! Bearings of transmitters from the phases between antennas (EL-1): the MUSIC method on array snapshots.
 //!
-//! A plane wave reaches the antennas of an array one after the other; at one instant the samples of all of them, a
-//! *snapshot*, differ by phases that depend on where the wave comes from. With one transmitter, the bearing could be
-//! read off those phases. With several at once, the phases of their sum say nothing; the obvious answer, turning a beam
-//! and looking for the most power, cannot separate two transmitters within a beam's width, however long it looks.
+//! A plane wave reaches the antennas of an array one after the other; the simultaneous samples of all antennas, a
+//! *snapshot*, differ by phases that depend on the direction of the wave. With one transmitter, these phases give
+//! the bearing. With several at once, the phases of their sum are useless. The obvious method, a rotating beam that
+//! searches for the most power, cannot separate two transmitters within a beam's width, however long the
+//! observation.
 //!
 //! MUSIC (Schmidt 1986) looks where no power is. The covariance of the snapshots has as many large eigenvalues as there
 //! are transmitters; the eigenvectors of the others span the *noise subspace*, and the array's response to every true
@@ -15,10 +16,10 @@
 //!    subspace, found on a grid and refined by Newton's method on the exact function (`null_spectrum`);
 //! 4. the accuracy of each (`accuracy`), and whether its minimum is as deep as a true bearing's would be.
 //!
-//! What it cannot tell it says. Antennas in a line see a wave from the left and from the right alike, antennas more
-//! than half a wavelength apart may see several bearings alike: then a transmitter has several [`Bearing`]s with the
-//! same `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are counted in
-//! [`Measured::unresolved`].
+//! Ambiguities are reported. Antennas in a line receive waves from the left and from the right alike, and antennas
+//! more than half a wavelength apart may receive several bearings alike: then a transmitter has several [`Bearing`]s
+//! with the same `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are
+//! counted in [`Measured::unresolved`].
 //!
 //! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
 //! times as high); signals are narrow-band; fully correlated signals (one transmitter over two paths) are one source to
@@ -60,8 +61,8 @@ pub struct MusicSettings {
     pub sources: SourceCount,
     /// Highest frequency that will be measured, hertz: it decides how fine the search is.
     pub frequency_max_hz: f64,
-    /// Standard deviation of what calibration leaves of each antenna's phase error, radians: it enters the accuracy of
-    /// the bearings, which otherwise would become as good as one likes with enough snapshots.
+    /// Standard deviation of each antenna's phase error after calibration, radians: part of the bearings' accuracy,
+    /// which otherwise would improve without limit with the number of snapshots.
     pub phase_sigma_rad: f64,
 }
 
@@ -75,14 +76,14 @@ pub struct Snapshots<'a> {
     pub frequency_hz: f64,
 }
 
-/// A bearing from which a wave comes or, where the array cannot tell, may come.
+/// Bearing of a wave; for an ambiguous array, a possible bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
     /// Number of the transmitter within this measurement, from 0; several bearings with one number are alternatives.
     pub source: usize,
     /// Radians clockwise from the array's forward axis, 0 to 2π.
     pub bearing_rad: f64,
-    /// Standard deviation of that, radians; at most that of a bearing of which nothing is known, π/√3.
+    /// Standard deviation of the bearing, radians; at most that of an unknown bearing, π/√3.
     pub sigma_rad: f64,
     /// Whether other bearings explain the snapshots as well.
     pub ambiguous: bool,
@@ -190,7 +191,7 @@ impl Music {
                 source: minimum.source,
                 bearing_rad: minimum.bearing_rad,
                 sigma_rad: accuracy.sigma_rad(minimum, array),
-                // Of more bearings than sources the array cannot tell which are the sources'.
+                // With more bearings than sources, the array cannot select the true bearings.
                 ambiguous: alike || separated > sources || mirrored_rad.is_some(),
             };
             self.measured.bearings.push(bearing);
@@ -218,7 +219,7 @@ impl Music {
         }
         self.covariance.fill(Complex::ZERO);
         for snapshot in samples.chunks_exact(antennas) {
-            // The lower triangle, which is all that the decomposition reads.
+            // Only the lower triangle: the decomposition reads no more.
             for (column, of_column) in snapshot.iter().enumerate() {
                 let lower = column * (antennas + 1)..(column + 1) * antennas;
                 for (element, of_row) in self.covariance[lower].iter_mut().zip(&snapshot[column..]) {

@@ -1,11 +1,11 @@
 //! The null spectrum: how much of a bearing's steering vector lies in the noise subspace. Its minima are the bearings.
 //!
-//! MUSIC is usually drawn as the reciprocal, with peaks. The minima are the better thing to search: the null spectrum
-//! is a smooth function without poles, whose derivatives are known exactly.
+//! MUSIC is usually drawn as the reciprocal, with peaks. Minima are easier to search: the null spectrum is a smooth
+//! function without poles, with exactly known derivatives.
 //!
-//! The grid only tells minima apart. It has 32 points in the width of a beam (wavelength over width of the array), and
-//! its steering vectors are kept, for one frequency. Each minimum is then found to the last digits by Newton's method
-//! on the derivative, with bisection where a step would leave the bracket that the grid gives.
+//! The grid only separates minima. It has 32 points in the width of a beam (wavelength over width of the array); its
+//! steering vectors are cached for one frequency. Newton's method on the derivative then finds each minimum to the
+//! last digits, with bisection if a step leaves the bracket from the grid.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,11 +26,11 @@ const STEPS_MAX: usize = 60;
 /// Step below which a bearing is found, radians.
 const STEP_MIN_RAD: f64 = 1e-12;
 
-/// Squared cosine between two steering vectors above which the array does not tell their bearings apart. For two
-/// sources that the grid separates it is far below: a sixteenth of a beam apart about 0.99.
+/// Squared cosine between two steering vectors above which the array does not separate their bearings. For two
+/// sources on different grid points the value is far below: a sixteenth of a beam apart about 0.99.
 const LIKENESS_OF_ONE_SOURCE: f64 = 0.9999;
 
-/// A minimum of the null spectrum, and what its accuracy depends on.
+/// A minimum of the null spectrum, with the inputs of its accuracy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Minimum {
     /// Radians clockwise from forward, 0 to 2π.
@@ -43,7 +43,7 @@ pub(super) struct Minimum {
     /// Σ σ²λ / (λ − σ²)² |s·a|² over the signal eigenvectors s with their values λ: over the number of snapshots, it is
     /// how much the noise subspace deviates from the true one in the direction of the steering vector a.
     pub(super) deviation: f64,
-    /// Number of the source that it belongs to: for whoever groups minima.
+    /// Number of its source, for grouping minima.
     pub(super) source: usize,
 }
 
@@ -57,7 +57,8 @@ pub(super) struct NullSpectrum {
     /// First bearing of the grid, and the distance between its points.
     begin_rad: f64,
     step_rad: f64,
-    /// Whether the grid ends where it begins; else it goes from one end of a line to the other, and is mirrored there.
+    /// Set if the grid is a closed circle; otherwise it reaches from one end of a line to the other, and is mirrored
+    /// there.
     closed: bool,
     /// Steering vectors, point after point.
     steering: Vec<Complex<f64>>,
@@ -141,7 +142,7 @@ impl NullSpectrum {
         (sources, noise_variance): (usize, f64),
     ) {
         for (value, steering) in self.values.iter_mut().zip(self.steering.chunks_exact(array.len())) {
-            // The part in the noise subspace is what the part in the signal subspace leaves.
+            // The noise subspace holds the remainder of the signal subspace.
             *value = array.len() as f64
                 - eigen
                     .signal(sources)

@@ -5,11 +5,11 @@
 //! Kailath, "Detection of signals by information theoretic criteria", IEEE Trans. ASSP 33 (2), 1985). MDL finds the
 //! right number with enough snapshots; AIC finds weak ones earlier and one too many now and then.
 //!
-//! A number, given or estimated, is no proof that each transmitter can be seen. Noise alone spreads its eigenvalues up
-//! to about σ²(1 + √(antennas / snapshots))², and the eigenvector of a transmitter whose eigenvalue does not stand out
-//! of that says nothing of it (Baik, Ben Arous & Péché 2005): such ones are not looked for. How far noise reaches
-//! beyond that edge by chance is known, too (Johnstone, "On the distribution of the largest eigenvalue in principal
-//! components analysis", Annals of Statistics 29 (2), 2001).
+//! A number, given or estimated, does not prove that each transmitter can be resolved. Noise alone spreads its
+//! eigenvalues up to about σ²(1 + √(antennas / snapshots))². The eigenvector of a transmitter with an eigenvalue
+//! below this edge is not informative (Baik, Ben Arous & Péché 2005), so such transmitters are not searched. The
+//! random excess of noise beyond that edge is known, too (Johnstone, "On the distribution of the largest eigenvalue
+//! in principal components analysis", Annals of Statistics 29 (2), 2001).
 
 use super::error::MusicError;
 
@@ -80,8 +80,8 @@ fn inequality(values: &[f64], sources: usize) -> f64 {
     count * mean.ln() - rest().map(f64::ln).sum::<f64>()
 }
 
-/// Variance of the noise: the mean of the smallest eigenvalues, without what the sources' eigenvectors, fitted to as
-/// few snapshots, have taken of it. Never below what rounding leaves.
+/// Variance of the noise: the mean of the smallest eigenvalues, corrected for the noise absorbed by the sources'
+/// eigenvectors at few snapshots. Never below the rounding error.
 pub(super) fn noise_variance(values: &[f64], snapshots: usize, sources: usize) -> f64 {
     let sum: f64 = values[sources..].iter().sum();
     let share = (snapshots - sources) as f64 / snapshots as f64;
@@ -118,7 +118,7 @@ mod tests {
         for count in [SourceCount::Mdl, SourceCount::Aic] {
             assert_eq!(count.count(&[1.0; 4], 50), Ok(0));
             assert_eq!(count.count(&[1000.0, 1.0, 1.0, 1.0], 50), Ok(1));
-            // No noise at all: what is left is rounding.
+            // No noise at all: only rounding remains.
             assert_eq!(count.count(&[1000.0, 10.0, 3e-14, -2e-14], 50), Ok(2));
         }
         let needed = 4;

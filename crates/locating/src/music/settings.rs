@@ -66,7 +66,7 @@ impl ArraySettings {
         Music::new(AntennaArray::new(&self.antennas)?, settings)
     }
 
-    /// Whether the antennas hear a bearing, radians clockwise from the forward axis.
+    /// Returns whether the antennas receive a bearing, radians clockwise from the forward axis.
     pub fn hears(&self, bearing_rad: f64) -> bool {
         let [from, to] = self.sector_deg.map(Degrees::rad);
         let width = match (to - from).rem_euclid(TAU) {

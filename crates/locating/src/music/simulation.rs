@@ -1,8 +1,8 @@
-//! A simulated array: snapshots of waves whose bearings are known, from one seed.
+//! Simulated array: snapshots of waves with known bearings, from one seed.
 //!
 //! Signals and noise are complex normal, the noise of each antenna with variance 1. Signals share a common part, so
-//! that any two have the same given correlation: 0 for transmitters that know nothing of each other, 1 for one that
-//! arrives on several paths. Each run has random numbers of its own, whichever runs were drawn before it.
+//! that any two have the same given correlation: 0 for independent transmitters, 1 for one transmitter received on
+//! several paths. Each run has its own random numbers, independent of earlier runs.
 
 use nalgebra::Complex;
 use rand_chacha::ChaCha8Rng;
@@ -30,7 +30,7 @@ pub struct SimulatedWaves {
 }
 
 impl SimulatedWaves {
-    /// Waves from these bearings, all as strong, that know nothing of each other, to an array without phase errors.
+    /// Independent waves of equal strength from these bearings, at an array without phase errors.
     pub fn independent(bearings_rad: &[f64], snr_db: f64, frequency_hz: f64, snapshots: usize) -> Self {
         Self {
             bearings_rad: bearings_rad.to_vec(),
@@ -113,7 +113,7 @@ impl SimulatedArray {
         })
     }
 
-    /// The snapshots of a run, in place of what `samples` held: snapshot after snapshot, one sample per antenna.
+    /// Replaces `samples` by the snapshots of a run: snapshot after snapshot, one sample per antenna.
     pub fn run(&self, run: u64, samples: &mut Vec<Complex<f64>>) {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(run);
