@@ -1,4 +1,4 @@
-//! Which of a scan's reports belong to which tracks, decided for all of them together (BF-2).
+//! Association of a scan's reports with tracks, decided for all of them together (BF-2).
 //!
 //! The obvious way gives each report the nearest track. It fails where targets keep company. Two aircraft fly 300 m
 //! apart, and a sensor shows both 200 m too far along: the report of the rear one lies 100 m from the track of the
@@ -7,20 +7,19 @@
 //! 100 m and the other belongs to a new target. (Of a hundred aircraft in line it would be less likely: a common shift
 //! must be taken out beforehand, not here.)
 //!
-//! So each row (report) gets at most one column (track), each column at most one row, and what is made smallest is the
-//! sum of the costs of the chosen pairs and of a fixed cost for each row that is left alone. Costs are statistical
-//! distances or negative logarithms of likelihoods; they may be negative.
+//! Each row (report) gets at most one column (track), and each column at most one row. The minimised sum consists of
+//! the costs of the chosen pairs and a fixed cost for each unassigned row. Costs are statistical distances or
+//! negative logarithms of likelihoods, and may be negative.
 //!
 //! Rows that share no column, not even through others, do not concern each other. A union-find structure splits the
 //! scan into such components, which away from crowds have one or two rows. Within a component the method is that of
 //! shortest augmenting paths ([`crate::augmenting`]), where being alone is a choice of the row's own.
 //!
 //! Limits: time must be bounded, and the worst case of an exact solution grows with the cube of the crowd. Crowds of
-//! real targets are far from it, because nearly every chain is short: the steps of a component are counted, and only if
-//! they exceed [`STEPS_PER_PAIR_MAX`] for each of its pairs is it decided greedily instead, the cheapest pair first,
-//! and that is counted. So time grows with the number of pairs (and its logarithm, for sorting), whatever they are.
-//! Among solutions of equal sum the labels decide, never the order of the pairs: the same scan always has the same
-//! result.
+//! real targets are far from this case, because nearly every chain is short. The steps of a component are counted;
+//! if they exceed [`STEPS_PER_PAIR_MAX`] per pair, the component is decided greedily, the cheapest pair first, and
+//! counted. So time grows with the number of pairs (and its logarithm, for sorting) in all cases. Among solutions of
+//! equal sum the labels decide, never the order of the pairs: the same scan always has the same result.
 
 use std::ops::Range;
 
@@ -50,7 +49,7 @@ pub struct Pair {
 pub struct Outcome {
     /// Pairs that were chosen.
     pub assigned: usize,
-    /// Components whose exact solution would have taken too long.
+    /// Components decided greedily because the exact solution would have taken too long.
     pub greedy_components: usize,
     /// Pairs that were not considered: their labels are out of range, or there was no room for them.
     pub ignored_pairs: usize,
@@ -229,8 +228,8 @@ impl Assignment {
         rows.try_for_each(|row| paths.bring_in(&sparse, *row, &mut steps_left))
     }
 
-    /// Forgets what was tried with the rows at `begin..end` of the order, and takes their cheapest pair, then the next
-    /// that is still possible.
+    /// Discards the search for the rows at `begin..end` of the order, and takes their cheapest pair, then the next
+    /// possible pair, and so on.
     fn choose_greedily(&mut self, begin: usize, end: usize) {
         let places = self.places(begin, end);
         let pairs = &mut self.pairs[places.start as usize..places.end as usize];
@@ -347,8 +346,8 @@ mod tests {
 
     #[test]
     fn one_huge_hard_component_is_decided_greedily_and_counted() {
-        // Row 3000 takes what 3001 needs, as it would not in an exact solution; its wish for column 0 makes both part
-        // of the component.
+        // Row 3000 takes the column needed by row 3001, unlike the exact solution; a pair with column 0 makes both
+        // part of the component.
         let trap = pairs(&[(3000, 0, 8.0), (3000, 2000, 0.0), (3000, 2001, 1.0), (3001, 2000, 0.5)]);
         assert_eq!(solve(&mut Assignment::new(3002, 2002, 4), &trap, 9.0).1.assigned, 2);
         let all = [hard(2000), trap].concat();
@@ -360,7 +359,7 @@ mod tests {
 
     #[test]
     fn components_are_decided_apart() {
-        // A hard one from row and column 1 on, and two rows, one before and one after it, that compete for column 0.
+        // A hard component from row and column 1 on, and two rows, before and after it, that compete for column 0.
         let moved = |pair: Pair| Pair {
             row: pair.row + 1,
             column: pair.column + 1,

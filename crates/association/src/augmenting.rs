@@ -1,13 +1,13 @@
 //! Shortest augmenting paths: the one solver of assignment problems in this house.
 //!
-//! Rows come in one after the other. A row that wants a held column may drive its holder to another one, that one's
-//! holder to yet another, and so on, until the chain ends at a free column, or at a row that takes what is its own and
-//! bars nobody else. Dijkstra's search finds the cheapest such chain. Prices on the columns keep what earlier searches
-//! learned, so that no step of a chain but the first has a negative cost and the result is exact.
+//! Rows are added one by one. A row may displace the holder of a column to another column, whose holder moves to yet
+//! another, and so on, until the chain ends at a free column, or at a row with a choice of its own that bars no
+//! other row. Dijkstra's search finds the cheapest such chain. Prices on the columns keep the results of earlier
+//! searches, so that no step of a chain but the first has a negative cost and the result is exact.
 //!
-//! Only choices that a row has are looked at. So the cost grows with the crowding, and hardly with the number of
-//! columns; but the worst case grows with the cube of the crowd, so that who must bound time gives a number of steps.
-//! Of columns reached at the same cost the one with the lowest number comes first.
+//! The search visits only the choices of a row. So the cost grows with the crowding, and hardly with the number of
+//! columns. The worst case grows with the cube of the crowd, so callers with a time bound pass a maximum of steps.
+//! Among columns reached at the same cost the lowest number comes first.
 //!
 //! Source: R. Jonker, A. Volgenant, *A shortest augmenting path algorithm for dense and sparse linear assignment
 //! problems*, Computing 38 (1987).
@@ -17,12 +17,12 @@ use std::ops::Range;
 /// Label of no choice, column of no column.
 pub const NONE: u32 = u32::MAX;
 
-/// One choice of one row.
+/// Choice of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Choice {
     /// Row that has the choice.
     pub row: u32,
-    /// Column that it takes; [`NONE`] for what is the row's own.
+    /// Column of the choice; [`NONE`] for the row's own choice.
     pub column: u32,
     /// Cost, a finite number; it may be negative.
     pub cost: f64,
@@ -45,7 +45,7 @@ pub trait Problem {
 /// Reason why a row could not be brought in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Whatever changes, some row would be left without a choice.
+    /// Every change leaves some row without a choice.
     NoChoice,
     /// The search takes more steps than were left.
     NoSteps,
@@ -66,11 +66,11 @@ pub struct AugmentingPaths {
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
-    /// Label of the choice that holds it, or [`NONE`].
+    /// Label of the choice that holds the column, or [`NONE`].
     held: u32,
-    /// Dual price: cost of holding the column. 0 while nobody holds it.
+    /// Dual price: cost of holding the column. 0 while the column is free.
     price: f64,
-    /// Cost of the cheapest chain to it that is known.
+    /// Cost of the cheapest known chain to the column.
     reached: f64,
     /// Label of the last choice of that chain, or [`NONE`].
     through: u32,
@@ -106,9 +106,9 @@ fn ordered(cost: f64) -> i64 {
 /// End of a chain of changes.
 #[derive(Clone, Copy)]
 enum End {
-    /// At a column that nobody holds.
+    /// At a free column.
     Column(u32),
-    /// At a row that takes its own choice of this label.
+    /// At a row with an own choice of this label.
     Own(u32, u32),
 }
 
@@ -123,7 +123,7 @@ impl AugmentingPaths {
         }
     }
 
-    /// Forgets what is known of these rows and columns: before the first row of a problem is brought in.
+    /// Resets these rows and columns before the first row of a problem is added.
     #[inline]
     pub fn forget_ranges(&mut self, rows: Range<usize>, columns: Range<usize>) {
         self.frontier.clear();
@@ -132,7 +132,7 @@ impl AugmentingPaths {
         self.columns[columns].fill(Column::FREE);
     }
 
-    /// Forgets what is known of rows and columns that are listed.
+    /// Resets the listed rows and columns.
     pub fn forget(&mut self, rows: impl Iterator<Item = u32>, columns: impl Iterator<Item = u32>) {
         self.frontier.clear();
         self.passed.clear();
@@ -253,7 +253,7 @@ impl AugmentingPaths {
             }
             let held = problem.choice(column.held);
             row = held.row;
-            // What the holder no longer pays once it gives up the column.
+            // Cost that the holder saves by releasing the column.
             row_cost = column.reached - column.price - held.cost;
         }
     }
@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn a_search_ends_when_its_steps_do() {
-        // Row 1 looks at its choice and the column reached, then at those of the row that holds it.
+        // Row 1 visits its choice and the column reached, then the choices of the row that holds the column.
         let chain = listed(&[(0, 0, 1.0), (0, 1, 2.0), (1, 0, 1.0)]);
         let needed = 4 + 2 + 3;
         assert!(bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed).is_ok());

@@ -1,7 +1,7 @@
-//! Components: what belongs together because of its pairs, found by a union-find structure over numbers.
+//! Connected components of pairs, found by a union-find structure over numbers.
 //!
-//! Each member names another one of its component, or itself; who names itself represents the component. Components are
-//! joined by their smallest members, so that the result does not depend on the order.
+//! Each member points to another member of its component, or to itself; a member that points to itself represents
+//! the component. Components are joined by their smallest members, so that the result does not depend on the order.
 
 /// The member that represents the component of `member`; shortens the way there for the next time.
 pub fn representative(parents: &mut [u32], mut member: u32) -> u32 {
@@ -13,7 +13,7 @@ pub fn representative(parents: &mut [u32], mut member: u32) -> u32 {
     member
 }
 
-/// Makes one component of those of two members.
+/// Joins the components of two members.
 pub fn join(parents: &mut [u32], one: u32, other: u32) {
     let (one, other) = (representative(parents, one), representative(parents, other));
     parents[one.max(other) as usize] = one.min(other);

@@ -1,9 +1,9 @@
 //! Neighbourhood search in a plane, without allocation.
 //!
-//! The plane is cut into square cells; each cell keeps a doubly linked list of the items in it, and the cells are
-//! found through a hash table of fixed size. Items are small integers (table slots), so the lists are arrays. Moving
-//! an item costs a few writes, and only when it has left its cell; a search looks at the cells its square touches.
-//! Several cells may share one table entry: their items are told apart by the stored cell.
+//! The plane is cut into square cells; each cell has a doubly linked list of its items, and a hash table of fixed
+//! size finds the cells. Items are small integers (table slots), so the lists are arrays. Moving an item costs a few
+//! writes, and only when the item has left its cell; a search visits the cells that its square touches. Several
+//! cells may share a table entry: the stored cell distinguishes their items.
 
 use serde::{Deserialize, Serialize};
 
@@ -72,7 +72,7 @@ impl Grid {
         self.heads[entry] = item;
     }
 
-    /// Takes `item` out; does nothing if it is not in.
+    /// Removes `item`; no effect if the grid does not contain the item.
     pub fn remove(&mut self, item: u32) {
         let link = self.links[item as usize];
         if !link.present {

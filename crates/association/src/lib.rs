@@ -1,9 +1,9 @@
-//! Which report belongs to which track.
+//! Association of reports with tracks.
 //!
-//! Comparing each report with every track is simple and, at 10,000 tracks, hopeless. [`Grid`] finds the few tracks
-//! near a place in a time that does not depend on how many there are (PL-7, QF-1); [`distance`] then says how
-//! surprising it would be if the report belonged to one of them, and [`assignment`] decides for all reports of a scan
-//! together (BF-2). [`augmenting`] is the solver that every assignment problem of the project uses.
+//! Comparing each report with every track is simple but too slow at 10,000 tracks. [`Grid`] finds the few tracks
+//! near a place in a time independent of the number of tracks (PL-7, QF-1). [`distance`] then measures how
+//! improbable each pair is, and [`assignment`] decides for all reports of a scan together (BF-2). [`augmenting`] is
+//! the solver for every assignment problem of the project.
 
 #![forbid(unsafe_code)]
 
