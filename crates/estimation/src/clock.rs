@@ -1,10 +1,9 @@
 //! A source's clock, judged by when its reports are received.
 //!
-//! Each report claims a time of measurement. Received, it is a little older than it says: the time it took to measure,
-//! work out and send. A clock that is wrong shows as an offset beyond that. A small steady one is no harm, and can be
-//! corrected. The time of a report is not to be believed where the clock jumps, or where it lies far from the clock
-//! that the caller compares it with. Whether that clock is right is not decided here: a steady offset that several
-//! sources share is the receiver's own.
+//! Each report carries a time of measurement and arrives a little later: after the time for measuring, processing
+//! and sending. A wrong clock appears as an additional offset. A small steady offset is harmless and can be
+//! corrected. A time is rejected if the clock jumps, or if the time is far from the caller's reference clock. This
+//! module does not judge the reference: a steady offset common to several sources belongs to the receiver.
 //!
 //! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
 //! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
@@ -12,8 +11,8 @@
 
 use messages::NS_PER_S;
 
-/// Reports in a row that agree with each other, and not with what was known, before they are followed; and reports
-/// after which the offset is known.
+/// Successive reports that must agree with each other, against the estimate, before the estimate follows them; and
+/// reports after which the offset is known.
 const AGREEING: u32 = 8;
 /// Smallest weight of a new report in the offset.
 const GAIN_MIN: f64 = 1.0 / 64.0;
@@ -23,7 +22,7 @@ const SHARE_GAIN: f64 = 1.0 / 16.0;
 const WILD_FROM: f64 = 0.3;
 const WILD_UNTIL: f64 = 0.05;
 
-/// What is known of one source's clock.
+/// Estimated state of a source's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceClock {
     /// Greatest distance from another clock that is believed; half of it is a jump.
@@ -52,10 +51,10 @@ impl SourceClock {
         }
     }
 
-    /// Whether the time of a report may be believed that claims to be of `time_ns` and was received at `received_ns`,
-    /// both UTC in nanoseconds, whatever they are. With `common_s`, the offset (seconds) that sound clocks have against
-    /// times of receipt, it may not be farther from that than the greatest distance. Without `common_s` only jumps
-    /// count, and, until the offset is known, that distance from the time of receipt.
+    /// Returns whether the time `time_ns` of a report received at `received_ns` is credible; both UTC in
+    /// nanoseconds, any value. `common_s` is the offset (seconds) of sound clocks against times of receipt; the time
+    /// may not be farther from it than the greatest distance. Without `common_s` only jumps count and, until the
+    /// offset is known, the distance from the time of receipt.
     pub fn believes(&mut self, time_ns: i64, received_ns: i64, common_s: Option<f64>) -> bool {
         let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
         let is_known = self.reports >= AGREEING;

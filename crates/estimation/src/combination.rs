@@ -1,4 +1,4 @@
-//! Several estimates of one state made into one, by three assumptions about how their errors are correlated.
+//! Combination of several estimates of one state, under three assumptions on the correlation of their errors.
 //!
 //! Two sensors' tracks of one target share the target: both lag behind the same manoeuvre, so their errors are
 //! correlated even where the sensors' noises are not.
@@ -6,9 +6,9 @@
 //! - [`information_sum`]: no correlation. Inverse covariances add up. Simple, and too sure of itself by the ignored
 //!   part.
 //! - [`intersection_weights`] with [`weighted_information`]: any correlation. Weights of sum 1 on the inverse
-//!   covariances keep the result a bound on the true covariance whatever the correlation is; the bound is chosen
-//!   smallest (S. J. Julier, J. K. Uhlmann, *A non-divergent estimation algorithm in the presence of unknown
-//!   correlations*, 1997).
+//!   covariances make the result a bound on the true covariance for every correlation; the smallest bound is chosen
+//!   (S. J. Julier, J. K. Uhlmann, *A non-divergent estimation algorithm in the presence of unknown correlations*,
+//!   1997).
 //! - [`correlated_combination`]: known cross-covariances. The best linear unbiased combination (Y. Bar-Shalom, L.
 //!   Campo,
 //!   *The effect of the common process noise on the two-sensor fused-track covariance*, 1986; for more than two the
@@ -59,7 +59,7 @@ pub enum Criterion {
         /// How many; all of one unit, for a sum of metres and metres per second means nothing.
         components: usize,
     },
-    /// The determinant: the volume of the error ellipsoid, whatever the units.
+    /// The determinant: the volume of the error ellipsoid, in any units.
     Determinant,
 }
 
@@ -153,8 +153,8 @@ impl<const D: usize> Intersection<'_, D> {
         terms.fold(SMatrix::zeros(), |sum, (y, weight)| sum + y * *weight)
     }
 
-    /// Whether no weight on any other input makes the criterion smaller than input `index` alone, of covariance P,
-    /// does: the gradient there says so. Clearly: an equal input is no worse.
+    /// Returns whether no weight on another input makes the criterion clearly smaller than input `index` alone, of
+    /// covariance P, judged by the gradient there. An equal input is no worse.
     fn is_best_alone(&self, index: usize, covariance: &SMatrix<f64, D, D>) -> bool {
         let outer = self.outer(covariance);
         let worth = |y: &SMatrix<f64, D, D>| outer.component_mul(y).sum();
@@ -456,7 +456,7 @@ mod tests {
                 let (weights, fused) = intersected(&inputs, criterion);
                 prop_assert!(is_positive_definite(&fused.covariance));
                 let found = judged(&inputs, &weights, criterion);
-                // Every point of a grid over the simplex, the last weight being what is left.
+                // Every point of a grid over the simplex; the last weight is the remainder.
                 let n = inputs.len();
                 for code in 0..(steps + 1_usize).pow(n as u32 - 1) {
                     let mut grid = vec![0.0; n];

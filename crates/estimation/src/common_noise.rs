@@ -1,11 +1,12 @@
-//! Cross-covariance of two trackers of one target: what the target's manoeuvres do to both.
+//! Cross-covariance of two trackers of one target, caused by the target's manoeuvres.
 //!
-//! Each tracker lags behind the same manoeuvre, so its error contains the same process noise as every other's. For
-//! filters in steady state the cross-covariance X solves X = B₁·(F·X·Fᵀ + Q)·B₂ᵀ with Bⱼ = I − Kⱼ·H (Y. Bar-Shalom, L.
-//! Campo, 1986): a linear equation in four unknowns per axis. A source tells its covariance but not its gain. For a
-//! steady filter of nearly constant velocity the two belong together: with p the variance of its position, q the
-//! density of the noise and T its period, u = √(1 − α) is the one root of 4·(1 − u)³ = (q·T³/p)·u²·(1 + u) in (0, 1),
-//! and β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of variance q/T).
+//! Each tracker lags behind the same manoeuvre, so the errors of all trackers contain the same process noise. For
+//! filters in steady state the cross-covariance X solves X = B₁·(F·X·Fᵀ + Q)·B₂ᵀ with Bⱼ = I − Kⱼ·H (Y. Bar-Shalom,
+//! L. Campo, 1986): a linear equation in four unknowns per axis. A source reports its covariance but not its gain.
+//! For a steady filter of nearly constant velocity the covariance determines the gain. With p the variance of its
+//! position, q the density of the noise and T its period, u = √(1 − α) is the only root of 4·(1 − u)³ =
+//! (q·T³/p)·u²·(1 + u) in (0, 1), and β = 2·(1 − u)² (from Kalata's relations; piecewise-constant acceleration of
+//! variance q/T).
 //!
 //! Limits: steady state, one period for all trackers, the same q in all of them, measurement noises independent. At
 //! short periods (q·T³ ≪ p) the correlations of equal trackers tend to 1/4 in position and 3/4 in velocity; at
@@ -15,7 +16,7 @@ use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 
 use crate::motion::AxisNoise;
 
-/// Range of q·T³/p that is told apart; beyond it the filter practically ignores, or copies, its measurements.
+/// Distinguished range of q·T³/p; beyond it the filter practically ignores, or copies, its measurements.
 const INDEX_SQUARED_RANGE: (f64, f64) = (1e-12, 1e12);
 /// Halvings that find u to the last bit.
 const BISECTIONS: usize = 60;
@@ -31,7 +32,8 @@ pub struct SteadyFilter {
 }
 
 impl SteadyFilter {
-    /// The filter whose updated position has the given variance, under a noise of density q and with period T.
+    /// Makes the filter with the given variance of the updated position, under a noise of density q and with period
+    /// T.
     ///
     /// All three must be above 0.
     pub fn new(position_variance_m2: f64, density_m2ps3: f64, period_s: f64) -> Self {
@@ -149,7 +151,7 @@ mod tests {
             let correlation = a.correlation(&b).expect("solvable");
             let largest = (correlation * correlation.transpose()).symmetric_eigenvalues().max();
             prop_assert!(largest < 1.0, "{largest}");
-            // It solves its equation, whichever of the two is asked.
+            // The result solves the equation for either order of the two.
             let (x, y) = (a.cross_covariance(&b).expect("solvable"), b.cross_covariance(&a).expect("solvable"));
             prop_assert!((x - y.transpose()).amax() <= 1e-6 * x.amax());
         }

@@ -1,12 +1,12 @@
-//! Symmetric positive definite: what a covariance must be, and the nearest usable one if it is not.
+//! Positive definiteness of covariances, and the nearest usable covariance otherwise.
 //!
-//! Covariances from outside can be rounded to a few digits, filled in by hand, or wrong; a filter that takes one
-//! with a negative eigenvalue divides by it sooner or later. [`repaired`] keeps the variances (they are what a source
-//! states most reliably) and pulls the correlations in just as far as needed: it scales to a correlation matrix,
+//! Covariances from outside can be rounded to a few digits, filled in by hand, or wrong; a filter with a negative
+//! eigenvalue in its covariance divides by it sooner or later. [`repaired`] keeps the variances (the most reliable
+//! part of a source's covariance) and reduces the correlations as far as needed. It scales to a correlation matrix,
 //! which also makes metres and metres per second comparable, raises eigenvalues that are too small, and scales back.
 //! Clipping eigenvalues gives the nearest positive matrix in the Frobenius norm (N. J. Higham, *Computing a nearest
-//! symmetric positive semidefinite matrix*, 1988); restoring the unit diagonal afterwards is a scaling, so it stays
-//! positive.
+//! symmetric positive semidefinite matrix*, 1988); restoring the unit diagonal afterwards is a scaling, so the
+//! matrix stays positive.
 
 use messages::{Covariance, STATE_LEN};
 
@@ -19,10 +19,11 @@ const EIGEN_ITERATIONS_MAX: usize = 200;
 /// Asymmetry that rounding explains, relative to the standard deviations of the two components.
 const ASYMMETRY_MAX: f64 = 1e-9;
 
-/// Whether a message's covariance is positive definite. Components whose variance is 0 say nothing, and are left out.
+/// Returns whether a message's covariance is positive definite. Components of variance 0 are unknown, and are left
+/// out.
 pub fn is_usable(covariance: &Covariance) -> bool {
-    // L·D·Lᵀ: what is left of each component once the ones before it are known. Without roots, and with one division
-    // per component.
+    // L·D·Lᵀ: D is the remaining variance of each component, given the components before. Needs no roots, and one
+    // division per component.
     let mut rest = covariance.upper;
     for known in 0..STATE_LEN {
         let variance = rest[at(known, known)];

@@ -1,4 +1,4 @@
-//! Symmetric positive definite systems whose size is known only when running, in arrays on the stack.
+//! Symmetric positive definite systems with a size known only at run time, in arrays on the stack.
 
 /// Replaces the lower triangle of the first `n` rows of `matrix` by its Cholesky factor L, matrix = L·Lᵀ. `false` if it
 /// is not positive definite; then the contents are of no use.
@@ -21,7 +21,7 @@ pub(crate) fn factorise<const N: usize>(matrix: &mut [[f64; N]; N], n: usize) ->
     true
 }
 
-/// Solves L·Lᵀ·x = b in place, `factor` being what [`factorise`] left.
+/// Solves L·Lᵀ·x = b in place; `factor` is the result of [`factorise`].
 pub(crate) fn solve<const N: usize>(factor: &[[f64; N]; N], n: usize, b: &mut [f64; N]) {
     for row in 0..n {
         let dot: f64 = (0..row).map(|k| factor[row][k] * b[k]).sum();

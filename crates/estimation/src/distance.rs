@@ -6,8 +6,8 @@
 //! 99 % lie below 9.210, 13.277 and 16.812 for 2, 4 and 6 of them.
 //!
 //! Limit: the errors of two tracks of one target are *not* independent, since both lag behind the same manoeuvre.
-//! The true S is P₁ + P₂ − P₁₂ − P₂₁, so d² comes out too small (on average 1.1 instead of 2 for one axis at
-//! manoeuvring index 0.3): a gate set from the table lets a little more through than it says.
+//! The true S is P₁ + P₂ − P₁₂ − P₂₁, so d² is too small (on average 1.1 instead of 2 for one axis at manoeuvring
+//! index 0.3): a gate set from the table admits slightly more than its probability.
 
 use nalgebra::{SMatrix, SVector};
 

@@ -1,10 +1,10 @@
 //! Initiation: the state after one measured position.
 //!
-//! One position says nothing of the velocity. Waiting for a second position and taking the difference makes the
-//! first estimate late, and rough where the two come close after each other. Single-point initiation instead states
-//! what is known beforehand: velocity zero, with the standard deviation of the speeds that targets have; the second
-//! update then finds the velocity by itself (Bar-Shalom et al. 2001, chapter 5; M. Mallick, B. La Scala, *Comparison of
-//! single-point and two-point difference track initiation algorithms using position measurements*, 2008).
+//! A single position does not determine the velocity. The difference of two positions makes the first estimate late,
+//! and rough if the two are close in time. Single-point initiation instead starts with prior knowledge: velocity
+//! zero, with the standard deviation of target speeds; the second update then determines the velocity (Bar-Shalom et
+//! al. 2001, chapter 5; M. Mallick, B. La Scala, *Comparison of single-point and two-point difference track
+//! initiation algorithms using position measurements*, 2008).
 
 use messages::{AXES, Covariance, STATE_LEN};
 
@@ -23,8 +23,8 @@ pub struct FirstVelocity {
 const UNOBSERVED_HEIGHT_M2: f64 = 1e4 * 1e4;
 
 impl Gaussian {
-    /// The state after a first measured position, of covariance `r`, in the first `D` axes (2: east and north; 3: also
-    /// up). In two axes, height is 0 with a variance that says nothing.
+    /// Makes the state after a first measured position, of covariance `r`, in the first `D` axes (2: east and north;
+    /// 3: also up). In two axes, height is 0 with an uninformative variance.
     pub fn from_first_position<const D: usize>(
         measured_m: [f64; AXES],
         r: &Symmetric3,
@@ -47,8 +47,8 @@ impl Gaussian {
         state
     }
 
-    /// Makes height and vertical speed as if never observed: 0, uncorrelated, with variances that say nothing. For
-    /// tracks of sensors that do not measure height, whose prediction would let these variances grow for ever.
+    /// Resets height and vertical speed to the unobserved state: 0, uncorrelated, with uninformative variances. For
+    /// tracks of sensors without height measurements, whose prediction would let these variances grow for ever.
     pub fn forget_height(&mut self, velocity: FirstVelocity) {
         let vertical = velocity.vertical_sigma_mps * velocity.vertical_sigma_mps;
         self.replace_vertical([0.0, 0.0], [UNOBSERVED_HEIGHT_M2, vertical]);

@@ -1,14 +1,14 @@
-//! The Gaussian state of one target, and what filters do with it.
+//! Gaussian state of a target, and the filter operations on it.
 //!
-//! A target's state is position and velocity, (x, y, z, vx, vy, vz), in the system's East-North-Up frame; what is
-//! known of it is a [`Gaussian`]: a mean and a 6×6 covariance. Everything that keeps or compares tracks is made of
-//! a few operations on it:
+//! A target's state is position and velocity, (x, y, z, vx, vy, vz), in the system's East-North-Up frame; its
+//! estimate is a [`Gaussian`]: a mean and a 6×6 covariance. All tracking and comparison of tracks consists of a few
+//! operations:
 //!
 //! - [`prediction`](NearlyConstantVelocity): bring it to another time,
 //! - [`update`](Gaussian::update_position): improve it by a measured position,
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
 //! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
-//! - [`distance`](statistical_distance): is it the same target as another one?
+//! - [`distance`](statistical_distance): test whether two states belong to the same target,
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
 //! - [`combination`](correlated_combination): make one of several estimates of the same target.

@@ -1,7 +1,7 @@
-//! Mixtures: what is known if one of two states holds, each with a probability.
+//! Mixtures of two states, each with a probability.
 //!
-//! The mean is the weighted mean; the covariance is the weighted mean of both, and what the means differ by (Bar-Shalom
-//! et al. 2001, section 1.4.16). Interacting multiple models are made of these.
+//! The mean is the weighted mean; the covariance is the weighted mean of both, plus the spread of the means
+//! (Bar-Shalom et al. 2001, section 1.4.16). Interacting multiple models use these mixtures.
 
 use messages::STATE_LEN;
 
@@ -36,7 +36,8 @@ impl Gaussian {
         }
     }
 
-    /// Sets the first `N` components, and what is known of them, to the mixture of `a` and `b`; the others are left.
+    /// Sets the first `N` components, with their covariances, to the mixture of `a` and `b`; the others are
+    /// unchanged.
     #[allow(clippy::needless_range_loop)] // As above.
     pub fn mix<const N: usize>(&mut self, a: &Self, b: &Self, weight_of_b: f64) {
         let difference = a.difference(b);

@@ -1,17 +1,17 @@
 //! Recovery: the measurement behind a sensor track's latest report.
 //!
-//! A sensor track is a filter's output: each report contains all earlier ones once more, so fusing reports as if they
-//! were measurements counts the same information many times. But the filter can be undone. Between two reports of one
-//! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and updates,
-//! P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, A being the position columns of P⁻. What the report changed in the
-//! position block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the
-//! measurement z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with those of
-//! other sensors.
+//! A sensor track is a filter's output: each report contains all earlier reports again, so fusing reports as
+//! measurements counts the same information many times. But the filter can be inverted. Between two reports of one
+//! track, a filter that measures position and assumes nearly constant velocity predicts, P⁻ = F·P·Fᵀ + Q, and
+//! updates, P⁺ = P⁻ − A·S⁻¹·Aᵀ and x⁺ = x⁻ + A·S⁻¹·ν, with the position columns A of P⁻. The change in the position
+//! block, D = P⁻ₚₚ − P⁺ₚₚ, gives S = P⁻ₚₚ·D⁻¹·P⁻ₚₚ, hence the measurement's covariance R = S − P⁻ₚₚ and the
+//! measurement z = x⁻ₚ + P⁻ₚₚ·D⁻¹·(x⁺ₚ − x⁻ₚ). Measurements have independent errors and may be fused with
+//! measurements of other sensors.
 //!
-//! That needs the filter's own process noise, which nobody tells. Two facts betray it ([`implied_noise`]): measuring a
-//! position neither changes the variance of the velocity for a given position, nor the regression of the velocity on
-//! the position. Each yields the noise from two successive covariances alone; that both agree shows that the source
-//! really works like this.
+//! The inversion needs the filter's own process noise, which sources do not report. Two facts reveal it
+//! ([`implied_noise`]): measuring a position changes neither the variance of the velocity for a given position, nor
+//! the regression of the velocity on the position. Each yields the noise from two successive covariances alone;
+//! agreement of both confirms that the source works like this.
 //!
 //! Limits: a report that went missing hides a measurement, and the two then no longer agree; sources that smooth
 //! differently, or fill in a covariance by hand, cannot be undone.
@@ -65,8 +65,8 @@ pub fn recovered<const D: usize>(predicted: &Gaussian, updated: &Gaussian) -> Op
 /// axes from `first` on, between two successive covariances `duration_s` apart; `None` if they do not come from such a
 /// filter.
 ///
-/// Axes whose measurement errors are correlated, as those of a radar are, have to be looked at together: it is the
-/// matrix of regression that stays, not its single elements.
+/// Axes with correlated measurement errors, as those of a radar, must be treated together: the matrix of regression
+/// is invariant, not its single elements.
 pub fn implied_noise<const D: usize>(
     before: &Covariance,
     after: &Covariance,

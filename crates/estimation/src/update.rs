@@ -10,7 +10,7 @@ use messages::{AXES, STATE_LEN};
 
 use crate::gaussian::{Gaussian, Symmetric3, at};
 
-/// By how much a measured position differed from what was expected, and how much it was allowed to.
+/// Innovation of a measured position, and its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// Squared statistical length: chi-square with as many degrees of freedom as axes were measured.
@@ -191,8 +191,8 @@ mod tests {
                 .expect("positive definite");
         }
         assert!((unpacked(&gaussian.covariance) - unpacked(&before)).amax() < 1e-12);
-        // Alpha and beta of a steady filter are tied; for this noise by the Riccati equation of one axis:
-        // β² / (1 − α) = q·T³/R, whatever the discretisation's position term.
+        // Alpha and beta of a steady filter are tied; for this noise by the Riccati equation of one axis: β² / (1 −
+        // α) = q·T³/R, for any position term of the discretisation.
         let (alpha, beta) = (gaussian.covariance.get(0, 0), gaussian.covariance.get(0, 3));
         assert!((beta * beta / (1.0 - alpha) - 1.0).abs() < 1e-9);
     }
