@@ -47,7 +47,7 @@ impl Geodetic {
     /// A place from degrees and metres above the ellipsoid.
     ///
     /// # Errors
-    /// If a value is not finite or outside what the Earth has.
+    /// If a value is not finite or outside the range on Earth.
     pub fn from_degrees(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeodeticError> {
         // Written so that NaN fails too.
         if !(-90.0..=90.0).contains(&latitude_deg) {
@@ -100,7 +100,7 @@ pub struct SystemFrame {
 }
 
 impl SystemFrame {
-    /// The frame whose origin is `origin`.
+    /// Makes the frame with the origin `origin`.
     pub fn at(origin: Geodetic) -> Self {
         // SAFETY: `SystemEnu` is, by definition, the tangent frame at this origin, and only this type can hold one.
         let from_ecef = unsafe { RigidBodyTransform::ecef_to_enu_at(origin.wgs84()) };
@@ -135,8 +135,8 @@ impl SystemFrame {
         }
     }
 
-    /// Up components of position (m) and velocity (m/s) of what is at a place of the plane (m), has a horizontal
-    /// velocity there (m/s), and moves so above the Earth: the inverse of [`vertical`](Self::vertical).
+    /// Up components of position (m) and velocity (m/s) for a place in the plane (m), a horizontal velocity there
+    /// (m/s), and a height and climb rate above the Earth: the inverse of [`vertical`](Self::vertical).
     pub fn above(&self, [east, north]: [f64; 2], [vx, vy]: [f64; 2], vertical: Vertical) -> [f64; 2] {
         // The height changes almost as the up component does, so each round leaves a thousandth of the error.
         const ROUNDS: usize = 4;
@@ -192,7 +192,7 @@ pub struct FrameChange {
 impl FrameChange {
     /// The change from `one` frame into the `other`.
     pub fn between(one: &SystemFrame, other: &SystemFrame) -> Self {
-        // So far that what is rounded on the way by the Earth's centre is nothing beside it.
+        // An arm so long that the rounding errors through the Earth's centre are negligible.
         const ARM_M: f64 = 1e6;
         let through = |[east, north, up]: [f64; 3]| {
             let local = coordinate!(

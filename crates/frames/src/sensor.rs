@@ -3,12 +3,13 @@
 //! # Slant range and height
 //!
 //! A radar measures the straight distance to a target and its azimuth, not its elevation; the height comes from the
-//! target itself. To place the target, the line of sight is turned up until its end has that height above the earth.
-//! On a sphere of radius R that is the triangle of the earth's centre, the sensor and the target, whose three sides are
-//! known: R + h₀, ρ and R + h. On the ellipsoid R depends on place and azimuth, so the triangle is solved with the
-//! radius of curvature at the sensor (Euler's formula), the height of the point it gives is looked up on the ellipsoid,
-//! and what is missing is added to h; after two rounds less than a centimetre is missing at 400 km. Taking the slant
-//! range for a range along the ground instead would put an aircraft at flight level 350 and 20 km almost 3 km off.
+//! target itself. To place the target, the line of sight is raised until its end has that height above the earth. On
+//! a sphere of radius R this is the triangle of the earth's centre, the sensor and the target, with three known
+//! sides: R + h₀, ρ and R + h. On the ellipsoid R depends on place and azimuth. The triangle is therefore solved
+//! with the radius of curvature at the sensor (Euler's formula), the height of the resulting point is computed on
+//! the ellipsoid, and the difference is added to h; after two rounds the error is less than a centimetre at 400 km.
+//! Taking the slant range for a range along the ground instead would put an aircraft at flight level 350 and 20 km
+//! almost 3 km off.
 
 use std::f64::consts::TAU;
 
@@ -50,7 +51,7 @@ pub struct Sighting {
 }
 
 impl SensorFrame {
-    /// The frame of a sensor at `place`, whose azimuth zero points `north_offset_rad` clockwise of true north.
+    /// Makes the frame of a sensor at `place`; its azimuth zero points `north_offset_rad` clockwise of true north.
     pub fn new(system: &SystemFrame, place: Geodetic, north_offset_rad: f64) -> Self {
         // SAFETY: `SensorEnu` of this value is, by definition, the tangent frame at `place`; it never leaves the value.
         let from_ecef = unsafe { RigidBodyTransform::ecef_to_enu_at(place.wgs84()) };

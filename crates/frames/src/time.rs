@@ -32,7 +32,8 @@ pub struct DayUnroller {
 }
 
 impl DayUnroller {
-    /// An unroller for a source whose first report is measured within twelve hours of `near_ns` (UTC, nanoseconds).
+    /// Makes an unroller for a source with a first report measured within twelve hours of `near_ns` (UTC,
+    /// nanoseconds).
     pub fn near(near_ns: i64) -> Self {
         Self { running_ns: near_ns }
     }
