@@ -23,7 +23,7 @@ impl Carried {
         }
     }
 
-    /// Takes over the reports and emissions in use. Tracks are identified after the update.
+    /// Takes over the time up to which reports are used. Tracks are identified after the update.
     pub(crate) fn follow(&mut self, before: &Self) {
         self.reports_ns = before.reports_ns;
     }
