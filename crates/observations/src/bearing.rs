@@ -1,8 +1,9 @@
 //! One bearing of an emitter, as seen from a moving platform at one time (FM-7).
 //!
-//! A direction finder says in which direction something transmits, and not how far away it is. What can be made of many
-//! of them depends on where the platform was at each, so a bearing carries that. Positions are in the system frame,
-//! east, north and up; a bearing is clockwise from north in the horizontal plane, whatever the platform's heading.
+//! A direction finder reports the direction of a transmission, not its distance. The evaluation of many bearings
+//! depends on the platform's position at each, so a bearing contains that position. Positions are in the system
+//! frame, east, north and up; a bearing is clockwise from north in the horizontal plane, whatever the platform's
+//! heading.
 
 use messages::{PlatformState, SensorBearing, StageTimes, platform_state_bits, sensor_bearing_bits as bits};
 
@@ -13,8 +14,7 @@ use crate::{Sampled, flag};
 pub struct Bearing {
     /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
-    /// Number of the emitter, where the direction finder can tell; `None`: it has to be found by frequency and
-    /// direction.
+    /// Number of the emitter, if the direction finder identifies it; `None`: association by frequency and direction.
     pub emitter_id: Option<u32>,
     /// Direction, radians clockwise from north.
     pub bearing_rad: f64,
@@ -22,11 +22,11 @@ pub struct Bearing {
     pub sigma_rad: f64,
     /// Position of the platform, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
-    /// Heading of the platform, radians clockwise from north, where that is known: it tells turns.
+    /// Heading of the platform, radians clockwise from north, if known: used to detect turns.
     pub heading_rad: Option<f64>,
-    /// Frequency of the emission, hertz, where it was measured.
+    /// Frequency of the emission, hertz, if measured.
     pub frequency_hz: Option<f64>,
-    /// Time between its pulses, seconds, where it was measured.
+    /// Time between its pulses, seconds, if measured.
     pub pulse_interval_s: Option<f64>,
 }
 

@@ -1,10 +1,10 @@
-//! One measurement of one sensor at one time, not yet part of any track (FM-6).
+//! Measurement of a sensor at a time, not yet part of any track (FM-6).
 //!
-//! A radar plot, a lidar return or a camera's bearing says where something is, or only in which direction, and nothing
-//! about which target it belongs to. Some sensors give two coordinates, some three, some an angle alone, so a detection
-//! names its kind, and the kind names the measured quantities in their order. Positions are in the system frame, east,
-//! north and up. Angles are radians: bearings clockwise from north, elevations up from the horizontal, both as seen
-//! from where the sensor was at that moment.
+//! A radar plot, a lidar return or a camera's bearing gives the position or direction of an object, but not the
+//! target that it belongs to. Some sensors give two coordinates, some three, some an angle alone; therefore a
+//! detection names its kind, and the kind defines the measured quantities in their order. Positions are in the
+//! system frame, east, north and up. Angles are radians: bearings clockwise from north, elevations up from the
+//! horizontal, both from the sensor's position at that moment.
 
 use messages::{DetectionKind, SensorDetection, StageTimes, sensor_detection_bits as bits};
 
@@ -18,7 +18,7 @@ pub const QUANTITIES_MAX: usize = 3;
 pub struct Detection {
     /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
-    /// The sensor, as its files number it.
+    /// Number of the sensor in its files.
     pub sensor_id: u32,
     /// The sensor's scan, turn or frame; it rises with time.
     pub scan: u32,
@@ -35,7 +35,7 @@ pub struct Detection {
     pub sigmas: Option<[f64; QUANTITIES_MAX + 1]>,
     /// Position of the sensor, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
-    /// Truth, where somebody knows it: for scoring, never for tracking.
+    /// Truth, if known: for scoring, never for tracking.
     pub truth: Option<Truth>,
 }
 
@@ -46,7 +46,7 @@ pub enum Truth {
     Target(u32),
     /// No target: clutter or noise.
     FalseAlarm,
-    /// Several targets that the sensor could not tell apart.
+    /// Several targets that the sensor did not resolve.
     Merged,
 }
 

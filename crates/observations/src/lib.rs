@@ -1,12 +1,12 @@
 //! Observations: single reports of sensors, before anything has been made of them.
 //!
-//! - [`Observation`]: a target report, whatever its format, still in the sensor's own terms;
-//! - [`Detection`]: a measurement in the system frame, for sensors whose tracks are made here;
+//! - [`Observation`]: a target report of any format, still in the sensor's own terms;
+//! - [`Detection`]: a measurement in the system frame, for sensors whose tracks Koseki makes;
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
-//! Formats read and write these types and algorithms work on them, and neither knows of the other. [`Sampled`] is the
-//! one way between such a value and the sample that carries it through shared memory.
+//! Formats read and write these types, and algorithms process them, independently of each other. [`Sampled`] is the
+//! only conversion between such a value and its sample in shared memory.
 
 #![forbid(unsafe_code)]
 

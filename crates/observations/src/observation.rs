@@ -1,10 +1,11 @@
-//! A target report, whatever its format, still in the sensor's own terms.
+//! A target report of any format, still in the sensor's own terms.
 //!
-//! What an observation lacks its source did not say: nothing is made up here, and nothing converted but units.
+//! Values missing in an observation were missing in the source's report: nothing is made up here, and nothing
+//! converted but units.
 
 use messages::{Identity, TrackState};
 
-/// Period after which a truncated time begins anew, nanoseconds: two octets of 1/128 s.
+/// Period of truncated times, nanoseconds: two bytes of 1/128 s.
 pub const TRUNCATION_NS: i64 = 512_000_000_000;
 /// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis.
 pub const RADIUS95_SIGMAS: f64 = 2.447_746_8;
@@ -20,18 +21,18 @@ pub struct Observation {
     /// Time of measurement, nanoseconds since the last whole [`TRUNCATION_NS`] after midnight UTC, of
     /// a source that sends no more of it.
     pub truncated_time_ns: Option<i64>,
-    /// Whether a transponder's reply has contributed, or else the echo of a primary radar alone; `None` if the report
-    /// comes from no detection, or does not say.
+    /// Set if a transponder's reply has contributed; `false` for the echo of a primary radar alone. `None` if the
+    /// report comes from no detection, or does not state it.
     pub secondary: Option<bool>,
-    /// Whether it reports a fixed transponder that only monitors the system.
+    /// Set if the report is from a fixed transponder that only monitors the system.
     pub field_monitor: bool,
     /// Whether it is simulated or a test.
     pub test: bool,
-    /// Whether its sender says that the position has failed a check.
+    /// Set if the sender reports a failed check of the position.
     pub suspect: bool,
     /// Number of the track at its source; the address, where the source numbers none.
     pub track_number: Option<u32>,
-    /// Whether it is a plot: what the sensor saw just now, not yet part of any track of its own.
+    /// Set for a plot: a new detection of the sensor, not yet part of any track of the sensor.
     pub plot: bool,
     /// Identity as the target states it.
     pub identity: Identity,
@@ -53,22 +54,21 @@ pub struct Observation {
     pub velocity_covariance: Option<[f64; 3]>,
     /// Altitude in the standard atmosphere, metres.
     pub pressure_altitude_m: Option<f64>,
-    /// Altitude in the standard atmosphere that the transponder stated last, metres, and its age, nanoseconds; `None`
-    /// where that is `pressure_altitude_m` of now.
+    /// Altitude in the standard atmosphere that the transponder stated last, metres, and its age, nanoseconds;
+    /// `None` if `pressure_altitude_m` is current.
     pub stated_altitude: Option<(f64, i64)>,
     /// Height above mean sea level or the ellipsoid, whichever the source gives, metres.
     pub geometric_height_m: Option<f64>,
     /// Rate of climb, metres per second.
     pub vertical_rate_mps: Option<f64>,
-    /// Whether the target says that it is on the ground.
+    /// Set if the target reports that it is on the ground.
     pub on_ground: bool,
     /// Alerts of the target or its source: see [`messages::alert_bits`]. Those of the Mode 3/A code alone are not among
     /// them.
     pub alerts: u8,
     /// State of the track at its source.
     pub state: TrackState,
-    /// The report's own statement of its horizontal accuracy: that of the position that
-    /// [`Observation::position`] gives.
+    /// Reported horizontal accuracy of the position in [`Observation::position`].
     pub quality: Quality,
 }
 
@@ -95,7 +95,7 @@ pub enum Axes {
     Target,
 }
 
-/// A position in one of the forms that sensors use.
+/// Position in one of the sensors' forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Position {
     /// See [`Observation::cartesian`].
@@ -120,7 +120,7 @@ pub enum Quality {
     Dilution(f64),
     /// Radius within which the position lies with 95 % probability, metres.
     Radius95(f64),
-    /// The report says that its accuracy is unknown.
+    /// The report declares its accuracy unknown.
     Unknown,
 }
 
@@ -145,7 +145,7 @@ impl Observation {
     }
 }
 
-/// A record that speaks of the sensor itself.
+/// Record about the sensor itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Service {
     /// System area code and system identification code of the sensor, if the message has them.
@@ -154,6 +154,6 @@ pub struct Service {
     pub time_of_day_ns: Option<i64>,
     /// Whether the sensor's next look all around begins: its antenna points north, or a new update cycle starts.
     pub turn_begins: bool,
-    /// Time that a turn of the antenna takes, where the message states it, nanoseconds.
+    /// Time of an antenna turn, nanoseconds, if the message states it.
     pub turn_ns: Option<i64>,
 }

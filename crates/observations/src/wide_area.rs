@@ -17,7 +17,7 @@ pub struct WideAreaReport {
     pub position_m: [f64; 3],
     /// Metres per second.
     pub velocity_mps: [f64; 3],
-    /// Number of targets; 0 says that there were none.
+    /// Number of targets; 0 reports their absence.
     pub targets: u32,
     /// Origin of the targets, east and north in metres, if that is known.
     pub origin_m: Option<[f64; 2]>,
