@@ -1,8 +1,8 @@
 //! Tracks of a source that delivers bearings: each goes through the locator ([`locating`], EL).
 //!
-//! A bearing brings along where its platform was, and is published with it, before the track that follows from it. Of
-//! an emitter whose geometry allows no fix yet there is no track. Nothing waits: a track is as old as the bearing that
-//! it follows from. An emitter that falls silent has no further reports, as with any sensor.
+//! A bearing contains the platform's position, and is published with it, before the resulting track. An emitter
+//! without sufficient geometry for a fix has no track yet. Nothing waits: a track is as old as its latest bearing. A
+//! silent emitter has no further reports, as with any sensor.
 
 use std::sync::atomic::AtomicU64;
 
@@ -46,7 +46,7 @@ struct Rejected {
 }
 
 impl BearingLocator {
-    /// The locator of source number `source`, whose tracks keep to `limits`.
+    /// Makes the locator of source number `source`; its tracks keep to `limits`.
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -65,7 +65,7 @@ impl BearingLocator {
         })
     }
 
-    /// The finder's clock, as far as times of receipt tell.
+    /// Clock of the direction finder, estimated from times of receipt.
     pub fn clock(&self) -> &SourceClock {
         &self.clock
     }
@@ -84,7 +84,7 @@ impl BearingLocator {
             self.rejected.time += 1;
             return;
         }
-        // What is rejected has been counted by the locator.
+        // The locator counts rejected bearings.
         let Ok(report) = self.locator.bearing(bearing) else {
             return;
         };
@@ -114,13 +114,13 @@ impl BearingLocator {
         is_near && is_slow
     }
 
-    /// Words of the memory that its emitters are kept in.
+    /// Size in words of the memory for its emitters.
     pub fn kept_words(&self) -> usize {
         EmitterMemory::words(self.locator.settings())
     }
 
-    /// Goes on with what another one has left in `memory`, if it was there later than at `since_ns` (UTC, nanoseconds);
-    /// otherwise only its numbers stay taken. To be said before the first bearing.
+    /// Resumes from another locator's emitters in `memory`, if they are later than `since_ns` (UTC, nanoseconds);
+    /// otherwise only their numbers stay reserved. Must be called before the first bearing.
     ///
     /// # Errors
     /// If the memory is not whole, or not this locator's.
@@ -139,7 +139,7 @@ impl BearingLocator {
         self.memory = Some(EmitterMemory::begin(memory, owner, self.locator.settings()));
     }
 
-    /// Keeps its emitters, if that is due at `now_ns` (UTC, nanoseconds): before their tracks are published.
+    /// Saves the emitters, if that is due at `now_ns` (UTC, nanoseconds): before their tracks are published.
     pub fn keep(&mut self, now_ns: i64) {
         if let Some(memory) = &mut self.memory
             && self.kept.is_due(self.locator.counts().bearings, now_ns)
@@ -153,7 +153,7 @@ impl BearingLocator {
         self.newest_ns
     }
 
-    /// Adds what has been counted.
+    /// Adds its counts.
     pub fn count(&self, counters: &mut Counters) {
         let counts = self.locator.counts();
         for (counter, count) in [

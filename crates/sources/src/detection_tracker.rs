@@ -1,10 +1,9 @@
 //! Tracks of a sensor that delivers detections: cut into scans, and each scan through the tracker (HT, SP).
 //!
-//! Detections wait until their scan is complete ([`tracking::cutting`]), which is decided by times of the data alone.
-//! Then they are published with the scan's number, and after them every confirmed track as it is after the scan, in the
-//! order of times. Numbers of scans that are left out are scans without detections, which the tracker is told of as
-//! soon as the next scan is complete. `koseki track` does all of this with the recorded detections again and comes to
-//! the same tracks.
+//! Detections wait until their scan is complete ([`tracking::cutting`]), which depends on times of the data alone.
+//! They are then published with the scan's number, followed by every confirmed track after the scan, in the order of
+//! times. Missing scan numbers are scans without detections; the tracker receives them as soon as the next scan is
+//! complete. `koseki track` repeats all of this with the recorded detections and produces the same tracks.
 //!
 //! Where tracks are wanted at even times instead (WA-11), all confirmed ones are moved to each such time as soon as the
 //! data have come to it. Those of a picture that no scan has come before since the last one are marked as coasted: they
@@ -16,10 +15,10 @@
 //! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of
 //! the data.
 //!
-//! An adapter that was killed has left its tracks ([`tracking::LeftTracks`]): its successor goes on with them under the
-//! same numbers. Besides, new numbers of scans and tracks begin with one that depends on the time
-//! ([`tracking::cutting`]), so that a successor that knows nothing of the tracks before does not give their numbers to
-//! other targets.
+//! A killed adapter leaves its tracks ([`tracking::LeftTracks`]): its successor resumes them under the same numbers.
+//! In addition, new numbers of scans and tracks begin with a number that depends on the time
+//! ([`tracking::cutting`]), so that a successor without the earlier tracks does not give their numbers to other
+//! targets.
 
 use std::sync::atomic::AtomicU64;
 
@@ -42,7 +41,7 @@ use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
 /// Settings with which tracks are made of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
-    /// The tracker's settings; its only sensor is the source, under the number that its files have.
+    /// Settings of the tracker; its only sensor is the source, under the number in the source's files.
     pub settings: tracking::Settings,
     /// Rules by which detections are cut into scans.
     pub cutter: CutterSettings,
@@ -50,7 +49,7 @@ pub struct TrackerSettings {
     pub outputs: Outputs,
 }
 
-/// Tracker of one sensor that delivers detections.
+/// Tracker of a sensor that delivers detections.
 #[derive(Debug)]
 pub struct DetectionTracker {
     source: u16,
@@ -131,10 +130,11 @@ impl DetectionTracker {
         self.reports_dropped += u64::from(!self.tracker.report(report));
     }
 
-    /// Takes a bearing of a direction finder. One with a frequency is an emission, and may tell who a track is (WA-9).
+    /// Takes a bearing of a direction finder. A bearing with a frequency is an emission, and may identify a track
+    /// (WA-9).
     pub fn emission(&mut self, bearing: &SensorBearing) {
         match Bearing::of_sample(bearing).and_then(|bearing| Emission::of(&bearing)) {
-            // What the tracker rejects it counts.
+            // The tracker counts rejected emissions.
             Some(emission) => drop(self.tracker.emission(&emission)),
             None => self.emissions_rejected += 1,
         }
@@ -151,7 +151,7 @@ impl DetectionTracker {
         self.come_to(time_ns, samples);
     }
 
-    /// The sensor states that its turn takes `turn_ns` nanoseconds.
+    /// Takes the sensor's report that a turn takes `turn_ns` nanoseconds.
     pub fn turn_takes(&mut self, turn_ns: i64) {
         self.cutter.turn_takes(turn_ns);
     }
@@ -161,20 +161,20 @@ impl DetectionTracker {
         self.cutter.turn()
     }
 
-    /// Works off what waits for more: the data have ended.
+    /// Processes the waiting detections at the end of the data.
     pub fn end(&mut self, samples: &mut Samples) {
         while let Some(scan) = self.cutter.last_scan() {
             self.scan(scan, samples);
         }
     }
 
-    /// Words of the memory that its tracks are kept in.
+    /// Size in words of the memory for its tracks.
     pub fn kept_words(&self) -> usize {
         TrackMemory::words(self.tracker.tracker().settings())
     }
 
-    /// Goes on with what another one has left in `memory`, if it was there later than at `since_ns` (UTC, nanoseconds);
-    /// otherwise only its numbers stay taken. To be said before the first detection.
+    /// Resumes from another tracker's tracks in `memory`, if they are later than `since_ns` (UTC, nanoseconds);
+    /// otherwise only their numbers stay reserved. Must be called before the first detection.
     ///
     /// # Errors
     /// If the memory is not whole, or not this tracker's.
@@ -193,7 +193,7 @@ impl DetectionTracker {
         self.memory = Some(TrackMemory::begin(memory, owner, self.tracker.tracker().settings()));
     }
 
-    /// Keeps its tracks, if that is due at `now_ns` (UTC, nanoseconds): before they are published.
+    /// Saves the tracks, if that is due at `now_ns` (UTC, nanoseconds): before they are published.
     pub fn keep(&mut self, now_ns: i64) {
         if let Some(memory) = &mut self.memory
             && self.kept.is_due(self.tracker.scans(), now_ns)
@@ -208,7 +208,7 @@ impl DetectionTracker {
         self.tracker.shown_ns().unwrap_or_else(latest_ns)
     }
 
-    /// Adds what has been counted.
+    /// Adds its counts.
     pub fn count(&self, counters: &mut Counters) {
         let counts = self.tracker.tracker().counts();
         counters[Counter::Detections] = self.detections;
@@ -303,7 +303,7 @@ impl TrackSink for Publishing<'_> {
     }
 }
 
-/// Stages of what came in at `ingested_ns` and has passed no other.
+/// Stage times of data received at `ingested_ns`, without further stages.
 pub(crate) fn ingested(ingested_ns: i64) -> StageTimes {
     StageTimes {
         ingested_ns,

@@ -1,4 +1,4 @@
-//! When tracks are kept: after each change, and each second, so that they show how long nobody has kept any.
+//! Times for saving tracks: after each change, and every second, so that the saved time shows the age of the data.
 
 /// Time after which tracks that have not changed are kept again, nanoseconds.
 const AGAIN_NS: i64 = 1_000_000_000;

@@ -1,17 +1,16 @@
-//! A source's life: what is observed becomes the samples that it publishes (PL-3).
+//! Processing of a source: from observations to published samples (PL-3).
 //!
-//! Data come from a socket, a connection or a file, live or replayed; what becomes of them is the same for all and
-//! happens here. A [`Pipeline`] takes one source's observations. A sensor that delivers tracks has them checked and
-//! passed on. One that delivers less has its tracks made: of detections by a tracker ([`DetectionTracker`]), of
-//! bearings by a locator ([`BearingLocator`]). What comes out are [`Samples`], in the order in which they are to be
-//! published.
+//! Data come from a socket, a connection or a file, live or replayed; this crate processes all of them alike. A
+//! [`Pipeline`] takes the observations of a source. Tracks of a sensor are checked and passed on. For other sensors
+//! the tracks are made here: from detections by a tracker ([`DetectionTracker`]), from bearings by a locator
+//! ([`BearingLocator`]). The output consists of [`Samples`], in the order of publication.
 //!
 //! Everything round a tracker, when pictures are shown, when counts and emissions are given to it, when sensors are
 //! cued, is in [`ScanTracker`], which `koseki track` drives too: so a live source and its recorded detections give the
 //! same tracks.
 //!
-//! Nothing here performs I/O or reads a clock. What comes out depends on what was read and in which order, never on
-//! when.
+//! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
+//! of reading.
 
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,7 @@
 //! One source's way from observations to samples.
 //!
-//! What comes as records begins with the same checks, those of [`Converter`], whatever becomes of it. A further way to
-//! make tracks is a further kind of [`Processing`]: a file here, a variant, a line in each of the methods of
+//! All records pass the same checks first, in [`Converter`], independent of their further processing. A new way to
+//! make tracks is a new kind of [`Processing`]: a file here, a variant, a line in each of the methods of
 //! [`Pipeline`].
 
 use std::sync::atomic::AtomicU64;
@@ -51,7 +51,7 @@ impl Processing {
 #[derive(Debug)]
 pub struct Pipeline {
     converter: Converter,
-    /// Sensor that it listens to, if it is told from others.
+    /// Sensor of the source, if it must be distinguished from others.
     sac_sic: Option<(u8, u8)>,
     maker: Maker,
     progress_ns: i64,
@@ -66,8 +66,8 @@ enum Maker {
 }
 
 impl Pipeline {
-    /// The pipeline of a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds). A
-    /// tracker begins with these `reports` of wide-area sensors; more may come.
+    /// Makes the pipeline of a source with a first report on the day that begins at `first_day_ns` (UTC,
+    /// nanoseconds). A tracker begins with these `reports` of wide-area sensors; more may follow.
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -137,7 +137,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a record that speaks of the sensor, which came in at `ingested_ns`. That of another sensor is passed over.
+    /// Takes a record about the sensor, received at `ingested_ns`. Records of other sensors are ignored.
     pub fn service(&mut self, service: &Service, ingested_ns: i64, samples: &mut Samples) {
         let is_of_another = |own| service.sac_sic.is_some_and(|sender| sender != own);
         if self.sac_sic.is_some_and(is_of_another) {
@@ -168,14 +168,14 @@ impl Pipeline {
         }
     }
 
-    /// Takes a bearing that a direction finder has heard to which its tracker listens.
+    /// Takes a bearing of a direction finder that supports its tracker.
     pub fn emission(&mut self, bearing: &SensorBearing) {
         if let Maker::Tracker(tracker) = &mut self.maker {
             tracker.emission(bearing);
         }
     }
 
-    /// The source's data have ended: what waits for more is worked off.
+    /// Processes all waiting data at the end of the source's data.
     pub fn end(&mut self, samples: &mut Samples) {
         match &mut self.maker {
             Maker::None | Maker::Locator(_) => {}
@@ -184,7 +184,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Words of the memory that the tracks it makes are kept in; `None` if it makes none.
+    /// Size in words of the memory for the tracks made here; `None` if none are made.
     pub fn kept_words(&self) -> Option<usize> {
         match &self.maker {
             Maker::None => None,
@@ -193,8 +193,8 @@ impl Pipeline {
         }
     }
 
-    /// Goes on with what another one has left in `memory`; of what is older than `since_ns` (UTC, nanoseconds) only the
-    /// numbers stay taken. To be said first of all.
+    /// Resumes from another pipeline's tracks in `memory`; of tracks older than `since_ns` (UTC, nanoseconds) only
+    /// the numbers stay reserved. Must be called before all other methods.
     ///
     /// # Errors
     /// If the memory is not whole, or not of this source.
@@ -216,8 +216,8 @@ impl Pipeline {
         }
     }
 
-    /// Keeps the tracks that it makes, if that is due at `now_ns` (UTC, nanoseconds): before they are published, so
-    /// that no number is known that is not kept.
+    /// Saves the tracks made here, if that is due at `now_ns` (UTC, nanoseconds): before they are published, so that
+    /// every published number is saved.
     pub fn keep(&mut self, now_ns: i64) {
         match &mut self.maker {
             Maker::None => {}
@@ -240,7 +240,7 @@ impl Pipeline {
         }
     }
 
-    /// Turn that the data of a sensor whose tracks are made here have shown so far.
+    /// Turn time estimated so far from the data of a sensor whose tracks are made here.
     pub fn turn(&self) -> Option<Turn> {
         match &self.maker {
             Maker::Tracker(tracker) => tracker.turn(),

@@ -2,7 +2,7 @@
 
 use messages::{Cue, PlatformState, SensorBearing, SensorDetection, SensorTrack};
 
-/// Samples of one source, each kind in the order in which they are to be published.
+/// Samples of a source, each kind in the order of publication.
 #[derive(Debug, Default)]
 pub struct Samples {
     /// Detections of which tracks were made, to be published before these.

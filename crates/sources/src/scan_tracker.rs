@@ -1,14 +1,14 @@
-//! A tracker, and everything that happens round it at each scan.
+//! A tracker, with all steps around it at each scan.
 //!
-//! The order of events decides what comes out: a picture of a time must have heard all scans until then and no later
-//! one, and a report of a wide-area sensor is for the first scan after its arrival. It is the same for a live source,
-//! which works off a scan as soon as it is complete, and for files:
+//! The order of events determines the output: a track picture must include all scans until its time and no later
+//! scan, and a report of a wide-area sensor is for the first scan after its arrival. The order is the same for a
+//! live source, with each scan processed as soon as it is complete, and for files:
 //!
 //! 1. the pictures before the scan are shown, where tracks are wanted at even times (WA-11);
-//! 2. the tracker is given what wide-area sensors have counted and what has been heard until the scan;
+//! 2. the tracker receives the counts of wide-area sensors and the emissions until the scan;
 //! 3. the scan goes through the tracker;
 //! 4. the tracks after the scan are handed out, where they are not wanted at even times;
-//! 5. each sensor is told where to look next (WA-12).
+//! 5. each sensor receives the search regions for its next look (WA-12).
 
 use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
@@ -24,7 +24,7 @@ use tracking::{LeftTracks, Rejection, Settings, TrackReport, Tracker};
 pub struct Outputs {
     /// Time between two pictures of all confirmed tracks, nanoseconds; `None`: tracks come after each scan.
     pub period_ns: Option<i64>,
-    /// Whether sensors are told after each scan where to look next.
+    /// Set if sensors receive search regions after each scan.
     pub cues: bool,
 }
 
@@ -37,11 +37,11 @@ pub struct Scan<'a> {
     pub number: u32,
     /// Time of the latest detection, nanoseconds; of a scan without any, between its neighbours.
     pub time_ns: i64,
-    /// Detections; none say something, too.
+    /// Detections; an empty scan is information, too.
     pub detections: &'a [Detection],
 }
 
-/// Receives what comes out of a [`ScanTracker`].
+/// Receiver of the output of a [`ScanTracker`].
 pub trait TrackSink {
     /// A scan is about to be worked off.
     fn begins(&mut self) {}
@@ -62,7 +62,7 @@ pub trait TrackSink {
     fn emission_rejected(&mut self, _reason: EmissionRejection) {}
 }
 
-/// Tracker with everything that happens round it at a scan.
+/// Tracker with all steps around it at a scan.
 #[derive(Debug)]
 pub struct ScanTracker {
     tracker: Tracker,
@@ -151,13 +151,13 @@ impl ScanTracker {
         self.tracker.emission(emission)
     }
 
-    /// Works off a scan; an `observer` hears what was considered and decided.
+    /// Processes a scan; an `observer` receives the records of the decisions.
     pub fn scan(&mut self, scan: &Scan<'_>, observer: Option<&dyn Observer>, sink: &mut impl TrackSink) {
         if !self.begun {
             self.begun = true;
             self.tracker.number_from(scan.number);
         }
-        // What is shown of a time has heard no later scan.
+        // The track picture of a time includes no later scan.
         self.show(scan.time_ns - 1, sink);
         sink.begins();
         self.give(scan.time_ns, sink);
@@ -165,8 +165,8 @@ impl ScanTracker {
             .tracker
             .scan_explained(scan.sensor_id, scan.time_ns, scan.detections, observer);
         sink.done(scan, taken, &self.tracker);
-        // A scan at the very time of the one before, of a sensor whose clock stands still, may be rejected: the tracker
-        // counts.
+        // A scan at the same time as the previous scan, from a sensor with a stopped clock, may be rejected: the
+        // tracker counts.
         if taken.is_err() {
             return;
         }
@@ -186,7 +186,7 @@ impl ScanTracker {
         while let Some(pictures) = &mut self.pictures
             && let Some(time_ns) = pictures.schedule.next(time_ns)
         {
-            // What no scan has been heard of since the picture before is the tracker's own extrapolation.
+            // Without any scan since the previous picture, the picture is the tracker's own extrapolation.
             let extrapolated = pictures.scans == self.scans;
             (pictures.shown_ns, pictures.scans) = (time_ns, self.scans);
             self.tracker.picture_at(time_ns, &mut self.shown);
@@ -194,7 +194,7 @@ impl ScanTracker {
         }
     }
 
-    /// Goes on with the tracks that another one has left. To be said before the first scan.
+    /// Resumes the tracks of another tracker. Must be called before the first scan.
     pub fn resume(&mut self, left: &LeftTracks) {
         self.tracker.resume(left);
     }
@@ -219,7 +219,7 @@ impl ScanTracker {
         (self.reports.waiting(), self.emissions.len())
     }
 
-    /// Gives the tracker what has arrived and was heard until `time_ns`.
+    /// Gives the tracker the reports and emissions received until `time_ns`.
     fn give(&mut self, time_ns: i64, sink: &mut impl TrackSink) {
         self.reports
             .give(time_ns, &mut self.tracker, |reason| sink.report_rejected(reason));
