@@ -1,4 +1,4 @@
-//! Checks that each request passes before anybody else sees it.
+//! Checks of each request before any other processing.
 
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,7 +9,7 @@ use axum::http::{Method, Request, Response, StatusCode, Version};
 
 /// Name of the cookie that holds the token.
 const COOKIE: &str = "koseki_token";
-/// Headers of every answer: nothing but what this server has is loaded, nobody frames it, nobody guesses types.
+/// Headers of every answer: only content of this server is loaded, framing and type guessing are forbidden.
 const HEADERS: [(HeaderName, &str); 4] = [
     (
         header::CONTENT_SECURITY_POLICY,
@@ -39,7 +39,7 @@ pub enum Refusal {
     Slow,
 }
 
-/// How often what was refused. Shared among threads.
+/// Counts of refused requests by reason. Shared among threads.
 #[derive(Debug, Default)]
 pub struct Counts([AtomicU64; 7]);
 
@@ -60,12 +60,12 @@ impl Counts {
     }
 }
 
-/// Whom a server answers.
+/// Clients that a server answers.
 #[derive(Clone, Debug, Default)]
 pub struct Guard {
     /// Names under which it may be asked for, in small letters and without ports.
     pub hosts: Vec<String>,
-    /// Token that every client has to know; `None`: none.
+    /// Token required of every client; `None`: none.
     pub token: Option<String>,
 }
 
@@ -160,7 +160,7 @@ fn value_of<'a>(list: &'a str, separator: char, key: &str) -> Option<&'a str> {
     pairs.find(|(found, _)| *found == key).map(|(_, value)| value)
 }
 
-/// Whether two texts are equal, in a time that does not tell how far they are.
+/// Compares two texts in a time that does not reveal the length of their common beginning.
 fn is_equal(shown: &str, known: &str) -> bool {
     let differences = shown.bytes().zip(known.bytes()).fold(0, |sum, (a, b)| sum | (a ^ b));
     shown.len() == known.len() && differences == 0
@@ -184,7 +184,7 @@ fn with(mut answer: Response<Body>, name: HeaderName, value: &str) -> Response<B
 /// An answer with the headers of all answers.
 pub(crate) fn sealed(mut answer: Response<Body>) -> Response<Body> {
     for (name, value) in HEADERS {
-        // That of an upgrade says what the connection becomes.
+        // The `Connection` header of an upgrade must stay.
         answer
             .headers_mut()
             .entry(name)

@@ -30,13 +30,14 @@ pub const CONNECTIONS_MAX: usize = 64;
 const HEAD_MAX: usize = 8192;
 /// Most header lines of a request.
 const HEADERS_MAX: usize = 64;
-/// Pause after a connection could not be accepted (no descriptor is left, say), so that trying again does not spin.
+/// Pause after a connection could not be accepted (for example, no descriptor is left), to avoid a busy loop.
 const REFUSAL_PAUSE: Duration = Duration::from_millis(100);
 /// Time for which, at the end, one more connection is waited for that had come by then, and how often.
 const END_PAUSE: Duration = Duration::from_millis(5);
 const LAST_LOOKS: usize = 20;
 
-/// Server on a thread of its own; dropping it ends it. Whoever had asked by then is answered, unless that takes long.
+/// Server on its own thread; dropping the server ends it. Requests received before are answered, unless that takes
+/// long.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
@@ -46,7 +47,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Serves what `router` has on a thread called `name`, at `address` (port 0: the system chooses one).
+    /// Serves `router` on a thread called `name`, at `address` (port 0: the system chooses a port).
     ///
     /// # Errors
     /// If the address is taken or not of this machine, or the system refuses a thread.
@@ -71,7 +72,8 @@ impl Server {
         };
         let (stop, stopped) = oneshot::channel();
         let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            // An error is that the socket cannot be watched; there is nobody to tell, and nothing is served.
+            // An error means that the socket cannot be watched; it cannot be reported from here, and nothing is
+            // served.
             let _ = runtime.block_on(async { desk.serve(tokio::net::TcpListener::from_std(listener)?, stopped).await });
             // Sockets that are still open are not waited for.
             runtime.shutdown_background();
@@ -84,7 +86,7 @@ impl Server {
         })
     }
 
-    /// Where it listens.
+    /// Address of the listening socket.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
@@ -108,7 +110,7 @@ impl Drop for Server {
 /// Listens at `address`.
 ///
 /// # Errors
-/// If it is taken or not of this machine, with what to do about it.
+/// If the address is in use or not of this machine; the error contains the remedy.
 pub fn listen(address: SocketAddr) -> io::Result<TcpListener> {
     TcpListener::bind(address).map_err(|error| {
         let remedy = match error.kind() {
@@ -125,7 +127,7 @@ struct Desk {
     guard: Arc<Guard>,
     counts: Arc<Counts>,
     router: Router,
-    /// Connections in the order in which they came.
+    /// Connections in the order of acceptance.
     open: VecDeque<AbortHandle>,
 }
 
@@ -137,7 +139,7 @@ impl Desk {
                 _ = &mut stopped => break,
                 accepted = listener.accept() => match accepted {
                     Ok((stream, _)) => self.take(stream),
-                    // It has gone between the notice of it and its being accepted.
+                    // The client closed the connection before its acceptance.
                     Err(error) if error.kind() == io::ErrorKind::ConnectionAborted => {}
                     Err(_) => tokio::time::sleep(REFUSAL_PAUSE).await,
                 },
@@ -180,7 +182,7 @@ impl Desk {
     }
 }
 
-/// One request and its answer; of a WebSocket, only the beginning.
+/// Handles a request and its answer; for a WebSocket, only the handshake.
 async fn converse(
     stream: TcpStream,
     local: IpAddr,
