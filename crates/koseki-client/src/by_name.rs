@@ -1,4 +1,4 @@
-//! Topics by name, and their samples as octets: for programs that learn only when they run what they are to read.
+//! Topics by name, with samples as bytes: for programs that choose their topics at run time.
 
 use std::any::Any;
 use std::fmt::Debug;

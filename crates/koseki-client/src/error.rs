@@ -1,4 +1,4 @@
-//! Errors, each of a kind that a program can act on and with a text that says what to do.
+//! Errors, each with a kind for the program and a text with the remedy.
 
 use bus::BusError;
 use thiserror::Error;
@@ -35,7 +35,7 @@ pub enum Error {
         name: String,
     },
 
-    /// The topic is none that programs of one's own feed.
+    /// The topic does not accept samples of user programs.
     #[error(
         "topic {topic} is not fed from outside: sensor/NAME/tracks, wide-area/NAME/reports and platform/NAME/state are"
     )]
@@ -60,11 +60,11 @@ pub enum Error {
     Bus(#[from] BusError),
 }
 
-/// Kind of an error, by what a program can do about it. The numbers are those of the C interface.
+/// Kind of an error, by the program's possible reaction. The numbers are those of the C interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ErrorKind {
-    /// No such deployment runs: start it, or wait for it.
+    /// The deployment does not run: start it, or wait for it.
     NotRunning = 1,
     /// The deployment has ended or was replaced: open anew.
     Ended = 2,

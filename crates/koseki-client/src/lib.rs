@@ -1,8 +1,8 @@
 //! Readers and feeders of a Koseki deployment, for programs that are no part of it (PL-2, PL-11).
 //!
-//! A [`Subscription`] hands out what the deployment's processes publish, where they wrote it; a [`Publisher`] is the
-//! other way: tracks of a source, counts of a wide-area sensor and places of a platform that the configuration calls
-//! `external`. Both may move between threads.
+//! A [`Subscription`] gives access to the samples published by the deployment's processes, without copying. A
+//! [`Publisher`] is the opposite direction: tracks of a source, counts of a wide-area sensor and positions of a
+//! platform that the configuration calls `external`. Both may move between threads.
 //!
 //! ```no_run
 //! use std::time::Duration;
@@ -18,16 +18,16 @@
 //! # }
 //! ```
 //!
-//! - A reader holds up nobody. One that is too slow loses its oldest slices, and is told how many samples.
-//! - When fusion is started anew, its slices have a higher *epoch*: see [`Slice::starts_epoch`]. Live, tracks go on
-//!   under their numbers, or are told ended; with recorded inputs, numbers begin again. What still comes from an older
-//!   one is dropped, and counted.
+//! - A reader blocks no other process. A slow reader loses its oldest slices, and receives the number of lost
+//!   samples.
+//! - After a restart of fusion, its slices have a higher *epoch*: see [`Slice::starts_epoch`]. Live, tracks continue
+//!   under their numbers, or are reported as terminated; with recorded inputs, numbers restart. Later slices of an
+//!   older epoch are dropped, and counted.
 //! - When the deployment ends, or is replaced by another of the same name, that is an error ([`ErrorKind::Ended`]):
 //!   drop the subscription and open it again. Its memory can only be cleared when all have left it.
 //! - A publisher built from another version of the samples is an error, too ([`ErrorKind::Schema`]).
 //!
-//! Programs that are told the name of a topic only when they run use [`by_name`]; that is what other languages stand
-//! on.
+//! Programs that choose topics at run time use [`by_name`], which is also the basis for other languages.
 
 #![forbid(unsafe_code)]
 

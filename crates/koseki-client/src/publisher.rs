@@ -16,7 +16,7 @@ pub struct Publisher<T: Outgoing> {
 }
 
 impl<T: Outgoing> Publisher<T> {
-    /// Writes what the source, sensor or platform called `name` says, in the deployment called `instance`.
+    /// Publishes the samples of the source, sensor or platform called `name`, in the deployment called `instance`.
     ///
     /// # Errors
     /// If the deployment does not run or has no such topic, was built from another version, or has no place left.

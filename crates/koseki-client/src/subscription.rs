@@ -1,4 +1,4 @@
-//! Reads slices, and says what is missing.
+//! Reader of slices, with detection of lost samples.
 
 use std::ops::Deref;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -11,19 +11,19 @@ use crate::clock::mono_ns;
 use crate::connection::{Connection, LOOK_NS, Medium};
 use crate::error::Error;
 
-/// Reader of one topic: of system tracks, if nothing else is said.
+/// Reader of one topic; by default of system tracks.
 #[derive(Debug)]
 pub struct Subscription<T: Payload = SystemTrack> {
     subscriber: Subscriber<Medium, T>,
     waiter: Waiter<Medium>,
     // After the ports.
     connection: Connection,
-    /// Lost samples that were told with a slice.
+    /// Lost samples already reported with a slice.
     told: u64,
 }
 
-/// A slice in shared memory: samples, and what is to be known of them. It is not written to as long as it lives.
-/// A subscription can have [`BORROWED_MAX`](crate::BORROWED_MAX) of them at a time.
+/// A slice in shared memory: samples and their header. Its memory is not overwritten while the slice exists. A
+/// subscription can have [`BORROWED_MAX`](crate::BORROWED_MAX) slices at a time.
 #[derive(Debug)]
 pub struct Slice<T: Payload> {
     inner: bus::Slice<Medium, T>,
@@ -100,7 +100,7 @@ impl<T: Payload> Subscription<T> {
                 Received::Nothing if has_ended => return Err(self.connection.ended()),
                 Received::Nothing => {}
             }
-            // What was sent before the end may have come since the look above, so there is another one.
+            // Samples sent before the end may have arrived since the check above, so it is repeated.
             has_ended = self.connection.has_ended()?;
             let left_ns = end_ns.saturating_sub(mono_ns());
             if left_ns == 0 && !is_drained {
@@ -140,12 +140,12 @@ impl<T: Payload> AsFd for Subscription<T> {
 }
 
 impl<T: Payload> Slice<T> {
-    /// Header that its publisher has written.
+    /// Header written by the publisher.
     pub fn header(&self) -> &BatchHeader {
         self.inner.header()
     }
 
-    /// Samples that are missing between the slice before this one and this one.
+    /// Samples lost between the previous slice and this slice.
     pub fn lost(&self) -> u64 {
         self.lost
     }
