@@ -1,7 +1,7 @@
 //! Golden outputs: texts in the repository that an output is compared with, so that a change of behaviour is a visible
 //! change of a file.
 //!
-//! `UPDATE_GOLDEN=1 cargo test` rewrites the files that differ; `git diff` then shows what is accepted.
+//! `UPDATE_GOLDEN=1 cargo test` rewrites the files that differ; `git diff` then shows the accepted changes.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// file.
 ///
 /// # Panics
-/// If they differ, with the first line that does.
+/// If the texts differ, with the first different line.
 pub fn assert_golden(path: &Path, found: &str) {
     if std::env::var_os("UPDATE_GOLDEN").is_some() {
         fs::create_dir_all(path.parent().expect("a folder")).expect("the folder can be made");

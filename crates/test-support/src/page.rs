@@ -1,4 +1,4 @@
-//! What any server of metrics must do, whatever it is made of.
+//! Tests for any server of metrics, independent of its implementation.
 
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// [`Served::HOST`].
 #[derive(Debug)]
 pub struct Served {
-    /// Where it listens, on the loopback interface.
+    /// Address of the server, on the loopback interface.
     pub address: SocketAddr,
 }
 
@@ -134,7 +134,7 @@ fn only_the_own_names_are_answered_to(server: &Served) {
 }
 
 fn bad_clients_hold_up_nobody(server: &Served) {
-    // Some that say nothing, more than there is room for, and some that send octet by octet.
+    // Silent clients, more than there is room for, and clients that send byte by byte.
     let silent: Vec<TcpStream> = (0..100).map(|_| server.connect()).collect();
     server.collect();
     let mut dripping: Vec<TcpStream> = (0..5).map(|_| server.connect()).collect();

@@ -1,12 +1,11 @@
 //! Numbers without pattern that are the same in every run, on every machine, in every version.
 
-/// A linear congruential generator (multiplier and increment of Knuth's MMIX), good enough to scatter what tests are
-/// made of.
+/// A linear congruential generator (multiplier and increment of Knuth's MMIX), good enough to scatter test data.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// A generator whose first state is `seed`.
+    /// Makes a generator with the first state `seed`.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }

@@ -1,12 +1,13 @@
 //! Recordings of real sensors, which are no part of the project.
 //!
-//! They are looked for under `$KOSEKI_DATA`, or in `shared/data` beside the workspace. A test that needs one that is
-//! absent says `skipped: …` and passes; with `KOSEKI_REQUIRE_DATA` in the environment (as in `.ci/run` where the
-//! recordings are) it fails, so that a renamed file cannot switch a test off unseen.
+//! The recordings are expected under `$KOSEKI_DATA`, or in `shared/data` beside the workspace. A test without its
+//! recording prints `skipped: …` and passes; with `KOSEKI_REQUIRE_DATA` in the environment (as in `.ci/run` on
+//! machines with the recordings) it fails, so that a renamed file cannot disable a test unnoticed.
 
 use std::path::{Path, PathBuf};
 
-/// The folder of the recordings if it holds `part`; else `None`, and says that something is skipped.
+/// Returns the folder of the recordings if it holds `part`; otherwise prints that something is skipped, and returns
+/// `None`.
 ///
 /// # Panics
 /// If `part` is absent and `KOSEKI_REQUIRE_DATA` is set.
