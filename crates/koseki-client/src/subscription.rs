@@ -150,8 +150,8 @@ impl<T: Payload> Slice<T> {
         self.lost
     }
 
-    /// Whether this is the first slice of a fusion that has started anew, or the first one of all: track numbers that
-    /// are known from before mean nothing any more.
+    /// Returns whether this is the first slice of a restarted fusion, or the first slice of all: earlier track
+    /// numbers are void.
     pub fn starts_epoch(&self) -> bool {
         self.starts_epoch
     }

@@ -1,8 +1,8 @@
 //! Several models of one emitter's motion side by side; the bearings decide (EL-2).
 //!
-//! Whether an emitter is stationary is unknown beforehand. A filter for fixed points is wrong for a moving emitter,
-//! and a filter for straight motion is less accurate: from a platform that flies straight it cannot determine the
-//! range at all. So the models run side by side, and the simplest model without contrary evidence is chosen.
+//! The motion of an emitter is unknown beforehand. A filter for fixed points is wrong for a moving emitter, and a
+//! filter for straight motion is less accurate: from a platform that flies straight it cannot determine the range at
+//! all. So the models run side by side, and the simplest model without contrary evidence is chosen.
 //!
 //! | filter | in the order of simplicity |
 //! | --- | --- |
@@ -334,7 +334,7 @@ impl Member {
         }
     }
 
-    /// Whether it only lacks geometry.
+    /// Returns whether the model only lacks geometry.
     fn is_open(&self) -> bool {
         self.filter.is_open() && self.patience == 0
     }

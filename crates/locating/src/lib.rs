@@ -1,4 +1,4 @@
-//! Where a transmitter is, from bearings alone (EL).
+//! Location of transmitters from bearings alone (EL).
 //!
 //! A platform that passes a transmitter and measures only its direction can still locate it, because the direction
 //! changes as the platform moves. The accuracy depends on the platform's path, and the fixes of filters wander in

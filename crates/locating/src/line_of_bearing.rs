@@ -18,7 +18,7 @@ kept! {
         pub(crate) cosine: f64,
         /// Inverse variance, 1/rad².
         pub(crate) information: f64,
-        /// Whether it counts; bearings that were found to be wrong do not.
+        /// Set if the line is used; bearings found to be wrong are not.
         pub(crate) is_used: bool,
     }
 }
@@ -88,7 +88,7 @@ impl LineOfBearing {
         east * east + north * north
     }
 
-    /// One line for two that were taken near each other: mean time, place and direction, by their information.
+    /// Merges two lines taken near each other: mean time, place and direction, weighted by information.
     pub(crate) fn merged(&self, later: &Self) -> Self {
         let information = self.information + later.information;
         let share = later.information / information;
@@ -156,7 +156,7 @@ mod tests {
             let mut expected: f64 = bearing - truth;
             expected -= 2.0 * PI * (expected / (2.0 * PI)).round();
             assert!((found.innovation_rad - expected).abs() < 1e-9, "{bearing} {truth}");
-            // Its gradient is that of the expected bearing.
+            // The gradient equals that of the expected bearing.
             for axis in 0..2 {
                 let mut moved = place;
                 moved[axis] += 0.01;

@@ -103,7 +103,7 @@ impl std::fmt::Display for Rejection {
 
 impl std::error::Error for Rejection {}
 
-/// One emitter.
+/// State of an emitter.
 #[derive(Clone, Debug)]
 struct Emitter {
     number: u32,
@@ -303,7 +303,7 @@ impl Locator {
         let settings = &self.settings.association;
         let frequency_hz = bearing.frequency_hz.unwrap_or(ANY_FREQUENCY_HZ);
         let mut best: Option<(f64, usize)> = None;
-        // Those without id stand first.
+        // Emitters without id come first.
         for (place, (is_labelled, _, slot)) in self.index.iter().enumerate() {
             if *is_labelled {
                 break;
@@ -416,7 +416,7 @@ impl Emitter {
         (difference * difference / variance, variance.ln())
     }
 
-    /// Whether the platform turns, and since when: by the heading at the line after the last one.
+    /// Detects whether and since when the platform turns, by the heading at the line after the last line.
     fn watch_heading(&mut self, heading_rad: Option<f64>, line: &LineOfBearing, turning_rad_per_s: f64) {
         let after_s = line.after_s(self.last.time_ns);
         if let (Some(heading_rad), Some(last)) = (heading_rad, self.last_heading_rad) {

@@ -458,7 +458,7 @@ impl Selector {
         }
         if self.stage == Stage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
             self.stage = Stage::Minimum;
-            // One that comes too soon after the last interval changes the stage, and not yet the direction.
+            // A minimum too soon after the last interval changes the stage, but not yet the direction.
             self.at_minimum(fix, minimum, before);
             let needed = f64::from(self.settings.settled_minima);
             return Some((Reason::Settled, f64::from(self.minima), needed));

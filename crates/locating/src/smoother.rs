@@ -489,7 +489,7 @@ impl<const D: usize> Smoother<D> {
         self.window.push(line);
     }
 
-    /// Whether the first `count` lines are so far from the emitter that they may be linearised for good.
+    /// Returns whether the first `count` lines are so far from the emitter that they may be linearised for good.
     fn may_fold(&self, count: usize) -> bool {
         let error_m = self.error_m(self.reference_ns);
         self.window.all()[..count].iter().all(|line| {

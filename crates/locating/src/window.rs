@@ -98,7 +98,7 @@ impl Window {
     }
 }
 
-/// Whether the error of the mean is small beside its standard deviation.
+/// Returns whether the error of the mean is small beside its standard deviation.
 fn may_merge(one: &LineOfBearing, other: &LineOfBearing, position_m: Option<[f64; 2]>) -> bool {
     if one.is_used != other.is_used {
         return false;

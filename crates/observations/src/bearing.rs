@@ -1,4 +1,4 @@
-//! One bearing of an emitter, as seen from a moving platform at one time (FM-7).
+//! Bearing of an emitter, measured from a moving platform at one time (FM-7).
 //!
 //! A direction finder reports the direction of a transmission, not its distance. The evaluation of many bearings
 //! depends on the platform's position at each, so a bearing contains that position. Positions are in the system
@@ -9,7 +9,7 @@ use messages::{PlatformState, SensorBearing, StageTimes, platform_state_bits, se
 
 use crate::{Sampled, flag};
 
-/// One bearing.
+/// Bearing of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bearing {
     /// Time of measurement, UTC, nanoseconds since 1970.

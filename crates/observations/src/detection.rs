@@ -13,7 +13,7 @@ use crate::{Sampled, flag, sensor_id};
 /// Most quantities that a detection holds beside the range rate.
 pub const QUANTITIES_MAX: usize = 3;
 
-/// One measurement.
+/// Measurement of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detection {
     /// Time of measurement, UTC, nanoseconds since 1970.

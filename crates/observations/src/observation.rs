@@ -26,7 +26,7 @@ pub struct Observation {
     pub secondary: Option<bool>,
     /// Set if the report is from a fixed transponder that only monitors the system.
     pub field_monitor: bool,
-    /// Whether it is simulated or a test.
+    /// Set if the report is simulated or a test.
     pub test: bool,
     /// Set if the sender reports a failed check of the position.
     pub suspect: bool,
@@ -152,7 +152,7 @@ pub struct Service {
     pub sac_sic: Option<(u8, u8)>,
     /// Time of the message, nanoseconds since midnight UTC.
     pub time_of_day_ns: Option<i64>,
-    /// Whether the sensor's next look all around begins: its antenna points north, or a new update cycle starts.
+    /// Set if the sensor's next turn begins: its antenna points north, or a new update cycle starts.
     pub turn_begins: bool,
     /// Time of an antenna turn, nanoseconds, if the message states it.
     pub turn_ns: Option<i64>,

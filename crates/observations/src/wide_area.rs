@@ -1,6 +1,6 @@
 //! Number of targets that a wide-area sensor has seen (WA-2).
 //!
-//! Whether a report makes sense is for its user to judge.
+//! The user of a report judges its plausibility.
 
 use messages::{StageTimes, WideArea, wide_area_bits};
 

@@ -104,7 +104,7 @@ impl BearingLocator {
         }
     }
 
-    /// Whether a track is where and as fast as the source's targets can be; counts it if not.
+    /// Returns whether a track's position and speed are within the limits of the source's targets; counts it if not.
     fn can_be(&mut self, track: &SensorTrack, bearing: &Bearing) -> bool {
         let [east, north] = [0, 1].map(|axis| track.position_m[axis] - bearing.platform_m[axis]);
         let is_near = east.hypot(north) <= self.limits.range_m;

@@ -5,9 +5,9 @@
 //! times. Missing scan numbers are scans without detections; the tracker receives them as soon as the next scan is
 //! complete. `koseki track` repeats all of this with the recorded detections and produces the same tracks.
 //!
-//! Where tracks are wanted at even times instead (WA-11), all confirmed ones are moved to each such time as soon as the
-//! data have come to it. Those of a picture that no scan has come before since the last one are marked as coasted: they
-//! are the tracker's own extrapolation and no observation, and fusion takes them for that.
+//! With a configured output period (WA-11), all confirmed tracks are moved to each multiple of the period as soon as
+//! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
+//! they are the tracker's own extrapolation without an observation, and fusion treats them as such.
 //!
 //! Reports of wide-area sensors wait until the scans have come to their arrival. A live one that comes when that scan
 //! has been worked off is counted, and used in the next.

@@ -12,7 +12,8 @@ pub(crate) struct LastKept {
 }
 
 impl LastKept {
-    /// Whether they are to be kept at `now_ns` (UTC, nanoseconds), after so many changes; then they have been.
+    /// Returns whether saving is due at `now_ns` (UTC, nanoseconds), after this number of changes; if so, records it
+    /// as done.
     pub(crate) fn is_due(&mut self, changes: u64, now_ns: i64) -> bool {
         let is_due = changes != self.changes || now_ns.abs_diff(self.time_ns) >= AGAIN_NS.unsigned_abs();
         if is_due {

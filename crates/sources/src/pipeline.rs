@@ -1,4 +1,4 @@
-//! One source's way from observations to samples.
+//! Pipeline of a source, from observations to samples.
 //!
 //! All records pass the same checks first, in [`Converter`], independent of their further processing. A new way to
 //! make tracks is a new kind of [`Processing`]: a file here, a variant, a line in each of the methods of
@@ -47,7 +47,7 @@ impl Processing {
     }
 }
 
-/// One source's way from observations to samples.
+/// Pipeline of a source, from observations to samples.
 #[derive(Debug)]
 pub struct Pipeline {
     converter: Converter,

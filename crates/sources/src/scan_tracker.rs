@@ -28,7 +28,7 @@ pub struct Outputs {
     pub cues: bool,
 }
 
-/// One sensor's scan.
+/// Scan of a sensor.
 #[derive(Clone, Copy, Debug)]
 pub struct Scan<'a> {
     /// The sensor.

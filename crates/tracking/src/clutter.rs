@@ -120,7 +120,8 @@ mod tests {
         }
         estimate.count(2);
         assert!((estimate.density(9, everywhere) - 2.0 / (100.0 * 50.0)).abs() < 1e-12);
-        // One target's path is not where clutter would be; detections outside the field of view count, too.
+        // The path of a single target is not counted as clutter area; detections outside the field of view count,
+        // too.
         assert!((estimate.density(9, ring(1e6)) - 2e-6).abs() < 1e-12);
         assert!((estimate.density(9, ring(10.0)) - 2.0 / (100.0 * 50.0)).abs() < 1e-12);
     }

@@ -20,7 +20,7 @@ pub trait Observer: fmt::Debug {
     fn explain(&self, what: &Explanation<'_>);
 }
 
-/// One record.
+/// Record of a decision.
 #[derive(Clone, Copy, Debug)]
 pub enum Explanation<'a> {
     /// A scan is worked off.
@@ -78,7 +78,7 @@ pub struct CorrectionRecord {
     pub before: f64,
     /// After.
     pub after: f64,
-    /// Whether the hypotheses are the children of this scan; else those before the scan.
+    /// Set if the hypotheses are the children of this scan; otherwise they are the hypotheses before the scan.
     pub of_children: bool,
 }
 
@@ -161,7 +161,7 @@ impl TrackRecord {
         }
     }
 
-    /// Whether it is confirmed.
+    /// Returns whether the track is confirmed.
     pub fn is_confirmed(&self) -> bool {
         self.number != TENTATIVE
     }

@@ -1,4 +1,4 @@
-//! Where a sensor sees, and whether a target is there.
+//! Field of view of a sensor, and the probability that a target is inside.
 //!
 //! Without a field of view, the tracker takes every scan for a miss of every track: a sensor with a reach of 100 m
 //! deletes the tracks of a sensor with a reach of 300 m. Operators know a sensor's reach and sector; outside, its

@@ -1,4 +1,4 @@
-//! How far from its prediction a target's detection may be (HT-2).
+//! Gate: the largest accepted distance between a detection and its prediction (HT-2).
 //!
 //! Under the model, the squared statistical distance between a detection of D quantities and its prediction follows
 //! a chi-square distribution with D degrees of freedom. The gate is the distance not exceeded with the configured

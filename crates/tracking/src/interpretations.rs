@@ -53,7 +53,7 @@ pub(crate) struct Interpretation {
     pub(crate) parent: usize,
     /// Logarithm of the child's reliability, less a constant that all children of the cluster share.
     pub(crate) log_reliability: f64,
-    /// Whether the child has as many tracks as it ought to have; `None` if none are lacking.
+    /// Set if the child has as many tracks as expected; `None` if none are lacking.
     pub(crate) is_enough: Option<bool>,
 }
 

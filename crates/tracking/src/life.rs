@@ -53,7 +53,7 @@ impl Confirmation {
 }
 
 impl Deletion {
-    /// Whether so long a silence is too unlikely for a target that is still there.
+    /// Returns whether the silence is too unlikely for a target that still exists.
     pub(crate) fn is_missed_too_often(&self, track: &Track) -> bool {
         track.log_silence <= self.missed_probability.ln()
     }

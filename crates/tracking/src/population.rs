@@ -12,7 +12,7 @@ use crate::sensor::Memory;
 use crate::track::Track;
 use crate::wide_area::carried::Carried;
 
-/// One consistent explanation of everything in a cluster.
+/// Consistent explanation of all detections in a cluster.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hypothesis {
     /// Logarithm; those of a cluster sum to 1.

@@ -13,7 +13,7 @@ use observations::Detection;
 /// that means something else.
 pub const SILENT_SCANS_MAX: u32 = 100;
 
-/// One sensor's scan.
+/// Scan of a sensor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScanOfDetections {
     /// The sensor.

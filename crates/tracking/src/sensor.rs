@@ -66,7 +66,7 @@ impl Memory {
         directions_only: false,
     };
 
-    /// Whether a scan is of directions without ranges; one without detections is like the one before.
+    /// Returns whether a scan is of directions without ranges; an empty scan is like the scan before.
     pub(crate) fn sees_directions_only(&self) -> bool {
         self.directions_only
     }

@@ -171,7 +171,7 @@ impl TurnTime {
     }
 }
 
-/// Whether two times are of one turn.
+/// Returns whether two times agree as the same turn.
 fn agree(one_ns: i64, other_ns: i64) -> bool {
     one_ns.abs_diff(other_ns) as i64 <= one_ns.min(other_ns) / AGREEMENT_PARTS
 }

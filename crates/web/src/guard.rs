@@ -44,7 +44,7 @@ pub enum Refusal {
 pub struct Counts([AtomicU64; 7]);
 
 impl Counts {
-    /// One more was refused.
+    /// Counts a refused request.
     pub fn add(&self, refusal: Refusal) {
         self.0[refusal as usize].fetch_add(1, Ordering::Relaxed);
     }
@@ -126,7 +126,7 @@ impl Guard {
         refuse(Refusal::Token, StatusCode::FORBIDDEN, text)
     }
 
-    /// Whether `host`, with or without a port, is this server, which was reached at the address `local`.
+    /// Returns whether `host`, with or without a port, names this server, reached at the address `local`.
     fn is_called(&self, host: &[u8], local: IpAddr) -> bool {
         let host = String::from_utf8_lossy(host).to_ascii_lowercase();
         let (name, port) = match host.rsplit_once(':') {
@@ -142,7 +142,7 @@ impl Guard {
     }
 }
 
-/// Whether the request comes from a page of the host that it names, or from no page at all.
+/// Returns whether the request comes from a page of the requested host, or from no page at all.
 fn is_same_origin(headers: &HeaderMap) -> bool {
     let mut origins = headers.get_all(header::ORIGIN).iter();
     let (Some(origin), None) = (origins.next(), origins.next()) else {

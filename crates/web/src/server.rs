@@ -99,7 +99,7 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        // Its thread may have ended by itself.
+        // The thread may have ended on its own.
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();

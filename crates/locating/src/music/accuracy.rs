@@ -63,7 +63,7 @@ impl Accuracy {
         }
     }
 
-    /// Whether a minimum is as deep as that of a source may be.
+    /// Returns whether a minimum is deep enough for a source.
     pub(super) fn may_be_a_source(&self, minimum: &Minimum, antennas: usize) -> bool {
         let noise_vectors = (antennas - self.sources) as f64;
         let by_noise = 0.5 * self.deviation(minimum) * chi_square_limit(2.0 * noise_vectors);

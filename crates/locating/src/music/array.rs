@@ -150,7 +150,7 @@ impl AntennaArray {
     }
 }
 
-/// One antenna's response to a wave, and how its phase changes with the bearing, radians per (square) radian.
+/// Response of an antenna to a wave, and the change of its phase with the bearing, radians per (square) radian.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Response {
     /// Sample for a wave of amplitude 1.

@@ -19,13 +19,13 @@ use settings::{Node, Place, Range, SettingsError, Table, Value};
 
 use crate::log_sum::{log_add, log_sum};
 
-/// How the group with enough tracks is raised. Each favours the same group and never lowers it.
+/// Rule that raises the group with enough tracks. Each rule favours the same group and never lowers it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     /// To this share of the sum, in (0, 1), unless it has more already (the source's rule).
     Share(f64),
-    /// Its odds are multiplied by this, at least 1: how much likelier the report is if there are enough tracks than if
-    /// there are fewer.
+    /// Multiplies the odds by this factor, at least 1: the likelihood ratio of the report between enough and fewer
+    /// tracks.
     Factor(f64),
 }
 
@@ -171,7 +171,7 @@ pub fn correct(reliabilities: &mut [f64], tracks: &[u32], targets: f64, rule: Ru
     }
 }
 
-/// Whether so many tracks explain so many targets, of which there may be a fraction (WA-5).
+/// Returns whether this number of tracks explains the number of targets, which may be a fraction (WA-5).
 pub(crate) fn has_enough(tracks: usize, targets: f64) -> bool {
     lacking(tracks, targets) == 0
 }

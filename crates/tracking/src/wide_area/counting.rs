@@ -18,7 +18,7 @@ use observations::WideAreaReport;
 /// Most tracks of one picture.
 pub const TRACKS_MAX: usize = 2048;
 
-/// One of the other system's tracks.
+/// Track of the other system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CountedTrack {
     /// Track number in that system.

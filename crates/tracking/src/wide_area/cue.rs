@@ -1,4 +1,4 @@
-//! Where sensors should look next (WA-12).
+//! Search regions for the sensors' next looks (WA-12).
 //!
 //! Before its next look, a steerable sensor needs the expected position of each target and the size of the search
 //! region. The tracker holds both: the state predicted to the time of the look, and the gate for detections (HT-2).

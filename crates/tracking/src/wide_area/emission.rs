@@ -7,7 +7,7 @@ use super::report::PLACE_MAX_M;
 /// Most emissions kept at a time.
 pub const EMISSIONS_KEPT_MAX: usize = 1024;
 
-/// One emission, as received.
+/// Emission as received.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emission {
     /// Time of receipt, UTC, nanoseconds.

@@ -251,7 +251,7 @@ impl Expectations {
                     covers.then_some(true)
                 };
                 if let Some(none) = says {
-                    // Of one time, a target nearby outweighs coverage.
+                    // At the same time, a target nearby outweighs coverage.
                     if report.time_ns > latest_ns {
                         (latest_ns, is_absent) = (report.time_ns, none);
                     } else if report.time_ns == latest_ns {

@@ -163,7 +163,7 @@ impl Identities {
         if known.emissions < EMISSIONS_MAX {
             known.emissions += 1;
             let types = knowledge.types.iter().map(|target| &target.emissions[..]);
-            // Of any other type nothing is known.
+            // Any other type has no known bands.
             let bands = types.chain(std::iter::once(&[][..]));
             let sums = &mut self.log_likelihoods[place * self.width..][..self.width];
             for (sum, bands) in sums.iter_mut().zip(bands) {

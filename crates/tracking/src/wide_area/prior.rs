@@ -157,7 +157,7 @@ impl TargetType {
 }
 
 impl Knowledge {
-    /// Whether it contradicts itself.
+    /// Checks the statement for contradictions.
     fn check(&self) -> Result<(), SettingsError> {
         let most = [
             ("type", self.types.len(), TYPES_MAX),

@@ -89,7 +89,7 @@ impl EarlyConfirmation {
 }
 
 impl WideArea {
-    /// Whether valid reports matter to scans in which none is due.
+    /// Returns whether valid reports affect scans without a due report.
     pub(crate) fn lasts(&self) -> bool {
         self.held.is_some() || self.confirmation.is_some() || self.deletion.is_some()
     }
