@@ -25,7 +25,7 @@ pub struct BearingLocator {
     source: u16,
     limits: Limits,
     locator: Locator,
-    /// UTC at which the latest bearings were received, nanoseconds; `None` for recordings.
+    /// Time of receipt (UTC) of the latest bearings, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
     /// The finder's clock against that.
     clock: SourceClock,
@@ -37,7 +37,7 @@ pub struct BearingLocator {
     kept: LastKept,
 }
 
-/// Bearings, and tracks that followed from some, which were rejected, by reason.
+/// Counts of rejected bearings, and of rejected tracks, by reason.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rejected {
     time: u64,
@@ -49,7 +49,7 @@ impl BearingLocator {
     /// Makes the locator of source number `source`; its tracks keep to `limits`.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The first unusable setting.
     pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             source,
@@ -70,13 +70,13 @@ impl BearingLocator {
         &self.clock
     }
 
-    /// Sets the time at which the bearings that follow were received, by a UTC that is not set while the process runs,
-    /// nanoseconds.
+    /// Sets the time of receipt of the following bearings, nanoseconds, by a UTC clock without steps during the
+    /// process.
     pub fn received(&mut self, received_ns: i64) {
         self.received_ns = Some(received_ns);
     }
 
-    /// Takes a bearing that came in at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes a bearing received at `ingested_ns` (monotonic, nanoseconds).
     pub fn take(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
         let time_ns = bearing.time_of_measurement_ns;
         let is_wild = |received_ns: i64| !self.clock.believes(time_ns, received_ns, None);
@@ -134,7 +134,7 @@ impl BearingLocator {
         Ok(())
     }
 
-    /// Keeps its emitters in `memory` from now on, which is blank and has [so many words](Self::kept_words).
+    /// Saves its emitters in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         self.memory = Some(EmitterMemory::begin(memory, owner, self.locator.settings()));
     }

@@ -9,11 +9,11 @@
 //! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
 //! they are the tracker's own extrapolation without an observation, and fusion treats them as such.
 //!
-//! Reports of wide-area sensors wait until the scans have come to their arrival. A live one that comes when that scan
-//! has been worked off is counted, and used in the next.
+//! Reports of wide-area sensors wait until the scans have reached their arrival. If that scan has already been
+//! processed, a live report is counted, and used in the next scan.
 //!
-//! A track's time of ingest is that of the datagram that completed its scan. How old it is by then shows in the age of
-//! the data.
+//! The ingest time of a track is the ingest time of the datagram that completed its scan. The age of the data shows
+//! the waiting time before.
 //!
 //! A killed adapter leaves its tracks ([`tracking::LeftTracks`]): its successor resumes them under the same numbers.
 //! In addition, new numbers of scans and tracks begin with a number that depends on the time
@@ -38,14 +38,14 @@ use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
 
-/// Settings with which tracks are made of a source's detections.
+/// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
     /// Settings of the tracker; its only sensor is the source, under the number in the source's files.
     pub settings: tracking::Settings,
-    /// Rules by which detections are cut into scans.
+    /// Rules for cutting detections into scans.
     pub cutter: CutterSettings,
-    /// Outputs that are wanted of the tracker.
+    /// Requested outputs of the tracker.
     pub outputs: Outputs,
 }
 
@@ -58,7 +58,7 @@ pub struct DetectionTracker {
     tracker: ScanTracker,
     /// Number and time of the latest scan.
     latest: Option<(u32, i64)>,
-    /// Monotonic time at which the latest datagram came in, nanoseconds.
+    /// Monotonic time of receipt of the latest datagram, nanoseconds.
     ingested_ns: i64,
     detections: u64,
     late: u64,
@@ -77,7 +77,7 @@ impl DetectionTracker {
     /// numbers count from `epoch_ns` (UTC, nanoseconds).
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The first unusable setting.
     pub fn new(
         source: u16,
         settings: &TrackerSettings,
@@ -111,7 +111,7 @@ impl DetectionTracker {
         })
     }
 
-    /// Takes a detection that came in at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes a detection received at `ingested_ns` (monotonic, nanoseconds).
     pub fn take(&mut self, detection: Detection, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
         let time_ns = detection.time_of_measurement_ns;
@@ -122,8 +122,8 @@ impl DetectionTracker {
         }
     }
 
-    /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next one if that has been
-    /// worked off.
+    /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next scan if the
+    /// former has been processed.
     pub fn wide_area(&mut self, report: WideAreaReport) {
         let is_late = self.latest.is_some_and(|(_, time_ns)| report.arrival_ns <= time_ns);
         self.reports_late += u64::from(is_late);
@@ -156,7 +156,7 @@ impl DetectionTracker {
         self.cutter.turn_takes(turn_ns);
     }
 
-    /// Turn that the sensor's data have shown so far.
+    /// Turn time estimated so far from the sensor's data.
     pub fn turn(&self) -> Option<Turn> {
         self.cutter.turn()
     }
@@ -188,7 +188,7 @@ impl DetectionTracker {
         Ok(())
     }
 
-    /// Keeps its tracks in `memory` from now on, which is blank and has [so many words](Self::kept_words).
+    /// Saves its tracks in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         self.memory = Some(TrackMemory::begin(memory, owner, self.tracker.tracker().settings()));
     }
@@ -202,7 +202,7 @@ impl DetectionTracker {
         }
     }
 
-    /// Time of the latest scan, or of the latest picture where there are some, nanoseconds: no later track is older.
+    /// Time of the latest scan, or of the latest picture if there are any, nanoseconds: no later track is older.
     pub fn progress_ns(&self) -> i64 {
         let latest_ns = || self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
         self.tracker.shown_ns().unwrap_or_else(latest_ns)

@@ -1,6 +1,6 @@
 //! Times for saving tracks: after each change, and every second, so that the saved time shows the age of the data.
 
-/// Time after which tracks that have not changed are kept again, nanoseconds.
+/// Interval for saving unchanged tracks again, nanoseconds.
 const AGAIN_NS: i64 = 1_000_000_000;
 
 /// State of the tracks when they were kept last.

@@ -5,9 +5,9 @@
 //! the tracks are made here: from detections by a tracker ([`DetectionTracker`]), from bearings by a locator
 //! ([`BearingLocator`]). The output consists of [`Samples`], in the order of publication.
 //!
-//! Everything round a tracker, when pictures are shown, when counts and emissions are given to it, when sensors are
-//! cued, is in [`ScanTracker`], which `koseki track` drives too: so a live source and its recorded detections give the
-//! same tracks.
+//! [`ScanTracker`] contains all steps around a tracker: the times of pictures, the input of counts and emissions,
+//! and the cues of sensors. `koseki track` uses it too, so a live source and its recorded detections give the same
+//! tracks.
 //!
 //! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
 //! of reading.

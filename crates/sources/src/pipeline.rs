@@ -18,7 +18,7 @@ use crate::bearing_locator::BearingLocator;
 use crate::detection_tracker::{DetectionTracker, TrackerSettings};
 use crate::samples::Samples;
 
-/// Way in which a source's tracks come about.
+/// Method for making a source's tracks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Processing {
     /// The sensor delivers tracks.
@@ -70,7 +70,7 @@ impl Pipeline {
     /// nanoseconds). A tracker begins with these `reports` of wide-area sensors; more may follow.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The first unusable setting.
     pub fn new(
         model: SourceModel,
         processing: &Processing,
@@ -99,7 +99,7 @@ impl Pipeline {
         })
     }
 
-    /// Sets the time at which the data that follow were received, nanoseconds: see [`Converter::received`].
+    /// Sets the time of receipt of the following data, nanoseconds: see [`Converter::received`].
     pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
         self.converter.received(utc_ns, steady_ns);
         if let Maker::Locator(locator) = &mut self.maker {
@@ -107,7 +107,7 @@ impl Pipeline {
         }
     }
 
-    /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes a target report received at `ingested_ns` (monotonic, nanoseconds).
     pub fn take(&mut self, observation: &Observation, ingested_ns: i64, samples: &mut Samples) {
         match &mut self.maker {
             Maker::None => {
@@ -129,7 +129,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a bearing that came in at `ingested_ns`.
+    /// Takes a bearing received at `ingested_ns`.
     pub fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
         if let Maker::Locator(locator) = &mut self.maker {
             locator.take(bearing, ingested_ns, samples);
@@ -161,7 +161,7 @@ impl Pipeline {
         self.follow();
     }
 
-    /// Takes a report of a wide-area sensor that its tracker listens to.
+    /// Takes a report of a wide-area sensor that supports its tracker.
     pub fn wide_area(&mut self, report: WideAreaReport) {
         if let Maker::Tracker(tracker) = &mut self.maker {
             tracker.wide_area(report);
@@ -206,8 +206,8 @@ impl Pipeline {
         }
     }
 
-    /// Keeps the tracks that it makes in `memory` from now on, which is blank and has
-    /// [so many words](Self::kept_words).
+    /// Saves the tracks made here in `memory` from now on; the memory is blank and has [this
+    /// size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         match &mut self.maker {
             Maker::None => {}
@@ -226,7 +226,7 @@ impl Pipeline {
         }
     }
 
-    /// Time that the source has reached, UTC, nanoseconds; `i64::MIN` before its first data.
+    /// Progress of the source's data time, UTC, nanoseconds; `i64::MIN` before its first data.
     pub fn progress_ns(&self) -> i64 {
         self.progress_ns
     }
@@ -248,7 +248,7 @@ impl Pipeline {
         }
     }
 
-    /// Everything that has been counted.
+    /// All counters.
     pub fn counters(&self) -> Counters {
         let mut counters = *self.converter.counters();
         match &self.maker {

@@ -19,7 +19,7 @@ use tracking::wide_area::schedule::Schedule;
 use tracking::wide_area::{Emission, EmissionRejection, ReportRejection};
 use tracking::{LeftTracks, Rejection, Settings, TrackReport, Tracker};
 
-/// Outputs that are wanted of a tracker.
+/// Requested outputs of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Outputs {
     /// Time between two pictures of all confirmed tracks, nanoseconds; `None`: tracks come after each scan.
@@ -68,7 +68,7 @@ pub struct ScanTracker {
     tracker: Tracker,
     /// Reports of wide-area sensors that wait for the scans to come to their arrival.
     reports: Arrivals,
-    /// Emissions that wait for the scans to come to their time, the latest first.
+    /// Emissions waiting for the scans to reach their time, the latest first.
     emissions: Vec<Emission>,
     pictures: Option<Pictures>,
     cueing: Option<Cueing>,
@@ -98,7 +98,7 @@ struct CuedSensor {
     sensor_id: u32,
     /// Standard deviations of detections that state none.
     sigmas: Option<[f64; 4]>,
-    /// Standard deviation of the detections' places when there were any last, metres; 0 before that.
+    /// Standard deviation of the latest detections' positions, metres; 0 before the first.
     sigma_m: f64,
 }
 
@@ -106,7 +106,7 @@ impl ScanTracker {
     /// A tracker that uses these `reports` of wide-area sensors and `emissions` when their times come; more may follow.
     ///
     /// # Errors
-    /// The first setting that cannot be used.
+    /// The first unusable setting.
     pub fn new(
         settings: Settings,
         outputs: Outputs,
@@ -209,12 +209,12 @@ impl ScanTracker {
         self.pictures.as_ref().map(|pictures| pictures.shown_ns)
     }
 
-    /// Number of scans that the tracker has taken.
+    /// Number of scans taken by the tracker.
     pub fn scans(&self) -> u64 {
         self.scans
     }
 
-    /// Number of reports and of emissions that wait for a scan.
+    /// Numbers of reports and of emissions waiting for a scan.
     pub fn waiting(&self) -> (usize, usize) {
         (self.reports.waiting(), self.emissions.len())
     }

@@ -20,7 +20,7 @@ const HEADERS: [(HeaderName, &str); 4] = [
     (header::CONNECTION, "close"),
 ];
 
-/// Reason for which a request or a connection was refused.
+/// Reason for refusing a request or a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refusal {
     /// Another host was asked for, or none.
@@ -63,7 +63,7 @@ impl Counts {
 /// Clients that a server answers.
 #[derive(Clone, Debug, Default)]
 pub struct Guard {
-    /// Names under which it may be asked for, in small letters and without ports.
+    /// Accepted host names, in lower case and without ports.
     pub hosts: Vec<String>,
     /// Token required of every client; `None`: none.
     pub token: Option<String>,
