@@ -64,7 +64,7 @@ settings::words! {
     pub enum AboveThreshold {
         /// Option a: direction and speed stay as they are.
         Continue = "continue",
-        /// Option b: direction and speed become those up to the fix at the rise of the variance, and after its fall.
+        /// Option b: they become those up to the fix at which the variance rose, and after it fell.
         UseCrossings = "use-crossings",
     }
 }

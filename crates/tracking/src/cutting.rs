@@ -57,7 +57,7 @@ pub struct CutterSettings {
 settings::words! {
     /// Places where scans begin.
     pub enum Boundaries {
-        /// Boundaries at the sensor's reports.
+        /// Boundaries where the sensor says so.
         Turn = "turn",
         /// Boundaries at whole multiples of the period.
         Period = "period",
