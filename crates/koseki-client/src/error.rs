@@ -64,7 +64,7 @@ pub enum Error {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum ErrorKind {
-    /// The deployment does not run: start it, or wait for it.
+    /// No such deployment runs: start it, or wait for it.
     NotRunning = 1,
     /// The deployment has ended or was replaced: open anew.
     Ended = 2,
