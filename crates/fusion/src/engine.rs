@@ -43,6 +43,8 @@ const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
 const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
 /// Below this speed a course says nothing, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
+/// Distance of a report from the estimate, in standard deviations of both, beyond which one of the two is wrong.
+const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
@@ -635,9 +637,13 @@ impl Engine {
             }
             return;
         };
+        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
+        if self.is_astray(sensor, &innovation) {
+            self.restart(sensor);
+            return;
+        }
         let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
-        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
         self.tracks.systems.get_mut(system).nis = nis as f32;
         let speed = velocity[0].hypot(velocity[1]);
         if speed > COURSE_SPEED_MIN_MPS {
@@ -659,6 +665,20 @@ impl Engine {
         self.points.learn(&mut self.tracks, sensor, &innovation);
         self.sources
             .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
+    }
+
+    /// Whether so many reports in a row lie far off the estimate, whichever source they are of, that the estimate is
+    /// wrong: covariance scaling and the learned noise of the sources would defend it against them all.
+    fn is_astray(&mut self, sensor: SensorSlot, innovation: &crate::filter::Innovation) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, claimed) = (entry.system, &entry.latest.covariance);
+        let entry = self.tracks.systems.get_mut(system);
+        let known = &entry.filter.estimate.covariance;
+        let variance_m2 = claimed.get(0, 0) + claimed.get(1, 1) + known.get(0, 0) + known.get(1, 1);
+        let [east_m, north_m] = innovation.residual_m;
+        let is_far = east_m * east_m + north_m * north_m > ASTRAY_SIGMAS * ASTRAY_SIGMAS * variance_m2;
+        entry.astray = if is_far { entry.astray + 1 } else { 0 };
+        entry.astray >= self.settings.association.split_reports
     }
 
     /// Lets the filter of a sensor track's system track, which is of no use any more, begin anew with what the sensor

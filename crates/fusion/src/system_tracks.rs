@@ -42,6 +42,8 @@ pub(crate) struct SystemEntry {
     pub(crate) absence: f64,
     /// Normalised innovation squared of its latest report, in the plane; 0 if that was not compared with the filter.
     pub(crate) nis: f32,
+    /// Reports in a row that lie far off the filter's estimate, by all that is known of both.
+    pub(crate) astray: u32,
     /// When a sensor track that joined began, earliest.
     pub(crate) first_seen_ns: i64,
     /// Source whose point of the target the filter follows; [`NO_SOURCE`] if it follows none.
@@ -161,6 +163,7 @@ impl SystemEntry {
             course: kept.course,
             absence: kept.absence,
             nis: 0.0,
+            astray: 0,
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
             was_shown: kept.was_shown,
@@ -188,6 +191,7 @@ impl SystemEntry {
             course: [0.0, 1.0],
             absence: 0.0,
             nis: 0.0,
+            astray: 0,
             first_seen_ns: i64::MAX,
             point_source: NO_SOURCE,
             ownership: Ownership::default(),

@@ -292,6 +292,25 @@ fn honest_targets_are_there(rule: messages::FusionRule, reports: &[SensorTrack])
     Ok(())
 }
 
+/// Reports of two sources, of which the second states such speeds, and places 100 km away.
+fn with_strange_speeds(seed: u64, speed_mps: f64) -> Vec<SensorTrack> {
+    let mut random = random(seed);
+    let mut chance = || 0.5 + random();
+    two_sources(|report| {
+        let (axis, value) = ((3.0 * chance()) as usize, if chance() < 0.5 { 99_999.0 } else { 0.0 });
+        report.position_m[axis.min(2)] = value;
+        let (axis, value) = ((3.0 * chance()) as usize, if chance() < 0.5 { speed_mps } else { 0.0 });
+        report.velocity_mps[axis.min(2)] = value;
+    })
+}
+
+/// The estimate follows a lie by 40 km; then both sources agree with each other, and not with the estimate.
+#[test]
+fn an_estimate_that_a_lie_took_along_is_restarted() {
+    let reports = with_strange_speeds(1_152_326_923_783_210_848, 300.0);
+    honest_targets_are_there(messages::FusionRule::Auto, &reports).unwrap();
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -302,14 +321,7 @@ proptest! {
         rule in prop::sample::select(vec!["auto", "information", "best-source"]),
         speed_mps in prop::sample::select(vec![300.0, 3e3, 1e4, 3e4, 99_999.0]),
     ) {
-        let mut random = random(seed);
-        let mut chance = || 0.5 + random();
-        let reports = two_sources(|report| {
-            let (axis, value) = ((3.0 * chance()) as usize, if chance() < 0.5 { 99_999.0 } else { 0.0 });
-            report.position_m[axis.min(2)] = value;
-            let (axis, value) = ((3.0 * chance()) as usize, if chance() < 0.5 { speed_mps } else { 0.0 });
-            report.velocity_mps[axis.min(2)] = value;
-        });
+        let reports = with_strange_speeds(seed, speed_mps);
         honest_targets_are_there(messages::FusionRule::from_word(rule).unwrap(), &reports)?;
     }
 
