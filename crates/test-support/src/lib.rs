@@ -3,12 +3,14 @@
 #![forbid(unsafe_code)]
 
 mod golden;
+mod mutated;
 pub mod page;
 mod random;
 mod recordings;
 mod table;
 
 pub use golden::{Digest, assert_golden};
+pub use mutated::{Dice, mutated};
 pub use random::Random;
 pub use recordings::{recording, recordings};
 pub use table::{column, numbers, places, rows};

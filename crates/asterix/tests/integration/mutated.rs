@@ -13,6 +13,7 @@ use std::env;
 use std::thread;
 
 use asterix::{Block, Category, Mode, blocks, registry};
+use test_support::{Dice, mutated};
 
 use crate::{any_bytes, files};
 
@@ -45,17 +46,18 @@ fn damaged_recordings_are_read_to_their_end() {
         return;
     }
     let mutations = env::var("KOSEKI_MUTATIONS").map_or(MUTATIONS, |number| number.parse().expect("a whole number"));
+    let all: Vec<&[u8]> = sources.iter().map(|block| block.bytes).collect();
     let threads = thread::available_parallelism().map_or(1, usize::from) as u64;
     let mut totals = Totals::default();
     thread::scope(|scope| {
         let parts: Vec<_> = (0..threads)
             .map(|first| {
-                let sources = &sources;
+                let (sources, all) = (&sources, &all);
                 scope.spawn(move || {
                     let mut totals = Totals::default();
                     (first..mutations)
                         .step_by(threads as usize)
-                        .for_each(|number| check(sources, number, &mut totals));
+                        .for_each(|number| check(sources, all, number, &mut totals));
                     totals
                 })
             })
@@ -104,11 +106,11 @@ impl Totals {
     }
 }
 
-fn check(sources: &[Block<'_>], number: u64, totals: &mut Totals) {
-    let mut random = Random::new(number);
+fn check(sources: &[Block<'_>], all: &[&[u8]], number: u64, totals: &mut Totals) {
+    let mut random = Dice::new(number);
     let source = &sources[random.below(sources.len())];
-    let table = table(source, random.next()).expect("blocks with a table were chosen");
-    let bytes = mutate(source.bytes, sources, &mut random);
+    let table = table(source, random.bits()).expect("blocks with a table were chosen");
+    let bytes = mutated(source.bytes, all, &mut random);
     let _shown = Shown {
         number,
         table,
@@ -138,67 +140,5 @@ impl Drop for Shown<'_> {
         if thread::panicking() {
             eprintln!("mutation {} read as {}: {:02x?}", self.number, self.table, self.bytes);
         }
-    }
-}
-
-/// The block with one to three kinds of damage.
-fn mutate(source: &[u8], sources: &[Block<'_>], random: &mut Random) -> Vec<u8> {
-    let mut bytes = source.to_vec();
-    for _ in 0..1 + random.below(3) {
-        let at = random.below(bytes.len());
-        match random.below(8) {
-            0 | 1 => bytes[at] ^= 1 << random.below(8),
-            2 => bytes[at] = random.next() as u8,
-            3 => bytes[at] = *random.one_of(&[0, 1, 2, 0x7F, 0x80, 0xFE, 0xFF]), // lengths, counts, FX
-            4 => {
-                let end = (at + 1 + random.below(12)).min(bytes.len());
-                bytes[at..end].iter_mut().for_each(|octet| *octet |= 1); // everything goes on
-            }
-            5 => bytes.truncate(at.max(1)),
-            6 => {
-                let other = random.one_of(sources).bytes;
-                bytes.truncate(at.max(1));
-                bytes.extend(&other[random.below(other.len())..]);
-            }
-            _ => {
-                let end = at + random.below(bytes.len() - at);
-                let again = bytes[at..end].to_vec();
-                bytes.splice(at..at, again);
-            }
-        }
-    }
-    // The length is made right as a rule, so that what lies behind it is read.
-    if random.below(8) > 0 && bytes.len() >= 3 {
-        bytes[0] = source[0];
-        let [high, low] = (bytes.len() as u16).to_be_bytes();
-        bytes[1..3].copy_from_slice(&[high, low]);
-    }
-    bytes
-}
-
-/// Numbers that depend on a seed alone: the generator SplitMix64 (G. Steele, D. Lea, C. Flood, OOPSLA 2014).
-struct Random {
-    state: u64,
-}
-
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self { state: seed << 32 }
-    }
-
-    fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut mixed = self.state;
-        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^ mixed >> 31
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-
-    fn one_of<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
-        &choices[self.below(choices.len())]
     }
 }
