@@ -175,7 +175,7 @@ fn drive_engine(sources: usize) -> (u64, Duration) {
 #[inline(never)]
 fn young_update(engine: &mut Engine, report: &SensorTrack, now_ns: i64) {
     engine.take_at(report, now_ns, &mut |track: &SystemTrack| {
-        drop(std::hint::black_box(*track))
+        let _ = std::hint::black_box(*track);
     });
 }
 
@@ -183,7 +183,7 @@ fn young_update(engine: &mut Engine, report: &SensorTrack, now_ns: i64) {
 #[inline(never)]
 fn steady_update(engine: &mut Engine, report: &SensorTrack, now_ns: i64) {
     engine.take_at(report, now_ns, &mut |track: &SystemTrack| {
-        drop(std::hint::black_box(*track))
+        let _ = std::hint::black_box(*track);
     });
 }
 
