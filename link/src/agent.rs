@@ -44,12 +44,8 @@ pub(crate) struct LinkAgent {
     /// Deployments that something is to come from.
     expected: Vec<String>,
     /// Before the session.
-    _there: (
-        Queryable<()>,
-        Option<Queryable<()>>,
-        Vec<Queryable<()>>,
-        LivelinessToken,
-    ),
+    _answers: Vec<Queryable<()>>,
+    _token: LivelinessToken,
     session: Session,
     _gates: Gates,
 }
@@ -124,7 +120,8 @@ impl LinkAgent {
             own_clock,
             compare_ns: i64::MIN,
             expected,
-            _there: (clock, picture, histories, token),
+            _answers: picture.into_iter().chain([clock]).chain(histories).collect(),
+            _token: token,
             session,
             _gates: gates,
         })

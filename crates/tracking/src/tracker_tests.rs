@@ -245,7 +245,7 @@ fn counts_with(choose: impl Fn(&mut Splitting)) -> TrackerCounts {
         }
         tracker.scan(1, second * S, &scan).unwrap();
     }
-    tracker.counts().clone()
+    *tracker.counts()
 }
 
 #[test]
