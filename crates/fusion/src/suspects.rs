@@ -1,7 +1,7 @@
 //! Reports in which fusion has died.
 //!
 //! The process stores the name of each report in the checkpoint before its work
-//! ([`IN_WORK`](crate::checkpoint::IN_WORK)), and the source's position after the work. A successor that finds a name
+//! ([`IN_WORK`]), and the source's position after the work. A successor that finds a name
 //! without its position has found the report in which the process died: a *suspect*. The successor works a suspect off
 //! once more, since a kill from outside can fall into any report. A report in which fusion dies twice is put in
 //! quarantine: the next successor passes over the report.
