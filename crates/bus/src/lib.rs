@@ -72,6 +72,7 @@ mod ports;
 mod process;
 mod publisher;
 mod quality;
+mod remains;
 mod root;
 mod seal;
 mod service;

@@ -31,7 +31,6 @@ use std::time::Duration;
 use iceoryx2::node::{Node, NodeState, NodeView as _};
 use iceoryx2::prelude::{CallbackProgression, Config, FileName, SemanticString as _};
 use rustix::fs::{FlockOperation, flock};
-use rustix::process::{Pid, test_kill_process};
 
 use crate::base;
 use crate::error::{BusError, io_error};
@@ -51,7 +50,7 @@ const SOCKET_NAME_LEN: usize = 1 + 39 + 6;
 const ROOT_PATH_MAX: usize = SOCKET_PATH_MAX - SOCKET_NAME_LEN - PREFIX_LEN;
 
 /// Folder of iceoryx2's files about processes, in the instance's.
-const NODES: &str = "nodes";
+pub(crate) const NODES: &str = "nodes";
 /// End of the name of iceoryx2's count of processes.
 const COUNTER_SUFFIX: &str = ".global_mgmt";
 /// How long iceoryx2 waits for another process that is about to create something. It is also the longest time that a
@@ -211,52 +210,8 @@ impl Root {
         Ok(nodes)
     }
 
-    /// Removes the files of dead processes that iceoryx2 leaves behind. It does not see a process that died before it
-    /// had said that it lives; and one that died before it had described itself, or while its description was being
-    /// removed, it looks for among other instances. What such processes had in topics is gone by then, or never was.
-    pub(crate) fn remove_remains(&self, prefix: &str) -> Result<(), BusError> {
-        // Listed before the living are: who joins meanwhile is not among them.
-        let files = self.node_files(prefix)?;
-        let mut known = Vec::new();
-        self.visit_nodes(|state| match state {
-            NodeState::Alive(view) => known.push(view.id().value()),
-            NodeState::Dead(view) if view.details().is_some() => known.push(view.id().value()),
-            _ => {}
-        })?;
-        for (node, path) in files {
-            if known.contains(&node) || is_process(node) {
-                continue;
-            }
-            // What cannot be removed, or is gone by now, is found or not found the next time.
-            let _ = match path.is_dir() {
-                true => fs::remove_dir_all(path),
-                false => fs::remove_file(path),
-            };
-        }
-        Ok(())
-    }
-
-    /// iceoryx2's files about processes, each with the number of its process; folders come first.
-    fn node_files(&self, prefix: &str) -> Result<Vec<(u128, PathBuf)>, BusError> {
-        let folder = self.path.join(NODES);
-        let entries = fs::read_dir(&folder).map_err(io_error("read", &folder))?;
-        let number_of = |name: &str| {
-            name.strip_prefix(prefix)
-                .unwrap_or(name)
-                .split('.')
-                .next()?
-                .parse()
-                .ok()
-        };
-        let mut files: Vec<(u128, PathBuf)> = entries
-            .flatten()
-            .filter_map(|entry| Some((number_of(entry.file_name().to_str()?)?, entry.path())))
-            .collect();
-        files.sort_by_key(|(_, path)| !path.is_dir());
-        Ok(files)
-    }
-
-    fn visit_nodes(&self, mut visit: impl FnMut(NodeState<SharedMemory>)) -> Result<(), BusError> {
+    /// Shows the state of each process that has joined the instance to `visit`.
+    pub(crate) fn visit_nodes(&self, mut visit: impl FnMut(NodeState<SharedMemory>)) -> Result<(), BusError> {
         tame_logging();
         let Some(prefix) = self.prefix()? else {
             return Ok(());
@@ -569,13 +524,6 @@ fn read_pid(lock: &mut File) -> Option<u32> {
     lock.rewind().ok()?;
     lock.read_to_string(&mut text).ok()?;
     text.trim().parse().ok()
-}
-
-/// Whether the process that iceoryx2 has given the number `node` lives, or waits for its parent to hear of its end.
-fn is_process(node: u128) -> bool {
-    // Seconds, nanoseconds, number of the process, count: 32 bits each.
-    let pid = Pid::from_raw((node >> 64) as i32);
-    pid.is_some_and(|pid| test_kill_process(pid) != Err(rustix::io::Errno::SRCH))
 }
 
 #[cfg(test)]
