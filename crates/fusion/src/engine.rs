@@ -704,6 +704,7 @@ impl Engine {
         entry.last_report_ns = entry.last_report_ns.max(report.time_of_measurement_ns);
         entry.fresh_until_ns = fresh_until_ns;
         entry.reports = entry.reports.saturating_add(1);
+        entry.extrapolations = 0;
         entry.absence = 0.0;
         let [x, y] = [entry.filter.estimate.mean[0], entry.filter.estimate.mean[1]];
         systems.grid.place(system, x, y);

@@ -33,7 +33,7 @@ use crate::state::State;
 /// Normalised innovation squared beyond which a measurement is weighed down.
 const BLUNDER: f64 = 30.0;
 /// Number of motion models.
-const MODES: usize = 2;
+pub(crate) const MODES: usize = 2;
 /// Process noise of steady motion, relative to that of turns.
 const STEADY: f64 = 4e-4;
 /// Mean duration of turns, seconds.
@@ -279,6 +279,11 @@ impl Filter {
             *acceleration = (*acceleration + change_mps / ACCELERATION_S) * fading;
         }
         innovation
+    }
+
+    /// Returns the probabilities of the motion models, in the order of `MotionMode`.
+    pub(crate) fn mode_probabilities(&self) -> [f32; MODES] {
+        self.probability.map(|probability| probability as f32)
     }
 
     /// How the target moves, as far as that is sure.

@@ -79,7 +79,7 @@ impl Life {
                 }
             }
             TrackState::Confirmed if now_ns >= entry.coverage_due_ns => self.learn_coverage(tracks, system, now_ns),
-            TrackState::Confirmed | TrackState::Terminated => {}
+            TrackState::Confirmed | TrackState::Suspended | TrackState::Terminated => {}
         }
     }
 
@@ -225,7 +225,7 @@ fn run_timer<S: Sink>(
         TrackState::Tentative if entry.was_shown => end_ns,
         TrackState::Tentative => last_ns.saturating_add(tentative_ns),
         TrackState::Confirmed => coast_ns,
-        TrackState::Coasted => end_ns,
+        TrackState::Coasted | TrackState::Suspended => end_ns,
     };
     if deadline_ns < due_ns {
         return Some(due_ns);

@@ -6,6 +6,7 @@ use messages::{
 };
 
 use crate::explanation::Sink;
+use crate::filter::MODES;
 use crate::outlet::Outlet;
 use crate::rules::Share;
 use crate::settings::Settings;
@@ -43,6 +44,7 @@ pub(crate) fn publish_extrapolated<S: Sink>(
     out: &mut Outlet<'_, S>,
 ) {
     let entry = tracks.systems.get_mut(slot);
+    entry.extrapolations = entry.extrapolations.saturating_add(1);
     entry.state = entry
         .state
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
@@ -81,7 +83,7 @@ pub(crate) fn write(
     message.covariance = entry.state.covariance;
     message.movement = match entry.life {
         TrackState::Tentative | TrackState::Confirmed => entry.filter.movement(),
-        TrackState::Coasted | TrackState::Terminated => Movement::default(),
+        TrackState::Coasted | TrackState::Suspended | TrackState::Terminated => Movement::default(),
     };
     message.source_count = weighed.map_or(0, Weighed::contributing);
     message.state = entry.life as u8;
@@ -94,6 +96,9 @@ pub(crate) fn write(
     message.kind = entry.description.kind as u8;
     message.members = entry.description.members;
     message.target_type = entry.description.target_type;
+    message.mode_probabilities[..MODES].copy_from_slice(&entry.filter.mode_probabilities());
+    message.updates = entry.reports;
+    message.extrapolations = entry.extrapolations;
     let listed_before = std::mem::replace(&mut message.contribution_count, members.len() as u16);
     let flag = |is_set: bool, flag| if is_set { flag } else { 0 };
     let mut heaviest = 0.0;
@@ -115,6 +120,8 @@ pub(crate) fn write(
             accuracy: if is_scored { share.accuracy } else { f64::NAN },
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
             origin: member.latest.origin,
+            axis_weights: share.weight.map(|weight| weight as f32),
+            axis_accuracies: [0.0; AXES],
         };
         if member.latest.has(sensor_track_bits::LEVEL) {
             let stated_ns = member.time_ns - i64::from(member.latest.level_age_ms) * NS_PER_MS;

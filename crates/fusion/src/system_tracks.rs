@@ -68,6 +68,8 @@ pub(crate) struct SystemEntry {
     pub(crate) members: Option<SensorSlot>,
     /// Reports so far, as far as confirmation counts them.
     pub(crate) reports: u32,
+    /// Extrapolations published since the latest report.
+    pub(crate) extrapolations: u32,
     /// Time of measurement of the latest report of any member, nanoseconds.
     pub(crate) last_report_ns: i64,
     /// When the present contributions cease to be fresh, nanoseconds.
@@ -169,6 +171,7 @@ impl SystemEntry {
             was_shown: kept.was_shown,
             contributors: u64::MAX,
             reports: kept.reports,
+            extrapolations: 0,
             last_report_ns: kept.last_report_ns,
             alerts: kept.alerts,
             on_ground: kept.on_ground,
@@ -204,6 +207,7 @@ impl SystemEntry {
             column: 0,
             members: None,
             reports: 0,
+            extrapolations: 0,
             last_report_ns: filter.time_ns,
             fresh_until_ns,
             alerts: 0,

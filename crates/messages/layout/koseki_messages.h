@@ -6,24 +6,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x72e83c3fe9f8f34d) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0x4b4a969577bc444f) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x2bb89f475bbe7daf) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0xb3d1d23463cd8924) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
-#define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x2ca48047a066afaa) /* BatchHeader.schema of its slices. */
+#define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x7847cd571dbcb63f) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CONTRIBUTOR_SET_SCHEMA UINT64_C(0x5e4828dfca2a303d) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x1975aaa774a255cf) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xcda95bd688c5c5e5) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdf6f0619ef7a0a99) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTROL_SCHEMA UINT64_C(0x4ed91c35735096bb) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x44541240a46ea825) /* BatchHeader.schema of its slices. */
 #define KOSEKI_RESTORED_SCHEMA UINT64_C(0xb57ebe5154fb4a98) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CONTRIBUTIONS_MAX UINT64_C(0x10) /* Length of SystemTrack.contributions. */
-#define KOSEKI_CONTRIBUTORS_MAX UINT64_C(0x40) /* Length of ContributorSet.sensor_uids. */
 #define KOSEKI_COUNTERS_MAX UINT64_C(0x80) /* Length of Counters.values. */
 #define KOSEKI_IDENTITY_MODE_3A UINT64_C(0x1) /* `mode_3a` holds a Mode 3/A code. */
 #define KOSEKI_IDENTITY_CALLSIGN UINT64_C(0x2) /* `callsign` holds a callsign. */
@@ -41,8 +39,13 @@
 #define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps. */
 #define KOSEKI_SENSOR_TRACK_CONTRIBUTORS UINT64_C(0x200) /* `shared_sources` is known: the track is a system track of another centre, which names its sensors. */
 #define KOSEKI_SENSOR_TRACK_LEVEL UINT64_C(0x400) /* `level` holds the level of the target's transponder. */
+#define KOSEKI_SENSOR_TRACK_TURN_RATE UINT64_C(0x800) /* `turn_rate_radps` is known. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
+#define KOSEKI_SENSOR_DETECTION_LEVEL UINT64_C(0x4) /* `level` holds the level of the target's transponder. */
+#define KOSEKI_SENSOR_DETECTION_PLATFORM_VELOCITY UINT64_C(0x8) /* `platform_velocity_mps` is known. */
+#define KOSEKI_SENSOR_DETECTION_PLATFORM_ATTITUDE UINT64_C(0x10) /* `platform_attitude_rad` and `attitude_sigmas_rad` are known. */
+#define KOSEKI_SENSOR_DETECTION_PLATFORM_SIGMA UINT64_C(0x20) /* `platform_sigma_m` is known. */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */
@@ -52,11 +55,12 @@
 #define KOSEKI_PLATFORM_STATE_ATTITUDE UINT64_C(0x4) /* `pitch_rad` and `roll_rad` are known. */
 #define KOSEKI_PLATFORM_STATE_POSITION_SIGMA UINT64_C(0x8) /* `position_sigma_m` is known. */
 #define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* `heading_sigma_rad` is known. */
+#define KOSEKI_PLATFORM_STATE_VELOCITY_SIGMA UINT64_C(0x20) /* `velocity_sigma_mps` is known. */
+#define KOSEKI_PLATFORM_STATE_ATTITUDE_SIGMA UINT64_C(0x40) /* `pitch_sigma_rad` and `roll_sigma_rad` are known. */
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
 #define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* It is a system track of another centre. Not fresh, it is listed for a while without weight. */
-#define KOSEKI_CONTRIBUTOR_SET_OVERFLOW UINT64_C(0x1) /* More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
 #define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */
 #define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
@@ -76,8 +80,22 @@
 #define KOSEKI_STATE_CONFIRMED UINT64_C(0x1) /* Believed, and supported by recent reports. */
 #define KOSEKI_STATE_COASTED UINT64_C(0x2) /* Believed, but carried on by extrapolation for want of reports. */
 #define KOSEKI_STATE_TERMINATED UINT64_C(0x3) /* Ended; the number is not used again soon. */
+#define KOSEKI_STATE_SUSPENDED UINT64_C(0x4) /* No longer reported by any source: not shown, while the number rests and may resume. */
 #define KOSEKI_KIND_SINGLE UINT64_C(0x0) /* One target. */
 #define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Several targets that are not told apart (WA-7). */
+#define KOSEKI_MODE_STEADY UINT64_C(0x0) /* Constant velocity in the plane. */
+#define KOSEKI_MODE_AGILE UINT64_C(0x1) /* Nearly constant velocity in the plane with strong process noise. */
+#define KOSEKI_MODE_LEFT_TURN UINT64_C(0x2) /* Coordinated turn to the left. */
+#define KOSEKI_MODE_RIGHT_TURN UINT64_C(0x3) /* Coordinated turn to the right. */
+#define KOSEKI_MODE_SPEED_CHANGE UINT64_C(0x4) /* Change of speed along the course. */
+#define KOSEKI_MODE_LEVEL UINT64_C(0x5) /* Constant height. */
+#define KOSEKI_MODE_CLIMB UINT64_C(0x6) /* Constant climb rate. */
+#define KOSEKI_MODE_CLIMB_CHANGE UINT64_C(0x7) /* Change of the climb rate. */
+#define KOSEKI_ERROR_MODEL_UNDECIDED UINT64_C(0x0) /* No model has sufficient evidence. */
+#define KOSEKI_ERROR_MODEL_OFFSET UINT64_C(0x1) /* Constant offset in the system frame. */
+#define KOSEKI_ERROR_MODEL_BODY UINT64_C(0x2) /* Offset fixed to the target's body: a reference point other than that of other sources. */
+#define KOSEKI_ERROR_MODEL_POLAR UINT64_C(0x3) /* Offset that grows with range or azimuth. */
+#define KOSEKI_ERROR_MODEL_TIME UINT64_C(0x4) /* Time offset. */
 #define KOSEKI_RULE_AUTO UINT64_C(0x1) /* Filter of the target's own, with what its sources are worth learned. */
 #define KOSEKI_RULE_SYSTEM_FILTER UINT64_C(0x2) /* Filter of the target's own. */
 #define KOSEKI_RULE_BEST_SOURCE UINT64_C(0x3) /* Source with the smallest accuracy value. */
@@ -193,6 +211,16 @@ static_assert(offsetof(KosekiIdentity, callsign) == 8, "offset");
 static_assert(offsetof(KosekiIdentity, name) == 16, "offset");
 static_assert(offsetof(KosekiIdentity, reserved) == 36, "offset");
 
+typedef struct KosekiIdentityAges {
+    uint32_t address_ms; /* Age of `address`, milliseconds. */
+    uint32_t mode_3a_ms; /* Age of `mode_3a`, milliseconds. */
+    uint32_t callsign_ms; /* Age of `callsign`, milliseconds. */
+} KosekiIdentityAges;
+static_assert(sizeof(KosekiIdentityAges) == 12, "size");
+static_assert(offsetof(KosekiIdentityAges, address_ms) == 0, "offset");
+static_assert(offsetof(KosekiIdentityAges, mode_3a_ms) == 4, "offset");
+static_assert(offsetof(KosekiIdentityAges, callsign_ms) == 8, "offset");
+
 typedef struct KosekiExtent {
     float length_m; /* Length of the longer side, metres; 0: unknown. */
     float width_m; /* Length of the shorter side, metres; 0: unknown. */
@@ -286,8 +314,12 @@ typedef struct KosekiSensorTrack {
     uint64_t shared_sources; /* Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers. */
     uint32_t origin; /* Deployment that made it, where it is a system track of another centre; else 0. */
     uint32_t level_age_ms; /* Age of `level` at the time of measurement, milliseconds. */
+    KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the time of measurement. */
+    float existence; /* Probability that the target exists according to the source, in (0, 1]; 0: not stated. */
+    float turn_rate_radps; /* Rate of turn according to the source, clockwise from above, radians per second. */
+    uint32_t reserved; /* Reserved, 0. */
 } KosekiSensorTrack;
-static_assert(sizeof(KosekiSensorTrack) == 424, "size");
+static_assert(sizeof(KosekiSensorTrack) == 448, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiSensorTrack, sequence) == 8, "offset");
 static_assert(offsetof(KosekiSensorTrack, stages) == 16, "offset");
@@ -312,6 +344,10 @@ static_assert(offsetof(KosekiSensorTrack, movement) == 392, "offset");
 static_assert(offsetof(KosekiSensorTrack, shared_sources) == 408, "offset");
 static_assert(offsetof(KosekiSensorTrack, origin) == 416, "offset");
 static_assert(offsetof(KosekiSensorTrack, level_age_ms) == 420, "offset");
+static_assert(offsetof(KosekiSensorTrack, identity_ages) == 424, "offset");
+static_assert(offsetof(KosekiSensorTrack, existence) == 436, "offset");
+static_assert(offsetof(KosekiSensorTrack, turn_rate_radps) == 440, "offset");
+static_assert(offsetof(KosekiSensorTrack, reserved) == 444, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -326,9 +362,17 @@ typedef struct KosekiSensorDetection {
     uint16_t source; /* Source: its number in the configuration (TI-2). */
     uint8_t kind; /* Quantities that were measured: a `DetectionKind` code. */
     uint8_t valid; /* Which fields hold something: see `sensor_detection_bits`. */
-    uint32_t reserved; /* Reserved, 0. */
+    uint32_t level_age_ms; /* Age of `level` at the time of measurement, milliseconds. */
+    KosekiIdentity identity; /* Identity of the target in the detection, as far as it is known. */
+    KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the time of measurement. */
+    int16_t level; /* Level of the transponder, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`. */
+    uint16_t reserved; /* Reserved, 0. */
+    float platform_velocity_mps[3]; /* Velocity of the sensor's platform east, north, up, metres per second. */
+    float platform_attitude_rad[3]; /* Heading (clockwise from north), pitch (nose up) and roll (right wing down) of the platform, radians. */
+    float platform_sigma_m; /* Standard deviation of each coordinate of `platform_m`, metres. */
+    float attitude_sigmas_rad[3]; /* Standard deviations of heading, pitch and roll, radians. */
 } KosekiSensorDetection;
-static_assert(sizeof(KosekiSensorDetection) == 152, "size");
+static_assert(sizeof(KosekiSensorDetection) == 248, "size");
 static_assert(offsetof(KosekiSensorDetection, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiSensorDetection, sequence) == 8, "offset");
 static_assert(offsetof(KosekiSensorDetection, stages) == 16, "offset");
@@ -341,7 +385,15 @@ static_assert(offsetof(KosekiSensorDetection, platform_m) == 120, "offset");
 static_assert(offsetof(KosekiSensorDetection, source) == 144, "offset");
 static_assert(offsetof(KosekiSensorDetection, kind) == 146, "offset");
 static_assert(offsetof(KosekiSensorDetection, valid) == 147, "offset");
-static_assert(offsetof(KosekiSensorDetection, reserved) == 148, "offset");
+static_assert(offsetof(KosekiSensorDetection, level_age_ms) == 148, "offset");
+static_assert(offsetof(KosekiSensorDetection, identity) == 152, "offset");
+static_assert(offsetof(KosekiSensorDetection, identity_ages) == 192, "offset");
+static_assert(offsetof(KosekiSensorDetection, level) == 204, "offset");
+static_assert(offsetof(KosekiSensorDetection, reserved) == 206, "offset");
+static_assert(offsetof(KosekiSensorDetection, platform_velocity_mps) == 208, "offset");
+static_assert(offsetof(KosekiSensorDetection, platform_attitude_rad) == 220, "offset");
+static_assert(offsetof(KosekiSensorDetection, platform_sigma_m) == 232, "offset");
+static_assert(offsetof(KosekiSensorDetection, attitude_sigmas_rad) == 236, "offset");
 
 typedef struct KosekiSensorBearing {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -382,11 +434,14 @@ typedef struct KosekiPlatformState {
     double roll_rad; /* Right wing below the horizon, radians. */
     double position_sigma_m; /* Standard deviation of each coordinate of the position, metres. */
     double heading_sigma_rad; /* Standard deviation of the heading, radians. */
+    double velocity_sigma_mps; /* Standard deviation of each component of the velocity, metres per second. */
+    double pitch_sigma_rad; /* Standard deviation of the pitch, radians. */
+    double roll_sigma_rad; /* Standard deviation of the roll, radians. */
     uint16_t source; /* Source whose sensor it carries: its number in the configuration (TI-2). */
     uint16_t valid; /* Which fields hold something: see `platform_state_bits`. */
     uint32_t reserved; /* Reserved, 0. */
 } KosekiPlatformState;
-static_assert(sizeof(KosekiPlatformState) == 144, "size");
+static_assert(sizeof(KosekiPlatformState) == 168, "size");
 static_assert(offsetof(KosekiPlatformState, time_ns) == 0, "offset");
 static_assert(offsetof(KosekiPlatformState, sequence) == 8, "offset");
 static_assert(offsetof(KosekiPlatformState, stages) == 16, "offset");
@@ -397,9 +452,12 @@ static_assert(offsetof(KosekiPlatformState, pitch_rad) == 104, "offset");
 static_assert(offsetof(KosekiPlatformState, roll_rad) == 112, "offset");
 static_assert(offsetof(KosekiPlatformState, position_sigma_m) == 120, "offset");
 static_assert(offsetof(KosekiPlatformState, heading_sigma_rad) == 128, "offset");
-static_assert(offsetof(KosekiPlatformState, source) == 136, "offset");
-static_assert(offsetof(KosekiPlatformState, valid) == 138, "offset");
-static_assert(offsetof(KosekiPlatformState, reserved) == 140, "offset");
+static_assert(offsetof(KosekiPlatformState, velocity_sigma_mps) == 136, "offset");
+static_assert(offsetof(KosekiPlatformState, pitch_sigma_rad) == 144, "offset");
+static_assert(offsetof(KosekiPlatformState, roll_sigma_rad) == 152, "offset");
+static_assert(offsetof(KosekiPlatformState, source) == 160, "offset");
+static_assert(offsetof(KosekiPlatformState, valid) == 162, "offset");
+static_assert(offsetof(KosekiPlatformState, reserved) == 164, "offset");
 
 typedef struct KosekiWideArea {
     int64_t time_of_observation_ns; /* Time of observation, UTC, nanoseconds since 1970. */
@@ -460,8 +518,10 @@ typedef struct KosekiContribution {
     uint32_t origin; /* Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand. */
     uint16_t source; /* Source number. */
     uint16_t flags; /* Flags: see `contribution_bits`. */
+    float axis_weights[3]; /* Coefficient eta by axis, east, north, up; their mean is `weight`. */
+    float axis_accuracies[3]; /* Accuracy value lambda by axis, east, north, up; 0 where the rule has none for the axis. */
 } KosekiContribution;
-static_assert(sizeof(KosekiContribution) == 40, "size");
+static_assert(sizeof(KosekiContribution) == 64, "size");
 static_assert(offsetof(KosekiContribution, time_of_measurement_ns) == 0, "offset");
 static_assert(offsetof(KosekiContribution, weight) == 8, "offset");
 static_assert(offsetof(KosekiContribution, accuracy) == 16, "offset");
@@ -470,6 +530,8 @@ static_assert(offsetof(KosekiContribution, sensor_uid) == 28, "offset");
 static_assert(offsetof(KosekiContribution, origin) == 32, "offset");
 static_assert(offsetof(KosekiContribution, source) == 36, "offset");
 static_assert(offsetof(KosekiContribution, flags) == 38, "offset");
+static_assert(offsetof(KosekiContribution, axis_weights) == 40, "offset");
+static_assert(offsetof(KosekiContribution, axis_accuracies) == 52, "offset");
 
 typedef struct KosekiSystemTrack {
     int64_t reference_time_ns; /* Reference time of the state, UTC, nanoseconds since 1970. */
@@ -505,9 +567,22 @@ typedef struct KosekiSystemTrack {
     uint8_t level_valid; /* 1 if `level` is known, and no older than two periods of the source that has it. */
     uint8_t reserved; /* Reserved, 0. */
     uint32_t level_age_ms; /* Age of `level` at the reference time, milliseconds. */
+    KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the reference time. */
+    float existence; /* Probability that the target exists, in (0, 1]; 0: not estimated. */
+    float height_m; /* Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown. */
+    float height_sigma_m; /* Standard deviation of `height_m`, metres; 0: unknown. */
+    float pressure_offset_m; /* Pressure altitude minus height above the ellipsoid where the target is, metres. */
+    float pressure_offset_sigma_m; /* Standard deviation of `pressure_offset_m`, metres; 0: unknown. */
+    float climb_rate_mps; /* Rate of climb by the vertical filter, metres per second. */
+    float climb_rate_variance; /* Variance of `climb_rate_mps`, square metres per square second; 0: unknown. */
+    float turn_rate_radps; /* Rate of turn, clockwise from above, radians per second. */
+    float turn_rate_sigma_radps; /* Standard deviation of `turn_rate_radps`, radians per second; 0: unknown. */
+    float mode_probabilities[8]; /* Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated. */
+    uint32_t updates; /* Number of reports in the state since the start of the track. */
+    uint32_t extrapolations; /* Number of published extrapolations since the last report. */
     uint32_t spare; /* Reserved, 0. */
 } KosekiSystemTrack;
-static_assert(sizeof(KosekiSystemTrack) == 1064, "size");
+static_assert(sizeof(KosekiSystemTrack) == 1536, "size");
 static_assert(offsetof(KosekiSystemTrack, reference_time_ns) == 0, "offset");
 static_assert(offsetof(KosekiSystemTrack, time_of_measurement_ns) == 8, "offset");
 static_assert(offsetof(KosekiSystemTrack, sequence) == 16, "offset");
@@ -536,34 +611,25 @@ static_assert(offsetof(KosekiSystemTrack, movement) == 200, "offset");
 static_assert(offsetof(KosekiSystemTrack, extent) == 216, "offset");
 static_assert(offsetof(KosekiSystemTrack, covariance) == 240, "offset");
 static_assert(offsetof(KosekiSystemTrack, contributions) == 408, "offset");
-static_assert(offsetof(KosekiSystemTrack, nis) == 1048, "offset");
-static_assert(offsetof(KosekiSystemTrack, level) == 1052, "offset");
-static_assert(offsetof(KosekiSystemTrack, level_valid) == 1054, "offset");
-static_assert(offsetof(KosekiSystemTrack, reserved) == 1055, "offset");
-static_assert(offsetof(KosekiSystemTrack, level_age_ms) == 1056, "offset");
-static_assert(offsetof(KosekiSystemTrack, spare) == 1060, "offset");
-
-typedef struct KosekiContributorSet {
-    int64_t reference_time_ns; /* Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970. */
-    uint64_t sequence; /* Sequence number at its publisher. */
-    uint64_t epoch; /* Start-up number of the fusion that made the track, rising with each start; 0: unknown. */
-    uint32_t track_number; /* System-track number. */
-    uint32_t origin; /* Deployment that made the track: `origin` of its configuration; 0: not stated. */
-    uint16_t count; /* How many of `sensor_uids` hold something. */
-    uint16_t flags; /* Flags: see `contributor_set_bits`. */
-    uint32_t reserved[3]; /* Reserved, 0. */
-    uint32_t sensor_uids[64]; /* Identities of the sensors, rising. */
-} KosekiContributorSet;
-static_assert(sizeof(KosekiContributorSet) == 304, "size");
-static_assert(offsetof(KosekiContributorSet, reference_time_ns) == 0, "offset");
-static_assert(offsetof(KosekiContributorSet, sequence) == 8, "offset");
-static_assert(offsetof(KosekiContributorSet, epoch) == 16, "offset");
-static_assert(offsetof(KosekiContributorSet, track_number) == 24, "offset");
-static_assert(offsetof(KosekiContributorSet, origin) == 28, "offset");
-static_assert(offsetof(KosekiContributorSet, count) == 32, "offset");
-static_assert(offsetof(KosekiContributorSet, flags) == 34, "offset");
-static_assert(offsetof(KosekiContributorSet, reserved) == 36, "offset");
-static_assert(offsetof(KosekiContributorSet, sensor_uids) == 48, "offset");
+static_assert(offsetof(KosekiSystemTrack, nis) == 1432, "offset");
+static_assert(offsetof(KosekiSystemTrack, level) == 1436, "offset");
+static_assert(offsetof(KosekiSystemTrack, level_valid) == 1438, "offset");
+static_assert(offsetof(KosekiSystemTrack, reserved) == 1439, "offset");
+static_assert(offsetof(KosekiSystemTrack, level_age_ms) == 1440, "offset");
+static_assert(offsetof(KosekiSystemTrack, identity_ages) == 1444, "offset");
+static_assert(offsetof(KosekiSystemTrack, existence) == 1456, "offset");
+static_assert(offsetof(KosekiSystemTrack, height_m) == 1460, "offset");
+static_assert(offsetof(KosekiSystemTrack, height_sigma_m) == 1464, "offset");
+static_assert(offsetof(KosekiSystemTrack, pressure_offset_m) == 1468, "offset");
+static_assert(offsetof(KosekiSystemTrack, pressure_offset_sigma_m) == 1472, "offset");
+static_assert(offsetof(KosekiSystemTrack, climb_rate_mps) == 1476, "offset");
+static_assert(offsetof(KosekiSystemTrack, climb_rate_variance) == 1480, "offset");
+static_assert(offsetof(KosekiSystemTrack, turn_rate_radps) == 1484, "offset");
+static_assert(offsetof(KosekiSystemTrack, turn_rate_sigma_radps) == 1488, "offset");
+static_assert(offsetof(KosekiSystemTrack, mode_probabilities) == 1492, "offset");
+static_assert(offsetof(KosekiSystemTrack, updates) == 1524, "offset");
+static_assert(offsetof(KosekiSystemTrack, extrapolations) == 1528, "offset");
+static_assert(offsetof(KosekiSystemTrack, spare) == 1532, "offset");
 
 typedef struct KosekiAlarm {
     int64_t time_ns; /* When this was said, UTC, nanoseconds since 1970. */
@@ -637,9 +703,18 @@ typedef struct KosekiRegistration {
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
     double gross_value[2]; /* Amount of the gross error, in the unit of its kind. */
-    uint64_t spare[2]; /* Reserved, 0. */
+    float range_sigma_m; /* Learned standard deviation of ranges, metres; 0: not learned. */
+    float azimuth_sigma_rad; /* Learned standard deviation of azimuths, radians; 0: not learned. */
+    float floor_sigma_m; /* Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned. */
+    float correlation_s; /* Learned correlation time of the source's errors, seconds; 0: not learned. */
+    float false_track_rate; /* Learned rate of false tracks, tracks per second; 0: not learned. */
+    float false_track_life_s; /* Learned mean life of a false track, seconds; 0: not learned. */
+    float detection_probability; /* Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned. */
+    uint32_t error_model; /* Model of the source's error with the best evidence: an `ErrorModel` code. */
+    uint16_t dependent_sources[4]; /* Sources whose errors depend on those of this source; 65535 beyond the last. */
+    float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in [0, 1]. */
 } KosekiRegistration;
-static_assert(sizeof(KosekiRegistration) == 168, "size");
+static_assert(sizeof(KosekiRegistration) == 208, "size");
 static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");
 static_assert(offsetof(KosekiRegistration, offset_m) == 8, "offset");
 static_assert(offsetof(KosekiRegistration, offset_sigma_m) == 32, "offset");
@@ -655,7 +730,16 @@ static_assert(offsetof(KosekiRegistration, gross) == 116, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_s) == 120, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_sigma_s) == 128, "offset");
 static_assert(offsetof(KosekiRegistration, gross_value) == 136, "offset");
-static_assert(offsetof(KosekiRegistration, spare) == 152, "offset");
+static_assert(offsetof(KosekiRegistration, range_sigma_m) == 152, "offset");
+static_assert(offsetof(KosekiRegistration, azimuth_sigma_rad) == 156, "offset");
+static_assert(offsetof(KosekiRegistration, floor_sigma_m) == 160, "offset");
+static_assert(offsetof(KosekiRegistration, correlation_s) == 164, "offset");
+static_assert(offsetof(KosekiRegistration, false_track_rate) == 168, "offset");
+static_assert(offsetof(KosekiRegistration, false_track_life_s) == 172, "offset");
+static_assert(offsetof(KosekiRegistration, detection_probability) == 176, "offset");
+static_assert(offsetof(KosekiRegistration, error_model) == 180, "offset");
+static_assert(offsetof(KosekiRegistration, dependent_sources) == 184, "offset");
+static_assert(offsetof(KosekiRegistration, dependence) == 192, "offset");
 
 typedef struct KosekiCounters {
     uint64_t values[128]; /* Counts since the process started, indexed by the codes of `Counter`; a few are levels. */
@@ -678,7 +762,7 @@ typedef struct KosekiHealth {
     KosekiCounters counters; /* Values of the counters. */
     KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
 } KosekiHealth;
-static_assert(sizeof(KosekiHealth) == 1320, "size");
+static_assert(sizeof(KosekiHealth) == 1360, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
 static_assert(offsetof(KosekiHealth, incarnation) == 8, "offset");
 static_assert(offsetof(KosekiHealth, progress_ns) == 16, "offset");

@@ -8,24 +8,22 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SENSOR_TRACK_SCHEMA = 0x72e83c3fe9f8f34d  # BatchHeader.schema of its slices.
-SENSOR_DETECTION_SCHEMA = 0x4b4a969577bc444f  # BatchHeader.schema of its slices.
+SENSOR_TRACK_SCHEMA = 0x2bb89f475bbe7daf  # BatchHeader.schema of its slices.
+SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
-PLATFORM_STATE_SCHEMA = 0x2ca48047a066afaa  # BatchHeader.schema of its slices.
+PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x7847cd571dbcb63f  # BatchHeader.schema of its slices.
-CONTRIBUTOR_SET_SCHEMA = 0x5e4828dfca2a303d  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x1975aaa774a255cf  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xcda95bd688c5c5e5  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xdf6f0619ef7a0a99  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 CONTROL_SCHEMA = 0x4ed91c35735096bb  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
 WORK_STEP_SCHEMA = 0x44541240a46ea825  # BatchHeader.schema of its slices.
 RESTORED_SCHEMA = 0xb57ebe5154fb4a98  # BatchHeader.schema of its slices.
 CONTRIBUTIONS_MAX = 0x10  # Length of SystemTrack.contributions.
-CONTRIBUTORS_MAX = 0x40  # Length of ContributorSet.sensor_uids.
 COUNTERS_MAX = 0x80  # Length of Counters.values.
 IDENTITY_MODE_3A = 0x1  # `mode_3a` holds a Mode 3/A code.
 IDENTITY_CALLSIGN = 0x2  # `callsign` holds a callsign.
@@ -43,8 +41,13 @@ SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI
 SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
 SENSOR_TRACK_CONTRIBUTORS = 0x200  # `shared_sources` is known: the track is a system track of another centre, which names its sensors.
 SENSOR_TRACK_LEVEL = 0x400  # `level` holds the level of the target's transponder.
+SENSOR_TRACK_TURN_RATE = 0x800  # `turn_rate_radps` is known.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
+SENSOR_DETECTION_LEVEL = 0x4  # `level` holds the level of the target's transponder.
+SENSOR_DETECTION_PLATFORM_VELOCITY = 0x8  # `platform_velocity_mps` is known.
+SENSOR_DETECTION_PLATFORM_ATTITUDE = 0x10  # `platform_attitude_rad` and `attitude_sigmas_rad` are known.
+SENSOR_DETECTION_PLATFORM_SIGMA = 0x20  # `platform_sigma_m` is known.
 SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.
 SENSOR_BEARING_HEADING = 0x2  # `heading_rad` is known.
 SENSOR_BEARING_FREQUENCY = 0x4  # `frequency_hz` was measured.
@@ -54,11 +57,12 @@ PLATFORM_STATE_HEADING = 0x2  # `heading_rad` is known.
 PLATFORM_STATE_ATTITUDE = 0x4  # `pitch_rad` and `roll_rad` are known.
 PLATFORM_STATE_POSITION_SIGMA = 0x8  # `position_sigma_m` is known.
 PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
+PLATFORM_STATE_VELOCITY_SIGMA = 0x20  # `velocity_sigma_mps` is known.
+PLATFORM_STATE_ATTITUDE_SIGMA = 0x40  # `pitch_sigma_rad` and `roll_sigma_rad` are known.
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
 CONTRIBUTION_CENTRE = 0x4  # It is a system track of another centre. Not fresh, it is listed for a while without weight.
-CONTRIBUTOR_SET_OVERFLOW = 0x1  # More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
 ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.
 ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
@@ -78,8 +82,22 @@ STATE_TENTATIVE = 0x0  # Seen, not yet believed.
 STATE_CONFIRMED = 0x1  # Believed, and supported by recent reports.
 STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of reports.
 STATE_TERMINATED = 0x3  # Ended; the number is not used again soon.
+STATE_SUSPENDED = 0x4  # No longer reported by any source: not shown, while the number rests and may resume.
 KIND_SINGLE = 0x0  # One target.
 KIND_GROUP = 0x1  # Several targets that are not told apart (WA-7).
+MODE_STEADY = 0x0  # Constant velocity in the plane.
+MODE_AGILE = 0x1  # Nearly constant velocity in the plane with strong process noise.
+MODE_LEFT_TURN = 0x2  # Coordinated turn to the left.
+MODE_RIGHT_TURN = 0x3  # Coordinated turn to the right.
+MODE_SPEED_CHANGE = 0x4  # Change of speed along the course.
+MODE_LEVEL = 0x5  # Constant height.
+MODE_CLIMB = 0x6  # Constant climb rate.
+MODE_CLIMB_CHANGE = 0x7  # Change of the climb rate.
+ERROR_MODEL_UNDECIDED = 0x0  # No model has sufficient evidence.
+ERROR_MODEL_OFFSET = 0x1  # Constant offset in the system frame.
+ERROR_MODEL_BODY = 0x2  # Offset fixed to the target's body: a reference point other than that of other sources.
+ERROR_MODEL_POLAR = 0x3  # Offset that grows with range or azimuth.
+ERROR_MODEL_TIME = 0x4  # Time offset.
 RULE_AUTO = 0x1  # Filter of the target's own, with what its sources are worth learned.
 RULE_SYSTEM_FILTER = 0x2  # Filter of the target's own.
 RULE_BEST_SOURCE = 0x3  # Source with the smallest accuracy value.
@@ -210,6 +228,24 @@ assert Identity.valid.offset == 7
 assert Identity.callsign.offset == 8
 assert Identity.name.offset == 16
 assert Identity.reserved.offset == 36
+
+
+class IdentityAges(ctypes.Structure):
+    _fields_ = [
+        ("address_ms", ctypes.c_uint32),  # Age of `address`, milliseconds.
+        ("mode_3a_ms", ctypes.c_uint32),  # Age of `mode_3a`, milliseconds.
+        ("callsign_ms", ctypes.c_uint32),  # Age of `callsign`, milliseconds.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "IdentityAges"
+
+
+assert ctypes.sizeof(IdentityAges) == 12
+assert IdentityAges.address_ms.offset == 0
+assert IdentityAges.mode_3a_ms.offset == 4
+assert IdentityAges.callsign_ms.offset == 8
 
 
 class Extent(ctypes.Structure):
@@ -346,6 +382,10 @@ class SensorTrack(ctypes.Structure):
         ("shared_sources", ctypes.c_uint64),  # Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
         ("origin", ctypes.c_uint32),  # Deployment that made it, where it is a system track of another centre; else 0.
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the time of measurement, milliseconds.
+        ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the time of measurement.
+        ("existence", ctypes.c_float),  # Probability that the target exists according to the source, in (0, 1]; 0: not stated.
+        ("turn_rate_radps", ctypes.c_float),  # Rate of turn according to the source, clockwise from above, radians per second.
+        ("reserved", ctypes.c_uint32),  # Reserved, 0.
     ]
 
     @staticmethod
@@ -353,7 +393,7 @@ class SensorTrack(ctypes.Structure):
         return "SensorTrack"
 
 
-assert ctypes.sizeof(SensorTrack) == 424
+assert ctypes.sizeof(SensorTrack) == 448
 assert SensorTrack.time_of_measurement_ns.offset == 0
 assert SensorTrack.sequence.offset == 8
 assert SensorTrack.stages.offset == 16
@@ -378,6 +418,10 @@ assert SensorTrack.movement.offset == 392
 assert SensorTrack.shared_sources.offset == 408
 assert SensorTrack.origin.offset == 416
 assert SensorTrack.level_age_ms.offset == 420
+assert SensorTrack.identity_ages.offset == 424
+assert SensorTrack.existence.offset == 436
+assert SensorTrack.turn_rate_radps.offset == 440
+assert SensorTrack.reserved.offset == 444
 
 
 class SensorDetection(ctypes.Structure):
@@ -394,7 +438,15 @@ class SensorDetection(ctypes.Structure):
         ("source", ctypes.c_uint16),  # Source: its number in the configuration (TI-2).
         ("kind", ctypes.c_uint8),  # Quantities that were measured: a `DetectionKind` code.
         ("valid", ctypes.c_uint8),  # Which fields hold something: see `sensor_detection_bits`.
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the time of measurement, milliseconds.
+        ("identity", Identity),  # Identity of the target in the detection, as far as it is known.
+        ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the time of measurement.
+        ("level", ctypes.c_int16),  # Level of the transponder, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`.
+        ("reserved", ctypes.c_uint16),  # Reserved, 0.
+        ("platform_velocity_mps", ctypes.c_float * 3),  # Velocity of the sensor's platform east, north, up, metres per second.
+        ("platform_attitude_rad", ctypes.c_float * 3),  # Heading (clockwise from north), pitch (nose up) and roll (right wing down) of the platform, radians.
+        ("platform_sigma_m", ctypes.c_float),  # Standard deviation of each coordinate of `platform_m`, metres.
+        ("attitude_sigmas_rad", ctypes.c_float * 3),  # Standard deviations of heading, pitch and roll, radians.
     ]
 
     @staticmethod
@@ -402,7 +454,7 @@ class SensorDetection(ctypes.Structure):
         return "SensorDetection"
 
 
-assert ctypes.sizeof(SensorDetection) == 152
+assert ctypes.sizeof(SensorDetection) == 248
 assert SensorDetection.time_of_measurement_ns.offset == 0
 assert SensorDetection.sequence.offset == 8
 assert SensorDetection.stages.offset == 16
@@ -415,7 +467,15 @@ assert SensorDetection.platform_m.offset == 120
 assert SensorDetection.source.offset == 144
 assert SensorDetection.kind.offset == 146
 assert SensorDetection.valid.offset == 147
-assert SensorDetection.reserved.offset == 148
+assert SensorDetection.level_age_ms.offset == 148
+assert SensorDetection.identity.offset == 152
+assert SensorDetection.identity_ages.offset == 192
+assert SensorDetection.level.offset == 204
+assert SensorDetection.reserved.offset == 206
+assert SensorDetection.platform_velocity_mps.offset == 208
+assert SensorDetection.platform_attitude_rad.offset == 220
+assert SensorDetection.platform_sigma_m.offset == 232
+assert SensorDetection.attitude_sigmas_rad.offset == 236
 
 
 class SensorBearing(ctypes.Structure):
@@ -466,6 +526,9 @@ class PlatformState(ctypes.Structure):
         ("roll_rad", ctypes.c_double),  # Right wing below the horizon, radians.
         ("position_sigma_m", ctypes.c_double),  # Standard deviation of each coordinate of the position, metres.
         ("heading_sigma_rad", ctypes.c_double),  # Standard deviation of the heading, radians.
+        ("velocity_sigma_mps", ctypes.c_double),  # Standard deviation of each component of the velocity, metres per second.
+        ("pitch_sigma_rad", ctypes.c_double),  # Standard deviation of the pitch, radians.
+        ("roll_sigma_rad", ctypes.c_double),  # Standard deviation of the roll, radians.
         ("source", ctypes.c_uint16),  # Source whose sensor it carries: its number in the configuration (TI-2).
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `platform_state_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
@@ -476,7 +539,7 @@ class PlatformState(ctypes.Structure):
         return "PlatformState"
 
 
-assert ctypes.sizeof(PlatformState) == 144
+assert ctypes.sizeof(PlatformState) == 168
 assert PlatformState.time_ns.offset == 0
 assert PlatformState.sequence.offset == 8
 assert PlatformState.stages.offset == 16
@@ -487,9 +550,12 @@ assert PlatformState.pitch_rad.offset == 104
 assert PlatformState.roll_rad.offset == 112
 assert PlatformState.position_sigma_m.offset == 120
 assert PlatformState.heading_sigma_rad.offset == 128
-assert PlatformState.source.offset == 136
-assert PlatformState.valid.offset == 138
-assert PlatformState.reserved.offset == 140
+assert PlatformState.velocity_sigma_mps.offset == 136
+assert PlatformState.pitch_sigma_rad.offset == 144
+assert PlatformState.roll_sigma_rad.offset == 152
+assert PlatformState.source.offset == 160
+assert PlatformState.valid.offset == 162
+assert PlatformState.reserved.offset == 164
 
 
 class WideArea(ctypes.Structure):
@@ -568,6 +634,8 @@ class Contribution(ctypes.Structure):
         ("origin", ctypes.c_uint32),  # Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand.
         ("source", ctypes.c_uint16),  # Source number.
         ("flags", ctypes.c_uint16),  # Flags: see `contribution_bits`.
+        ("axis_weights", ctypes.c_float * 3),  # Coefficient eta by axis, east, north, up; their mean is `weight`.
+        ("axis_accuracies", ctypes.c_float * 3),  # Accuracy value lambda by axis, east, north, up; 0 where the rule has none for the axis.
     ]
 
     @staticmethod
@@ -575,7 +643,7 @@ class Contribution(ctypes.Structure):
         return "Contribution"
 
 
-assert ctypes.sizeof(Contribution) == 40
+assert ctypes.sizeof(Contribution) == 64
 assert Contribution.time_of_measurement_ns.offset == 0
 assert Contribution.weight.offset == 8
 assert Contribution.accuracy.offset == 16
@@ -584,6 +652,8 @@ assert Contribution.sensor_uid.offset == 28
 assert Contribution.origin.offset == 32
 assert Contribution.source.offset == 36
 assert Contribution.flags.offset == 38
+assert Contribution.axis_weights.offset == 40
+assert Contribution.axis_accuracies.offset == 52
 
 
 class SystemTrack(ctypes.Structure):
@@ -621,6 +691,19 @@ class SystemTrack(ctypes.Structure):
         ("level_valid", ctypes.c_uint8),  # 1 if `level` is known, and no older than two periods of the source that has it.
         ("reserved", ctypes.c_uint8),  # Reserved, 0.
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the reference time, milliseconds.
+        ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the reference time.
+        ("existence", ctypes.c_float),  # Probability that the target exists, in (0, 1]; 0: not estimated.
+        ("height_m", ctypes.c_float),  # Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown.
+        ("height_sigma_m", ctypes.c_float),  # Standard deviation of `height_m`, metres; 0: unknown.
+        ("pressure_offset_m", ctypes.c_float),  # Pressure altitude minus height above the ellipsoid where the target is, metres.
+        ("pressure_offset_sigma_m", ctypes.c_float),  # Standard deviation of `pressure_offset_m`, metres; 0: unknown.
+        ("climb_rate_mps", ctypes.c_float),  # Rate of climb by the vertical filter, metres per second.
+        ("climb_rate_variance", ctypes.c_float),  # Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
+        ("turn_rate_radps", ctypes.c_float),  # Rate of turn, clockwise from above, radians per second.
+        ("turn_rate_sigma_radps", ctypes.c_float),  # Standard deviation of `turn_rate_radps`, radians per second; 0: unknown.
+        ("mode_probabilities", ctypes.c_float * 8),  # Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated.
+        ("updates", ctypes.c_uint32),  # Number of reports in the state since the start of the track.
+        ("extrapolations", ctypes.c_uint32),  # Number of published extrapolations since the last report.
         ("spare", ctypes.c_uint32),  # Reserved, 0.
     ]
 
@@ -629,7 +712,7 @@ class SystemTrack(ctypes.Structure):
         return "SystemTrack"
 
 
-assert ctypes.sizeof(SystemTrack) == 1064
+assert ctypes.sizeof(SystemTrack) == 1536
 assert SystemTrack.reference_time_ns.offset == 0
 assert SystemTrack.time_of_measurement_ns.offset == 8
 assert SystemTrack.sequence.offset == 16
@@ -658,42 +741,25 @@ assert SystemTrack.movement.offset == 200
 assert SystemTrack.extent.offset == 216
 assert SystemTrack.covariance.offset == 240
 assert SystemTrack.contributions.offset == 408
-assert SystemTrack.nis.offset == 1048
-assert SystemTrack.level.offset == 1052
-assert SystemTrack.level_valid.offset == 1054
-assert SystemTrack.reserved.offset == 1055
-assert SystemTrack.level_age_ms.offset == 1056
-assert SystemTrack.spare.offset == 1060
-
-
-class ContributorSet(ctypes.Structure):
-    _fields_ = [
-        ("reference_time_ns", ctypes.c_int64),  # Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
-        ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
-        ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made the track, rising with each start; 0: unknown.
-        ("track_number", ctypes.c_uint32),  # System-track number.
-        ("origin", ctypes.c_uint32),  # Deployment that made the track: `origin` of its configuration; 0: not stated.
-        ("count", ctypes.c_uint16),  # How many of `sensor_uids` hold something.
-        ("flags", ctypes.c_uint16),  # Flags: see `contributor_set_bits`.
-        ("reserved", ctypes.c_uint32 * 3),  # Reserved, 0.
-        ("sensor_uids", ctypes.c_uint32 * 64),  # Identities of the sensors, rising.
-    ]
-
-    @staticmethod
-    def type_name() -> str:
-        return "ContributorSet"
-
-
-assert ctypes.sizeof(ContributorSet) == 304
-assert ContributorSet.reference_time_ns.offset == 0
-assert ContributorSet.sequence.offset == 8
-assert ContributorSet.epoch.offset == 16
-assert ContributorSet.track_number.offset == 24
-assert ContributorSet.origin.offset == 28
-assert ContributorSet.count.offset == 32
-assert ContributorSet.flags.offset == 34
-assert ContributorSet.reserved.offset == 36
-assert ContributorSet.sensor_uids.offset == 48
+assert SystemTrack.nis.offset == 1432
+assert SystemTrack.level.offset == 1436
+assert SystemTrack.level_valid.offset == 1438
+assert SystemTrack.reserved.offset == 1439
+assert SystemTrack.level_age_ms.offset == 1440
+assert SystemTrack.identity_ages.offset == 1444
+assert SystemTrack.existence.offset == 1456
+assert SystemTrack.height_m.offset == 1460
+assert SystemTrack.height_sigma_m.offset == 1464
+assert SystemTrack.pressure_offset_m.offset == 1468
+assert SystemTrack.pressure_offset_sigma_m.offset == 1472
+assert SystemTrack.climb_rate_mps.offset == 1476
+assert SystemTrack.climb_rate_variance.offset == 1480
+assert SystemTrack.turn_rate_radps.offset == 1484
+assert SystemTrack.turn_rate_sigma_radps.offset == 1488
+assert SystemTrack.mode_probabilities.offset == 1492
+assert SystemTrack.updates.offset == 1524
+assert SystemTrack.extrapolations.offset == 1528
+assert SystemTrack.spare.offset == 1532
 
 
 class Alarm(ctypes.Structure):
@@ -785,7 +851,16 @@ class Registration(ctypes.Structure):
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
         ("gross_value", ctypes.c_double * 2),  # Amount of the gross error, in the unit of its kind.
-        ("spare", ctypes.c_uint64 * 2),  # Reserved, 0.
+        ("range_sigma_m", ctypes.c_float),  # Learned standard deviation of ranges, metres; 0: not learned.
+        ("azimuth_sigma_rad", ctypes.c_float),  # Learned standard deviation of azimuths, radians; 0: not learned.
+        ("floor_sigma_m", ctypes.c_float),  # Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned.
+        ("correlation_s", ctypes.c_float),  # Learned correlation time of the source's errors, seconds; 0: not learned.
+        ("false_track_rate", ctypes.c_float),  # Learned rate of false tracks, tracks per second; 0: not learned.
+        ("false_track_life_s", ctypes.c_float),  # Learned mean life of a false track, seconds; 0: not learned.
+        ("detection_probability", ctypes.c_float),  # Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
+        ("error_model", ctypes.c_uint32),  # Model of the source's error with the best evidence: an `ErrorModel` code.
+        ("dependent_sources", ctypes.c_uint16 * 4),  # Sources whose errors depend on those of this source; 65535 beyond the last.
+        ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in [0, 1].
     ]
 
     @staticmethod
@@ -793,7 +868,7 @@ class Registration(ctypes.Structure):
         return "Registration"
 
 
-assert ctypes.sizeof(Registration) == 168
+assert ctypes.sizeof(Registration) == 208
 assert Registration.comparisons.offset == 0
 assert Registration.offset_m.offset == 8
 assert Registration.offset_sigma_m.offset == 32
@@ -809,7 +884,16 @@ assert Registration.gross.offset == 116
 assert Registration.clock_offset_s.offset == 120
 assert Registration.clock_offset_sigma_s.offset == 128
 assert Registration.gross_value.offset == 136
-assert Registration.spare.offset == 152
+assert Registration.range_sigma_m.offset == 152
+assert Registration.azimuth_sigma_rad.offset == 156
+assert Registration.floor_sigma_m.offset == 160
+assert Registration.correlation_s.offset == 164
+assert Registration.false_track_rate.offset == 168
+assert Registration.false_track_life_s.offset == 172
+assert Registration.detection_probability.offset == 176
+assert Registration.error_model.offset == 180
+assert Registration.dependent_sources.offset == 184
+assert Registration.dependence.offset == 192
 
 
 class Counters(ctypes.Structure):
@@ -848,7 +932,7 @@ class Health(ctypes.Structure):
         return "Health"
 
 
-assert ctypes.sizeof(Health) == 1320
+assert ctypes.sizeof(Health) == 1360
 assert Health.said_ns.offset == 0
 assert Health.incarnation.offset == 8
 assert Health.progress_ns.offset == 16

@@ -59,6 +59,19 @@ sample! {
     }
 }
 
+sample! {
+    /// Ages of the values of an [`Identity`]: time since each value was last observed. An age of 0 belongs to the
+    /// state's own report.
+    IdentityAges, size 12 {
+        /// Age of `address`, milliseconds.
+        address_ms: u32,
+        /// Age of `mode_3a`, milliseconds.
+        mode_3a_ms: u32,
+        /// Age of `callsign`, milliseconds.
+        callsign_ms: u32,
+    }
+}
+
 impl Identity {
     /// Returns the 24-bit aircraft address, if known.
     pub fn address(&self) -> Option<u32> {

@@ -154,6 +154,7 @@ pub(crate) use sample;
 pub const ALL: &[Layout] = &[
     crate::StageTimes::LAYOUT,
     crate::Identity::LAYOUT,
+    crate::IdentityAges::LAYOUT,
     crate::Extent::LAYOUT,
     crate::Movement::LAYOUT,
     crate::TargetType::LAYOUT,
@@ -167,7 +168,6 @@ pub const ALL: &[Layout] = &[
     crate::Cue::LAYOUT,
     crate::Contribution::LAYOUT,
     crate::SystemTrack::LAYOUT,
-    crate::ContributorSet::LAYOUT,
     crate::Alarm::LAYOUT,
     crate::Decision::LAYOUT,
     crate::Registration::LAYOUT,
@@ -343,14 +343,9 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             crate::CONTRIBUTIONS_MAX,
             "Length of SystemTrack.contributions.",
         ),
-        (
-            "CONTRIBUTORS_MAX",
-            crate::CONTRIBUTORS_MAX,
-            "Length of ContributorSet.sensor_uids.",
-        ),
         ("COUNTERS_MAX", crate::COUNTERS_MAX, "Length of Counters.values."),
     ];
-    let bits: [(&str, &[Constant]); 12] = [
+    let bits: [(&str, &[Constant]); 11] = [
         ("IDENTITY", crate::identity_bits::CONSTANTS),
         ("MOVEMENT", crate::movement_bits::CONSTANTS),
         ("SENSOR_TRACK", crate::sensor_track_bits::CONSTANTS),
@@ -359,7 +354,6 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("PLATFORM_STATE", crate::platform_state_bits::CONSTANTS),
         ("WIDE_AREA", crate::wide_area_bits::CONSTANTS),
         ("CONTRIBUTION", crate::contribution_bits::CONSTANTS),
-        ("CONTRIBUTOR_SET", crate::contributor_set_bits::CONSTANTS),
         ("ALERT", crate::alert_bits::CONSTANTS),
         ("REGISTRATION", crate::registration_bits::CONSTANTS),
         ("WORK_STEP", crate::work_step_bits::CONSTANTS),
@@ -367,6 +361,8 @@ fn constants() -> Vec<(String, u64, &'static str)> {
     let codes = [
         ("STATE", crate::TrackState::constants()),
         ("KIND", crate::TrackKind::constants()),
+        ("MODE", crate::MotionMode::constants()),
+        ("ERROR_MODEL", crate::ErrorModel::constants()),
         ("RULE", crate::FusionRule::constants()),
         ("IDENTITY_KIND", crate::IdentityKind::constants()),
         ("HORIZONTAL", crate::HorizontalMovement::constants()),

@@ -18,6 +18,7 @@ mod alarm;
 mod batch;
 mod codes;
 mod control;
+mod conversion;
 mod counters;
 mod covariance;
 mod decision;
@@ -48,33 +49,31 @@ pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
 pub use batch::{BatchHeader, Epochs};
 pub use codes::Constant;
 pub use control::{Control, Progress};
+pub use conversion::Conversion;
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
 pub use decision::{Decision, DecisionKind};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};
-pub use identity::{Callsign, Identity, IdentityKind, NAME_MAX, identity_bits};
+pub use identity::{Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, identity_bits};
 pub use level::{LEVEL_STEP_M, altitude_m, level_of};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use process_kind::ProcessKind;
-pub use registration::{GrossError, GrossKind, Registration, registration_bits};
+pub use registration::{ErrorModel, GrossError, GrossKind, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;
-pub use system_track::{
-    CONTRIBUTIONS_MAX, CONTRIBUTORS_MAX, Contribution, ContributorSet, SystemTrack, contribution_bits,
-    contributor_set_bits,
-};
+pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, contributors, control, cues,
-    decisions, frame_origin, health, order, own_tracks, platform_states, progress, restored, sensor_bearings,
-    sensor_detections, sensor_tracks, system_tracks, visit, wide_area,
+    Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, control, cues, decisions,
+    frame_origin, health, order, own_tracks, platform_states, progress, restored, sensor_bearings, sensor_detections,
+    sensor_tracks, system_tracks, visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};
@@ -98,6 +97,8 @@ codes! {
         Coasted = 2, "coasted";
         /// Ended; the number is not used again soon.
         Terminated = 3, "terminated";
+        /// No longer reported by any source: not shown, while the number rests and may resume.
+        Suspended = 4, "suspended";
     }
 }
 

@@ -17,12 +17,16 @@ bits! {
         POSITION_SIGMA = 1 << 3;
         /// `heading_sigma_rad` is known.
         HEADING_SIGMA = 1 << 4;
+        /// `velocity_sigma_mps` is known.
+        VELOCITY_SIGMA = 1 << 5;
+        /// `pitch_sigma_rad` and `roll_sigma_rad` are known.
+        ATTITUDE_SIGMA = 1 << 6;
     }
 }
 
 sample! {
     /// Position and attitude of the platform that carries a sensor, at one time (EL-11).
-    PlatformState, size 144 {
+    PlatformState, size 168 {
         /// Time at which the platform was there, UTC, nanoseconds since 1970.
         time_ns: i64,
         /// The state's sequence number at its publisher.
@@ -43,6 +47,12 @@ sample! {
         position_sigma_m: f64,
         /// Standard deviation of the heading, radians.
         heading_sigma_rad: f64,
+        /// Standard deviation of each component of the velocity, metres per second.
+        velocity_sigma_mps: f64,
+        /// Standard deviation of the pitch, radians.
+        pitch_sigma_rad: f64,
+        /// Standard deviation of the roll, radians.
+        roll_sigma_rad: f64,
         /// Source whose sensor it carries: its number in the configuration (TI-2).
         source: u16,
         /// Which fields hold something: see `platform_state_bits`.

@@ -39,6 +39,22 @@ codes! {
     }
 }
 
+codes! {
+    /// Model of a source's systematic error.
+    pub enum ErrorModel: u8 {
+        /// No model has sufficient evidence.
+        Undecided = 0, "undecided";
+        /// Constant offset in the system frame.
+        Offset = 1, "offset";
+        /// Offset fixed to the target's body: a reference point other than that of other sources.
+        Body = 2, "body";
+        /// Offset that grows with range or azimuth.
+        Polar = 3, "polar";
+        /// Time offset.
+        Time = 4, "time";
+    }
+}
+
 /// Bias of a source relative to the tracks of another source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -71,7 +87,7 @@ impl fmt::Display for GrossError {
 sample! {
     /// Systematic errors of one source, as estimated by fusion (BF-3), and the consistency of the source's
     /// covariances (BF-5).
-    Registration, size 168 {
+    Registration, size 208 {
         /// Comparisons with other sources that the estimates rest on, after forgetting; 0: nothing is known.
         comparisons: f64,
         /// Estimated offset of the reports from the true positions (east, north, up), metres.
@@ -103,8 +119,26 @@ sample! {
         clock_offset_sigma_s: f64,
         /// Amount of the gross error, in the unit of its kind.
         gross_value: [f64; 2],
-        /// Reserved, 0.
-        spare: [u64; 2],
+        /// Learned standard deviation of ranges, metres; 0: not learned.
+        range_sigma_m: f32,
+        /// Learned standard deviation of azimuths, radians; 0: not learned.
+        azimuth_sigma_rad: f32,
+        /// Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned.
+        floor_sigma_m: f32,
+        /// Learned correlation time of the source's errors, seconds; 0: not learned.
+        correlation_s: f32,
+        /// Learned rate of false tracks, tracks per second; 0: not learned.
+        false_track_rate: f32,
+        /// Learned mean life of a false track, seconds; 0: not learned.
+        false_track_life_s: f32,
+        /// Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
+        detection_probability: f32,
+        /// Model of the source's error with the best evidence: an `ErrorModel` code.
+        error_model: u32,
+        /// Sources whose errors depend on those of this source; 65535 beyond the last.
+        dependent_sources: [u16; 4] = [crate::NO_SOURCE; 4],
+        /// Correlation of the errors of this source and of `dependent_sources`, in [0, 1].
+        dependence: [f32; 4],
     }
 }
 

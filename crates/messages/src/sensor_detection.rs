@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{StageTimes, codes};
+use crate::{Identity, IdentityAges, StageTimes, codes};
 
 bits! {
     /// Bits of [`SensorDetection::valid`].
@@ -13,12 +13,20 @@ bits! {
         RANGE_RATE = 1;
         /// `sigmas` hold standard deviations.
         SIGMAS = 1 << 1;
+        /// `level` holds the level of the target's transponder.
+        LEVEL = 1 << 2;
+        /// `platform_velocity_mps` is known.
+        PLATFORM_VELOCITY = 1 << 3;
+        /// `platform_attitude_rad` and `attitude_sigmas_rad` are known.
+        PLATFORM_ATTITUDE = 1 << 4;
+        /// `platform_sigma_m` is known.
+        PLATFORM_SIGMA = 1 << 5;
     }
 }
 
 sample! {
     /// One detection of one sensor (FM-6): a measurement without an assigned track.
-    SensorDetection, size 152 {
+    SensorDetection, size 248 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
         /// The detection's sequence number at its publisher.
@@ -43,8 +51,24 @@ sample! {
         kind: u8,
         /// Which fields hold something: see `sensor_detection_bits`.
         valid: u8,
+        /// Age of `level` at the time of measurement, milliseconds.
+        level_age_ms: u32,
+        /// Identity of the target in the detection, as far as it is known.
+        identity: Identity,
+        /// Ages of the values of `identity` at the time of measurement.
+        identity_ages: IdentityAges,
+        /// Level of the transponder, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`.
+        level: i16,
         /// Reserved, 0.
-        reserved: u32,
+        reserved: u16,
+        /// Velocity of the sensor's platform east, north, up, metres per second.
+        platform_velocity_mps: [f32; 3],
+        /// Heading (clockwise from north), pitch (nose up) and roll (right wing down) of the platform, radians.
+        platform_attitude_rad: [f32; 3],
+        /// Standard deviation of each coordinate of `platform_m`, metres.
+        platform_sigma_m: f32,
+        /// Standard deviations of heading, pitch and roll, radians.
+        attitude_sigmas_rad: [f32; 3],
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Contribution, Covariance, Extent, Identity, Movement, StageTimes, SystemTrack, TargetType};
+use crate::{Contribution, Covariance, Extent, Identity, IdentityAges, Movement, StageTimes, SystemTrack, TargetType};
 
 bits! {
     /// Bits of [`SensorTrack::valid`].
@@ -29,6 +29,8 @@ bits! {
         CONTRIBUTORS = 1 << 9;
         /// `level` holds the level of the target's transponder.
         LEVEL = 1 << 10;
+        /// `turn_rate_radps` is known.
+        TURN_RATE = 1 << 11;
     }
 }
 
@@ -56,7 +58,7 @@ bits! {
 
 sample! {
     /// One report of one sensor track (TI-1): state in the system's East-North-Up frame at the time of measurement.
-    SensorTrack, size 424 {
+    SensorTrack, size 448 {
         /// Time of measurement, UTC, nanoseconds since 1970.
         time_of_measurement_ns: i64,
         /// The report's sequence number at its publisher.
@@ -105,6 +107,14 @@ sample! {
         origin: u32,
         /// Age of `level` at the time of measurement, milliseconds.
         level_age_ms: u32,
+        /// Ages of the values of `identity` at the time of measurement.
+        identity_ages: IdentityAges,
+        /// Probability that the target exists according to the source, in (0, 1]; 0: not stated.
+        existence: f32,
+        /// Rate of turn according to the source, clockwise from above, radians per second.
+        turn_rate_radps: f32,
+        /// Reserved, 0.
+        reserved: u32,
     }
 }
 

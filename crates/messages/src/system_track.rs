@@ -1,8 +1,9 @@
 //! Samples published by fusion.
 
+use crate::codes;
 use crate::codes::bits;
 use crate::layout::sample;
-use crate::{Covariance, Extent, Identity, Movement, StageTimes, TargetType, altitude_m};
+use crate::{Covariance, Extent, Identity, IdentityAges, Movement, StageTimes, TargetType, altitude_m};
 
 /// Maximum number of listed contributions of a system track; `source_count` includes further contributions.
 pub const CONTRIBUTIONS_MAX: usize = 16;
@@ -19,17 +20,32 @@ bits! {
     }
 }
 
-bits! {
-    /// Bits of [`ContributorSet::flags`].
-    contributor_set_bits: u16 {
-        /// More sensors have contributed than `sensor_uids` can hold: any sensor must be taken to be among them.
-        OVERFLOW = 1;
+codes! {
+    /// Motion models of the system filter, in the order of [`SystemTrack::mode_probabilities`]: five models of the
+    /// plane, then three models of the vertical.
+    pub enum MotionMode: u8 {
+        /// Constant velocity in the plane.
+        Steady = 0, "steady";
+        /// Nearly constant velocity in the plane with strong process noise.
+        Agile = 1, "agile";
+        /// Coordinated turn to the left.
+        LeftTurn = 2, "left_turn";
+        /// Coordinated turn to the right.
+        RightTurn = 3, "right_turn";
+        /// Change of speed along the course.
+        SpeedChange = 4, "speed_change";
+        /// Constant height.
+        Level = 5, "level";
+        /// Constant climb rate.
+        Climb = 6, "climb";
+        /// Change of the climb rate.
+        ClimbChange = 7, "climb_change";
     }
 }
 
 sample! {
     /// Share of one source in a system track.
-    Contribution, size 40 {
+    Contribution, size 64 {
         /// Time of measurement of the source's latest report, UTC, nanoseconds.
         time_of_measurement_ns: i64,
         /// Coefficient eta in [0, 1]; the weights of one system track sum to 1.
@@ -46,12 +62,16 @@ sample! {
         source: u16,
         /// Flags: see `contribution_bits`.
         flags: u16,
+        /// Coefficient eta by axis, east, north, up; their mean is `weight`.
+        axis_weights: [f32; 3],
+        /// Accuracy value lambda by axis, east, north, up; 0 where the rule has none for the axis.
+        axis_accuracies: [f32; 3],
     }
 }
 
 sample! {
     /// State of one system track at one time: the fused picture of one target (TI-19).
-    SystemTrack, size 1064 {
+    SystemTrack, size 1536 {
         /// Reference time of the state, UTC, nanoseconds since 1970.
         reference_time_ns: i64,
         /// Time of measurement of the report that caused this state, else the reference time; UTC, nanoseconds.
@@ -119,41 +139,38 @@ sample! {
         reserved: u8,
         /// Age of `level` at the reference time, milliseconds.
         level_age_ms: u32,
+        /// Ages of the values of `identity` at the reference time.
+        identity_ages: IdentityAges,
+        /// Probability that the target exists, in (0, 1]; 0: not estimated.
+        existence: f32,
+        /// Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown.
+        height_m: f32,
+        /// Standard deviation of `height_m`, metres; 0: unknown.
+        height_sigma_m: f32,
+        /// Pressure altitude minus height above the ellipsoid where the target is, metres.
+        pressure_offset_m: f32,
+        /// Standard deviation of `pressure_offset_m`, metres; 0: unknown.
+        pressure_offset_sigma_m: f32,
+        /// Rate of climb by the vertical filter, metres per second.
+        climb_rate_mps: f32,
+        /// Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
+        climb_rate_variance: f32,
+        /// Rate of turn, clockwise from above, radians per second.
+        turn_rate_radps: f32,
+        /// Standard deviation of `turn_rate_radps`, radians per second; 0: unknown.
+        turn_rate_sigma_radps: f32,
+        /// Probabilities of the motion models in the order of `MotionMode`; all 0: not estimated.
+        mode_probabilities: [f32; 8],
+        /// Number of reports in the state since the start of the track.
+        updates: u32,
+        /// Number of published extrapolations since the last report.
+        extrapolations: u32,
         /// Reserved, 0.
         spare: u32,
     }
 }
 
 const _: () = assert!(size_of::<[Contribution; CONTRIBUTIONS_MAX]>() == 16 * size_of::<Contribution>());
-
-/// Number of sensors that a [`ContributorSet`] can hold.
-pub const CONTRIBUTORS_MAX: usize = 64;
-
-sample! {
-    /// Set of all sensors that have contributed to one system track since the start of the track. A deployment that
-    /// receives the track fuses the track as independent only if the deployments share no sensor. No process
-    /// publishes this set yet.
-    ContributorSet, size 304 {
-        /// Reference time of the state up to which the set is complete, UTC, nanoseconds since 1970.
-        reference_time_ns: i64,
-        /// Sequence number at its publisher.
-        sequence: u64,
-        /// Start-up number of the fusion that made the track, rising with each start; 0: unknown.
-        epoch: u64,
-        /// System-track number.
-        track_number: u32,
-        /// Deployment that made the track: `origin` of its configuration; 0: not stated.
-        origin: u32,
-        /// How many of `sensor_uids` hold something.
-        count: u16,
-        /// Flags: see `contributor_set_bits`.
-        flags: u16,
-        /// Reserved, 0.
-        reserved: [u32; 3],
-        /// Identities of the sensors, rising.
-        sensor_uids: [u32; 64] = [0; CONTRIBUTORS_MAX],
-    }
-}
 
 impl SystemTrack {
     /// Returns the contributions to the state.

@@ -10,8 +10,8 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, ContributorSet, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, Restored,
-    SensorBearing, SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
+    Alarm, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, Restored, SensorBearing,
+    SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
 /// Name of a topic in shared memory.
@@ -289,10 +289,6 @@ topics! {
     /// Track picture fused from the sources of this deployment alone, for other centres: each state names the
     /// contributing sensors. Published if `fusion.exchange` requests it.
     own_tracks() -> SystemTrack: "system/own-tracks", 256 slices of 64, 4 to 8;
-
-    /// Sensors that have contributed to each system track, for deployments that exchange tracks. No process
-    /// publishes this topic yet.
-    contributors() -> ContributorSet: "system/contributors", 64 slices of 64, 2 to 8;
 
     /// Alarms from the monitor. Each slice replaces the previous slice, and slices are sent twice a second, so a
     /// late subscriber has the standing alarms after half a second.

@@ -75,6 +75,14 @@ impl From<mcap::McapError> for RecordingError {
 /// Name of the metadata of a channel that say which layout its samples have.
 const FINGERPRINT: &str = "fingerprint";
 
+/// Returns the fingerprint of a layout as the metadata of a channel state it.
+fn fingerprint_of(layout: &messages::layout::Layout) -> String {
+    format!("{:016x}", layout.fingerprint())
+}
+
+/// Beginning of the names of schemas.
+const SCHEMA_PREFIX: &str = "koseki/msg/";
+
 /// Ending of the name of the channel that has a topic's headers.
 const SLICES: &str = "/slices";
 

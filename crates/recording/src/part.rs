@@ -6,7 +6,7 @@ use std::io::{Read, Seek, Write};
 use messages::BatchHeader;
 
 use crate::RecordingError;
-use crate::reader::{Item, read};
+use crate::reader::{Item, read_as_recorded};
 use crate::survey::Survey;
 use crate::tally::Tally;
 use crate::writer::{Channel, Writer};
@@ -62,7 +62,7 @@ pub fn copy<R: Read + Seek, W: Write + Seek>(
         samples: 0,
     };
     for mut file in files {
-        read::<_, RecordingError>(&mut file, |item| copying.item(item))?;
+        read_as_recorded::<_, RecordingError>(&mut file, |item| copying.item(item))?;
         copying.end_slice()?;
     }
     copying.writer()?;
@@ -115,6 +115,7 @@ impl<W: Write + Seek> Copying<'_, W> {
                 schema,
                 definition,
                 fingerprint,
+                ..
             } if self.part.has_topic(name) && !self.topics.contains_key(name) => {
                 let topic = Topic {
                     schema: schema.to_owned(),

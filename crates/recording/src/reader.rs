@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
+use std::ops::Range;
 
 use mcap::records::op;
-use messages::BatchHeader;
-use messages::layout::Sample as _;
+use messages::layout::{ALL, Sample as _};
+use messages::{BatchHeader, Conversion};
 
 use crate::record::{Fields, HEAD, head_of, is_needed};
 use crate::whole::{Whole, whole};
-use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES};
+use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Contents of a file, in its order.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +27,8 @@ pub enum Item<'a> {
         definition: &'a [u8],
         /// Fingerprint of the samples' layout.
         fingerprint: &'a str,
+        /// Byte ranges that the recorded samples lack, where they were recorded with another layout.
+        missing: &'a [Range<usize>],
     },
     /// A slice begins; its samples follow.
     Slice {
@@ -42,7 +45,7 @@ pub enum Item<'a> {
     Sample {
         /// Name of the topic.
         topic: &'a str,
-        /// The sample as it lay in memory.
+        /// The sample in this build's layout, unless the file is read as recorded.
         octets: &'a [u8],
     },
 }
@@ -56,6 +59,20 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
 ) -> Result<bool, E> {
     let mut chunks = Chunks::new(file)?;
+    while chunks.read(&mut visit)? {}
+    Ok(chunks.is_ended)
+}
+
+/// Reads as [`read`] does, without conversion of samples that another build recorded with another layout.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_as_recorded<R: Read + Seek, E: From<RecordingError>>(
+    file: &mut R,
+    mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
+) -> Result<bool, E> {
+    let mut chunks = Chunks::new(file)?;
+    chunks.names.as_recorded = true;
     while chunks.read(&mut visit)? {}
     Ok(chunks.is_ended)
 }
@@ -195,7 +212,30 @@ const DESCRIPTION_BYTES: usize = 4 << 20;
 #[derive(Debug, Default)]
 struct Names {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
-    topics: BTreeMap<u16, String>,
+    topics: BTreeMap<u16, Topic>,
+    /// Whether samples of other layouts are shown without conversion.
+    as_recorded: bool,
+    /// The latest converted sample.
+    converted: Vec<u8>,
+}
+
+/// Topic of one channel.
+#[derive(Debug)]
+struct Topic {
+    name: String,
+    /// Conversion of the samples, if another build recorded them with another layout.
+    conversion: Option<Conversion>,
+}
+
+/// Returns the conversion of samples with this schema and layout fingerprint; `None` if they need none, or if this
+/// build has no such sample.
+fn conversion_of(schema: &str, definition: &[u8], fingerprint: Option<&String>) -> Option<Conversion> {
+    let name = schema.strip_prefix(SCHEMA_PREFIX)?;
+    let layout = ALL.iter().find(|layout| layout.name == name)?;
+    if *fingerprint? == fingerprint_of(layout) {
+        return None;
+    }
+    Conversion::of_schema(name, std::str::from_utf8(definition).ok()?)
 }
 
 impl Names {
@@ -235,32 +275,47 @@ impl Names {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let (name, _encoding) = (fields.text()?, fields.text()?);
         let metadata = fields.map()?;
-        let known = self.topics.entry(id).or_insert_with(|| name.to_owned());
-        if known != name {
+        let (fingerprint, schema) = (metadata.get(FINGERPRINT), self.schemas.get(&schema));
+        let is_converted = !self.as_recorded;
+        let topic = self.topics.entry(id).or_insert_with(|| Topic {
+            name: name.to_owned(),
+            conversion: schema
+                .filter(|_| is_converted)
+                .and_then(|(schema, definition)| conversion_of(schema, definition, fingerprint)),
+        });
+        if topic.name != name {
             return Err(fields.damaged("a channel has the number of another one").into());
         }
-        match (name.ends_with(SLICES), self.schemas.get(&schema)) {
+        match (name.ends_with(SLICES), schema) {
             (false, Some((schema, definition))) => visit(Item::Topic {
                 name,
                 schema,
                 definition,
-                fingerprint: metadata.get(FINGERPRINT).map_or("", String::as_str),
+                fingerprint: fingerprint.map_or("", String::as_str),
+                missing: topic.conversion.as_ref().map_or(&[], Conversion::missing),
             }),
             _ => Ok(()),
         }
     }
 
     fn message<E: From<RecordingError>>(
-        &self,
+        &mut self,
         mut fields: Fields<'_>,
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let (channel, _sequence) = (fields.u16()?, fields.u32()?);
         let (taken_ns, sent_ns) = (fields.u64()?, fields.u64()?);
-        let Some(name) = self.topics.get(&channel) else {
+        let Some(Topic { name, conversion }) = self.topics.get(&channel) else {
             return Ok(());
         };
-        let octets = fields.rest().strip_prefix(&CDR).unwrap_or_default();
+        let recorded = fields.rest().strip_prefix(&CDR).unwrap_or_default();
+        let octets = match conversion {
+            Some(conversion) => {
+                conversion.convert(recorded, &mut self.converted);
+                &self.converted[..]
+            }
+            None => recorded,
+        };
         match name.strip_suffix(SLICES) {
             None => visit(Item::Sample { topic: name, octets }),
             Some(topic) => match BatchHeader::of_octets(octets) {
@@ -273,5 +328,81 @@ impl Names {
                 None => Ok(()),
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use messages::PlatformState;
+
+    use super::*;
+    use crate::Writer;
+
+    /// Layout of a former build: without standard deviations, velocity before position.
+    const FORMER: &str = "int64 time_ns # Time.\nfloat64[3] velocity_mps # Velocity.\nfloat64[3] position_m # Place.\n";
+
+    fn former_file() -> Vec<u8> {
+        let mut file = Cursor::new(Vec::new());
+        let mut writer = Writer::begin(&mut file, &Facts::new()).unwrap();
+        let schema = format!("{SCHEMA_PREFIX}PlatformState");
+        let channel = writer
+            .channel_of(
+                "platform/ship/state",
+                56,
+                &schema,
+                FORMER.as_bytes(),
+                "0123456789abcdef",
+            )
+            .unwrap();
+        let mut sample = 5i64.to_le_bytes().to_vec();
+        for value in [1.0f64, 2.0, 3.0, 10.0, 20.0, 30.0] {
+            sample.extend(value.to_le_bytes());
+        }
+        writer.slice(channel, &BatchHeader::default(), &sample, 1, 1).unwrap();
+        writer.finish().unwrap();
+        file.into_inner()
+    }
+
+    fn samples(items: impl FnOnce(&mut dyn FnMut(Item<'_>))) -> (Vec<Vec<u8>>, usize) {
+        let (mut found, mut missing) = (Vec::new(), 0);
+        items(&mut |item| match item {
+            Item::Sample { octets, .. } => found.push(octets.to_vec()),
+            Item::Topic { missing: ranges, .. } => missing = ranges.len(),
+            _ => {}
+        });
+        (found, missing)
+    }
+
+    #[test]
+    fn samples_of_a_former_layout_are_converted() {
+        let (found, missing) = samples(|visit| {
+            let done = read::<_, RecordingError>(&mut Cursor::new(former_file()), |item| {
+                visit(item);
+                Ok(())
+            });
+            assert!(done.unwrap());
+        });
+        let expected = PlatformState {
+            time_ns: 5,
+            position_m: [10.0, 20.0, 30.0],
+            velocity_mps: [1.0, 2.0, 3.0],
+            ..PlatformState::default()
+        };
+        assert_eq!((found.len(), PlatformState::of_octets(&found[0])), (1, Some(expected)));
+        assert!(missing > 0);
+    }
+
+    #[test]
+    fn a_copy_keeps_the_former_layout() {
+        let (found, missing) = samples(|visit| {
+            let done = read_as_recorded::<_, RecordingError>(&mut Cursor::new(former_file()), |item| {
+                visit(item);
+                Ok(())
+            });
+            assert!(done.unwrap());
+        });
+        assert_eq!((found[0].len(), missing), (56, 0));
     }
 }

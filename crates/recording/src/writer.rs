@@ -7,7 +7,7 @@ use mcap::records::{MessageHeader, Metadata};
 use messages::BatchHeader;
 use messages::layout::{Layout, Sample};
 
-use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SLICES};
+use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
@@ -66,7 +66,7 @@ impl<W: Write + Seek> Writer<W> {
     /// If it cannot be written.
     pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
         let definition = layout.ros2_schema();
-        let fingerprint = format!("{:016x}", layout.fingerprint());
+        let fingerprint = fingerprint_of(layout);
         let schema = schema_name(layout);
         self.channel_of(name, layout.size, &schema, definition.as_bytes(), &fingerprint)
     }
@@ -84,7 +84,7 @@ impl<W: Write + Seek> Writer<W> {
         fingerprint: &str,
     ) -> Result<Channel, RecordingError> {
         let header = BatchHeader::LAYOUT;
-        let of_header = format!("{:016x}", header.fingerprint());
+        let of_header = fingerprint_of(&header);
         Ok(Channel {
             headers: self.add(
                 &format!("{name}{SLICES}"),
@@ -165,5 +165,5 @@ impl<W: Write + Seek> Writer<W> {
 }
 
 fn schema_name(layout: &Layout) -> String {
-    format!("koseki/msg/{}", layout.name)
+    format!("{SCHEMA_PREFIX}{}", layout.name)
 }

@@ -72,6 +72,8 @@ export const TRACK_STATE = Object.freeze({
   2: "coasted",
   /** Ended; the number is not used again soon. */
   3: "terminated",
+  /** No longer reported by any source: not shown, while the number rests and may resume. */
+  4: "suspended",
 });
 
 /** Words by code. @type {Readonly<Record<number, string>>} */

@@ -212,7 +212,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
                         }
                         schedule.take(track.number(), *track, now.mono_ns)
                     }
-                    Some(TrackState::Terminated) => schedule.end(track.number()),
+                    Some(TrackState::Suspended | TrackState::Terminated) => schedule.end(track.number()),
                     Some(TrackState::Tentative) | None => false,
                 };
                 if at_once {

@@ -21,7 +21,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
 
 fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
     let index = |place: usize| match target.candidates[place].life {
-        TrackState::Tentative | TrackState::Terminated => 0,
+        TrackState::Tentative | TrackState::Suspended | TrackState::Terminated => 0,
         TrackState::Confirmed | TrackState::Coasted => target.candidates[place].quality,
     };
     let total: u32 = (0..shares.len()).map(index).sum();

@@ -21,6 +21,8 @@ pub(crate) struct Verification {
     pub(crate) not_verified: u64,
     /// States that the replay gives and the recording lacks: lost by the recorder, or never sent by a killed fusion.
     pub(crate) not_recorded: u64,
+    /// Byte ranges of a state that the recording lacks, since its build had another layout.
+    missing: Vec<Range<usize>>,
 }
 
 /// States of one run of fusion, by sequence number.
@@ -44,6 +46,11 @@ pub(crate) struct Difference {
 }
 
 impl Verification {
+    /// Leaves these byte ranges of all states out of the comparison.
+    pub(crate) fn pass_over(&mut self, missing: &[Range<usize>]) {
+        self.missing = missing.to_vec();
+    }
+
     /// From the state with this number on, the run is given.
     pub(crate) fn begin(&mut self, epoch: u64, sequence: u64) {
         let run = self.runs.entry(epoch).or_insert_with(Run::unknown);
@@ -92,7 +99,7 @@ impl Verification {
             run.recorded.pop_front();
             self.states += 1;
             let field = match given.sequence == recorded.sequence {
-                true => differing_field(&given, &recorded),
+                true => differing_field(&given, &recorded, &self.missing),
                 false => Some(String::new()),
             };
             if let Some(field) = field {
@@ -163,14 +170,21 @@ impl fmt::Display for Difference {
     }
 }
 
-/// First field in which two states differ, but for the stamps of processing; `None` if there is none.
-fn differing_field(given: &SystemTrack, recorded: &SystemTrack) -> Option<String> {
+/// Returns the first field in which two states differ, apart from the stamps of processing and from the byte ranges
+/// `missing`; `None` if all others are equal.
+fn differing_field(given: &SystemTrack, recorded: &SystemTrack, missing: &[Range<usize>]) -> Option<String> {
     let [given, recorded] = [given, recorded].map(|state| {
         let mut state = *state;
         (state.stages.taken_ns, state.stages.fused_ns) = (0, 0);
         state
     });
-    let octets = |state: &SystemTrack| SystemTrack::octets(std::slice::from_ref(state)).to_vec();
+    let octets = |state: &SystemTrack| {
+        let mut octets = SystemTrack::octets(std::slice::from_ref(state)).to_vec();
+        for range in missing {
+            octets[range.clone()].fill(0);
+        }
+        octets
+    };
     let (given, recorded) = (octets(&given), octets(&recorded));
     let offset = given.iter().zip(&recorded).position(|(one, other)| one != other)?;
     Some(SystemTrack::LAYOUT.name_at(offset))
