@@ -121,7 +121,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("koseki-link: {error:#}");
+            runtime::notice(format_args!("koseki-link: {error:#}"));
             ExitCode::from(if error.is::<ConfigError>() || error.is::<mirror::Usage>() {
                 2
             } else {

@@ -63,7 +63,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     }
     let stop = Stop::on_signals().context("catching signals")?;
     let claimed = Instance::claim(&config, &instance, PROCESSES, &stop, |text| {
-        eprintln!("koseki-link: {text}")
+        runtime::notice(format_args!("koseki-link: {text}"))
     })?;
     let link = Link {
         name: "mirror".to_owned(),

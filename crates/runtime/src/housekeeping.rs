@@ -381,15 +381,15 @@ fn write_quarantined(root: &Root, report: &SensorTrack) {
         report.source, report.track_number, report.sequence
     );
     match written {
-        Ok(()) => eprintln!(
+        Ok(()) => crate::notice(format_args!(
             "warning: {what}; the report is in {}, the checkpoint before it in {}.checkpoint-{QUARANTINED} beside it",
             path.display(),
             root.instance()
-        ),
-        Err(error) => eprintln!(
+        )),
+        Err(error) => crate::notice(format_args!(
             "warning: {what}; writing the report to {} failed: {error}",
             path.display()
-        ),
+        )),
     }
 }
 

@@ -299,7 +299,7 @@ impl Writing {
                 self.folder.display(),
             );
             let rest = "what comes meanwhile is missing in it, and counted";
-            let _ = writeln!(io::stderr(), "{lead} ({folder}: {error}); {rest}");
+            runtime::notice(format_args!("{lead} ({folder}: {error}); {rest}"));
         }
         self.retry_ns = now_ns + RETRY_NS;
     }

@@ -27,7 +27,9 @@ pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline)
     if let Err(reason) = resumed {
         let aside = root.put_outlasting_aside(&name);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
-        eprintln!("warning: the tracks kept of {owner} are not used: {reason}{aside}");
+        runtime::notice(format_args!(
+            "warning: the tracks kept of {owner} are not used: {reason}{aside}"
+        ));
     }
     let kept = root.make_outlasting(&name, words).and_then(|memory| {
         let memory = Arc::new(memory);
@@ -36,6 +38,6 @@ pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline)
         memory.publish()
     });
     if let Err(error) = kept {
-        eprintln!("warning: the tracks of {owner} are not kept: {error}");
+        runtime::notice(format_args!("warning: the tracks of {owner} are not kept: {error}"));
     }
 }

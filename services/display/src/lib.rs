@@ -35,7 +35,6 @@ mod viewer;
 mod wire;
 mod world;
 
-use std::io::Write as _;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -179,12 +178,10 @@ fn listen(display: &Display) -> anyhow::Result<TcpListener> {
 /// Prints the address of the display.
 fn say(server: &Server, display: &Display) {
     let token = display.token.as_ref().map_or("", |_| "?token=…");
-    // Standard error may be closed; the display continues without it.
-    let _ = writeln!(
-        std::io::stderr(),
+    runtime::notice(format_args!(
         "koseki: the picture is at http://{}/{token}",
         server.address()
-    );
+    ));
 }
 
 fn origin(config: &Config) -> FrameOrigin {

@@ -172,7 +172,7 @@ impl Start {
         match kept {
             Ok(keeping) => Ok(Some(keeping)),
             Err(error) => {
-                eprintln!("warning: going on without a checkpoint: {error}");
+                runtime::notice(format_args!("warning: going on without a checkpoint: {error}"));
                 Ok(None)
             }
         }
@@ -190,7 +190,7 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
     let refused = |reason: String| {
         let aside = root.put_outlasting_aside(CHECKPOINT);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
-        eprintln!("warning: the checkpoint is not used: {reason}{aside}");
+        runtime::notice(format_args!("warning: the checkpoint is not used: {reason}{aside}"));
         Found::Refused
     };
     match root.outlasting(CHECKPOINT) {

@@ -70,7 +70,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");
-        eprintln!("warning: {refused}; going on without");
+        runtime::notice(format_args!("warning: {refused}; going on without"));
         housekeeper.set_note(refused);
     }
     let hardly_sleeps = fusion.wait != WaitMode::Event && fusion.placement.realtime_priority.is_some();

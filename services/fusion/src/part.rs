@@ -116,7 +116,7 @@ impl Part<'_> {
         };
         if let Err(reason) = refused {
             anyhow::ensure!(!fusion.required || take_over.from_another, "{reason}");
-            eprintln!("warning: {reason}; going on without");
+            runtime::notice(format_args!("warning: {reason}; going on without"));
         }
         Ok(())
     }

@@ -35,7 +35,6 @@ mod tap;
 mod top;
 mod torture;
 
-use std::io::Write as _;
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::ExitCode;
@@ -73,8 +72,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             let what = one_line(&format!("{error:#}"));
-            // With standard error closed, the exit code still says it.
-            let _ = writeln!(std::io::stderr(), "koseki: {what}");
+            runtime::notice(format_args!("koseki: {what}"));
             ExitCode::from(exit_code(&error))
         }
     }
@@ -243,7 +241,7 @@ fn refuse_usage(error: &clap::Error) -> ExitCode {
             Err(_) => ExitCode::from(CODE_FAILED),
         };
     }
-    let _ = writeln!(std::io::stderr(), "koseki: {}", args::usage_line(error));
+    runtime::notice(format_args!("koseki: {}", args::usage_line(error)));
     ExitCode::from(CODE_REFUSED)
 }
 

@@ -52,7 +52,6 @@ mod supervisor;
 mod suspicion;
 mod wake;
 
-use std::io::Write as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -116,5 +115,5 @@ pub fn needed_bytes(config: &Config) -> u64 {
 
 /// One line about one event. Standard error may be closed; that is no reason to end a deployment.
 fn say(line: &str) {
-    let _ = writeln!(std::io::stderr(), "koseki: {line}");
+    runtime::notice(format_args!("koseki: {line}"));
 }

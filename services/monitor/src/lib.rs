@@ -69,8 +69,6 @@ pub mod top;
 mod truth_watch;
 mod verdict;
 
-use std::io::Write as _;
-
 pub use agent::{Clock, MonitorAgent};
 pub use report::{
     AlarmReport, Hop, Picture, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict,
@@ -84,7 +82,7 @@ pub use telemetry::{Process, State};
 /// If a file cannot be written or shared memory fails.
 pub fn run(process: &configuration::Process) -> anyhow::Result<()> {
     let say = |line: &str| {
-        let _ = writeln!(std::io::stderr(), "koseki: {}: {line}", process.name);
+        runtime::notice(format_args!("koseki: {}: {line}", process.name));
     };
     let mut agent = MonitorAgent::new(
         &process.config,

@@ -210,11 +210,10 @@ impl Segments {
     fn give_up(&mut self, path: &Path, error: &RecordingError, now: Now) {
         if self.counts.failures == 0 {
             let lead = "koseki: the recording of all topics cannot be written";
-            let _ = writeln!(
-                std::io::stderr(),
-                "{lead} ({}: {error}); samples are lost and counted until it can",
-                path.display()
-            );
+            let path = path.display();
+            runtime::notice(format_args!(
+                "{lead} ({path}: {error}); samples are lost and counted until it can"
+            ));
         }
         self.counts.failures += 1;
         self.retry_ns = now.mono_ns + RETRY_NS;
