@@ -1,5 +1,6 @@
 //! Those who may not join, and messages that are none.
 
+use std::cell::Cell;
 use std::path::Path;
 use std::time::Duration;
 
@@ -190,25 +191,31 @@ pub(crate) fn of_layout(schema: u64) -> Vec<u8> {
     message
 }
 
-/// Somebody who has found a link's endpoint.
+/// A session at a link's endpoint, of a program other than Koseki.
 pub(crate) fn intruder(door: &str, said: impl Fn() -> String) -> zenoh::Session {
+    session(door, None, said)
+}
+
+/// The same, with the name and password of a user.
+fn session(door: &str, user: Option<(&str, &str)>, said: impl Fn() -> String) -> zenoh::Session {
     let mut config = zenoh::Config::default();
-    for (key, value) in [
-        ("mode", "\"client\"".to_owned()),
-        ("scouting/multicast/enabled", "false".to_owned()),
-        ("connect/endpoints", format!("[\"{door}\"]")),
-    ] {
-        config.insert_json5(key, &value).unwrap();
+    let mut set = |key: &str, value: &str| config.insert_json5(key, value).unwrap();
+    set("mode", "\"client\"");
+    set("scouting/multicast/enabled", "false");
+    set("connect/endpoints", &format!("[\"{door}\"]"));
+    if let Some((user, password)) = user {
+        set("transport/auth/usrpwd/user", &format!("\"{user}\""));
+        set("transport/auth/usrpwd/password", &format!("\"{password}\""));
     }
-    let mut intruder = None;
+    let mut session = None;
     until(
         || {
-            intruder = zenoh::open(config.clone()).wait().ok();
-            intruder.is_some()
+            session = zenoh::open(config.clone()).wait().ok();
+            session.is_some()
         },
         said,
     );
-    intruder.unwrap()
+    session.unwrap()
 }
 
 #[test]
@@ -254,4 +261,74 @@ fn messages_that_are_none_are_counted_and_do_no_harm() {
         .unwrap();
     let mut original = Reader::of(&there, "tower");
     seen.agrees_with(&mut original, &here);
+}
+
+#[test]
+fn a_named_peer_writes_only_the_topics_of_its_own_deployment() {
+    let Some(there) = Host::new() else { return };
+    let port = free_port();
+    let users = there.path("users");
+    std::fs::write(&users, "west:one\neast:two\n").unwrap();
+    let door = format!("tcp/127.0.0.1:{port}");
+    let topic = "sensor/radar/tracks";
+    let of = |name: &str| {
+        format!(
+            "[[link.peer]]\nname = \"{name}\"\ndeployment = \"{name}\"\n\
+             [[link.receive]]\ndeployment = \"{name}\"\ntopic = \"{topic}\"\ninto = \"sensor/{name}/tracks\"\n"
+        )
+    };
+    let source = |name: &str| format!("[[source]]\nname = \"{name}\"\nperiod_s = 4.0\n[source.external]\n");
+    let config = format!(
+        "name = \"centre\"\n[frame]\nlatitude_deg = 41.3\nlongitude_deg = 2.1\n[recorder]\nenabled = false\n{}{}\
+         [[link]]\nname = \"in\"\nlisten = [\"{door}\"]\nsend = []\ninsecure = true\nusers_file = {users:?}\n{}{}",
+        source("west"),
+        source("east"),
+        of("west"),
+        of("east")
+    );
+    let mut deployment = there.up("centre", &config, &[]);
+    deployment.until_up();
+    let east = session(&door, Some(("east", "two")), || there.status("centre"));
+    let root = Root::in_base(there.shared(), "centre").unwrap();
+    let mut health: Subscription<Health> = Subscription::at(&root, &health()).unwrap();
+    let mut refused_layouts = || {
+        let mut count = 0;
+        while let Some(slice) = health.next(Duration::ZERO).unwrap() {
+            let links = slice.iter().filter(|entry| entry.kind() == Some(ProcessKind::Link));
+            count = links
+                .map(|entry| entry.counters[Counter::RejectedSchema])
+                .fold(count, u64::max);
+        }
+        count
+    };
+    // A message of another layout is counted wherever it arrives. Messages of one session arrive in their order.
+    let put = |deployment: &str| {
+        let key = format!("koseki/0123456789abcdef/{deployment}/{topic}");
+        east.put(key, of_layout(7)).wait().unwrap();
+    };
+    for _ in 0..20 {
+        put("west");
+    }
+    let mut sent = 0;
+    until(
+        || {
+            put("east");
+            sent += 1;
+            refused_layouts() > 0
+        },
+        || there.status("centre"),
+    );
+    let counted = Cell::new(0);
+    until(
+        || {
+            counted.set(refused_layouts().max(counted.get()));
+            counted.get() >= sent
+        },
+        || format!("{} of {sent}: {}", counted.get(), there.status("centre")),
+    );
+    assert_eq!(
+        counted.get(),
+        sent,
+        "messages for another deployment's topic are counted"
+    );
 }

@@ -19,7 +19,8 @@ fn is_root() -> bool {
 fn as_other_user(line: &str) -> bool {
     let mut shell = Command::new("sh");
     shell
-        .args(["-c", line])
+        // Another test's listener sets the mask of the whole process for a moment, and the child inherits it.
+        .args(["-c", &format!("umask 022; {line}")])
         .uid(OTHER_USER)
         .gid(OTHER_USER)
         .current_dir("/");
