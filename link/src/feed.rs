@@ -105,6 +105,10 @@ impl<R: Payload, T: Outgoing + Payload + Placed> Outlet for Feed<R, T> {
         &self.stand_in.numbers
     }
 
+    fn slice_len(&self) -> usize {
+        self.stand_in.topic.capacity.slice_len
+    }
+
     fn publish(
         &mut self,
         bus: &Bus<SharedMemory>,

@@ -3,10 +3,16 @@
 //! A gap in the sequence numbers shows that a connection was interrupted. What comes after the gap is held, and the
 //! sender is asked for what is missing ([`history`](crate::history)). When the answer has come, or nobody answers, what
 //! is held is published; what is still missing then is counted as lost.
+//!
+//! An answer may hold a minute of reports. Readers here have short queues, so that a recovery publishes full slices, and
+//! pauses after each [`BURST_SLICES`] slices or [`BURST_SAMPLES`] samples.
 
 use std::collections::VecDeque;
+use std::thread;
+use std::time::Duration;
 
 use bus::{Bus, Payload, SharedMemory};
+use messages::BatchHeader;
 use runtime::Now;
 
 use crate::inbound::{Arrival, Counts, Inlet, Question, WAITING_OCTETS};
@@ -18,6 +24,13 @@ const QUESTIONS_MAX: u32 = 4;
 /// Time after a recovery in which samples may come twice: once in the answer and once on their own, nanoseconds.
 const TWICE_NS: i64 = 10_000_000_000;
 
+/// Slices that a recovery publishes without a pause: a quarter of the shortest queue of a source's reader.
+const BURST_SLICES: usize = 64;
+/// Samples that a recovery publishes without a pause: with the pause, 50,000 a second.
+const BURST_SAMPLES: usize = 512;
+/// Pause of a recovery between two bursts.
+const PAUSE: Duration = Duration::from_millis(10);
+
 /// Publishes slices of one topic here.
 pub(crate) trait Outlet {
     /// Type of the samples that come.
@@ -28,6 +41,9 @@ pub(crate) trait Outlet {
 
     /// The numbers of the publishers elsewhere.
     fn numbers(&self) -> &Numbers;
+
+    /// Maximum number of samples in a slice of the topic here.
+    fn slice_len(&self) -> usize;
 
     /// Publishes a slice that comes next, or after a gap.
     ///
@@ -57,6 +73,8 @@ pub(crate) struct InOrder<O: Outlet> {
     has_answer: bool,
     /// When the latest gap was closed, monotonic, nanoseconds.
     closed_ns: i64,
+    /// Slices and samples that the recovery has published since its last pause.
+    burst: (usize, usize),
 }
 
 impl<O: Outlet> InOrder<O> {
@@ -70,6 +88,7 @@ impl<O: Outlet> InOrder<O> {
             is_asked: false,
             has_answer: false,
             closed_ns: i64::MIN,
+            burst: (0, 0),
         }
     }
 
@@ -103,11 +122,72 @@ impl<O: Outlet> InOrder<O> {
     fn close(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
         self.closed_ns = arrival.now.mono_ns;
         (self.held_bytes, self.questions, self.is_asked, self.has_answer) = (0, 0, false, false);
-        for (head, slice) in std::mem::take(&mut self.held) {
-            self.publish(arrival, (&head, &slice), counts)?;
-        }
-        Ok(())
+        let held = std::mem::take(&mut self.held);
+        self.recover(arrival, held, counts)
     }
+
+    /// Publishes slices of the past in full slices, at a rate that readers can follow.
+    fn recover(
+        &mut self,
+        arrival: &Arrival<'_>,
+        slices: impl IntoIterator<Item = (Head, Slice<O::Came>)>,
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
+        let mut full: Option<(Head, Slice<O::Came>)> = None;
+        for (head, slice) in slices {
+            if let Some((of, slices)) = &mut full {
+                if (of.frame, of.origin) == (head.frame, head.origin)
+                    && is_joined(slices, &slice, self.outlet.slice_len())
+                {
+                    join(slices, slice);
+                    continue;
+                }
+                let (of, slices) = full.take().expect("it was just there");
+                self.publish_paced(arrival, (&of, &slices), counts)?;
+            }
+            match self.outlet.numbers().missing(&slice.0) {
+                // A repeated slice is rejected on its own: a slice that follows it may be new.
+                None => self.publish(arrival, (&head, &slice), counts)?,
+                Some(_) => full = Some((head, slice)),
+            }
+        }
+        full.map_or(Ok(()), |(head, slice)| {
+            self.publish_paced(arrival, (&head, &slice), counts)
+        })
+    }
+
+    fn publish_paced(
+        &mut self,
+        arrival: &Arrival<'_>,
+        came: (&Head, &Slice<O::Came>),
+        counts: &mut Counts,
+    ) -> anyhow::Result<()> {
+        let (slices, samples) = self.burst;
+        self.burst = (slices + 1, samples + came.1.1.len());
+        if self.burst.0 > BURST_SLICES || self.burst.1 > BURST_SAMPLES {
+            thread::sleep(PAUSE);
+            self.burst = (1, came.1.1.len());
+        }
+        self.publish(arrival, came, counts)
+    }
+}
+
+/// Whether `next` continues `slice` and both fit in a slice of `slice_len` samples.
+fn is_joined<T>((header, samples): &Slice<T>, next: &Slice<T>, slice_len: usize) -> bool {
+    let of = |header: &BatchHeader| (header.incarnation, header.epoch, header.boot(), header.sensor_uid);
+    of(header) == of(&next.0)
+        && header.flags & BatchHeader::END == 0
+        && header.first_sequence + samples.len() as u64 == next.0.first_sequence
+        && samples.len() + next.1.len() <= slice_len
+}
+
+/// Appends `next` to `slice`; the progress of the joined slice is that of `next`.
+fn join<T>((header, samples): &mut Slice<T>, (next, more): Slice<T>) {
+    *header = BatchHeader {
+        first_sequence: header.first_sequence,
+        ..next
+    };
+    samples.extend(more);
 }
 
 impl<O: Outlet> Inlet for InOrder<O> {
@@ -115,11 +195,13 @@ impl<O: Outlet> Inlet for InOrder<O> {
         let Some((head, slices)) = self.outlet.read(&arrival, counts) else {
             return Ok(());
         };
-        self.has_answer |= arrival.is_answer;
+        if arrival.is_answer {
+            self.has_answer = true;
+            return self.recover(&arrival, slices.into_iter().map(|slice| (head, slice)), counts);
+        }
         for slice in slices {
             let has_gap = || self.key.is_some() && self.outlet.numbers().has_gap(&slice.0);
-            let is_held = !arrival.is_answer && (!self.held.is_empty() || has_gap());
-            match is_held {
+            match !self.held.is_empty() || has_gap() {
                 true => self.hold(&head, slice),
                 false => self.publish(&arrival, (&head, &slice), counts)?,
             }
@@ -148,5 +230,38 @@ impl<O: Outlet> Inlet for InOrder<O> {
             return self.close(&arrival, counts);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slice(first_sequence: u64, count: usize) -> Slice<u8> {
+        let header = BatchHeader {
+            first_sequence,
+            progress_ns: first_sequence.cast_signed(),
+            ..BatchHeader::default()
+        };
+        (header, vec![0; count])
+    }
+
+    #[test]
+    fn slices_without_a_gap_are_joined_up_to_the_length_of_a_slice() {
+        let mut joined = slice(5, 3);
+        assert!(is_joined(&joined, &slice(8, 5), 8));
+        assert!(!is_joined(&joined, &slice(8, 6), 8), "too long");
+        assert!(!is_joined(&joined, &slice(9, 1), 8), "a gap");
+        assert!(!is_joined(&joined, &slice(7, 1), 8), "repeated");
+        let mut successor = slice(8, 1);
+        successor.0.incarnation = 1;
+        assert!(!is_joined(&joined, &successor, 8), "another publisher");
+        join(&mut joined, slice(8, 5));
+        assert_eq!(
+            (joined.0.first_sequence, joined.0.progress_ns, joined.1.len()),
+            (5, 8, 8)
+        );
+        joined.0.flags |= BatchHeader::END;
+        assert!(!is_joined(&joined, &slice(13, 1), 64), "after the end");
     }
 }

@@ -171,6 +171,10 @@ impl<T: Payload> Outlet for Copied<T> {
         &self.0.numbers
     }
 
+    fn slice_len(&self) -> usize {
+        self.0.topic.capacity.slice_len
+    }
+
     fn publish(
         &mut self,
         bus: &Bus<SharedMemory>,

@@ -182,7 +182,7 @@ mod tests {
         picture.hear(&header, &states);
         let read = |part: Message| wire::read::<SystemTrack>(&part.finish(Head::default()), 1).unwrap().1;
         let parts: Vec<usize> = picture.tell().into_iter().map(|part| read(part).len()).collect();
-        assert_eq!(parts.len(), 3);
+        assert_eq!(parts.len(), 4);
         assert_eq!(
             parts.iter().sum::<usize>(),
             8_000 + 1,

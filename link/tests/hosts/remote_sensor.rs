@@ -69,8 +69,10 @@ position_sigma_m = 5.0
 "#;
 /// A minute of recordings in six seconds.
 const FAST: [&str; 2] = ["--speed", "10"];
-/// The same in fifteen, so that a cut falls into it.
-const SLOWER: [&str; 2] = ["--speed", "4"];
+/// Length of the recordings, seconds.
+const RECORDED_S: f64 = 60.0;
+/// Time of a run with a cut beyond the cut, seconds: what is sent before and after it.
+const BESIDE_CUT_S: f64 = 25.0;
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(10);
 /// Reports that have come before the cut.
@@ -105,7 +107,8 @@ fn cuts_of_any_length_lose_no_report() {
 }
 
 fn loses_nothing_by_a_cut_of(length: Duration) {
-    is_the_same_as_on_one_host(&SLOWER, |relay, east| {
+    let speed = RECORDED_S / (length.as_secs_f64() + BESIDE_CUT_S);
+    is_the_same_as_on_one_host(&["--speed", &format!("{speed:.2}")], |relay, east| {
         let root = Root::in_base(east.shared(), "east").unwrap();
         let mut reports: Subscription<SensorTrack> = Subscription::at(&root, &sensor_tracks("radar-south")).unwrap();
         let come = Cell::new(0);

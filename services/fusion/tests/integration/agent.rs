@@ -511,6 +511,47 @@ fn an_offset_that_all_sources_share_is_the_hosts_and_disturbs_no_track() {
 }
 
 #[test]
+fn five_thousand_targets_that_are_late_together_are_all_shown() {
+    const TARGETS: u64 = 5_000;
+    const PER_STEP: u64 = 125;
+    let capacity = "[fusion.capacity]\nsystem_tracks = 6000\nsensor_tracks = 12000\n";
+    for (first_s, then_s) in [(-6.0, -6.0), (-3600.0, -3600.0), (0.0, -7.0)] {
+        let mut bench = Bench::new(&config("arrival", &format!("{AT_ONCE}{capacity}")));
+        for step in 0..800u64 {
+            let off_s = if step < 400 { first_s } else { then_s };
+            let second = 0.1 * step as f64 - 0.05 + off_s;
+            for source in 0..2 {
+                let seen = |place| {
+                    let number = (PER_STEP * step + place) % TARGETS;
+                    let mut report = report(
+                        number as u32,
+                        PER_STEP * step + place,
+                        second,
+                        2e3 * (number % 70) as f64,
+                    );
+                    report.position_m[1] = 2e3 * (number / 70) as f64;
+                    report
+                };
+                for slice in (0..PER_STEP).map(seen).collect::<Vec<_>>().chunks(64) {
+                    bench.send(source, slice, i64::MIN, false);
+                }
+            }
+            bench.settle();
+            bench.pass(0.1);
+            if step < 760 {
+                bench.received.clear();
+            }
+        }
+        let shown = bench.received.iter().filter(|track| {
+            let age_ns = bench.now.utc_ns + (then_s * S as f64) as i64 - track.reference_time_ns;
+            track.state == TrackState::Confirmed as u8 && (0..5 * S).contains(&age_ns)
+        });
+        let numbers: std::collections::BTreeSet<u32> = shown.map(|track| track.track_number).collect();
+        assert_eq!(numbers.len() as u64, TARGETS, "{first_s} {then_s}");
+    }
+}
+
+#[test]
 fn a_step_of_the_machines_clock_is_no_step_of_the_picture() {
     let states = |set_s: i64| {
         let mut bench = Bench::new(&config("arrival", AT_ONCE));
