@@ -4,8 +4,8 @@
 //! sender is asked for what is missing ([`history`](crate::history)). When the answer has come, or nobody answers, what
 //! is held is published; what is still missing then is counted as lost.
 //!
-//! An answer may hold a minute of reports. Readers here have short queues, so that a recovery publishes full slices, and
-//! pauses after each [`BURST_SLICES`] slices or [`BURST_SAMPLES`] samples.
+//! An answer may hold a minute of reports. Readers here have short queues: a recovery publishes full slices, and pauses
+//! after each [`BURST_SLICES`] slices or [`BURST_SAMPLES`] samples.
 
 use std::collections::VecDeque;
 use std::thread;
