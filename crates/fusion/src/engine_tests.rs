@@ -7,6 +7,7 @@ mod contradicting_sources;
 mod dependent_sources;
 mod filter_rules;
 mod formations;
+mod gates;
 mod hostile_sources;
 mod image;
 mod innovations;
