@@ -34,9 +34,9 @@ fn live_of_two(apart_m: f64, higher_m: f64) -> usize {
 
 #[test]
 fn tracks_join_inside_the_gate_in_the_plane_and_not_beyond() {
-    // Sigma of the difference: 14 m. The gate is 3.7 sigma; a target has 40 m at most.
+    // Sigma of the difference: 14 m. The gate is 3.7 sigma; equal velocities would allow more.
     assert_eq!(live_of_two(20.0, 0.0), 1);
-    assert_eq!(live_of_two(110.0, 0.0), 2);
+    assert_eq!(live_of_two(64.0, 0.0), 2);
 }
 
 #[test]
