@@ -215,6 +215,17 @@ mod tests {
         memory.iter().map(|word| word.load(Relaxed)).collect()
     }
 
+    #[test]
+    fn the_copy_written_last_is_read() {
+        let memory = blank();
+        let mut contents = Vec::new();
+        for times in 1..=4 {
+            AREA.write(&memory, 1, times, &[times; 5]);
+            assert_eq!(AREA.read(&memory, 1, &mut contents), Found::Whole);
+            assert_eq!(contents, [times; 5]);
+        }
+    }
+
     proptest! {
         /// Killed between any two stores, in whatever order they are made, a writer leaves the old or the new record.
         #[test]
