@@ -1,4 +1,4 @@
-//! The duty cycle of a gateway.
+//! Duty cycle of a gateway.
 
 use std::time::Duration;
 
@@ -15,16 +15,16 @@ use crate::schedule::Schedule;
 use crate::selection::Selection;
 use crate::sensor_states::SensorStates;
 
-/// Slices taken in one turn: as many as can wait.
+/// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
-/// Time between two looks at whose turn it is, nanoseconds: those of one look share datagrams.
+/// Period of the search for due tracks, nanoseconds: the tracks of one search share datagrams.
 const LOOK_PERIOD_NS: i64 = 20_000_000;
-/// The categories of the state of a system and of its sensors.
+/// Categories of the state of a system and of its sensors.
 const STATUS_CATEGORIES: [u8; 2] = [65, 63];
-/// Longest sleep: status messages must be sent, and health be heard.
+/// Longest sleep, bounded by status messages to send and health messages to read.
 const SLEEP_MAX_NS: i64 = 50_000_000;
 
-/// A gateway as an agent; generic over the transport, so that tests drive it in process.
+/// Gateway as an agent, generic over the transport: tests run it in process.
 #[derive(Debug)]
 pub(crate) struct GatewayAgent<S: Transport> {
     content: Content<S>,
@@ -33,46 +33,46 @@ pub(crate) struct GatewayAgent<S: Transport> {
     sensors: SensorStates,
     sender: UdpSender,
     waiter: Waiter<S>,
-    /// Categories of the status messages that this user gets.
+    /// Categories of the status messages for this user.
     status: Vec<u8>,
     status_ns: i64,
     next_status_ns: i64,
 }
 
-/// Tracks that are sent.
+/// Tracks to send.
 #[derive(Debug)]
 enum Content<S: Transport> {
     System(Box<Picture<S, SystemTrack, SystemReports>>, Box<StatusReports>),
     Sensor(Box<Picture<S, SensorTrack, SensorReports>>),
 }
 
-/// The tracks of one topic on their way out.
+/// Outgoing tracks of one topic.
 #[derive(Debug)]
 struct Picture<S: Transport, T: Payload, R> {
     subscriber: Subscriber<S, T>,
     schedule: Schedule<T>,
     selection: Selection,
     reports: R,
-    /// Incarnation of the publisher that the tracks are from; 0 before the first.
+    /// Epoch of the publisher of the tracks; 0 before the first slice.
     publisher: u64,
-    /// Whether tracks were forgotten because their publisher is gone, and this has not been said.
+    /// Whether tracks were dropped with their publisher, and the user has no notice yet.
     has_forgotten: bool,
     next_look_ns: i64,
 }
 
-/// A track, as far as the gateway looks at it.
+/// Properties of a track that a gateway uses.
 trait Track: Payload + Copy {
     fn number(&self) -> u32;
-    /// Position in the system frame, metres.
+    /// Returns the position in the system frame, metres.
     fn position_m(&self) -> [f64; 3];
-    /// Whether its height is known.
+    /// Whether the height is known.
     fn has_height(&self) -> bool;
     fn state(&self) -> Option<TrackState>;
-    /// The track's last word.
+    /// Returns the last state of the track, which ends it for the user.
     fn ended(self) -> Self;
 }
 
-/// Puts tracks into data blocks.
+/// Conversion of tracks to data blocks.
 trait Reports<T> {
     fn report(&mut self, track: &T, send: &mut SendBlock<'_>);
     fn flush(&mut self, send: &mut SendBlock<'_>);
@@ -80,10 +80,10 @@ trait Reports<T> {
 }
 
 impl<S: Transport> GatewayAgent<S> {
-    /// The gateway `gateway` of `config`, connected to `bus`; `incarnation` is the process's monotonic start time.
+    /// Opens the gateway `gateway` of `config` on `bus`; `incarnation` is the process's monotonic start time,
+    /// nanoseconds.
     ///
-    /// # Errors
-    /// If its socket or a topic cannot be opened.
+    /// # Errors If the socket or a topic cannot be opened.
     pub(crate) fn new(config: &Config, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
         let sender =
             UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;
@@ -140,7 +140,7 @@ impl<S: Transport> GatewayAgent<S> {
         self.next_status_ns = now.utc_ns + self.status_ns;
         let (sender, wanted) = (&mut self.sender, &self.status);
         let mut send = |datagram: &[u8]| drop(sender.send(datagram));
-        // Blocks begin with their category.
+        // The first byte of a block is its category.
         let mut send_wanted = |datagram: &[u8]| {
             if datagram.first().is_some_and(|category| wanted.contains(category)) {
                 send(datagram);
@@ -180,7 +180,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
         })
     }
 
-    /// Takes what has been published and sends what is due; whether more may be waiting.
+    /// Takes published tracks and sends due tracks. Returns whether more slices may be waiting.
     fn turn(&mut self, now: Now, send: &mut SendBlock<'_>) -> anyhow::Result<bool> {
         let (schedule, selection) = (&mut self.schedule, &self.selection);
         let (reports, publisher, has_forgotten) = (&mut self.reports, &mut self.publisher, &mut self.has_forgotten);
@@ -189,7 +189,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
                 if header.flags & BatchHeader::GOES_ON != 0 {
                     schedule.go_on(now.mono_ns);
                 } else {
-                    // Whoever published the tracks so far is gone, and with it whoever would have ended them.
+                    // The publisher of the present tracks has ended and can no longer terminate them.
                     schedule.forget_all(|track| reports.report(&track.ended(), send));
                     *has_forgotten |= *publisher != 0;
                 }
@@ -200,7 +200,7 @@ impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
                     Some(TrackState::Confirmed | TrackState::Coasted)
                         if !selection.admits(track.position_m(), track.has_height()) =>
                     {
-                        // It has left what this user gets: the user's track of it ends.
+                        // The track has left the user's selection: the user's copy of the track ends.
                         if schedule.end(track.number()) {
                             reports.report(&track.ended(), send);
                         }
@@ -260,7 +260,7 @@ impl<S: Transport> Agent for GatewayAgent<S> {
             .take(SLICES_PER_TURN, |header, slice| sensors.hear_alarms(header, slice))?;
         self.say_status(now);
         let sender = &mut self.sender;
-        // What could not be sent is counted by the sender; the others are still there.
+        // The sender counts blocks that it could not send; the remaining blocks follow.
         let mut send = |datagram: &[u8]| drop(sender.send(datagram));
         let (more, next_ns) = match &mut self.content {
             Content::System(picture, status) => {

@@ -1,9 +1,8 @@
-//! The gateway process: sends tracks to other systems, in ASTERIX over the network.
+//! Gateway process: sends tracks to other systems as ASTERIX over the network.
 //!
-//! The fused picture goes out as CAT062, with the state of the fusion system (CAT065) and of its sensors (CAT063), as
-//! displays and neighbouring centres expect it. The sensor tracks of one source can go out as CAT010, 020, 021 or 048,
-//! to test other systems with. The process is a subscriber like any other: whatever happens to it, fusion does not
-//! notice.
+//! The fused picture is sent as CAT062, with the state of the fusion system (CAT065) and of its sensors (CAT063), for
+//! displays and neighbouring centres. The sensor tracks of one source can be sent as CAT010, 020, 021 or 048, to test
+//! other systems. A gateway is a subscriber like any other; a fault of a gateway has no effect on fusion.
 
 #![forbid(unsafe_code)]
 
@@ -17,10 +16,9 @@ mod sensor_states;
 use anyhow::Context as _;
 use configuration::Process;
 
-/// Runs the gateway that the process is named after, until told to stop.
+/// Runs the gateway named in `process` until a stop request.
 ///
-/// # Errors
-/// If there is no such gateway, its socket cannot be opened, or shared memory fails.
+/// # Errors If the configuration has no such gateway, if the socket cannot be opened, or if shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let gateway = process.config.gateway(&process.name).with_context(|| {
         let path = process.config.path.display();

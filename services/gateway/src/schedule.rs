@@ -1,33 +1,33 @@
-//! Which track is sent when.
+//! Times at which tracks are sent.
 //!
-//! Fusion publishes a state for every report, several per second and track; a display wants each track once in a while,
-//! and all of them evenly, not in one burst that overflows its socket. So the latest state of each track is kept, and
-//! each track has its own turn: the first time at once, then after every refresh period. As all periods are equal, the
-//! turns form a queue. The end of a track is sent at once, too: it is the last word.
+//! Fusion publishes a state for every report, several a second for each track. A display needs each track once per
+//! refresh period, at evenly spread times: a burst would overflow the display's socket. A schedule therefore stores
+//! the latest state of each track, and each track has its own turn: the first at once, the next after each refresh
+//! period. All periods are equal, so that the turns form a queue. The end of a track is sent at once.
 
 use std::collections::VecDeque;
 
 use rustc_hash::FxHashMap;
 
-/// A track that has not been heard of for so long is forgotten: its source has ended without saying so.
+/// Silence after which a track is dropped: its source has ended without a last report.
 const SILENCE_MAX_NS: i64 = 120_000_000_000;
 
-/// A track that a fusion which goes on with it has not spoken of for so long was lost when the one before it died.
+/// Time after a change of fusion within which the successor must publish each track of its predecessor.
 const UNHEARD_MAX_NS: i64 = 30_000_000_000;
 
-/// A track that was heard of within such a time is not displaced, nanoseconds.
+/// Minimum age of a state that a new track may displace, nanoseconds.
 const DISPLACED_NS: i64 = 1_000_000_000;
 
-/// The latest states of tracks, and their turns.
+/// Latest states of tracks, and their turns.
 #[derive(Debug)]
 pub(crate) struct Schedule<T> {
     refresh_ns: i64,
     capacity: usize,
     entries: FxHashMap<u32, Entry<T>>,
-    /// Turns in their order. One that does not agree with its track's entry is out of date.
+    /// Turns in the order of time. A turn that differs from its track's entry is out of date.
     turns: VecDeque<(i64, u32)>,
     dropped: u64,
-    /// When the present publisher began to speak.
+    /// Time at which the present publisher began to publish.
     began_ns: i64,
 }
 
@@ -39,7 +39,7 @@ struct Entry<T> {
 }
 
 impl<T: Copy> Schedule<T> {
-    /// A schedule for `capacity` tracks; with a refresh period of 0, every state has its turn at once.
+    /// Creates a schedule for `capacity` tracks. With a refresh period of 0, each state is due at once.
     pub(crate) fn new(refresh_ns: i64, capacity: usize) -> Self {
         Self {
             refresh_ns,
@@ -51,8 +51,8 @@ impl<T: Copy> Schedule<T> {
         }
     }
 
-    /// Takes out the track that has been unheard for the longest, where the table is full and `number` is new: the
-    /// engine has no more tracks than the table, so the end of that one was lost.
+    /// Removes the track with the oldest state if the table is full and `number` is new. The table has as many places
+    /// as the engine, so that the end of the removed track was lost.
     pub(crate) fn displaced_by(&mut self, number: u32, now_ns: i64) -> Option<T> {
         if self.entries.len() < self.capacity || self.entries.contains_key(&number) {
             return None;
@@ -66,7 +66,7 @@ impl<T: Copy> Schedule<T> {
         self.entries.remove(&stale).map(|entry| entry.latest)
     }
 
-    /// A state of track `number` has come at `now_ns`; whether it is to be sent at once.
+    /// Stores a state of track `number` that arrived at `now_ns`. Returns whether the state is to be sent at once.
     pub(crate) fn take(&mut self, number: u32, track: T, now_ns: i64) -> bool {
         if self.refresh_ns == 0 {
             return true;
@@ -91,12 +91,12 @@ impl<T: Copy> Schedule<T> {
         true
     }
 
-    /// Track `number` has ended; whether it was known.
+    /// Ends track `number`. Returns whether the track was in the table.
     pub(crate) fn end(&mut self, number: u32) -> bool {
         self.entries.remove(&number).is_some() || self.refresh_ns == 0
     }
 
-    /// The state of the next track whose turn has come by `now_ns`.
+    /// Returns the state of the next track that is due at `now_ns`.
     pub(crate) fn next_turn(&mut self, now_ns: i64) -> Option<T> {
         loop {
             let (turn_ns, number) = *self.turns.front()?;
@@ -111,19 +111,19 @@ impl<T: Copy> Schedule<T> {
                 self.entries.remove(&number);
                 continue;
             }
-            // From now on, not from when it was due: a gateway that was held up does not catch up in a burst.
+            // The next turn counts from now, not from the due time: a delayed gateway sends no burst to catch up.
             entry.turn_ns = now_ns + self.refresh_ns;
             self.turns.push_back((entry.turn_ns, number));
             return Some(entry.latest);
         }
     }
 
-    /// When the next turn comes.
+    /// Returns the time of the next turn.
     pub(crate) fn next_turn_ns(&self) -> Option<i64> {
         self.turns.front().map(|(turn_ns, _)| *turn_ns)
     }
 
-    /// Forgets all tracks, and hands out the latest state of each, in the order of their numbers.
+    /// Removes all tracks, and returns the latest state of each in the order of their numbers.
     pub(crate) fn forget_all(&mut self, mut visit: impl FnMut(T)) {
         let mut numbers: Vec<u32> = self.entries.keys().copied().collect();
         numbers.sort_unstable();
@@ -135,13 +135,13 @@ impl<T: Copy> Schedule<T> {
         self.turns.clear();
     }
 
-    /// Another publisher goes on with the tracks from `now_ns` on.
+    /// Marks all tracks as continued by another publisher from `now_ns`.
     pub(crate) fn go_on(&mut self, now_ns: i64) {
         self.began_ns = now_ns;
     }
 
-    /// Hands out the latest state of each track that the present publisher should have spoken of by `now_ns` and has
-    /// not, in the order of their numbers, and forgets it.
+    /// Removes the tracks that the present publisher should have published by `now_ns` and has not, and returns their
+    /// latest states in the order of their numbers.
     pub(crate) fn forget_unheard(&mut self, now_ns: i64, mut visit: impl FnMut(T)) {
         if self.began_ns == i64::MIN || now_ns < self.began_ns + UNHEARD_MAX_NS {
             return;
@@ -157,7 +157,7 @@ impl<T: Copy> Schedule<T> {
         }
     }
 
-    /// States of tracks for which there was no room.
+    /// Number of states that found no place.
     pub(crate) fn dropped(&self) -> u64 {
         self.dropped
     }

@@ -1,9 +1,9 @@
-//! Which tracks a user gets: those in an area, on some flight levels.
+//! Selection of tracks for a user: an area and a range of flight levels.
 
 use configuration::{Area, Gateway};
 use frames::SystemFrame;
 
-/// Area and levels of a user.
+/// Area and flight levels of a user.
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     frame: SystemFrame,
@@ -12,7 +12,7 @@ pub(crate) struct Selection {
 }
 
 impl Selection {
-    /// Selection that the user of `gateway` gets of tracks in `frame`.
+    /// Returns the selection of the user of `gateway`, for tracks in `frame`.
     pub(crate) fn new(gateway: &Gateway, frame: SystemFrame) -> Self {
         Self {
             frame,
@@ -21,8 +21,8 @@ impl Selection {
         }
     }
 
-    /// Whether the user gets a track at this position in the system frame, metres. One whose height is not known is on
-    /// all levels.
+    /// Whether the selection contains a position in the system frame, metres. A track of unknown height is on all
+    /// levels.
     pub(crate) fn admits(&self, position_m: [f64; 3], has_height: bool) -> bool {
         if self.area.is_none() && self.levels.is_none() {
             return true;

@@ -1,11 +1,12 @@
-//! Whether fusion and the sensors work, as health messages tell.
+//! State of fusion and of the sensors, by health messages.
 //!
-//! A sensor works when its adapter goes on reading records of it. One that has been silent for some of its periods may
-//! be broken, or have nothing in view: degraded. So is one that an alarm is about; an alarm about its clock makes its
-//! time source invalid. One whose adapter says nothing any more is not connected; so is fusion.
+//! A sensor is operational while its adapter reads records of it. A sensor that has been silent for several of its
+//! periods is degraded: it may be defective or have no target in view. A sensor with an alarm is degraded, too; an
+//! alarm about the sensor's clock makes its time source invalid. A sensor is not connected if its adapter publishes
+//! no health message. The same holds for fusion.
 //!
-//! Fusion says, too, how far each sensor's reports lie off. A bias is sent once fusion removes it from the reports:
-//! before that, it may be chance.
+//! Health messages of fusion contain the estimated bias of each sensor. A bias is sent only while fusion removes the
+//! bias from the reports: before, the estimate may be due to chance.
 
 use alarms::{AlarmKind, Present};
 use configuration::Config;
@@ -17,16 +18,16 @@ use outgoing::{
 };
 use runtime::Now;
 
-/// A process that has not spoken for so long is gone, nanoseconds; it speaks several times a second.
+/// Silence after which a process counts as ended, nanoseconds; health messages come several times a second.
 const SPEECH_MAX_NS: i64 = 2_000_000_000;
 
-/// States of fusion and of the sensors of all sources, in the order of their numbers.
+/// States of fusion and of the sensors of all sources, in the order of the sources' numbers.
 #[derive(Debug)]
 pub(crate) struct SensorStates {
     fusion_spoke_ns: i64,
-    /// Condition that was sent last, once the system has run.
+    /// Condition sent last, once the system has been operational.
     condition: Option<Condition>,
-    /// Changes whenever tracks are numbered anew.
+    /// Value that changes whenever tracks are numbered anew.
     renumbered: bool,
     alarms: Present,
     sensors: Vec<Sensor>,
@@ -37,11 +38,11 @@ pub(crate) struct SensorStates {
 struct Sensor {
     adapter: String,
     sac_sic: (u8, u8),
-    /// Whether its adapter speaks of it by number.
+    /// Whether the adapter's health messages contain the sensor's number.
     by_number: bool,
     spoke_ns: i64,
     primary: bool,
-    /// Silence after which it is degraded, nanoseconds; `None` if it may be silent for ever.
+    /// Silence after which the sensor is degraded, nanoseconds; `None`: never.
     silent_after_ns: Option<i64>,
     delivered: u64,
     delivered_ns: i64,
@@ -52,7 +53,7 @@ impl SensorStates {
     pub(crate) fn new(config: &Config) -> Self {
         let sensors = config.sources.iter().map(|source| Sensor {
             adapter: source.adapter.clone(),
-            // One without codes of its own is known by its number.
+            // A sensor without SAC and SIC is identified by its number.
             sac_sic: source.model.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
             by_number: false,
             spoke_ns: i64::MIN,
@@ -72,7 +73,7 @@ impl SensorStates {
         }
     }
 
-    /// A process has said how it is.
+    /// Takes a health message.
     pub(crate) fn hear(&mut self, health: &Health) {
         match health.kind() {
             Some(ProcessKind::Fusion) => {
@@ -86,7 +87,7 @@ impl SensorStates {
         }
     }
 
-    /// The monitor has said which alarms stand.
+    /// Takes the monitor's standing alarms.
     pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
         self.alarms.hear(header, slice);
     }
@@ -108,7 +109,8 @@ impl SensorStates {
         }
     }
 
-    /// Tracks are numbered anew: sends that the service was interrupted and is there again, unless that is said anyhow.
+    /// Reports an interruption of the service and its end, since tracks are numbered anew, unless the state of the
+    /// system reports both.
     pub(crate) fn renumbered(&mut self, now: Now, reports: &mut StatusReports, send: &mut SendBlock<'_>) {
         self.renumbered = !self.renumbered;
         if self.condition.is_some_and(|said| said != Condition::NotConnected) {
@@ -117,14 +119,14 @@ impl SensorStates {
         }
     }
 
-    /// Sends how fusion and the sensors are.
+    /// Sends the state of fusion and of the sensors.
     pub(crate) fn report(&mut self, now: Now, reports: &mut StatusReports, send: &mut SendBlock<'_>) {
         let system = self.system(now.mono_ns);
         let before = self.condition.unwrap_or(system.condition);
         if let Some(event) = ServiceEvent::between(before, system.condition) {
             reports.event(now.utc_ns, event, send);
         }
-        // Before the system has run for the first time, nothing is interrupted.
+        // Before the first operational state there is no interruption.
         if self.condition.is_some() || system.condition != Condition::NotConnected {
             self.condition = Some(system.condition);
         }
@@ -139,7 +141,7 @@ impl SensorStates {
 }
 
 impl SensorStates {
-    /// State of the system at `now_ns` (monotonic).
+    /// Returns the state of the system at `now_ns` (monotonic).
     fn system(&self, now_ns: i64) -> SystemStatus {
         let standing = self.alarms.at(now_ns).unwrap_or_default();
         let overload = [
@@ -166,7 +168,7 @@ impl SensorStates {
 }
 
 impl Sensor {
-    /// State of the sensor of this number at `now_ns` (monotonic), while these alarms stand.
+    /// Returns the state of sensor `number` at `now_ns` (monotonic) under these standing alarms.
     fn at(&self, now_ns: i64, number: usize, standing: &[Alarm]) -> SensorStatus {
         let own = standing
             .iter()
