@@ -1,45 +1,43 @@
-//! The part of a service that does its work, a bounded piece at a time.
+//! Work of a service in bounded pieces.
 
 use std::time::Duration;
 
 use crate::clock::Now;
 use crate::health::HealthEntry;
 
-/// What a turn of an agent came to.
+/// Result of a turn of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// There may be more to do at once.
+    /// More work may be waiting.
     Worked,
-    /// Nothing to do; look again after this time at the latest.
+    /// No work; the next turn is due after this time at the latest.
     Idle(Duration),
-    /// All work is done, for good.
+    /// All work is done; no turn follows.
     Finished,
 }
 
-/// The part of a service that does its work.
+/// Work of a service.
 pub trait Agent {
     /// Does a bounded piece of work.
     ///
-    /// # Errors
-    /// If the service cannot go on.
+    /// # Errors If the service cannot continue.
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn>;
 
-    /// Waits for work, `at_most` so long.
+    /// Waits for work, at most for the time `at_most`.
     ///
-    /// # Errors
-    /// If waiting fails.
+    /// # Errors If the wait fails.
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         std::thread::sleep(at_most);
         Ok(())
     }
 
-    /// Says how it is. The first entry speaks of the process as a whole; others may speak of single sources.
+    /// Adds the health entries. The first entry is of the process as a whole; further entries may be of single
+    /// sources.
     fn health(&self, entries: &mut Vec<HealthEntry>);
 
-    /// The process has been told to stop, or has finished: time to write what is still in memory.
+    /// Writes data that are still in memory, after a stop request or at the end of the work.
     ///
-    /// # Errors
-    /// If that fails.
+    /// # Errors If the data cannot be written.
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
         let _ = now;
         Ok(())

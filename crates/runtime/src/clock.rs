@@ -1,8 +1,8 @@
-//! The two clocks, read in one place.
+//! Both clocks, read in one place.
 //!
-//! Stamps that are subtracted from one another are monotonic (`CLOCK_MONOTONIC`, the same for all processes of a
-//! machine); times that are compared with sensors' times are UTC. Nobody else reads a clock: algorithms are told the
-//! time, and a duty cycle reads it once.
+//! Stamps that are subtracted from one another are monotonic (`CLOCK_MONOTONIC`, common to all processes of a
+//! machine). Times that are compared with sensors' times are UTC. No other crate reads a clock: time is an argument
+//! of algorithms, and a duty cycle reads the clocks once.
 
 use std::time::Instant;
 
@@ -27,8 +27,8 @@ impl Now {
     }
 }
 
-/// UTC as the machine had it at one moment, and carried on by the monotonic clock: a later change of the machine's UTC
-/// is none of it.
+/// UTC of the machine at one moment, continued by the monotonic clock: later changes of the machine's UTC have no
+/// effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SteadyClock {
     /// UTC less monotonic time, nanoseconds.
@@ -36,24 +36,24 @@ pub struct SteadyClock {
 }
 
 impl SteadyClock {
-    /// That which agrees with the machine's UTC at `now`.
+    /// Creates the clock that agrees with the machine's UTC at `now`.
     pub fn of(now: Now) -> Self {
         Self {
             ahead_ns: now.utc_ns.saturating_sub(now.mono_ns),
         }
     }
 
-    /// Its UTC at a monotonic time, nanoseconds.
+    /// Returns the clock's UTC at a monotonic time, nanoseconds.
     pub fn utc_ns(self, mono_ns: i64) -> i64 {
         mono_ns.saturating_add(self.ahead_ns)
     }
 
-    /// How far it is ahead of the machine's UTC at `now`, nanoseconds.
+    /// Returns the clock's lead over the machine's UTC at `now`, nanoseconds.
     pub fn ahead_of(self, now: Now) -> i64 {
         self.utc_ns(now.mono_ns).saturating_sub(now.utc_ns)
     }
 
-    /// The same clock, moved ahead by `by_ns`.
+    /// Returns the same clock, moved ahead by `by_ns`.
     #[must_use]
     pub fn moved(self, by_ns: i64) -> Self {
         Self {
@@ -62,8 +62,8 @@ impl SteadyClock {
     }
 }
 
-/// Identity of the machine's present boot: another one after each reboot but for one in 65,535, and never 0; 0 where
-/// the kernel does not tell.
+/// Returns the identity of the machine's present boot. The identity changes with each reboot, with one exception in
+/// 65,535, and is never 0; 0 if the kernel does not provide one.
 pub fn boot_identity() -> u16 {
     let identity = std::fs::read("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     if identity.is_empty() {
@@ -81,7 +81,7 @@ pub fn mono_ns() -> i64 {
     read(ClockId::Monotonic)
 }
 
-/// Reads the monotonic clock as a point in time from which waiting is measured.
+/// Reads the monotonic clock as a point in time for waits.
 pub fn instant() -> Instant {
     Instant::now()
 }

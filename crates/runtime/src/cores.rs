@@ -1,4 +1,4 @@
-//! Giving a thread a core of its own (PL-5).
+//! Assignment of a core to a thread (PL-5).
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
@@ -7,32 +7,31 @@ use thread_priority::unix::{
 };
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
-/// Stack that a real-time thread may come to use, bytes: touched before it is needed.
+/// Stack of a real-time thread, bytes: touched before the loop begins.
 const STACK_BYTES: usize = 256 << 10;
 
-/// What a real-time thread asks of the machine.
+/// Placement of a real-time thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Placement {
-    /// Core to run on.
+    /// Core of the thread.
     pub core: Option<usize>,
     /// `SCHED_FIFO` priority, 1 to 99.
     pub realtime_priority: Option<i32>,
-    /// Whether to lock all memory, so that no page is ever fetched late.
+    /// Whether to lock all memory, so that no page fault occurs later.
     pub lock_memory: bool,
 }
 
 /// File in which the kernel lists the cores that are switched on.
 const ONLINE: &str = "/sys/devices/system/cpu/online";
 
-/// Numbers of the cores that this machine has switched on, ascending. A thread may be pinned to any of them, also to
-/// those that the scheduler leaves alone (`isolcpus`) or that are not in this process's affinity mask; a cpuset can
-/// still refuse one.
+/// Returns the numbers of the cores that are switched on, rising. A thread can be pinned to each of them, also to
+/// isolated cores (`isolcpus`) and to cores outside this process's affinity mask; a cpuset can still refuse a core.
 pub fn online() -> Vec<usize> {
     let listed = std::fs::read_to_string(ONLINE).ok().and_then(|text| parse_list(&text));
     listed.unwrap_or_else(available)
 }
 
-/// The kernel's list of numbers, as in `0-3,8`; `None` if `text` is none.
+/// Parses the kernel's list of numbers, as in `0-3,8`; `None` if `text` is no list.
 pub fn parse_list(text: &str) -> Option<Vec<usize>> {
     let mut numbers = Vec::new();
     for range in text.trim().split(',') {
@@ -43,7 +42,7 @@ pub fn parse_list(text: &str) -> Option<Vec<usize>> {
     Some(numbers)
 }
 
-/// Numbers of the cores in this process's affinity mask: those that the scheduler puts it on by itself.
+/// Returns the numbers of the cores in this process's affinity mask, to which the scheduler assigns the process.
 pub fn available() -> Vec<usize> {
     core_affinity::get_core_ids()
         .unwrap_or_default()
@@ -52,8 +51,8 @@ pub fn available() -> Vec<usize> {
         .collect()
 }
 
-/// Arranges what `placement` asks for, for the calling thread. What the machine refuses is returned, one sentence each
-/// with what would have to be granted.
+/// Applies `placement` to the calling thread. Returns one sentence for each refusal of the machine, with the
+/// permission that is missing.
 pub fn take_place(placement: Placement) -> Vec<String> {
     let mut refused = Vec::new();
     if let Some(core) = placement.core
@@ -79,10 +78,9 @@ pub fn take_place(placement: Placement) -> Vec<String> {
     refused
 }
 
-/// Has the calling thread run on `core` alone.
+/// Pins the calling thread to `core`.
 ///
-/// # Errors
-/// One sentence, if the machine refuses.
+/// # Errors One sentence, if the machine refuses.
 pub fn pin_to(core: usize) -> Result<(), String> {
     let is_pinned = core_affinity::set_for_current(core_affinity::CoreId { id: core });
     is_pinned.then_some(()).ok_or_else(|| {
@@ -93,10 +91,9 @@ pub fn pin_to(core: usize) -> Result<(), String> {
     })
 }
 
-/// Lets the calling thread run on every core that is switched on.
+/// Permits all cores that are switched on to the calling thread.
 ///
-/// # Errors
-/// One sentence, if the machine refuses.
+/// # Errors One sentence, if the machine refuses.
 pub fn unpin() -> Result<(), String> {
     let mut all = CpuSet::new();
     for core in online().into_iter().filter(|core| *core < CpuSet::MAX_CPU) {
@@ -105,7 +102,7 @@ pub fn unpin() -> Result<(), String> {
     sched_setaffinity(None, &all).map_err(|error| format!("the core cannot be left: {error}"))
 }
 
-/// Keeps the calling thread off `core`, if there is any other. Best effort: where the machine refuses, it stays.
+/// Removes `core` from the cores of the calling thread, if there is another. Best effort: a refusal changes nothing.
 pub fn stay_away_from(core: usize) {
     if let Ok(mut allowed) = sched_getaffinity(None)
         && core < CpuSet::MAX_CPU
@@ -117,7 +114,7 @@ pub fn stay_away_from(core: usize) {
     }
 }
 
-/// Has the kernel provide the pages of the stack now. (Those of the heap are there once they are locked.)
+/// Touches the pages of the stack, so that the kernel provides them now. Locked pages of the heap exist already.
 #[inline(never)]
 fn touch_stack() {
     let mut stack = [0u8; STACK_BYTES];

@@ -1,20 +1,20 @@
-//! Back-pressure for recorded inputs: producers wait for their consumers, so that nothing is lost.
+//! Back-pressure for recorded inputs: producers wait for their consumers, so that no sample is lost.
 //!
-//! On a live system a publisher never waits: a slow reader loses its oldest samples, and counts them. A recording has
-//! all the time in the world, and whoever replays it wants every report. So each consumer says how far it has got on
-//! each topic ([`Reached`] publishes it), and a producer ([`Flow`]) sends only while no consumer is more than a window
-//! behind. The window is a fraction of the topic's depth, so that even a consumer that restarts, with the producer's
-//! count of it slightly off, cannot be overrun.
+//! On a live system a publisher never waits: a slow reader loses and counts its oldest samples. The replay of a
+//! recording can wait, and its users want every report. Each consumer therefore publishes its progress on each topic
+//! ([`Reached`]), and a producer ([`Flow`]) sends only while no consumer is more than a window behind. The window is
+//! a fraction of the topic's depth: a consumer that restarts cannot be overrun, even if the producer's count of its
+//! progress is slightly wrong.
 
 use bus::{Bus, Mark, Publisher, Subscriber, Transport};
 use messages::{BatchHeader, ProcessKind, Progress, StreamId};
 
 use crate::clock::Now;
 
-/// A consumer that says nothing is asked no more often than this, nanoseconds.
+/// Minimum time between two requests to a consumer without progress, nanoseconds.
 const REPEAT_NS: i64 = 50_000_000;
 
-/// Producer's side: how far the consumers of one topic have got.
+/// Producer's side: progress of the consumers of one topic.
 #[derive(Debug)]
 pub struct Flow<S: Transport> {
     progress: Subscriber<S, Progress>,
@@ -30,16 +30,15 @@ struct Consumer {
     latest: Option<Progress>,
     /// Slices sent before the consumer's own count began.
     base: u64,
-    /// Slices of this publisher that it has worked off since.
+    /// Slices of this publisher that the consumer has finished since.
     done: u64,
 }
 
 impl<S: Transport> Flow<S> {
-    /// Follows `consumers` of `stream`, whose topic has a depth of `depth` slices; its publisher is this process, of
-    /// `incarnation`.
+    /// Follows `consumers` of `stream`, whose topic has a depth of `depth` slices; the publisher is this process, of
+    /// epoch `incarnation`.
     ///
-    /// # Errors
-    /// If the progress topic cannot be opened.
+    /// # Errors If the progress topic cannot be opened.
     pub fn new(
         bus: &Bus<S>,
         incarnation: u64,
@@ -62,10 +61,9 @@ impl<S: Transport> Flow<S> {
         })
     }
 
-    /// Reads what the consumers have said. `sent` is the number of slices sent so far.
+    /// Reads the consumers' progress. `sent` is the number of slices sent so far.
     ///
-    /// # Errors
-    /// If shared memory fails.
+    /// # Errors If shared memory fails.
     pub fn update(&mut self, sent: u64) -> anyhow::Result<()> {
         let (stream, publisher, consumers) = (self.stream, self.publisher_incarnation, &mut self.consumers);
         self.progress.take(usize::MAX, |_, said| {
@@ -80,12 +78,12 @@ impl<S: Transport> Flow<S> {
         Ok(())
     }
 
-    /// Whether consumers have said something that [`Flow::update`] has not read yet.
+    /// Whether progress has been published that [`Flow::update`] has not read yet.
     pub fn has_news(&self) -> bool {
         self.progress.has_slices()
     }
 
-    /// Whether every consumer is there.
+    /// Whether every consumer has joined.
     pub fn all_present(&self) -> bool {
         self.consumers.iter().all(|consumer| consumer.latest.is_some())
     }
@@ -98,14 +96,15 @@ impl<S: Transport> Flow<S> {
             .all(|consumer| consumer.latest.is_some() && behind(consumer) < self.window)
     }
 
-    /// Whether every consumer has worked off all `sent` slices.
+    /// Whether every consumer has finished all `sent` slices.
     pub fn all_done(&self, sent: u64) -> bool {
         self.consumers
             .iter()
             .all(|consumer| consumer.latest.is_some() && consumer.base + consumer.done >= sent)
     }
 
-    /// Sequence number of the first sample that some consumer has not worked off: where a restarted source resumes.
+    /// Returns the sequence number of the first sample that a consumer has not finished: a restarted source resumes
+    /// there.
     pub fn first_needed(&self) -> u64 {
         let done = |consumer: &Consumer| consumer.latest.map_or(0, |latest| latest.done_sequence);
         self.consumers.iter().map(done).min().unwrap_or(0)
@@ -114,7 +113,7 @@ impl<S: Transport> Flow<S> {
 
 impl Consumer {
     fn hear(&mut self, progress: &Progress, publisher_incarnation: u64, sent: u64) {
-        // What it says of an earlier publisher of the topic does not count for this one.
+        // Progress on an earlier publisher of the topic does not count for this publisher.
         self.done = if progress.publisher_incarnation == publisher_incarnation {
             progress.done_batches
         } else {
@@ -130,7 +129,7 @@ impl Consumer {
     }
 }
 
-/// Consumer's side: says how far it has got on each of its topics.
+/// Consumer's side: own progress on each of its topics.
 #[derive(Debug)]
 pub struct Reached<S: Transport> {
     publisher: Publisher<S, Progress>,
@@ -140,10 +139,9 @@ pub struct Reached<S: Transport> {
 }
 
 impl<S: Transport> Reached<S> {
-    /// Speaks as `kind` of `streams`, of each of which all samples below a number have been worked off before.
+    /// Publishes progress as `kind` on `streams`, with the number of the first unfinished sample of each.
     ///
-    /// # Errors
-    /// If the progress topic cannot be opened.
+    /// # Errors If the progress topic cannot be opened.
     pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, streams: &[(StreamId, u64)]) -> anyhow::Result<Self> {
         let topic = |(stream, done_sequence): &(StreamId, u64)| Progress {
             consumer_incarnation: incarnation,
@@ -161,7 +159,7 @@ impl<S: Transport> Reached<S> {
         })
     }
 
-    /// A slice of the topic at `index` has been worked off; all samples below `done_sequence` have.
+    /// Notes that a slice of the topic at `index` and all samples below `done_sequence` are finished.
     pub fn done(&mut self, index: usize, header: &BatchHeader, done_sequence: u64) {
         let topic = &mut self.topics[index];
         if topic.publisher_incarnation != header.incarnation {
@@ -174,10 +172,9 @@ impl<S: Transport> Reached<S> {
         self.changed = true;
     }
 
-    /// Publishes what has changed; repeats it now and then for those who come later.
+    /// Publishes changed progress, and repeats it from time to time for producers that join later.
     ///
-    /// # Errors
-    /// If shared memory fails.
+    /// # Errors If shared memory fails.
     pub fn say(&mut self, now: Now) -> anyhow::Result<()> {
         if !self.changed && now.mono_ns < self.said_ns.saturating_add(REPEAT_NS) {
             return Ok(());

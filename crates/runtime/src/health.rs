@@ -1,22 +1,22 @@
-//! How a process is: its health messages (PL-7).
+//! Health messages of a process (PL-7).
 
 use bus::{Bus, Mark, Publisher, SharedMemory};
 use messages::{Counter, CounterClass, Health, LifeState, NO_SOURCE, Registration};
 
 use crate::clock::Now;
 
-/// One health message's content.
+/// Contents of one health message.
 #[derive(Clone, Debug)]
 pub struct HealthEntry {
-    /// Source that it speaks of; [`NO_SOURCE`] for the process.
+    /// Source of the message; [`NO_SOURCE`] for the process as a whole.
     pub source: u16,
-    /// How far the process has got in the time of its data, UTC, nanoseconds.
+    /// Progress of the process in the time of its data, UTC, nanoseconds.
     pub progress_ns: i64,
     /// Counters, indexed by [`Counter`].
     pub counters: messages::Counters,
-    /// What is wrong; empty if nothing is.
+    /// Fault in words; empty without a fault.
     pub note: String,
-    /// Systematic errors of the source, where fusion speaks of one.
+    /// Systematic errors of the source, in messages of fusion.
     pub registration: Registration,
 }
 
@@ -33,7 +33,7 @@ impl Default for HealthEntry {
 }
 
 impl HealthEntry {
-    /// Adds what is counted of each of `sources`: a process speaks of all together, and of what is of none of them.
+    /// Adds the counts of each of `sources`, and of reports without a source, to the totals of the process.
     pub fn add_sources(&mut self, sources: &[Self]) {
         let counted = Counter::ALL
             .iter()
@@ -50,7 +50,7 @@ impl HealthEntry {
     }
 }
 
-/// Publishes the health of one process.
+/// Publisher of the health of one process.
 pub(crate) struct Reporter {
     publisher: Publisher<SharedMemory, Health>,
     blank: Health,
@@ -64,12 +64,12 @@ impl Reporter {
         })
     }
 
-    /// The process goes by this name from now on.
+    /// Changes the name of the process in later messages.
     pub(crate) fn rename(&mut self, name: &str) {
         self.blank = self.blank.with_name(name);
     }
 
-    /// Publishes `entries`, as they were at `now`.
+    /// Publishes `entries` with the time `now`.
     pub(crate) fn publish(&mut self, now: Now, life: LifeState, entries: &[HealthEntry]) -> anyhow::Result<()> {
         let blank = self.blank;
         let mark = Mark {

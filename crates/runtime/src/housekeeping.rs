@@ -1,25 +1,25 @@
-//! Everything that a real-time loop must not do itself (PL-6).
+//! Work that a real-time loop must not do itself (PL-6).
 //!
-//! A loop that answers within microseconds cannot also publish its health: that wakes whoever listens, a system call
-//! for each. Nor can it look for orders in shared memory in every turn, or join a second topic when something goes
-//! wrong. So a second thread, the *housekeeper*, does all of it. The two hand each other things through bounded queues
-//! without locks:
+//! A loop with a response time of microseconds cannot publish its own health: each wake-up of a listener is a system
+//! call. Nor can the loop search shared memory for orders in every turn, or join a second topic after a fault. A
+//! second thread, the *housekeeper*, does all of this. Both threads exchange data through bounded queues without
+//! locks:
 //!
 //! ```text
-//!   loop ── what it counts, five times a second ──▶ housekeeper ──▶ topic `health`
+//!   loop ── counters, five times a second ─────────▶ housekeeper ──▶ topic `health`
 //!   loop ◀── emptied buffers ────────────────────── housekeeper
 //!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
-//!   loop ── decisions, where they are asked for ──▶ housekeeper ──▶ topic `system/decisions`
-//!   loop ── what it starts from, or has ──────────▶ housekeeper ──▶ topic `system/restored`
-//!   loop ── reports in quarantine ────────────────▶ housekeeper ──▶ a file in the base folder
+//!   loop ── decisions, on request ─────────────────▶ housekeeper ──▶ topic `system/decisions`
+//!   loop ── snapshots of the engine ───────────────▶ housekeeper ──▶ topic `system/restored`
+//!   loop ── reports in quarantine ─────────────────▶ housekeeper ──▶ a file in the base folder
 //! ```
 //!
-//! Nothing is allocated in the loop: two buffers go back and forth. If the housekeeper is kept from running, the loop
-//! goes on without: what it counted is said later, since counters only grow. Orders wait in their topic while the queue
-//! is full.
+//! The loop allocates nothing: two buffers go back and forth. If the housekeeper does not run for a while, the loop
+//! continues, and the next message contains all counts, since counters only grow. Orders wait in their topic while
+//! the queue is full.
 //!
-//! The housekeeper is started before the loop takes its core and priority, which threads inherit, and stays away from
-//! that core.
+//! The housekeeper starts before the loop takes its core and priority, which threads inherit, and stays off that
+//! core.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -41,51 +41,51 @@ use crate::health::{HealthEntry, Reporter};
 use crate::instance::{Deployment, QUARANTINED};
 use crate::process::Process;
 
-/// Orders that wait for the loop.
+/// Maximum number of orders that wait for the loop.
 const ORDERS_MAX: usize = 16;
-/// Decisions that wait to be published: more than a loop makes in many pauses of the housekeeper.
+/// Maximum number of decisions that wait for publication: more than a loop makes in many pauses of the housekeeper.
 const DECISIONS_MAX: usize = 8192;
-/// Changes of part that wait to be said.
+/// Maximum number of changes of role that wait for publication.
 const NAMES_MAX: usize = 4;
-/// Reports in quarantine that wait to be written.
+/// Maximum number of reports in quarantine that wait to be written.
 const QUARANTINED_MAX: usize = 4;
-/// Buffers that go back and forth.
+/// Number of buffers for health entries.
 const BUFFERS: usize = 2;
-/// Slices of what a loop has started from that are published at a time: however many there are, a reader that looks in
-/// every few pauses loses none.
+/// Slices of a snapshot that are published at a time. A reader that takes slices once in several pauses loses none,
+/// whatever the size of the snapshot.
 const RESTORED_SLICES: usize = 4;
-/// How often the housekeeper looks for work.
+/// Period of the housekeeper.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// Samples on their way to a loop and from it.
+/// Queues to a loop and from it.
 #[derive(Debug)]
 pub struct Queues {
     /// Orders to the loop.
     pub orders: ArrayQueue<Control>,
-    /// Decisions of the loop, to be published; `None` if nobody asks for them.
+    /// Decisions of the loop, for publication; `None` without a request.
     pub decisions: Option<ArrayQueue<Decision>>,
-    /// What the loop has started from, or has.
+    /// Snapshots of the engine.
     pub restored: ArrayQueue<Whole>,
-    /// Reports in quarantine, to be written to a file.
+    /// Reports in quarantine, for a file.
     pub quarantined: ArrayQueue<SensorTrack>,
-    /// Names by which the process goes from now on: it has changed its part.
+    /// Names of the process after changes of its role.
     pub names: ArrayQueue<&'static str>,
 }
 
-/// State that is said in parts on `system/restored`.
+/// Snapshot in parts on `system/restored`.
 #[derive(Clone, Debug, Default)]
 pub struct Whole {
-    /// Start-up number of the loop.
+    /// Epoch of the loop.
     pub epoch: u64,
     /// UTC, nanoseconds since 1970: see [`Restored::time_ns`].
     pub time_ns: i64,
-    /// Kind of state: see [`Restored::ends`].
+    /// Kind of snapshot: see [`Restored::ends`].
     pub ends: u32,
-    /// The words of all parts, as octets; what is missing of the last one is zero.
+    /// Words of all parts, as bytes; the last part is filled with zeros.
     pub octets: Vec<u8>,
 }
 
-/// Octets of a part.
+/// Bytes of a part.
 const PART: usize = RESTORED_WORDS * size_of::<u64>();
 
 impl Whole {
@@ -114,7 +114,7 @@ impl Whole {
 }
 
 impl Queues {
-    /// Empty queues, with one of decisions if they are asked for.
+    /// Creates empty queues, with a queue of decisions on request.
     pub fn new(decisions: bool) -> Arc<Self> {
         Arc::new(Self {
             orders: ArrayQueue::new(ORDERS_MAX),
@@ -126,25 +126,25 @@ impl Queues {
     }
 }
 
-/// The loop's side of a housekeeper.
+/// Loop's side of a housekeeper.
 #[derive(Debug)]
 pub struct Housekeeper {
     desk: Arc<Desk>,
     thread: Option<JoinHandle<anyhow::Result<()>>>,
 }
 
-/// What lies between the two threads.
+/// Data between the two threads.
 #[derive(Debug)]
 struct Desk {
     spare: ArrayQueue<Vec<HealthEntry>>,
     said: ArrayQueue<Said>,
     queues: Arc<Queues>,
     closing: AtomicBool,
-    /// What health messages shall say is wrong.
+    /// Fault that health messages state.
     note: OnceLock<String>,
 }
 
-/// What the loop said of itself.
+/// Health of the loop at one moment.
 #[derive(Debug)]
 struct Said {
     now: Now,
@@ -153,11 +153,11 @@ struct Said {
 }
 
 impl Housekeeper {
-    /// Starts the housekeeper of `process`, whose loop will run on `core`, if it has one of its own. Messages have up
-    /// to `entries_max` entries. `queues` is where it puts what it is told, and finds what it is to publish.
+    /// Starts the housekeeper of `process`, whose loop will run on `core`, if the loop has a core of its own.
+    /// Messages have up to `entries_max` entries. `queues` carries orders to the loop and data for publication from
+    /// the loop.
     ///
-    /// # Errors
-    /// If its topics cannot be opened.
+    /// # Errors If a topic cannot be opened.
     pub fn start(
         process: &Process<impl Deployment>,
         core: Option<usize>,
@@ -182,7 +182,7 @@ impl Housekeeper {
             note: OnceLock::new(),
         });
         for _ in 0..BUFFERS {
-            // As many as there is room for.
+            // As many as have a place.
             let _ = desk.spare.push(Vec::with_capacity(entries_max));
         }
         let (ready, is_ready) = mpsc::channel();
@@ -200,40 +200,39 @@ impl Housekeeper {
             desk,
             thread: Some(thread),
         };
-        // An error means that the thread ended before it was ready: then it says why.
+        // An error means that the thread ended before it was ready: joining the thread returns the cause.
         if is_ready.recv().is_err() {
             housekeeper.join()?;
         }
         Ok(housekeeper)
     }
 
-    /// What health messages shall say is wrong with the process, from now on. Only the first call counts.
+    /// Sets the fault that health messages state from now on. Only the first call has an effect.
     pub fn set_note(&self, note: String) {
         let _ = self.desk.note.set(note);
     }
 
-    /// Has what `agent` counts published, if a buffer is at hand. No allocation, no system call.
+    /// Hands the counts of `agent` to the housekeeper, if a buffer is free. No allocation, no system call.
     ///
-    /// # Errors
-    /// If the thread has ended: a process that nobody can hear or order about is better restarted. [`Self::close`] says
-    /// why.
+    /// # Errors If the housekeeper has ended: a process without health and orders must be restarted. [`Self::close`]
+    /// returns the cause.
     pub(crate) fn say(&self, agent: &dyn Agent, now: Now) -> anyhow::Result<()> {
         let ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
         anyhow::ensure!(!ended, "the housekeeping thread has ended");
         if let Some(mut entries) = self.desk.spare.pop() {
             agent.health(&mut entries);
             let life = LifeState::Running;
-            // There are as many places as buffers.
+            // The queue has as many places as there are buffers.
             let _ = self.desk.said.push(Said { now, life, entries });
         }
         Ok(())
     }
 
-    /// Says the last words of `agent` and ends the thread.
+    /// Publishes the last state of `agent` and ends the thread.
     pub(crate) fn close(mut self, agent: &dyn Agent, now: Now, life: LifeState) -> anyhow::Result<()> {
         let mut entries = Vec::new();
         agent.health(&mut entries);
-        // Last words are worth more than what nobody has read yet.
+        // The last state replaces a state that is not published yet.
         self.desk.said.force_push(Said { now, life, entries });
         self.join()
     }
@@ -250,12 +249,12 @@ impl Housekeeper {
 
 impl Drop for Housekeeper {
     fn drop(&mut self) {
-        // Only where nobody closed it: an error is on its way already.
+        // Only without a call of `close`: otherwise the error is reported already.
         let _ = self.join();
     }
 }
 
-/// What the housekeeper's own thread opens its topics with.
+/// Arguments with which the housekeeper's thread opens its topics.
 struct House {
     root: Root,
     name: String,
@@ -264,7 +263,7 @@ struct House {
 }
 
 impl House {
-    /// Opens the topics, says that it is `ready` to whoever waits for it, and works until the desk is closed.
+    /// Opens the topics, signals `ready`, and works until the desk is closed.
     fn keep(self, desk: &Desk, ready: &mpsc::Sender<()>) -> anyhow::Result<()> {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, &self.name)?;
         let reporter = Reporter::new(&bus, self.incarnation, self.blank)?;
@@ -278,17 +277,18 @@ impl House {
             whole: Whole::default(),
             said: 0,
         };
-        // Whoever started this waits for it.
+        // The starter of this thread waits for the signal.
         let _ = ready.send(());
         keep_house(desk, reporter, control, decisions, whole)
     }
 }
 
-/// The start of a loop, or what it has, as it is being said.
+/// Snapshot in publication.
 struct WholeSaid<'a> {
     bus: &'a Bus<SharedMemory>,
     incarnation: u64,
-    /// It stays: what one says that comes and goes between two looks of a reader is lost to that.
+    /// The publisher stays open: a reader loses samples of a publisher that opens and closes between two of its
+    /// turns.
     publisher: Option<Publisher<SharedMemory, Restored>>,
     whole: Whole,
     said: usize,
@@ -334,7 +334,7 @@ fn keep_house(
     mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
     loop {
-        // Read before the queue is emptied: what was said before closing is published.
+        // Read before the queue is emptied: entries queued before the close are published.
         let closing = desk.closing.load(Ordering::Acquire);
         while let Some(name) = desk.queues.names.pop() {
             reporter.rename(name);
@@ -344,9 +344,9 @@ fn keep_house(
                 whole.note.clone_from(note);
             }
             reporter.publish(said.now, said.life, &said.entries)?;
-            // Emptied here: the loop must not give memory back either.
+            // Emptied here: the loop must not free memory either.
             said.entries.clear();
-            // There are as many places as buffers; the one of the last words was made for them.
+            // The queue has as many places as there are buffers; the buffer of the last state was made in addition.
             let _ = desk.spare.push(said.entries);
         }
         if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
@@ -393,7 +393,7 @@ fn write_quarantined(root: &Root, report: &SensorTrack) {
     }
 }
 
-/// Publishes the decisions that wait, at most as many as there is room for: the loop makes new ones meanwhile.
+/// Publishes waiting decisions, at most one queue full: the loop makes new decisions meanwhile.
 fn publish_decisions(
     queue: &ArrayQueue<Decision>,
     publisher: &mut Publisher<SharedMemory, Decision>,
@@ -411,7 +411,7 @@ fn publish_decisions(
         publisher.send(mark, count, |_, sequence| Decision {
             sequence,
             epoch,
-            // Nobody else takes any.
+            // No other thread takes from this queue.
             ..queue.pop().unwrap_or_default()
         })?;
     }

@@ -1,10 +1,10 @@
-//! The instance of a deployment: its name, claimed for one launcher, and its topics in shared memory.
+//! Instance of a deployment: its name, claimed for one launcher, and its topics in shared memory.
 //!
-//! Both must be there before the first process starts, and gone after the last one has ended. Whoever starts the
-//! processes of a deployment (the launcher; the bench for its own) claims the instance and makes sure that the shared
-//! memory is large enough ([`Instance`]). A process holds every topic as long as the others run ([`hold_topics`]): the
-//! bench itself; under a launcher its keeper, because whoever maps memory that others write can be killed by what is
-//! in it, and the launcher must not be. Nothing that [`Instance`] does maps any.
+//! Both exist before the first process starts and until the last process has ended. The starter of the processes (the
+//! launcher, or the bench) claims the instance and checks that shared memory is large enough ([`Instance`]). One
+//! process holds every topic as long as the others run ([`hold_topics`]): the bench itself, or the launcher's keeper.
+//! A process that maps memory written by others can be killed by its contents, which must not happen to the launcher.
+//! [`Instance`] therefore maps no memory.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt as _;
@@ -18,32 +18,32 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use crate::clock;
 use crate::signals::Stop;
 
-/// How long the processes of a launcher that was killed may take to notice, before this start is refused.
+/// Time for the processes of a killed launcher to end, before this start is refused.
 const ORPHAN_PATIENCE: Duration = Duration::from_secs(5);
-/// How long other readers of the deployment may take to leave at its end.
+/// Time for other readers of the deployment to leave at its end.
 const LEAVE_PATIENCE: Duration = Duration::from_secs(2);
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Publishers of a topic that has one: during a restart, the dead one's memory is not yet taken back.
+/// Publishers of a topic with one publisher: during a restart, the memory of the dead publisher still exists.
 const ONE_AND_ITS_SUCCESSOR: usize = 2;
-/// Further publishers of health messages: the launcher, and some processes that have died.
+/// Further publishers of health messages: the launcher, and dead processes.
 const FURTHER_HEALTH: usize = 5;
-/// Fusion and the recorder publish their progress.
+/// Publishers of progress: fusion and the recorder.
 const PROGRESS_PUBLISHERS: usize = 4;
 
-/// Name of the memory in which fusion keeps what its successor goes on from. It outlasts every process, the launcher
-/// too, but for an orderly end.
+/// Name of fusion's checkpoint memory. The checkpoint outlives every process, the launcher included, and is removed
+/// at an orderly end.
 pub const CHECKPOINT: &str = "checkpoint";
 
-/// Ending of the names of files in the base folder that keep a report in quarantine and the checkpoint before it.
+/// Ending of the names of files in the base folder that contain a report in quarantine and the checkpoint before it.
 pub const QUARANTINED: &str = "quarantined";
 
-/// Name of the file, in the instance's folder, whose lock the fusion that leads holds where another one stands by.
+/// Leader lock file, in the instance's folder, if a standby is configured.
 pub const FUSION_LEADS: &str = "fusion-leads";
 
-/// Process that holds the lock of the fusion that leads, as the system says; `None` while there is none, and where no
-/// fusion stands by. After a take-over it is not the one that was started as the leader.
+/// Returns the number of the process that holds the leader lock, as the kernel lists locks; `None` without a leader
+/// or without a standby. After a take-over, the leader is not the process that was started as the leader.
 pub fn leading_fusion(root: &Root) -> Option<u32> {
     let inode = fs::metadata(root.path().join(FUSION_LEADS)).ok()?.ino();
     let locks = fs::read_to_string("/proc/locks").ok()?;
@@ -55,7 +55,7 @@ pub fn leading_fusion(root: &Root) -> Option<u32> {
     })
 }
 
-/// A claimed instance.
+/// Claimed instance.
 #[derive(Debug)]
 pub struct Instance {
     claim: Claim,
@@ -63,11 +63,10 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Claims the instance for a deployment which is going to have so many `processes`. `say` is told, one line each,
-    /// what was found and is waited for.
+    /// Claims the instance for a deployment of `processes` processes. `say` receives one line for each remainder of
+    /// an earlier start and for each wait.
     ///
-    /// # Errors
-    /// If it runs already, is still used, or the machine has not enough memory or rights.
+    /// # Errors If the instance runs already, is still in use, or the machine lacks memory or permissions.
     pub fn claim(
         deployment: &impl Deployment,
         instance: &str,
@@ -90,16 +89,15 @@ impl Instance {
         Ok(Self { claim, say })
     }
 
-    /// Its places.
+    /// Returns the folders of the instance.
     pub fn root(&self) -> &Root {
         self.claim.root()
     }
 
-    /// Removes the shared memory, for topics that are going to be held anew. For a deployment whose memory is corrupt
-    /// and whose own processes have ended; others keep what they have mapped, and hear nothing any more.
+    /// Removes the shared memory, before topics are held anew: for a deployment with corrupt memory whose own
+    /// processes have ended. Other processes keep their mappings and receive nothing further.
     ///
-    /// # Errors
-    /// If files cannot be removed.
+    /// # Errors If files cannot be removed.
     pub fn empty(&self) -> anyhow::Result<()> {
         let users = self.claim.root().processes()?;
         if !users.is_empty() {
@@ -111,7 +109,7 @@ impl Instance {
         let start = clock::instant();
         loop {
             match self.claim.empty() {
-                // One that leaves just now takes files away under the hands of who removes them.
+                // A process that leaves at this moment removes files as well.
                 Err(_) if start.elapsed() < LEAVE_PATIENCE => std::thread::sleep(PAUSE),
                 emptied => {
                     emptied.context("removing corrupt shared memory")?;
@@ -121,10 +119,9 @@ impl Instance {
         }
     }
 
-    /// Removes every trace of the instance. Where other processes still look at it, that is left to the next start.
+    /// Removes every trace of the instance. If other processes still use the instance, the next start does this.
     ///
-    /// # Errors
-    /// If files cannot be removed.
+    /// # Errors If files cannot be removed.
     pub fn clear(self) -> anyhow::Result<()> {
         let Self { claim, say } = self;
         let root = claim.root();
@@ -152,58 +149,55 @@ fn list(processes: &[bus::Process]) -> String {
     users.join(", ")
 }
 
-/// Creates every topic of the deployment, and keeps all of them in existence as long as the result lives.
+/// Creates every topic of the deployment and keeps all topics in existence as long as the result lives.
 ///
-/// # Errors
-/// If the machine refuses one.
+/// # Errors If the machine refuses a topic.
 pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Result<Vec<Held>, BusError> {
     let mut hold = Hold { bus, held: Vec::new() };
-    // The number of processes matters for the space only.
+    // Only the required space depends on the number of processes.
     each_topic(deployment, 0, &mut hold)?;
     bus.hold_log(&messages::order(), clock::mono_ns() as u64)?;
     Ok(hold.held)
 }
 
-/// Most bytes that a deployment of so many `processes` takes in shared memory.
+/// Returns the maximum size in shared memory of a deployment of `processes` processes, bytes.
 pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
     let mut need = Need(bus::needed_log_bytes(&messages::order()));
-    // Adding up cannot fail.
+    // The sum cannot fail.
     let _ = each_topic(deployment, processes, &mut need);
     need.0
 }
 
-/// The parts of a deployment's configuration that every process needs, whatever its work.
+/// Parts of a deployment's configuration that every process needs.
 pub trait Deployment {
-    /// Core that fusion has for itself; `None` if it shares one.
+    /// Core of fusion alone; `None` if fusion shares a core.
     fn fusion_core(&self) -> Option<usize>;
 
     /// Midnight of the recordings' first day, UTC, nanoseconds since 1970; `None` without recordings.
     fn first_day_ns(&self) -> Option<i64>;
 
-    /// Visits the topic of each stream of data, every one with so many `publishers`.
+    /// Visits the topic of each stream of data, with the number of its publishers.
     ///
-    /// # Errors
-    /// The first one of `visit`.
+    /// # Errors The first error of `visit`.
     fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
 }
 
-/// An action that is done with every topic of a deployment.
+/// Operation on every topic of a deployment.
 pub trait Visit {
-    /// Does it with `topic`, which can have so many publishers at a time.
+    /// Executes the operation on `topic`, which may have so many publishers at a time.
     ///
-    /// # Errors
-    /// If shared memory refuses it.
+    /// # Errors If shared memory refuses.
     fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError>;
 }
 
-/// Every topic of a deployment, with the number of publishers that it can have at a time.
+/// Visits every topic of a deployment, with the number of its publishers at a time.
 fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
     deployment.each_stream(ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
     visit.visit(&messages::restored(), ONE_AND_ITS_SUCCESSOR)?;
-    // Operators', and the recorder's.
+    // Publishers: operators and the recorder.
     visit.visit(&messages::control(), 2 * ONE_AND_ITS_SUCCESSOR)
 }
 
@@ -228,7 +222,7 @@ impl Visit for Hold<'_> {
     }
 }
 
-/// Claims the instance. Processes that an earlier, killed launcher had started are given time to end.
+/// Claims the instance. Processes of an earlier, killed launcher get time to end.
 fn claim(root: &Root, stop: &Stop, say: fn(&str)) -> anyhow::Result<Claim> {
     let start = clock::instant();
     let mut said = false;
@@ -254,11 +248,12 @@ fn claim(root: &Root, stop: &Stop, say: fn(&str)) -> anyhow::Result<Claim> {
     }
 }
 
-/// Each process keeps some files open for every topic, and the usual limit of 1024 is soon reached. Children inherit
-/// what is raised here.
+/// Raises the limit of open files. Each process keeps several files open for every topic, and the usual limit of 1024
+/// is soon reached. Children inherit the limit.
 fn raise_file_limit() {
     let limit = getrlimit(Resource::Nofile);
-    // Raising it to the allowed maximum needs no right; where it is refused all the same, opening files will say so.
+    // Raising to the permitted maximum needs no permission. If it is refused all the same, the later opening of files
+    // reports the error.
     let _ = setrlimit(
         Resource::Nofile,
         Rlimit {

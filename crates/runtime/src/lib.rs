@@ -1,9 +1,8 @@
-//! What every Koseki process needs of the outside world.
+//! Access of Koseki's processes to the machine.
 //!
-//! Algorithms know no clock, no file and no core; somebody must. Here, and only here, are clocks read, signals caught
-//! and threads pinned. Nothing here knows an algorithm or the configuration of one: the crate `configuration` says what
-//! a
-//! [`Deployment`] is, and the services are built on top of both.
+//! Algorithms use no clock, file or core. This crate alone reads clocks, catches signals and pins threads. It
+//! contains no algorithm and no configuration of one: the crate `configuration` implements [`Deployment`], and the
+//! services use both crates.
 
 #![forbid(unsafe_code)]
 

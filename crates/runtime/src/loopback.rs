@@ -1,4 +1,4 @@
-//! A loopback address for each deployment, so that several with the same ports run side by side.
+//! Loopback address of a deployment, so that deployments with the same ports run side by side.
 
 use std::hash::Hasher as _;
 use std::net::Ipv4Addr;
@@ -6,11 +6,11 @@ use std::path::Path;
 
 use rustc_hash::FxHasher;
 
-/// The loopback address that belongs to the deployment with its shared memory at `root`.
+/// Returns the loopback address of the deployment with its shared memory at `root`.
 ///
-/// All of 127.0.0.0/8 is the machine itself. An address of its own for each deployment lets several with the same ports
-/// run side by side, without asking anyone which ports are free. The upper half is used, as the lower holds addresses
-/// that systems give to their own services.
+/// All of 127.0.0.0/8 is the machine itself. With an address of its own for each deployment, several deployments with
+/// the same ports run side by side without a search for free ports. Addresses are of the upper half, since systems
+/// give addresses of the lower half to their own services.
 pub(crate) fn loopback_of(root: &Path) -> Ipv4Addr {
     let mut hasher = FxHasher::default();
     hasher.write(root.as_os_str().as_encoded_bytes());

@@ -1,9 +1,9 @@
-//! Files that follow one another.
+//! Numbered files of a sequence.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Files of a folder that are numbered in their order: what their names begin with, six digits, and an ending.
+/// Files of a folder, numbered in their order: the beginning of the names, six digits, and an ending.
 #[derive(Clone, Debug)]
 pub struct NumberedFiles {
     folder: PathBuf,
@@ -21,15 +21,14 @@ impl NumberedFiles {
         }
     }
 
-    /// Path of the file with this number.
+    /// Returns the path of the file with this number.
     pub fn path(&self, number: u32) -> PathBuf {
         self.folder.join(format!("{}{number:06}{}", self.stem, self.ending))
     }
 
-    /// The files that are there with their numbers, ascending.
+    /// Returns the existing files with their numbers, rising.
     ///
-    /// # Errors
-    /// If the folder cannot be read.
+    /// # Errors If the folder cannot be read.
     pub fn list(&self) -> io::Result<Vec<(u32, PathBuf)>> {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(&self.folder)? {
@@ -42,11 +41,10 @@ impl NumberedFiles {
         Ok(files)
     }
 
-    /// The oldest of the files, without which the others take at most `bytes`; never the latest, which is
-    /// being written.
+    /// Returns the oldest files without which the others have at most `bytes`; never the latest file, which is being
+    /// written.
     ///
-    /// # Errors
-    /// If the folder cannot be read.
+    /// # Errors If the folder cannot be read.
     pub fn beyond(&self, bytes: u64) -> io::Result<Vec<PathBuf>> {
         let files = self.list()?;
         let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |file| file.len());

@@ -1,4 +1,4 @@
-//! A process of a deployment: what it is started with, and its connection to shared memory.
+//! Process of a deployment: its arguments, and its connection to shared memory.
 
 use std::net::Ipv4Addr;
 use std::path::PathBuf;
@@ -14,61 +14,60 @@ use crate::instance::Deployment;
 use crate::loopback::loopback_of;
 use crate::signals::{self, Stop};
 
-/// How fast recordings are replayed.
+/// Speed of replay.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
     /// Seconds of the recording per second.
     Factor(f64),
-    /// As fast as the consumers can follow.
+    /// Maximum speed that the consumers permit.
     Max,
 }
 
-/// What the processes of a deployment are started with, beside its configuration file.
+/// Arguments of the processes of a deployment, besides its configuration file.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Values that replace those of the file: `key.path=value`.
+    /// Values that replace values of the file: `key.path=value`.
     pub overrides: Vec<String>,
-    /// Name under which the deployment runs; several can run side by side under different names.
+    /// Instance name; several deployments run side by side under different names.
     pub instance: String,
     /// Folder with recordings.
     pub data: PathBuf,
-    /// Folder for what is recorded.
+    /// Folder for new recordings.
     pub out: PathBuf,
     /// Replay speed of recorded inputs.
     pub speed: Speed,
     /// Seed of the simulated world.
     pub seed: u64,
-    /// When the simulated world began, UTC, nanoseconds.
+    /// Start of the simulated world, UTC, nanoseconds.
     pub scenario_start_ns: i64,
-    /// Process number of the launcher, if one started this process.
+    /// Process number of the launcher, if a launcher started this process.
     pub launcher: Option<u32>,
 }
 
-/// One process of a deployment, connected and ready.
+/// Process of a deployment, connected and ready.
 #[derive(Debug)]
 pub struct Process<D> {
-    /// Its deployment.
+    /// Deployment.
     pub config: D,
-    /// How it was started.
+    /// Arguments.
     pub options: Options,
-    /// Its kind.
+    /// Kind.
     pub kind: ProcessKind,
-    /// Its name: that of its source for an adapter, else that of its kind.
+    /// Name: of the source for an adapter, else of the kind.
     pub name: String,
-    /// Its connection to shared memory.
+    /// Connection to shared memory.
     pub bus: Bus<SharedMemory>,
-    /// Monotonic start time, nanoseconds: tells it from an earlier process of the same name.
+    /// Monotonic start time, nanoseconds: distinguishes the process from an earlier process of the same name.
     pub incarnation: u64,
-    /// The loopback address that belongs to its deployment.
+    /// Loopback address of the deployment.
     pub loopback: Ipv4Addr,
     pub(crate) stop: Stop,
 }
 
 impl<D: Deployment> Process<D> {
-    /// Connects a process to its deployment. From now on it ends when its launcher does.
+    /// Connects a process to its deployment. From now on, the process ends with its launcher.
     ///
-    /// # Errors
-    /// If the deployment does not run, or the operating system refuses something.
+    /// # Errors If the deployment does not run, or the operating system refuses an operation.
     pub fn connect(config: D, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
         let stop = follow(options.launcher)?;
         // Fusion's core is for fusion alone.
@@ -90,7 +89,7 @@ impl<D: Deployment> Process<D> {
         })
     }
 
-    /// A health message of this process, with nothing in it yet.
+    /// Creates an empty health message of this process.
     pub(crate) fn blank_health(&self) -> Health {
         let blank = Health {
             incarnation: self.incarnation,
@@ -101,19 +100,19 @@ impl<D: Deployment> Process<D> {
         blank.with_name(&self.name)
     }
 
-    /// Opens the publisher of its health.
+    /// Opens the publisher of health messages.
     pub(crate) fn reporter(&self) -> anyhow::Result<Reporter> {
         Reporter::new(&self.bus, self.incarnation, self.blank_health())
     }
 
-    /// Midnight of the day that files count their seconds from, UTC, nanoseconds.
+    /// Returns midnight of the day from which files count seconds, UTC, nanoseconds.
     pub fn first_day_ns(&self) -> i64 {
         let live = || self.options.scenario_start_ns.div_euclid(frames::time::NS_PER_DAY) * frames::time::NS_PER_DAY;
         self.config.first_day_ns().unwrap_or_else(live)
     }
 }
 
-/// Listens for requests to stop. If `launcher` started this process, its end is one, too.
+/// Catches stop requests. If `launcher` started this process, the launcher's end is a stop request.
 fn follow(launcher: Option<u32>) -> anyhow::Result<Stop> {
     let stop = Stop::on_signals().context("catching signals")?;
     if let Some(launcher) = launcher
@@ -127,7 +126,7 @@ fn follow(launcher: Option<u32>) -> anyhow::Result<Stop> {
 fn open(instance: &str, kind: ProcessKind, name: &str) -> anyhow::Result<Bus<SharedMemory>> {
     let root = Root::new(instance)?;
     let process = format!("{}-{name}", kind.word());
-    // Fusion reads one publisher per topic, and again and again.
+    // Fusion reads one publisher per topic, many times.
     Ok(match kind {
         ProcessKind::Fusion => Bus::open_for_few(&root, &process)?,
         _ => Bus::open(&root, &process)?,

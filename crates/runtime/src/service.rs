@@ -1,9 +1,9 @@
-//! The duty cycle of every process of a deployment.
+//! Duty cycle of every process of a deployment.
 //!
-//! A service is an [`Agent`]: it does a bounded piece of work when asked and says whether there is more. [`run`] asks
-//! it again and again, reads the clocks once per turn, publishes its health, and ends the process when it is done or
-//! told to stop. The agent itself has no loop and reads no clock, so a test can drive it step by step. [`run_apart`]
-//! does the same for an agent whose thread must do nothing else.
+//! A service is an [`Agent`]: each turn is a bounded piece of work and returns whether more work is waiting. [`run`]
+//! repeats turns, reads the clocks once per turn, publishes the agent's health, and ends the process after the work
+//! or at a stop request. The agent itself has no loop and reads no clock, so that tests run it step by step.
+//! [`run_apart`] does the same for an agent whose thread must do nothing else.
 
 use std::time::Duration;
 
@@ -22,8 +22,8 @@ const HEALTH_PERIOD_NS: i64 = 200_000_000;
 
 /// Pauses of a thread that would otherwise never sleep.
 ///
-/// Linux keeps a `SCHED_FIFO` thread that leaves others nothing of its core from running at all for some 50 ms in each
-/// second. One that pauses often enough by itself is left alone, and its pauses are short.
+/// Linux suspends a `SCHED_FIFO` thread that uses its core completely for about 50 ms in each second. A thread with
+/// own pauses, which are short, is not suspended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rest {
     /// Time between two pauses, nanoseconds.
@@ -32,10 +32,9 @@ pub struct Rest {
     pub for_ns: u64,
 }
 
-/// Runs `agent` until it has finished or the process is told to stop.
+/// Runs `agent` until its work is done or a stop is requested.
 ///
-/// # Errors
-/// What the agent could not cope with.
+/// # Errors Errors of the agent.
 pub fn run<D: Deployment>(process: &Process<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
     run_reporting(&process.stop, process.reporter()?, agent)
 }
@@ -50,15 +49,14 @@ fn run_reporting(stop: &Stop, mut reporter: Reporter, agent: &mut dyn Agent) -> 
     let closed = agent.close(Now::read());
     entries.clear();
     agent.health(&mut entries);
-    // Health is best effort at the end: what matters is the error itself.
+    // At the end, health is best effort: the error itself has priority.
     let _ = reporter.publish(Now::read(), life_at_end(&result, &closed), &entries);
     result.and(closed)
 }
 
-/// Runs `agent` like [`run`] does, with all that is not its work left to `housekeeper`. It pauses as `rest` says.
+/// Runs `agent` as [`run`] does, with all other work left to `housekeeper`, and with the pauses of `rest`.
 ///
-/// # Errors
-/// What the agent or the housekeeper could not cope with.
+/// # Errors Errors of the agent or of the housekeeper.
 pub fn run_apart<D: Deployment>(
     process: &Process<D>,
     agent: &mut dyn Agent,
@@ -70,7 +68,7 @@ pub fn run_apart<D: Deployment>(
     });
     let closed = agent.close(Now::read());
     let said = housekeeper.close(agent, Now::read(), life_at_end(&result, &closed));
-    // The housekeeper's error first: where it failed, the agent only failed because of it.
+    // The housekeeper's error comes first: the agent's error is its consequence.
     said.and(result).and(closed)
 }
 

@@ -1,4 +1,4 @@
-//! Being asked to stop.
+//! Stop requests.
 
 use std::io;
 use std::sync::Arc;
@@ -7,17 +7,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rustix::process::{Signal, getppid, set_parent_process_death_signal};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-/// Becomes true when the process is asked to stop: by SIGTERM, by Ctrl-C at a terminal, or because the terminal has
-/// gone (SIGHUP).
+/// Stop request by SIGTERM, by Ctrl-C at a terminal, or by the end of the terminal (SIGHUP).
 #[derive(Clone, Debug)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was to
-    /// be ignored when the process started (`nohup`) still is.
+    /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was
+    /// ignored at the start of the process (`nohup`) stays ignored.
     ///
-    /// # Errors
-    /// If the operating system refuses.
+    /// # Errors If the operating system refuses.
     pub fn on_signals() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
         let stays_without_terminal = is_ignored(SIGHUP);
@@ -31,12 +29,11 @@ impl Stop {
         Ok(Self(flag))
     }
 
-    /// Catches the same signals, of which later ones do not end the process: for one that ends by itself soon after,
-    /// and would leave shared memory behind if it was cut short. `timeout` sends SIGTERM twice, to the process and to
-    /// its group.
+    /// Catches the same signals; later signals do not end the process. For a process that ends soon after the first
+    /// signal, and whose sudden end would leave shared memory behind. `timeout` sends SIGTERM twice, to the process
+    /// and to its group.
     ///
-    /// # Errors
-    /// If the operating system refuses.
+    /// # Errors If the operating system refuses.
     pub fn on_signals_to_clear_up() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
         let caught = [SIGTERM, SIGINT, SIGHUP];
@@ -49,13 +46,13 @@ impl Stop {
         Ok(Self(flag))
     }
 
-    /// Whether the process has been asked to stop.
+    /// Whether a stop has been requested.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Whether whoever started this process has it, and what it starts, ignore `signal`.
+/// Whether the parent has set `signal` to be ignored by this process and its children.
 pub fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -63,11 +60,10 @@ pub fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask & 1 << (signal - 1) != 0)
 }
 
-/// Asks the kernel to stop this process when `launcher`, its parent, dies, however it dies. If it is dead already,
-/// `false`.
+/// Requests the kernel to stop this process when `launcher`, its parent, dies. Returns `false` if the parent is dead
+/// already.
 ///
-/// # Errors
-/// If the operating system refuses.
+/// # Errors If the operating system refuses.
 pub fn stop_with_parent(launcher: u32) -> io::Result<bool> {
     set_parent_process_death_signal(Some(Signal::TERM))?;
     // The parent may have died before the line above.
