@@ -1,9 +1,9 @@
-//! Memory as areas of records, each of which is in two copies.
+//! Memory with areas of records, each in two copies.
 //!
-//! A process can be killed between any two stores. So a record is never written over: it has two copies, the older one
-//! is filled with what is new, and each states how often the record was written and a checksum of all its words. A
-//! reader takes the newest copy that agrees with its checksum. Of a record that was being written there is the one
-//! before; every other one is whole.
+//! A process can be killed between any two stores. A record is therefore never overwritten: of its two copies, the
+//! older is replaced. Each copy states the number of writes of the record and a checksum of all its words. A reader
+//! takes the newest copy with a correct checksum. A kill during a write leaves the previous copy of that record;
+//! every other record is whole.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use std::sync::atomic::Ordering::{Relaxed, Release};
 
 /// "KOSEKI" and the kind of file.
 const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKICP");
-/// Words before the first area: the magic number, and a fingerprint of what is in the areas.
+/// Words before the first area: the magic number and a fingerprint of the layout.
 pub const HEAD: usize = 2;
-/// Words of a copy before its contents: how often the record was written, and the checksum.
+/// Words of a copy before its contents: number of writes and checksum.
 const FRONT: usize = 2;
 
-/// Words that outlive their process, or stand in for such words.
+/// Words that outlive their process, or words in their place in tests.
 pub trait Memory: std::fmt::Debug + Send {
-    /// The words; their number never changes.
+    /// Returns the words; their number never changes.
     fn words(&self) -> &[AtomicU64];
 }
 
@@ -38,9 +38,9 @@ impl Memory for Vec<AtomicU64> {
 /// Memory that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// Not a checkpoint, or one of other settings, sources or another build.
+    /// No checkpoint, or a checkpoint of other settings, sources or another build.
     Foreign,
-    /// A damaged one: so many records are not whole.
+    /// Damaged checkpoint, with the number of records that are not whole.
     Damaged(usize),
 }
 
@@ -61,7 +61,7 @@ pub fn mark(memory: &[AtomicU64], fingerprint: u64) {
     memory[0].store(MAGIC, Release);
 }
 
-/// Whether memory of so many `words` has the head that [`mark`] writes.
+/// Whether memory of so many `words` has the head of [`mark`].
 pub fn is_marked(memory: &[AtomicU64], words: usize, fingerprint: u64) -> bool {
     memory.len() == words && memory[0].load(Relaxed) == MAGIC && memory[1].load(Relaxed) == fingerprint
 }
@@ -73,10 +73,10 @@ pub fn mixed(word: u64) -> u64 {
 
 const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// One kind of records in the memory.
+/// Records of one kind in the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
-    /// Word with which it begins.
+    /// First word of the area.
     pub first: usize,
     /// Number of records.
     pub places: usize,
@@ -84,23 +84,23 @@ pub struct Area {
     pub words: usize,
 }
 
-/// A record, as a reader finds it.
+/// State of a record in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
-    /// A record that was never written.
+    /// Never written.
     Nothing,
-    /// Its newest copy is whole, and the other one, too.
+    /// The newest copy is whole; the other copy is whole or blank.
     Whole,
-    /// One copy is not whole: its writer was killed, or the memory was damaged. The other one is, or is blank.
+    /// One copy is not whole: its writer was killed, or the memory was damaged. The other copy is whole or blank.
     Torn {
-        /// Whether there is another one.
+        /// Whether the other copy is whole.
         has_other: bool,
     },
     /// Neither copy is whole.
     Damaged,
 }
 
-/// One copy of a record.
+/// State of one copy of a record.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Copy {
     Blank,
@@ -113,7 +113,7 @@ impl Area {
         FRONT + self.words
     }
 
-    /// Words that it takes in all.
+    /// Returns the number of words of the area.
     #[expect(clippy::len_without_is_empty, reason = "it never is")]
     pub const fn len(&self) -> usize {
         2 * self.copy() * self.places
@@ -159,7 +159,7 @@ impl Area {
         }
     }
 
-    /// Reads a copy, 0 or 1, of the record of `place` into `contents`.
+    /// Reads copy 0 or 1 of the record of `place` into `contents`.
     pub(crate) fn read_copy(&self, memory: &[AtomicU64], place: usize, copy: usize, contents: &mut Vec<u64>) -> Copy {
         let start = self.copy_at(place, copy);
         let words = &memory[start..start + self.copy()];
@@ -176,10 +176,10 @@ impl Area {
     }
 }
 
-/// Agrees with a copy's words and place. A change of a single word always changes it.
+/// Returns the checksum of a copy's words and place. A change of a single word always changes the checksum.
 #[inline]
 fn checksum(start: usize, times: u64, contents: &[u64]) -> u64 {
-    // Four at a time, since each product must wait for the one before it.
+    // Four words at a time: each product depends on the product before it.
     let mut lanes = [start as u64, times, 1, 2];
     let (fours, rest) = contents.as_chunks::<4>();
     for four in fours {
@@ -227,7 +227,7 @@ mod tests {
     }
 
     proptest! {
-        /// Killed between any two stores, in whatever order they are made, a writer leaves the old or the new record.
+        /// A writer that is killed between any two stores, in any order of stores, leaves the old or the new record.
         #[test]
         fn a_record_is_never_half_new(
             writes in prop::collection::vec(prop::array::uniform5(any::<u64>()), 1..6),
@@ -257,7 +257,7 @@ mod tests {
             prop_assert_eq!(AREA.read(&memory, 0, &mut contents), Found::Nothing);
         }
 
-        /// A change of any bit is noticed.
+        /// A change of any bit is detected.
         #[test]
         fn no_bit_can_change_unseen(
             first in prop::array::uniform5(any::<u64>()),

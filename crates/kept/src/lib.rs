@@ -1,11 +1,11 @@
-//! Values in memory that outlives its process, so that a kill costs one of them at most.
+//! Values in memory that outlives its process: a kill costs at most one value.
 //!
-//! A process that is killed leaves what it has stored. Its successor can go on from there if it can tell what is whole:
-//! `image` has records for that, each in two copies with checksums. A [`Kept`] value is written into words and read
-//! back, field by field ([`kept!`](crate::kept)). What is in the memory and when it is written is for others to say;
-//! values that belong together and change together are a [`Picture`].
+//! A killed process leaves its stores in memory. A successor can resume if whole values can be distinguished from
+//! torn values: module `image` stores each record in two copies with checksums. A [`Kept`] value is written to words
+//! and read back field by field ([`kept!`](crate::kept)). Contents and times of writing are up to the users of this
+//! crate. Values that change together form a [`Picture`].
 //!
-//! Nothing here allocates, locks or calls the system while it writes.
+//! Writing neither allocates nor locks nor calls the system.
 
 #![forbid(unsafe_code)]
 

@@ -1,8 +1,8 @@
-//! Values that belong together and are replaced all at once.
+//! Snapshot of several values that are replaced together.
 //!
-//! Each of them is a record, and so is what is said of all, with their number. All records of one picture are written
-//! for the same time, so that a reader finds, of each, the copy that belongs to the others: the picture that was being
-//! written when its writer was killed, or the one before.
+//! Each value is a record, and so is the head with the number of values. All records of one snapshot have the same
+//! number of writes. A reader therefore finds the copies that belong together: those of the snapshot being written
+//! when the writer was killed, or those of the snapshot before.
 
 use std::marker::PhantomData;
 use std::sync::atomic::AtomicU64;
@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicU64;
 use crate::image::{Area, Copy, HEAD, Memory, Refused, is_marked, mark, mixed};
 use crate::value::{Get, Kept, Put};
 
-/// Picture of at most so many values `T`, with an `F` that speaks of all.
+/// Snapshot of a limited number of values `T`, with a head `F`.
 #[derive(Debug)]
 pub struct Picture<F, T> {
     memory: Box<dyn Memory>,
@@ -20,7 +20,7 @@ pub struct Picture<F, T> {
     of: PhantomData<fn(F, T)>,
 }
 
-/// Records of a picture.
+/// Records of a snapshot.
 #[derive(Clone, Copy, Debug)]
 struct Areas {
     front: Area,
@@ -29,7 +29,7 @@ struct Areas {
 }
 
 impl Areas {
-    /// `owner` tells whose picture it is.
+    /// Creates the records; `owner` identifies the owner of the snapshot.
     fn new<F: Kept, T: Kept>(owner: &str, places: usize) -> Self {
         let front = Area {
             first: HEAD,
@@ -58,12 +58,12 @@ impl Areas {
 }
 
 impl<F: Kept, T: Kept> Picture<F, T> {
-    /// Words of memory that it takes.
+    /// Returns the number of words of memory.
     pub fn words(places: usize) -> usize {
         Areas::new::<F, T>("", places).len()
     }
 
-    /// In `memory`, which is blank and has so many [words](Self::words); `owner` tells whose picture it is.
+    /// Opens a snapshot in blank `memory` of [`words`](Self::words) words; `owner` identifies the owner.
     pub fn begin(memory: Box<dyn Memory>, owner: &str, places: usize) -> Self {
         let areas = Areas::new::<F, T>(owner, places);
         mark(memory.words(), areas.fingerprint);
@@ -76,7 +76,7 @@ impl<F: Kept, T: Kept> Picture<F, T> {
         }
     }
 
-    /// Replaces it. Values beyond its places are left out.
+    /// Replaces the snapshot. Values beyond the number of places are left out.
     pub fn write<'a>(&mut self, front: &F, values: impl Iterator<Item = &'a T>)
     where
         T: 'a,
@@ -102,10 +102,9 @@ impl<F: Kept, T: Kept> Picture<F, T> {
         area.write(memory, 0, self.times, &self.words[..area.words]);
     }
 
-    /// Reads what was written last, or the one before; `None` if nothing was.
+    /// Reads the latest whole snapshot, or the snapshot before; `None` if none was written.
     ///
-    /// # Errors
-    /// If neither is whole, or it is another picture.
+    /// # Errors If neither is whole, or the snapshot has another owner.
     pub fn read(memory: &[AtomicU64], owner: &str, places: usize) -> Result<Option<(F, Vec<T>)>, Refused> {
         let areas = Areas::new::<F, T>(owner, places);
         if !is_marked(memory, areas.len(), areas.fingerprint) {
@@ -166,7 +165,8 @@ mod tests {
     }
 
     proptest! {
-        /// Killed between any two stores, in whatever order they are made, a writer leaves the old or the new picture.
+        /// A writer that is killed between any two stores, in any order of stores, leaves the old or the new
+        /// snapshot.
         #[test]
         fn a_picture_is_never_half_new(
             pictures in prop::collection::vec(
@@ -188,7 +188,7 @@ mod tests {
                     for (word, _) in stored.iter().enumerate().filter(|(_, stored)| !**stored) {
                         memory.words()[word].store(old[word], Relaxed);
                     }
-                    // Of the first one there may be nothing but parts: nothing is used then.
+                    // Of a first snapshot, some records may be missing: no record is used then.
                     match read(&memory) {
                         Ok(found) => prop_assert!(found == before || found == new, "{found:?}"),
                         Err(_) => prop_assert!(before.is_none()),

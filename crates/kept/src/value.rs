@@ -1,21 +1,21 @@
-//! Values as words of eight octets, and back.
+//! Values as words of eight bytes, and back.
 
 use messages::layout::Sample as _;
 use messages::{Covariance, GrossError, GrossKind, Identity, TargetType};
 
-/// A value that a record holds.
+/// Value of a record.
 pub trait Kept: Sized {
-    /// Number of words that it takes.
+    /// Number of words of the value.
     const WORDS: usize;
 
-    /// Writes it.
+    /// Writes the value.
     fn put(&self, to: &mut Put<'_>);
 
-    /// Reads it; `None` if the words are no such value.
+    /// Reads the value; `None` if the words are no such value.
     fn get(from: &mut Get<'_>) -> Option<Self>;
 }
 
-/// Words that are being written, and the place of the next one.
+/// Words to write, and the place of the next word.
 #[derive(Debug)]
 pub struct Put<'a> {
     words: &'a mut [u64],
@@ -23,7 +23,7 @@ pub struct Put<'a> {
 }
 
 impl<'a> Put<'a> {
-    /// From the first of `words` on.
+    /// Starts at the first of `words`.
     #[inline]
     pub fn new(words: &'a mut [u64]) -> Self {
         Self { words, at: 0 }
@@ -37,11 +37,11 @@ impl<'a> Put<'a> {
     }
 }
 
-/// Words that have not been read yet.
+/// Words to read.
 pub struct Get<'a>(pub &'a [u64]);
 
 impl Get<'_> {
-    /// Reads the next word; `None` if there is none.
+    /// Reads the next word; `None` at the end.
     pub fn word(&mut self) -> Option<u64> {
         let (first, rest) = self.0.split_first()?;
         self.0 = rest;
@@ -49,8 +49,8 @@ impl Get<'_> {
     }
 }
 
-/// Keeps a struct: all its fields, in the order in which they are named here. It is declared here, too, or elsewhere;
-/// then a field that is not named is an error.
+/// Implements [`Kept`] for a struct: all fields, in the order of the declaration. The macro declares the struct, or
+/// names the fields of a struct declared elsewhere; a missing field is then an error.
 #[macro_export]
 macro_rules! kept {
     ($(#[$meta:meta])* $vis:vis struct $name:ident {
@@ -79,7 +79,7 @@ macro_rules! kept {
     };
 }
 
-/// Keeps a number in one word.
+/// Implements [`Kept`] for a number in one word.
 macro_rules! number {
     ($($kind:ty, $value:ident => $put:expr, $word:ident => $get:expr;)*) => {
         $(impl Kept for $kind {
@@ -172,7 +172,7 @@ kept!(GrossError {
     is_removed: bool
 });
 
-/// Keeps a sample by its octets.
+/// Implements [`Kept`] for a sample by its bytes.
 macro_rules! sample {
     ($($kind:ty),*) => {
         $(impl Kept for $kind {

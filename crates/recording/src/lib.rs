@@ -1,19 +1,19 @@
-//! Everything that a deployment has said, in files of MCAP.
+//! Recording of all topics of a deployment in MCAP files.
 //!
-//! MCAP is a container of messages with times, on channels with schemas, that the tools of robotics read. Koseki's
-//! samples go into it as they lie in shared memory: with four octets in front they are messages of ROS 2
-//! ([`Layout::ros2_schema`](messages::layout::Layout::ros2_schema)). So one file holds the exact bits, for whoever
-//! wants to have the same picture again, and is open to viewers and to Python.
+//! MCAP is a container of messages with times, on channels with schemas, and is common in robotics. Samples are
+//! stored as they are in shared memory: with four bytes in front they are ROS 2 messages
+//! ([`Layout::ros2_schema`](messages::layout::Layout::ros2_schema)). One file therefore holds the exact bits for a
+//! replay, and viewers and Python can open the same file.
 //!
-//! Each topic has two channels. `<topic>/slices` has the header of each slice, and directly after it in the file come
-//! the slice's samples on `<topic>`, up to the next header of the topic. Messages are *logged* when the recorder took
-//! them and *published* when their publisher sent them, both UTC. Sequence numbers in the container have 32 bits; those
-//! that count are in header and samples.
+//! Each topic has two channels. `<topic>/slices` has the header of each slice. The slice's samples follow directly on
+//! `<topic>`, up to the topic's next header. The *log time* of a message is the time at which the recorder took the
+//! slice; its *publish time* is the time at which the publisher sent the slice; both are UTC. Sequence numbers of the
+//! container have 32 bits; the sequence numbers of Koseki are in headers and samples.
 //!
-//! Messages are gathered in memory into a *chunk*, which is written in one piece at the end of a slice. A recorder that
-//! is killed loses the chunk that was not written, and may leave a torn one: [`whole`] says up to where a file can be
-//! read, and with [`closing`] in the place of the rest it is a file that ends as it should. Container bytes depend on
-//! the version of the library: compare what files hold, not files.
+//! Messages are collected in memory into a *chunk*, which is written in one piece at the end of a slice. A killed
+//! recorder loses its unwritten chunk and may leave a torn chunk. [`whole`] returns the length of the readable part
+//! of a file, and the bytes of [`closing`] in place of the rest make a complete file. Container bytes depend on the
+//! version of the library: compare contents of files, not files.
 
 #![forbid(unsafe_code)]
 
@@ -32,10 +32,10 @@ pub use tally::Tally;
 pub use whole::{Whole, closing, whole};
 pub use writer::{Channel, Writer};
 
-/// Name of the metadata that say where a file comes from.
+/// Name of the metadata with the origin of a file.
 pub const FACTS: &str = "koseki";
 
-/// What is known at a file's beginning, by name: configuration, build, and [how far its topics were](Tally).
+/// Facts at the beginning of a file, by name: configuration, build, and [progress of the topics](Tally).
 pub type Facts = std::collections::BTreeMap<String, String>;
 
 /// Failure to write or read a recording.
@@ -44,15 +44,15 @@ pub enum RecordingError {
     /// Refusal of the system.
     #[error(transparent)]
     System(#[from] std::io::Error),
-    /// Contents that are not as they should be.
+    /// Invalid contents.
     #[error(transparent)]
     Contents(mcap::McapError),
-    /// Record or chunk that is damaged.
+    /// Damaged record or chunk.
     #[error("damaged at byte {at}: {reason}")]
     Damaged {
-        /// Place of the record, or of its chunk, in the file.
+        /// Offset of the record, or of its chunk, in the file.
         at: u64,
-        /// Finding.
+        /// Kind of damage.
         reason: &'static str,
     },
 }
@@ -72,7 +72,7 @@ impl From<mcap::McapError> for RecordingError {
     }
 }
 
-/// Name of the metadata of a channel that say which layout its samples have.
+/// Name of the metadata of a channel with the layout of the samples.
 const FINGERPRINT: &str = "fingerprint";
 
 /// Returns the fingerprint of a layout as the metadata of a channel state it.
@@ -83,8 +83,8 @@ fn fingerprint_of(layout: &messages::layout::Layout) -> String {
 /// Beginning of the names of schemas.
 const SCHEMA_PREFIX: &str = "koseki/msg/";
 
-/// Ending of the name of the channel that has a topic's headers.
+/// Ending of the name of the channel with a topic's headers.
 const SLICES: &str = "/slices";
 
-/// Octets before each sample: CDR, little-endian.
+/// Bytes before each sample: CDR, little-endian.
 const CDR: [u8; 4] = [0, 1, 0, 0];

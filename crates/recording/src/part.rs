@@ -1,4 +1,4 @@
-//! Copying a part of a recording, or all of its files into one.
+//! Copy of a part of a recording, or of all its files into one.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, Write};
@@ -14,11 +14,11 @@ use crate::writer::{Channel, Writer};
 /// Part of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
-    /// Time when the first slice was taken, UTC, nanoseconds; `None` for the beginning.
+    /// Time at which the first slice was taken, UTC, nanoseconds; `None` for the beginning.
     pub from_ns: Option<u64>,
-    /// Time when the last slice was taken, likewise; `None` for the end.
+    /// Time at which the last slice was taken, UTC, nanoseconds; `None` for the end.
     pub to_ns: Option<u64>,
-    /// Names of topics, or what they begin with up to a `/`; empty for all topics.
+    /// Names of topics, or beginnings of names up to a `/`; empty for all topics.
     pub topics: Vec<String>,
 }
 
@@ -40,13 +40,13 @@ impl Part {
     }
 }
 
-/// Copies a part of the recording that consists of `files`, in their order, into one file; the number of samples.
+/// Copies a part of the recording that consists of `files`, in their order, into one file. Returns the number of
+/// samples.
 ///
-/// The copy says how far the topics were when the part begins: so what was lost within it is counted, and what was left
-/// out is not.
+/// The copy states the progress of the topics at the beginning of the part. Losses within the part are counted;
+/// samples before the part are not.
 ///
-/// # Errors
-/// If a file cannot be read, or `out` not be written.
+/// # Errors If a file cannot be read, or `out` cannot be written.
 pub fn copy<R: Read + Seek, W: Write + Seek>(
     files: impl IntoIterator<Item = R>,
     part: &Part,
@@ -72,17 +72,17 @@ pub fn copy<R: Read + Seek, W: Write + Seek>(
 
 struct Copying<'a, W: Write + Seek> {
     part: &'a Part,
-    /// Everything before the part.
+    /// Contents before the part.
     before: Survey,
     topics: BTreeMap<String, Topic>,
     out: Option<W>,
-    /// The copy, as soon as the part has begun.
+    /// Copy, once the part has begun.
     writer: Option<Writer<W>>,
     place: Place,
     samples: u64,
 }
 
-/// Place of the slice that is being read.
+/// Place of the present slice.
 enum Place {
     Before,
     In(Slice),
@@ -96,7 +96,7 @@ struct Topic {
     channel: Option<Channel>,
 }
 
-/// A slice that is being read.
+/// Slice in progress.
 struct Slice {
     topic: String,
     header: BatchHeader,
@@ -175,7 +175,7 @@ impl<W: Write + Seek> Copying<'_, W> {
                 writer.channel_of(&slice.topic, size, &topic.schema, definition, fingerprint)?
             }
         };
-        // A slice without samples does not tell their size.
+        // The sample size of a slice without samples is unknown.
         topic.channel = Some(channel).filter(|_| slice.sample_size > 0);
         let (taken_ns, sent_ns) = (slice.taken_ns as i64, slice.sent_ns as i64);
         writer.slice(channel, &slice.header, &slice.octets, taken_ns, sent_ns)?;
@@ -183,7 +183,7 @@ impl<W: Write + Seek> Copying<'_, W> {
         Ok(())
     }
 
-    /// Begins the copy, if it has not begun.
+    /// Begins the copy if it has not begun.
     fn writer(&mut self) -> Result<(), RecordingError> {
         let Some(out) = self.out.take() else { return Ok(()) };
         self.before.end_slices();

@@ -1,4 +1,4 @@
-//! Reading one file, message by message.
+//! Reader of one file, message by message.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
@@ -12,48 +12,48 @@ use crate::record::{Fields, HEAD, head_of, is_needed};
 use crate::whole::{Whole, whole};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
-/// Contents of a file, in its order.
+/// Item of a file, in the file's order.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item<'a> {
-    /// Facts at its beginning.
+    /// Facts at the beginning.
     Facts(Facts),
-    /// A topic is in it.
+    /// Topic.
     Topic {
         /// Name.
         name: &'a str,
-        /// Name of the schema of its samples.
+        /// Name of the schema of the samples.
         schema: &'a str,
-        /// Schema itself, as ROS 2 has it.
+        /// Schema for ROS 2.
         definition: &'a [u8],
         /// Fingerprint of the samples' layout.
         fingerprint: &'a str,
-        /// Byte ranges that the recorded samples lack, where they were recorded with another layout.
+        /// Byte ranges that the recorded samples lack, if they were recorded with another layout.
         missing: &'a [Range<usize>],
     },
-    /// A slice begins; its samples follow.
+    /// Beginning of a slice; its samples follow.
     Slice {
         /// Name of the topic.
         topic: &'a str,
         /// Header of the slice.
         header: BatchHeader,
-        /// Time when the recorder took it, UTC, nanoseconds.
+        /// Time at which the recorder took the slice, UTC, nanoseconds.
         taken_ns: u64,
-        /// Time when its publisher sent it, UTC, nanoseconds.
+        /// Time at which the publisher sent the slice, UTC, nanoseconds.
         sent_ns: u64,
     },
-    /// A sample of the topic's latest slice.
+    /// Sample of the topic's latest slice.
     Sample {
         /// Name of the topic.
         topic: &'a str,
-        /// The sample in this build's layout, unless the file is read as recorded.
+        /// Sample in this build's layout, unless the file is read as recorded.
         octets: &'a [u8],
     },
 }
 
-/// Shows all that a file holds to `visit`; of one that has no end, what can be read. Whether it had one.
+/// Passes all items of a file to `visit`; of a file without an end, the readable items. Returns whether the file has
+/// its end.
 ///
-/// # Errors
-/// If it cannot be read, or holds what no recorder writes; or the first one of `visit`.
+/// # Errors If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
 pub fn read<R: Read + Seek, E: From<RecordingError>>(
     file: &mut R,
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -65,8 +65,7 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
 
 /// Reads as [`read`] does, without conversion of samples that another build recorded with another layout.
 ///
-/// # Errors
-/// As [`read`].
+/// # Errors As [`read`].
 pub(crate) fn read_as_recorded<R: Read + Seek, E: From<RecordingError>>(
     file: &mut R,
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -77,26 +76,25 @@ pub(crate) fn read_as_recorded<R: Read + Seek, E: From<RecordingError>>(
     Ok(chunks.is_ended)
 }
 
-/// A file that is read chunk by chunk, in any order once all of it was.
+/// Reader of a file chunk by chunk, in any order after a first pass.
 #[derive(Debug)]
 pub struct Chunks<R> {
     file: R,
-    /// Octets of the file that can be read.
+    /// Readable bytes of the file.
     end: u64,
-    /// Whether the file ends as it should.
+    /// Whether the file has its end.
     is_ended: bool,
     next: u64,
-    /// Place at which `file` stands; `None` where that is not known.
+    /// Position of `file`; `None` if unknown.
     at: Option<u64>,
     names: Names,
     record: Vec<u8>,
 }
 
 impl<R: Read + Seek> Chunks<R> {
-    /// The file from its beginning.
+    /// Opens the file at its beginning.
     ///
-    /// # Errors
-    /// If it cannot be read.
+    /// # Errors If the file cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
         let Whole { bytes, is_ended } = whole(&mut file)?;
         Ok(Self {
@@ -110,21 +108,20 @@ impl<R: Read + Seek> Chunks<R> {
         })
     }
 
-    /// Place from which [`Chunks::read`] will read, octets from the beginning.
+    /// Returns the offset of the next [`Chunks::read`], bytes.
     pub fn place(&self) -> u64 {
         self.next
     }
 
-    /// Reads on from a place that [`Chunks::place`] gave.
+    /// Continues at an offset from [`Chunks::place`].
     pub fn go_to(&mut self, place: u64) {
         self.next = place;
     }
 
-    /// Shows the next chunk, and what stands before it, to `visit`. `false` at the end. Nothing of a damaged chunk is
-    /// shown.
+    /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end. A
+    /// damaged chunk gives no items.
     ///
-    /// # Errors
-    /// If it cannot be read, or holds what no recorder writes; or the first one of `visit`.
+    /// # Errors If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
     pub fn read<E: From<RecordingError>>(
         &mut self,
         mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -145,7 +142,7 @@ impl<R: Read + Seek> Chunks<R> {
         Ok(false)
     }
 
-    /// Takes the next record out of the file. Its code; `None` for one that is not needed, such as an index.
+    /// Reads the next record. Returns its code; `None` for a record without items, such as an index.
     fn record(&mut self) -> Result<Option<u8>, RecordingError> {
         let mut head = [0; HEAD];
         if self.at.take() != Some(self.next) {
@@ -154,8 +151,8 @@ impl<R: Read + Seek> Chunks<R> {
         self.file.read_exact(&mut head)?;
         let (code, length) = head_of(&head);
         let end = self.next.saturating_add(HEAD as u64).saturating_add(length);
-        // The walk over the file has found each record within it: memory follows the size of the file, not the length
-        // that a damaged file states. The file may have become shorter since.
+        // The pass over the file has found each record within it: memory follows the size of the file, not the length
+        // stated by a damaged file. The file may have become shorter since.
         if end > self.end {
             return Err(RecordingError::damaged(self.next, "a record is longer than the file"));
         }
@@ -180,10 +177,9 @@ impl<R: Read + Seek> Chunks<R> {
     }
 }
 
-/// Facts at the beginning of a file; `None` without any.
+/// Returns the facts at the beginning of a file; `None` without facts.
 ///
-/// # Errors
-/// If it cannot be read.
+/// # Errors If the file cannot be read.
 pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingError> {
     enum Stop {
         Found(Facts),
@@ -205,7 +201,8 @@ pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingErr
     }
 }
 
-/// Octets of a record that describes a topic or the file. The longest one of a recorder has a configuration in it.
+/// Maximum bytes of a record that describes a topic or the file. A recorder's longest such record contains a
+/// configuration.
 const DESCRIPTION_BYTES: usize = 4 << 20;
 
 /// Channels and schemas of one file.
@@ -213,9 +210,9 @@ const DESCRIPTION_BYTES: usize = 4 << 20;
 struct Names {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
     topics: BTreeMap<u16, Topic>,
-    /// Whether samples of other layouts are shown without conversion.
+    /// Whether samples of other layouts are passed without conversion.
     as_recorded: bool,
-    /// The latest converted sample.
+    /// Latest converted sample.
     converted: Vec<u8>,
 }
 
@@ -227,8 +224,8 @@ struct Topic {
     conversion: Option<Conversion>,
 }
 
-/// Returns the conversion of samples with this schema and layout fingerprint; `None` if they need none, or if this
-/// build has no such sample.
+/// Returns the conversion of samples with this schema and layout fingerprint; `None` if no conversion is needed, or
+/// if this build has no such sample.
 fn conversion_of(schema: &str, definition: &[u8], fingerprint: Option<&String>) -> Option<Conversion> {
     let name = schema.strip_prefix(SCHEMA_PREFIX)?;
     let layout = ALL.iter().find(|layout| layout.name == name)?;
@@ -239,7 +236,7 @@ fn conversion_of(schema: &str, definition: &[u8], fingerprint: Option<&String>) 
 }
 
 impl Names {
-    /// Shows what a record says to `visit`.
+    /// Passes the item of a record to `visit`.
     fn show<E: From<RecordingError>>(
         &mut self,
         code: u8,

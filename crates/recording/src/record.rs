@@ -1,8 +1,8 @@
-//! Records of a file, and the fields in their data.
+//! Records of a file, and fields of records.
 //!
-//! The container's own reader takes as much memory as a record or a text states to need, and a damaged file can state
-//! anything. So records are cut out here, each within its file or its chunk, and each field within its record: memory
-//! follows the size of the file.
+//! The container library's reader allocates as much memory as a record states, and a damaged file can state any size.
+//! This module therefore cuts each record within its file or chunk, and each field within its record: memory follows
+//! the size of the file.
 
 use std::collections::BTreeMap;
 
@@ -10,21 +10,21 @@ use mcap::records::op;
 
 use crate::RecordingError;
 
-/// Octets before the data of a record: its code and its length.
+/// Bytes before the data of a record: code and length.
 pub(crate) const HEAD: usize = 9;
 
-/// Code and length in the octets before the data of a record.
+/// Returns code and length of a record.
 pub(crate) fn head_of(head: &[u8; HEAD]) -> (u8, u64) {
     let (code, length) = head.split_first().expect("nine octets");
     (*code, u64::from_le_bytes(length.try_into().expect("eight octets")))
 }
 
-/// Whether records of this kind have anything that is shown. All others are passed over unread.
+/// Whether records of this kind contain items. Other records are skipped.
 pub(crate) fn is_needed(code: u8) -> bool {
     matches!(code, op::CHUNK | op::METADATA | op::SCHEMA | op::CHANNEL | op::MESSAGE)
 }
 
-/// Record, or chunk, that is read: its data, and its place in the file for errors.
+/// Data of a record or chunk, and its offset in the file for errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fields<'a> {
     left: &'a [u8],
@@ -36,7 +36,7 @@ impl<'a> Fields<'a> {
         Self { left: data, place }
     }
 
-    /// All that is left.
+    /// Returns the remaining bytes.
     pub(crate) fn rest(self) -> &'a [u8] {
         self.left
     }
@@ -73,7 +73,7 @@ impl<'a> Fields<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// Octets after their number.
+    /// Returns bytes with their number in front.
     pub(crate) fn octets(&mut self) -> Result<&'a [u8], RecordingError> {
         let count = self.u32()?;
         self.take(count.into())
@@ -84,7 +84,7 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(octets).map_err(|_| self.damaged("a text is not UTF-8"))
     }
 
-    /// Texts by name.
+    /// Returns texts by name.
     pub(crate) fn map(&mut self) -> Result<BTreeMap<String, String>, RecordingError> {
         let mut pairs = Self::of(self.octets()?, self.place);
         let mut map = BTreeMap::new();
@@ -98,7 +98,7 @@ impl<'a> Fields<'a> {
         Ok(map)
     }
 
-    /// Takes the next record out of a chunk: its code and its data. `None` at the end.
+    /// Returns code and data of the next record of a chunk; `None` at the end.
     pub(crate) fn record(&mut self) -> Result<Option<(u8, Fields<'a>)>, RecordingError> {
         if self.left.is_empty() {
             return Ok(None);
@@ -115,7 +115,7 @@ impl<'a> Fields<'a> {
         Ok(Some((code, Self::of(data, self.place))))
     }
 
-    /// Records of a chunk: as many octets as it states, with the checksum that it states.
+    /// Returns the records of a chunk, after checks of its stated size and checksum.
     pub(crate) fn records(mut self) -> Result<Self, RecordingError> {
         let _times_ns = (self.u64()?, self.u64()?);
         let (size, checksum) = (self.u64()?, self.u32()?);

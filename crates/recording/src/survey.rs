@@ -1,4 +1,4 @@
-//! Finding out what a recording holds.
+//! Survey of a recording's contents.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
@@ -9,50 +9,48 @@ use crate::reader::{Item, read};
 use crate::tally::Tally;
 use crate::{Facts, RecordingError};
 
-/// Contents of one file, or of several of one recording, in their order.
+/// Contents of one file, or of several files of one recording in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Survey {
     /// Facts at the beginning of the last file.
     pub facts: Facts,
     /// Topics by name.
     pub topics: BTreeMap<String, TopicSurvey>,
-    /// Files of which the end was missing.
+    /// Number of files without their end.
     pub torn: u64,
-    /// Times in which nothing was taken, each from one slice to the next, UTC, nanoseconds: the recorder was not there,
-    /// or the part was cut out.
+    /// Gaps, each from one slice to the next, UTC, nanoseconds: the recorder did not run, or the part was cut out.
     pub gaps_ns: Vec<[u64; 2]>,
-    /// Time when the latest slice was taken.
+    /// Time at which the latest slice was taken.
     taken_ns: Option<u64>,
 }
 
-/// Time without any slice that is a gap, nanoseconds: while a recorder runs, every process says five times a second how
-/// it is.
+/// Minimum time without slices for a gap, nanoseconds. While a recorder runs, every process publishes its health five
+/// times a second.
 const GAP_NS: u64 = 700_000_000;
 
 /// Contents of one topic.
 #[derive(Clone, Debug, Default)]
 pub struct TopicSurvey {
-    /// Schema of its samples.
+    /// Schema of the samples.
     pub schema: String,
-    /// Slices.
+    /// Number of slices.
     pub slices: u64,
-    /// Samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Time when the first slice was taken, UTC, nanoseconds; `None` without any.
+    /// Time at which the first slice was taken, UTC, nanoseconds; `None` without slices.
     pub first_ns: Option<u64>,
-    /// Time when the last slice was taken, likewise.
+    /// Time at which the last slice was taken, UTC, nanoseconds; `None` without slices.
     pub last_ns: Option<u64>,
-    /// Count of what is missing.
+    /// Count of missing samples.
     pub tally: Tally,
-    /// Header of the slice at hand, and its samples so far.
+    /// Header of the present slice, and its samples so far.
     slice: Option<(BatchHeader, usize)>,
 }
 
 impl Survey {
-    /// Adds what a file holds; of one that has no end, what can be read.
+    /// Adds the contents of a file; of a file without an end, the readable contents.
     ///
-    /// # Errors
-    /// If it cannot be read, or holds what no recorder writes.
+    /// # Errors If the file cannot be read, or is not written by a recorder.
     pub fn add<R: Read + Seek>(&mut self, file: &mut R) -> Result<(), RecordingError> {
         let is_ended = read::<_, RecordingError>(file, |item| {
             self.item(item);
@@ -63,7 +61,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Adds a part of a file.
+    /// Adds an item of a file.
     pub(crate) fn item(&mut self, item: Item<'_>) {
         match item {
             Item::Facts(facts) => self.begin(facts),
@@ -84,7 +82,7 @@ impl Survey {
         }
     }
 
-    /// Takes it that no slice goes on.
+    /// Ends the slices in progress.
     pub(crate) fn end_slices(&mut self) {
         self.topics.values_mut().for_each(TopicSurvey::end_slice);
     }

@@ -1,7 +1,8 @@
-//! What is missing of a topic.
+//! Count of a topic's missing samples.
 //!
-//! Each slice says how many samples its publisher had sent before. So it is known what should have come between two
-//! slices, even if the recorder died between them: the next file begins by saying how far each publisher was.
+//! The header of each slice states the number of samples that its publisher had sent before. The number of samples
+//! between two slices is therefore known, even if the recorder died between them: the next file begins with the
+//! progress of each publisher.
 
 use std::collections::BTreeMap;
 
@@ -9,27 +10,27 @@ use messages::BatchHeader;
 
 use crate::Facts;
 
-/// Fact: when the recording began, monotonic, nanoseconds.
+/// Fact: start of the recording, monotonic, nanoseconds.
 pub(crate) const SINCE: &str = "since_ns";
 
-/// Topics of talk between processes. Publishers of one process share its incarnation there, so that a gap says nothing.
+/// Topics of messages between processes. The publishers of one process share its epoch there, so that a gap has no
+/// meaning.
 const TALK: [&str; 4] = ["health", "control", "progress", "system/frame-origin"];
 
-/// Count of what is missing of a topic.
+/// Count of a topic's missing samples.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Samples that were published while the recording went on and are not in it.
+    /// Samples published during the recording that are not in the recording.
     pub lost: u64,
-    /// When the recording began, monotonic, nanoseconds: publishers that started later are missed from their first
-    /// sample.
+    /// Start of the recording, monotonic, nanoseconds: of publishers that started later, every sample is expected.
     pub since_ns: u64,
-    /// Sequence number that must come next of each publisher, by its incarnation.
+    /// Next sequence number of each publisher, by its epoch.
     next: BTreeMap<u64, u64>,
     is_talk: bool,
 }
 
 impl Tally {
-    /// Tally of the topic called `name` in a recording that begins at this monotonic time, nanoseconds.
+    /// Creates the tally of topic `name` for a recording that starts at this monotonic time, nanoseconds.
     pub fn since(name: &str, since_ns: u64) -> Self {
         Self {
             since_ns,
@@ -38,7 +39,7 @@ impl Tally {
         }
     }
 
-    /// Tally of the topic called `name` at the beginning of a file with these facts.
+    /// Creates the tally of topic `name` from the facts at the beginning of a file.
     pub fn begin(name: &str, facts: &Facts) -> Self {
         let number = |text: &String| text.parse().unwrap_or(0);
         let publisher = |(key, value): (&String, &String)| {
@@ -53,7 +54,7 @@ impl Tally {
         }
     }
 
-    /// States this tally, of the topic called `name`, among the facts for the next file's beginning.
+    /// Adds the tally of topic `name` to the facts for the beginning of the next file.
     pub fn state(&self, name: &str, facts: &mut Facts) {
         facts.insert(SINCE.to_owned(), self.since_ns.to_string());
         facts.insert(lost_key(name), self.lost.to_string());
@@ -61,7 +62,7 @@ impl Tally {
         facts.extend(self.next.iter().map(next));
     }
 
-    /// Takes back what facts say of losses.
+    /// Removes losses from the facts.
     pub(crate) fn forget_losses(facts: &mut Facts) {
         facts.retain(|name, _| !name.starts_with(&lost_key("")));
     }
@@ -75,25 +76,25 @@ impl Tally {
         *next = first.saturating_add(count as u64).max(*next);
     }
 
-    /// Sequence number that must come next of a publisher, by its incarnation; 0 if it was not heard.
+    /// Returns the next sequence number of a publisher, by its epoch; 0 for an unknown publisher.
     pub fn next_of(&self, incarnation: u64) -> u64 {
         self.next.get(&incarnation).copied().unwrap_or(0)
     }
 
-    /// Takes note that a publisher had sent all samples below this number: those that have not come are lost.
+    /// Notes that a publisher had sent all samples below this number: missing samples among them are lost.
     pub fn catch_up(&mut self, incarnation: u64, next_sequence: u64) {
         let header = BatchHeader {
             incarnation,
             first_sequence: next_sequence,
             ..BatchHeader::default()
         };
-        // Of one that was there before the recording, and was never heard, nothing is missed.
+        // A publisher that existed before the recording, and of which no slice came, counts no loss.
         if incarnation >= self.since_ns || self.next.contains_key(&incarnation) {
             self.slice(&header, 0);
         }
     }
 
-    /// Publishers that were heard.
+    /// Returns the publishers with slices.
     pub fn publishers(&self) -> usize {
         self.next.len()
     }

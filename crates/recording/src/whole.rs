@@ -1,7 +1,7 @@
-//! Finding out up to where a file can be read.
+//! Length of the readable part of a file.
 //!
-//! A file is magic bytes, then records: a code, a length of eight bytes, and so many bytes. A chunk is one record. What
-//! a killed process leaves is the beginning of what it would have written, so all whole records are sound.
+//! A file consists of magic bytes and records: a code, a length of eight bytes, and the data. A chunk is one record.
+//! A killed process leaves the beginning of a file, so that all whole records are sound.
 
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
@@ -13,16 +13,15 @@ const DATA_END: u8 = 0x0f;
 /// Usable beginning of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whole {
-    /// Bytes from the beginning that are whole records of data; 0 if it is no such file.
+    /// Length of whole data records from the beginning, bytes; 0 for a file of another kind.
     pub bytes: u64,
-    /// Whether the file ends as it should.
+    /// Whether the file has its end.
     pub is_ended: bool,
 }
 
-/// Says up to where a file can be read.
+/// Returns the usable beginning of a file.
 ///
-/// # Errors
-/// If it cannot be read at all.
+/// # Errors If the file cannot be read at all.
 pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<Whole> {
     let file_bytes = file.seek(SeekFrom::End(0))?;
     file.rewind()?;
@@ -58,7 +57,7 @@ pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<Whole> {
     Ok(at)
 }
 
-/// Fills `bytes`; `false` if the file ends before that.
+/// Fills `bytes`; `false` if the file ends before.
 fn read<R: Read>(file: &mut R, bytes: &mut [u8]) -> std::io::Result<bool> {
     match file.read_exact(bytes) {
         Ok(()) => Ok(true),
@@ -67,7 +66,7 @@ fn read<R: Read>(file: &mut R, bytes: &mut [u8]) -> std::io::Result<bool> {
     }
 }
 
-/// End of a file without index, for one that was cut after its whole records.
+/// Returns an end of file without index, for a file that was cut after its whole records.
 pub fn closing() -> Vec<u8> {
     let mut bytes = vec![DATA_END];
     bytes.extend(4u64.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Writing one file.
+//! Writer of one file.
 
 use std::io::{Seek, Write};
 
@@ -12,16 +12,16 @@ use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICE
 /// Bytes of messages after which a chunk is written.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// Writes one file.
+/// Writer of one file.
 pub struct Writer<W: Write + Seek> {
     file: mcap::Writer<W>,
-    /// Message at hand, reused.
+    /// Present message, reused.
     message: Vec<u8>,
     /// Bytes of messages in the chunk.
     gathered: usize,
 }
 
-/// A topic in a file.
+/// Topic of a file.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel {
     headers: u16,
@@ -36,17 +36,16 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
 }
 
 impl<W: Write + Seek> Writer<W> {
-    /// Begins a file at whose beginning `facts` stand.
+    /// Begins a file with `facts`.
     ///
-    /// # Errors
-    /// If it cannot be written.
+    /// # Errors If the file cannot be written.
     pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
         let options = WriteOptions::new()
             .profile("ros2")
             .library("koseki")
             .compression(None)
             .disable_seeking(true)
-            // Ends where a slice does, so that no slice is torn.
+            // A chunk ends at the end of a slice, so that no slice is torn.
             .chunk_size(None);
         let mut file = options.create(out)?;
         file.write_metadata(&Metadata {
@@ -60,10 +59,9 @@ impl<W: Write + Seek> Writer<W> {
         })
     }
 
-    /// Adds the topic called `name`, whose samples have this layout.
+    /// Adds topic `name` with samples of this layout.
     ///
-    /// # Errors
-    /// If it cannot be written.
+    /// # Errors If the file cannot be written.
     pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
         let definition = layout.ros2_schema();
         let fingerprint = fingerprint_of(layout);
@@ -71,10 +69,9 @@ impl<W: Write + Seek> Writer<W> {
         self.channel_of(name, layout.size, &schema, definition.as_bytes(), &fingerprint)
     }
 
-    /// Adds the topic called `name`, whose samples have so many octets.
+    /// Adds topic `name` with samples of `size` bytes.
     ///
-    /// # Errors
-    /// If it cannot be written.
+    /// # Errors If the file cannot be written.
     pub(crate) fn channel_of(
         &mut self,
         name: &str,
@@ -105,11 +102,10 @@ impl<W: Write + Seek> Writer<W> {
             .add_channel(schema, name, "cdr", &Facts::from([fingerprint]))?)
     }
 
-    /// Adds a slice, whose samples are `octets`, that was taken and sent at these times (UTC, nanoseconds). Whether a
-    /// chunk was written: then everything so far is in the file.
+    /// Adds a slice with the samples `octets`, taken and sent at these times (UTC, nanoseconds). Returns whether a
+    /// chunk was written: everything so far is then in the file.
     ///
-    /// # Errors
-    /// If the chunk cannot be written.
+    /// # Errors If the chunk cannot be written.
     pub fn slice(
         &mut self,
         channel: Channel,
@@ -145,19 +141,17 @@ impl<W: Write + Seek> Writer<W> {
         Ok(self.file.write_to_known_channel(header, &self.message)?)
     }
 
-    /// Hands everything so far to the system.
+    /// Hands all contents so far to the system.
     ///
-    /// # Errors
-    /// If it cannot be written.
+    /// # Errors If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.gathered = 0;
         Ok(self.file.flush()?)
     }
 
-    /// Writes what is left, and the index.
+    /// Writes the remaining contents and the index.
     ///
-    /// # Errors
-    /// If it cannot be written.
+    /// # Errors If the file cannot be written.
     pub fn finish(mut self) -> Result<(), RecordingError> {
         self.file.finish()?;
         Ok(())
