@@ -104,7 +104,8 @@ impl<F: Kept, T: Kept> Picture<F, T> {
 
     /// Reads the latest whole snapshot, or the snapshot before; `None` if none was written.
     ///
-    /// # Errors If neither is whole, or the snapshot has another owner.
+    /// # Errors
+    /// If neither is whole, or the snapshot has another owner.
     pub fn read(memory: &[AtomicU64], owner: &str, places: usize) -> Result<Option<(F, Vec<T>)>, Refused> {
         let areas = Areas::new::<F, T>(owner, places);
         if !is_marked(memory, areas.len(), areas.fingerprint) {

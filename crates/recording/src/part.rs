@@ -46,7 +46,8 @@ impl Part {
 /// The copy states the progress of the topics at the beginning of the part. Losses within the part are counted;
 /// samples before the part are not.
 ///
-/// # Errors If a file cannot be read, or `out` cannot be written.
+/// # Errors
+/// If a file cannot be read, or `out` cannot be written.
 pub fn copy<R: Read + Seek, W: Write + Seek>(
     files: impl IntoIterator<Item = R>,
     part: &Part,

@@ -53,7 +53,8 @@ pub enum Item<'a> {
 /// Passes all items of a file to `visit`; of a file without an end, the readable items. Returns whether the file has
 /// its end.
 ///
-/// # Errors If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
+/// # Errors
+/// If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
 pub fn read<R: Read + Seek, E: From<RecordingError>>(
     file: &mut R,
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -65,7 +66,8 @@ pub fn read<R: Read + Seek, E: From<RecordingError>>(
 
 /// Reads as [`read`] does, without conversion of samples that another build recorded with another layout.
 ///
-/// # Errors As [`read`].
+/// # Errors
+/// As [`read`].
 pub(crate) fn read_as_recorded<R: Read + Seek, E: From<RecordingError>>(
     file: &mut R,
     mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -94,7 +96,8 @@ pub struct Chunks<R> {
 impl<R: Read + Seek> Chunks<R> {
     /// Opens the file at its beginning.
     ///
-    /// # Errors If the file cannot be read.
+    /// # Errors
+    /// If the file cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
         let Whole { bytes, is_ended } = whole(&mut file)?;
         Ok(Self {
@@ -121,7 +124,8 @@ impl<R: Read + Seek> Chunks<R> {
     /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end. A
     /// damaged chunk gives no items.
     ///
-    /// # Errors If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
+    /// # Errors
+    /// If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
     pub fn read<E: From<RecordingError>>(
         &mut self,
         mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
@@ -179,7 +183,8 @@ impl<R: Read + Seek> Chunks<R> {
 
 /// Returns the facts at the beginning of a file; `None` without facts.
 ///
-/// # Errors If the file cannot be read.
+/// # Errors
+/// If the file cannot be read.
 pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingError> {
     enum Stop {
         Found(Facts),

@@ -50,7 +50,8 @@ pub struct TopicSurvey {
 impl Survey {
     /// Adds the contents of a file; of a file without an end, the readable contents.
     ///
-    /// # Errors If the file cannot be read, or is not written by a recorder.
+    /// # Errors
+    /// If the file cannot be read, or is not written by a recorder.
     pub fn add<R: Read + Seek>(&mut self, file: &mut R) -> Result<(), RecordingError> {
         let is_ended = read::<_, RecordingError>(file, |item| {
             self.item(item);

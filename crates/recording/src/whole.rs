@@ -21,7 +21,8 @@ pub struct Whole {
 
 /// Returns the usable beginning of a file.
 ///
-/// # Errors If the file cannot be read at all.
+/// # Errors
+/// If the file cannot be read at all.
 pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<Whole> {
     let file_bytes = file.seek(SeekFrom::End(0))?;
     file.rewind()?;

@@ -38,7 +38,8 @@ impl<W: Write + Seek> std::fmt::Debug for Writer<W> {
 impl<W: Write + Seek> Writer<W> {
     /// Begins a file with `facts`.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub fn begin(out: W, facts: &Facts) -> Result<Self, RecordingError> {
         let options = WriteOptions::new()
             .profile("ros2")
@@ -61,7 +62,8 @@ impl<W: Write + Seek> Writer<W> {
 
     /// Adds topic `name` with samples of this layout.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub fn channel(&mut self, name: &str, layout: &Layout) -> Result<Channel, RecordingError> {
         let definition = layout.ros2_schema();
         let fingerprint = fingerprint_of(layout);
@@ -71,7 +73,8 @@ impl<W: Write + Seek> Writer<W> {
 
     /// Adds topic `name` with samples of `size` bytes.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub(crate) fn channel_of(
         &mut self,
         name: &str,
@@ -105,7 +108,8 @@ impl<W: Write + Seek> Writer<W> {
     /// Adds a slice with the samples `octets`, taken and sent at these times (UTC, nanoseconds). Returns whether a
     /// chunk was written: everything so far is then in the file.
     ///
-    /// # Errors If the chunk cannot be written.
+    /// # Errors
+    /// If the chunk cannot be written.
     pub fn slice(
         &mut self,
         channel: Channel,
@@ -143,7 +147,8 @@ impl<W: Write + Seek> Writer<W> {
 
     /// Hands all contents so far to the system.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         self.gathered = 0;
         Ok(self.file.flush()?)
@@ -151,7 +156,8 @@ impl<W: Write + Seek> Writer<W> {
 
     /// Writes the remaining contents and the index.
     ///
-    /// # Errors If the file cannot be written.
+    /// # Errors
+    /// If the file cannot be written.
     pub fn finish(mut self) -> Result<(), RecordingError> {
         self.file.finish()?;
         Ok(())

@@ -20,12 +20,14 @@ pub enum Turn {
 pub trait Agent {
     /// Does a bounded piece of work.
     ///
-    /// # Errors If the service cannot continue.
+    /// # Errors
+    /// If the service cannot continue.
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn>;
 
     /// Waits for work, at most for the time `at_most`.
     ///
-    /// # Errors If the wait fails.
+    /// # Errors
+    /// If the wait fails.
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         std::thread::sleep(at_most);
         Ok(())
@@ -37,7 +39,8 @@ pub trait Agent {
 
     /// Writes data that are still in memory, after a stop request or at the end of the work.
     ///
-    /// # Errors If the data cannot be written.
+    /// # Errors
+    /// If the data cannot be written.
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
         let _ = now;
         Ok(())

@@ -80,7 +80,8 @@ pub fn take_place(placement: Placement) -> Vec<String> {
 
 /// Pins the calling thread to `core`.
 ///
-/// # Errors One sentence, if the machine refuses.
+/// # Errors
+/// One sentence, if the machine refuses.
 pub fn pin_to(core: usize) -> Result<(), String> {
     let is_pinned = core_affinity::set_for_current(core_affinity::CoreId { id: core });
     is_pinned.then_some(()).ok_or_else(|| {
@@ -93,7 +94,8 @@ pub fn pin_to(core: usize) -> Result<(), String> {
 
 /// Permits all cores that are switched on to the calling thread.
 ///
-/// # Errors One sentence, if the machine refuses.
+/// # Errors
+/// One sentence, if the machine refuses.
 pub fn unpin() -> Result<(), String> {
     let mut all = CpuSet::new();
     for core in online().into_iter().filter(|core| *core < CpuSet::MAX_CPU) {

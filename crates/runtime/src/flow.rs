@@ -38,7 +38,8 @@ impl<S: Transport> Flow<S> {
     /// Follows `consumers` of `stream`, whose topic has a depth of `depth` slices; the publisher is this process, of
     /// epoch `incarnation`.
     ///
-    /// # Errors If the progress topic cannot be opened.
+    /// # Errors
+    /// If the progress topic cannot be opened.
     pub fn new(
         bus: &Bus<S>,
         incarnation: u64,
@@ -63,7 +64,8 @@ impl<S: Transport> Flow<S> {
 
     /// Reads the consumers' progress. `sent` is the number of slices sent so far.
     ///
-    /// # Errors If shared memory fails.
+    /// # Errors
+    /// If shared memory fails.
     pub fn update(&mut self, sent: u64) -> anyhow::Result<()> {
         let (stream, publisher, consumers) = (self.stream, self.publisher_incarnation, &mut self.consumers);
         self.progress.take(usize::MAX, |_, said| {
@@ -141,7 +143,8 @@ pub struct Reached<S: Transport> {
 impl<S: Transport> Reached<S> {
     /// Publishes progress as `kind` on `streams`, with the number of the first unfinished sample of each.
     ///
-    /// # Errors If the progress topic cannot be opened.
+    /// # Errors
+    /// If the progress topic cannot be opened.
     pub fn new(bus: &Bus<S>, incarnation: u64, kind: ProcessKind, streams: &[(StreamId, u64)]) -> anyhow::Result<Self> {
         let topic = |(stream, done_sequence): &(StreamId, u64)| Progress {
             consumer_incarnation: incarnation,
@@ -174,7 +177,8 @@ impl<S: Transport> Reached<S> {
 
     /// Publishes changed progress, and repeats it from time to time for producers that join later.
     ///
-    /// # Errors If shared memory fails.
+    /// # Errors
+    /// If shared memory fails.
     pub fn say(&mut self, now: Now) -> anyhow::Result<()> {
         if !self.changed && now.mono_ns < self.said_ns.saturating_add(REPEAT_NS) {
             return Ok(());

@@ -157,7 +157,8 @@ impl Housekeeper {
     /// Messages have up to `entries_max` entries. `queues` carries orders to the loop and data for publication from
     /// the loop.
     ///
-    /// # Errors If a topic cannot be opened.
+    /// # Errors
+    /// If a topic cannot be opened.
     pub fn start(
         process: &Process<impl Deployment>,
         core: Option<usize>,
@@ -214,8 +215,9 @@ impl Housekeeper {
 
     /// Hands the counts of `agent` to the housekeeper, if a buffer is free. No allocation, no system call.
     ///
-    /// # Errors If the housekeeper has ended: a process without health and orders must be restarted. [`Self::close`]
-    /// returns the cause.
+    /// # Errors
+    /// If the housekeeper has ended: a process without health and orders must be restarted. [`Self::close`] returns
+    /// the cause.
     pub(crate) fn say(&self, agent: &dyn Agent, now: Now) -> anyhow::Result<()> {
         let ended = self.thread.as_ref().is_none_or(JoinHandle::is_finished);
         anyhow::ensure!(!ended, "the housekeeping thread has ended");

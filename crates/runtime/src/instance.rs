@@ -66,7 +66,8 @@ impl Instance {
     /// Claims the instance for a deployment of `processes` processes. `say` receives one line for each remainder of
     /// an earlier start and for each wait.
     ///
-    /// # Errors If the instance runs already, is still in use, or the machine lacks memory or permissions.
+    /// # Errors
+    /// If the instance runs already, is still in use, or the machine lacks memory or permissions.
     pub fn claim(
         deployment: &impl Deployment,
         instance: &str,
@@ -97,7 +98,8 @@ impl Instance {
     /// Removes the shared memory, before topics are held anew: for a deployment with corrupt memory whose own
     /// processes have ended. Other processes keep their mappings and receive nothing further.
     ///
-    /// # Errors If files cannot be removed.
+    /// # Errors
+    /// If files cannot be removed.
     pub fn empty(&self) -> anyhow::Result<()> {
         let users = self.claim.root().processes()?;
         if !users.is_empty() {
@@ -121,7 +123,8 @@ impl Instance {
 
     /// Removes every trace of the instance. If other processes still use the instance, the next start does this.
     ///
-    /// # Errors If files cannot be removed.
+    /// # Errors
+    /// If files cannot be removed.
     pub fn clear(self) -> anyhow::Result<()> {
         let Self { claim, say } = self;
         let root = claim.root();
@@ -151,7 +154,8 @@ fn list(processes: &[bus::Process]) -> String {
 
 /// Creates every topic of the deployment and keeps all topics in existence as long as the result lives.
 ///
-/// # Errors If the machine refuses a topic.
+/// # Errors
+/// If the machine refuses a topic.
 pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Result<Vec<Held>, BusError> {
     let mut hold = Hold { bus, held: Vec::new() };
     // Only the required space depends on the number of processes.
@@ -178,7 +182,8 @@ pub trait Deployment {
 
     /// Visits the topic of each stream of data, with the number of its publishers.
     ///
-    /// # Errors The first error of `visit`.
+    /// # Errors
+    /// The first error of `visit`.
     fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
 }
 
@@ -186,7 +191,8 @@ pub trait Deployment {
 pub trait Visit {
     /// Executes the operation on `topic`, which may have so many publishers at a time.
     ///
-    /// # Errors If shared memory refuses.
+    /// # Errors
+    /// If shared memory refuses.
     fn visit<T: Payload>(&mut self, topic: &Topic<T>, publishers: usize) -> Result<(), BusError>;
 }
 

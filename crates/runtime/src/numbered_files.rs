@@ -28,7 +28,8 @@ impl NumberedFiles {
 
     /// Returns the existing files with their numbers, rising.
     ///
-    /// # Errors If the folder cannot be read.
+    /// # Errors
+    /// If the folder cannot be read.
     pub fn list(&self) -> io::Result<Vec<(u32, PathBuf)>> {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(&self.folder)? {
@@ -44,7 +45,8 @@ impl NumberedFiles {
     /// Returns the oldest files without which the others have at most `bytes`; never the latest file, which is being
     /// written.
     ///
-    /// # Errors If the folder cannot be read.
+    /// # Errors
+    /// If the folder cannot be read.
     pub fn beyond(&self, bytes: u64) -> io::Result<Vec<PathBuf>> {
         let files = self.list()?;
         let size = |path: &PathBuf| std::fs::metadata(path).map_or(0, |file| file.len());

@@ -67,7 +67,8 @@ pub struct Process<D> {
 impl<D: Deployment> Process<D> {
     /// Connects a process to its deployment. From now on, the process ends with its launcher.
     ///
-    /// # Errors If the deployment does not run, or the operating system refuses an operation.
+    /// # Errors
+    /// If the deployment does not run, or the operating system refuses an operation.
     pub fn connect(config: D, options: Options, kind: ProcessKind, name: &str) -> anyhow::Result<Self> {
         let stop = follow(options.launcher)?;
         // Fusion's core is for fusion alone.

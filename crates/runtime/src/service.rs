@@ -34,7 +34,8 @@ pub struct Rest {
 
 /// Runs `agent` until its work is done or a stop is requested.
 ///
-/// # Errors Errors of the agent.
+/// # Errors
+/// Errors of the agent.
 pub fn run<D: Deployment>(process: &Process<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
     run_reporting(&process.stop, process.reporter()?, agent)
 }
@@ -56,7 +57,8 @@ fn run_reporting(stop: &Stop, mut reporter: Reporter, agent: &mut dyn Agent) -> 
 
 /// Runs `agent` as [`run`] does, with all other work left to `housekeeper`, and with the pauses of `rest`.
 ///
-/// # Errors Errors of the agent or of the housekeeper.
+/// # Errors
+/// Errors of the agent or of the housekeeper.
 pub fn run_apart<D: Deployment>(
     process: &Process<D>,
     agent: &mut dyn Agent,

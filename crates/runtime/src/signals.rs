@@ -15,7 +15,8 @@ impl Stop {
     /// Catches SIGTERM, SIGINT and SIGHUP from now on. A second signal ends the process at once. A SIGHUP that was
     /// ignored at the start of the process (`nohup`) stays ignored.
     ///
-    /// # Errors If the operating system refuses.
+    /// # Errors
+    /// If the operating system refuses.
     pub fn on_signals() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
         let stays_without_terminal = is_ignored(SIGHUP);
@@ -33,7 +34,8 @@ impl Stop {
     /// signal, and whose sudden end would leave shared memory behind. `timeout` sends SIGTERM twice, to the process
     /// and to its group.
     ///
-    /// # Errors If the operating system refuses.
+    /// # Errors
+    /// If the operating system refuses.
     pub fn on_signals_to_clear_up() -> io::Result<Self> {
         let flag = Arc::new(AtomicBool::new(false));
         let caught = [SIGTERM, SIGINT, SIGHUP];
@@ -63,7 +65,8 @@ pub fn is_ignored(signal: i32) -> bool {
 /// Requests the kernel to stop this process when `launcher`, its parent, dies. Returns `false` if the parent is dead
 /// already.
 ///
-/// # Errors If the operating system refuses.
+/// # Errors
+/// If the operating system refuses.
 pub fn stop_with_parent(launcher: u32) -> io::Result<bool> {
     set_parent_process_death_signal(Some(Signal::TERM))?;
     // The parent may have died before the line above.

@@ -83,7 +83,8 @@ impl<S: Transport> GatewayAgent<S> {
     /// Opens the gateway `gateway` of `config` on `bus`; `incarnation` is the process's monotonic start time,
     /// nanoseconds.
     ///
-    /// # Errors If the socket or a topic cannot be opened.
+    /// # Errors
+    /// If the socket or a topic cannot be opened.
     pub(crate) fn new(config: &Config, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
         let sender =
             UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;

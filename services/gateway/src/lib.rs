@@ -18,7 +18,8 @@ use configuration::Process;
 
 /// Runs the gateway named in `process` until a stop request.
 ///
-/// # Errors If the configuration has no such gateway, if the socket cannot be opened, or if shared memory fails.
+/// # Errors
+/// If the configuration has no such gateway, if the socket cannot be opened, or if shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let gateway = process.config.gateway(&process.name).with_context(|| {
         let path = process.config.path.display();
