@@ -1,9 +1,9 @@
-//! Words between the launcher and its keeper, over a socket that only the two of them have.
+//! Socket between the launcher and its keeper.
 //!
-//! The keeper is connected to shared memory and the launcher is not: what the launcher knows of its children (`Facts`)
-//! the keeper publishes, and what the children say of themselves (`Heard`) the keeper passes on. Facts are the whole
-//! state each time, so the latest is all that matters. Neither side waits for the other: a word for which there is no
-//! room is said again later.
+//! The keeper is connected to shared memory and the launcher is not. The keeper publishes the launcher's facts about
+//! its children (`Facts`) and passes on the children's health messages (`Heard`). Facts are the whole state each
+//! time, so that only the latest message matters. Neither side waits for the other: a message without room is sent
+//! again later.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -13,55 +13,55 @@ use std::os::unix::net::UnixDatagram;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-/// Longest word, octets: some 100 children have room.
+/// Maximum length of a message, bytes: room for some 100 children.
 const WORD_MAX: usize = 64 << 10;
 
-/// What the launcher knows.
+/// Facts of the launcher.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Facts {
-    /// When the launcher started, monotonic, nanoseconds.
+    /// Start time of the launcher, monotonic, nanoseconds.
     pub(crate) incarnation: u64,
-    /// Children that have died so far. Whenever it rises, shared memory has to be taken back.
+    /// Number of deaths of children so far. After each, shared memory must be reclaimed.
     pub(crate) deaths: u64,
-    /// Times that the deployment was rebuilt.
+    /// Number of rebuilds of the deployment.
     pub(crate) rebuilds: u64,
     /// Whether the deployment is being stopped.
     pub(crate) stopping: bool,
-    /// Whether the deployment has ended, but for the keeper.
+    /// Whether all processes except the keeper have ended.
     pub(crate) ended: bool,
-    /// Every child.
+    /// All children.
     pub(crate) children: Vec<ChildFacts>,
 }
 
-/// What the launcher knows of one child.
+/// Facts about one child.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct ChildFacts {
-    /// Its name.
+    /// Name.
     pub(crate) name: String,
-    /// Its process number; 0 while it has none.
+    /// Process number; 0 without a process.
     pub(crate) process_id: u32,
-    /// Its source's number, for an adapter of one source.
+    /// Number of the source, for an adapter of one source.
     pub(crate) source: u16,
-    /// Code of its `LifeState`.
+    /// Code of the `LifeState`.
     pub(crate) life: u8,
-    /// How often it was started again.
+    /// Number of restarts.
     pub(crate) restarts: u32,
-    /// How it last ended; empty if it did not, or has finished.
+    /// Last unexpected end; empty without one.
     pub(crate) last_end: String,
 }
 
-/// What the keeper has heard since its last word: of each process, by its number, the last that it said of itself. One
-/// without anything in it says that the keeper is there.
+/// Health messages since the keeper's last message: the latest of each process, by process number. An empty one is a
+/// sign of life of the keeper.
 pub(crate) type Heard = BTreeMap<u32, Said>;
 
-/// Word of a process about itself.
+/// Health message of a process, as far as the launcher needs it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Said {
-    /// Code of its `LifeState`.
+    /// Code of the `LifeState`.
     pub(crate) life: u8,
-    /// When its loop said so, monotonic, nanoseconds.
+    /// Time at which the loop made the message, monotonic, nanoseconds.
     pub(crate) said_ns: i64,
-    /// Whether it has taken reports, of which the deployment's work is made: fusion alone says so.
+    /// Whether the process has taken reports, the measure of a deployment's work: set by fusion alone.
     pub(crate) has_reports: bool,
 }
 
@@ -70,14 +70,14 @@ pub(crate) struct Said {
 pub(crate) struct Link(UnixDatagram);
 
 impl Link {
-    /// The launcher's end, and the one that becomes the keeper's standard input.
+    /// Creates the launcher's end, and the end that becomes the keeper's standard input.
     pub(crate) fn pair() -> io::Result<(Self, OwnedFd)> {
         let (own, other) = UnixDatagram::pair()?;
         own.set_nonblocking(true)?;
         Ok((Self(own), other.into()))
     }
 
-    /// The keeper's end.
+    /// Opens the keeper's end.
     ///
     /// # Errors
     /// If standard input is no socket.
@@ -88,12 +88,12 @@ impl Link {
         Ok(Self(socket))
     }
 
-    /// Says `word`. Returns whether there was room for it; if the other side is gone there is none.
+    /// Sends `word`. Returns whether there was room; without the other side there is none.
     pub(crate) fn say(&self, word: &impl Serialize) -> bool {
         serde_json::to_vec(word).is_ok_and(|octets| self.0.send(&octets).is_ok())
     }
 
-    /// The next word that has come.
+    /// Returns the next received message.
     pub(crate) fn hear<T: DeserializeOwned>(&self) -> Option<T> {
         let mut octets = vec![0; WORD_MAX];
         let length = self.0.recv(&mut octets).ok()?;

@@ -1,4 +1,4 @@
-//! The parts of a deployment: which processes there are, and what each is called with.
+//! Processes of a deployment and their command lines.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -7,24 +7,24 @@ use configuration::Config;
 use messages::{NO_SOURCE, ProcessKind};
 use runtime::{Options, Speed};
 
-/// One process of a deployment.
+/// Process of a deployment.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
-    /// Its kind.
+    /// Kind.
     pub(crate) kind: ProcessKind,
-    /// Its name, which it also gives in its health messages: that of its source or receiver for an adapter, its own for
-    /// a gateway, else that of its kind.
+    /// Name, also in health messages: the name of the source or receiver for an adapter, an own name for a gateway,
+    /// else the name of the kind.
     pub(crate) name: String,
-    /// Its source's number, for an adapter of one source.
+    /// Number of the source, for an adapter of one source.
     pub(crate) source: u16,
-    /// Whether the deployment ends where it cannot be kept running.
+    /// Whether the deployment ends if the process cannot be kept running.
     pub(crate) required: bool,
 }
 
-/// Name of the fusion that stands by.
+/// Name of the standby fusion.
 const STANDBY: &str = "standby";
 
-/// Kinds in the order in which they are started: whoever reads is there before whoever speaks.
+/// Kinds in the order of the start: readers before publishers.
 pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
     &[ProcessKind::Keeper],
     &[
@@ -39,8 +39,8 @@ pub(crate) const START_ORDER: [&[ProcessKind]; 4] = [
     &[ProcessKind::Simulator],
 ];
 
-/// Kinds in the order in which they are stopped: sources first, then the monitor, so that it sees the others end, and
-/// last the keeper, in whose topics all of them speak.
+/// Kinds in the order of the stop: sources first, then the monitor, which still observes the end of the others, and
+/// last the keeper, which holds all topics.
 pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
     ProcessKind::Simulator,
     ProcessKind::Adapter,
@@ -53,7 +53,7 @@ pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
     ProcessKind::Keeper,
 ];
 
-/// The parts of a deployment, in the order in which they are started.
+/// Returns the processes of a deployment, in the order of the start.
 pub(crate) fn parts(config: &Config) -> Vec<Part> {
     let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
@@ -89,12 +89,12 @@ fn adapter(config: &Config, name: &str) -> Part {
 }
 
 impl Part {
-    /// A service of which there is one.
+    /// Creates a service that exists once.
     fn service(kind: ProcessKind) -> Self {
         Self::named(kind, kind.word())
     }
 
-    /// A service of which there may be several.
+    /// Creates a service that may exist several times.
     fn named(kind: ProcessKind, name: &str) -> Self {
         Self {
             kind,
@@ -104,12 +104,12 @@ impl Part {
         }
     }
 
-    /// The fusion that leads.
+    /// Creates the leading fusion.
     pub(crate) fn leader() -> Self {
         Self::service(ProcessKind::Fusion)
     }
 
-    /// What it is called in messages.
+    /// Returns the name in messages.
     pub(crate) fn title(&self) -> String {
         match self.kind {
             ProcessKind::Adapter | ProcessKind::Gateway | ProcessKind::Link => {
@@ -119,14 +119,14 @@ impl Part {
         }
     }
 
-    /// The command line of its process.
+    /// Returns the command line of the process.
     pub(crate) fn arguments(&self, config: &Path, options: &Options, launcher: u32) -> Vec<OsString> {
         let speed = match options.speed {
             Speed::Factor(factor) => factor.to_string(),
             Speed::Max => "max".to_owned(),
         };
         let mut arguments: Vec<OsString> = vec![self.kind.word().into()];
-        // One word each, so that no value can be taken for an option.
+        // One word for each option and its value, so that no value is taken for an option.
         let mut give = |option: &str, value: OsString| {
             let mut argument = OsString::from(option);
             argument.push("=");

@@ -1,8 +1,8 @@
-//! What can be known of the network before anything starts: whether ports are free and interfaces there.
+//! Checks of the network before the start: free ports and existing interfaces.
 //!
-//! A process that cannot have its socket says so itself, again and again, among what all others say at their start.
-//! Asked beforehand, it is one line with a remedy. It is no reason not to start: another program may hold the port for
-//! a moment only, and an interface may come up; unless the source is required.
+//! A process without its socket reports the fault itself, many times, among the messages of all other processes. A
+//! check before the start gives one line with a remedy. A failed check does not prevent the start, since another
+//! program may hold the port only for a moment, and an interface may come up; a required source is the exception.
 
 use anyhow::bail;
 use configuration::{Config, Transport};
@@ -10,13 +10,13 @@ use net::{UdpReceiver, UdpSender};
 
 use crate::say;
 
-/// Tries every socket of the deployment, and says which cannot be had.
+/// Tries every socket of the deployment, and reports the unavailable sockets.
 ///
 /// # Errors
-/// If one belongs to a source that is required.
+/// If an unavailable socket belongs to a required source.
 pub(crate) fn check(config: &Config) -> anyhow::Result<()> {
     for receiver in &config.receivers {
-        // A port of the deployment's own loopback address is its own; a server may come up when it likes.
+        // Ports at the deployment's own loopback address are its own; a server may start at any time.
         let Transport::Udp(settings) = &receiver.transport else {
             continue;
         };

@@ -1,8 +1,8 @@
-//! The folder of a start: what one start of a deployment writes, no other start touches.
+//! Folder of a start: files of one start are never touched by another start.
 //!
-//! The folder that is asked for gets one folder per start, called by its time (UTC), as in `20261122T231500Z`, so that
-//! names sort by age; the link `latest` beside them leads to the newest. Processes that are restarted within the
-//! deployment go on in its folder; the next start of the deployment, after whatever end, has one of its own.
+//! The requested folder contains one folder per start, named after the time of the start (UTC), as in
+//! `20261122T231500Z`, so that names sort by age. The link `latest` beside them points to the newest. Processes that
+//! are restarted within the deployment continue in its folder; the next start of the deployment has its own folder.
 
 use std::fs::create_dir;
 use std::io::ErrorKind;
@@ -14,13 +14,14 @@ use jiff::Timestamp;
 
 /// Name of the link to the newest folder.
 const LATEST: &str = "latest";
-/// Starts within one second that get folders of their own.
+/// Maximum number of starts within one second.
 const STARTS_MAX: u32 = 1000;
 
-/// Makes the folder of a start at `utc_ns` (nanoseconds since 1970) in `out`, which is made where it does not exist.
+/// Creates the folder of a start at `utc_ns` (nanoseconds since 1970) in `out`, which is created if it does not
+/// exist.
 ///
 /// # Errors
-/// If a folder cannot be made.
+/// If a folder cannot be created.
 pub(crate) fn begin(out: &Path, utc_ns: i64) -> anyhow::Result<PathBuf> {
     std::fs::create_dir_all(out).with_context(|| format!("making the folder {}", out.display()))?;
     let time = Timestamp::from_nanosecond(utc_ns.into()).context("reading the clock")?;
@@ -43,8 +44,8 @@ pub(crate) fn begin(out: &Path, utc_ns: i64) -> anyhow::Result<PathBuf> {
     anyhow::bail!("{} has a thousand folders of {time}; name another", out.display())
 }
 
-/// Leads the link to the folder `name`, in one step. A convenience: a file system without links, or something else of
-/// this name, is no reason not to start.
+/// Points the link to the folder `name`, in one step. The link is a convenience: a file system without links, or
+/// another file of this name, does not prevent the start.
 fn link_latest(out: &Path, name: &str) {
     let latest = out.join(LATEST);
     if latest.symlink_metadata().is_ok_and(|found| !found.is_symlink()) {

@@ -1,17 +1,17 @@
-//! Words to the machine's service manager (systemd): that the deployment runs, that the launcher is alive, and how it
-//! is. Where none has started the launcher (`NOTIFY_SOCKET` is not set) they go nowhere.
+//! Notices to the machine's service manager (systemd): the deployment runs, the launcher lives, and the present
+//! state. Without a service manager (`NOTIFY_SOCKET` is not set) notices have no effect.
 
 use std::time::{Duration, Instant};
 
 use runtime::clock::instant;
 use sd_notify::NotifyState;
 
-/// Variables that speak to the launcher alone.
+/// Variables for the launcher alone, not for its children.
 pub(crate) const VARIABLES: [&str; 3] = ["NOTIFY_SOCKET", "WATCHDOG_PID", "WATCHDOG_USEC"];
-/// Signs of life within the time that the manager allows between two.
+/// Number of signs of life within the interval that the manager permits.
 const SIGNS: u32 = 4;
 
-/// The launcher's line to the service manager.
+/// Launcher's connection to the service manager.
 #[derive(Debug)]
 pub(crate) struct ServiceManager {
     period: Option<Duration>,
@@ -28,17 +28,17 @@ impl ServiceManager {
         }
     }
 
-    /// Says that the deployment runs.
+    /// Reports that the deployment runs.
     pub(crate) fn ready(&mut self) {
         tell(&[NotifyState::Ready]);
     }
 
-    /// Says that the deployment is about to stop.
+    /// Reports that the deployment is being stopped.
     pub(crate) fn stopping(&mut self) {
         tell(&[NotifyState::Stopping]);
     }
 
-    /// Gives a sign of life, if it is time to, and says how the deployment is, if that has changed.
+    /// Sends a sign of life if one is due, and the state of the deployment if the state has changed.
     pub(crate) fn sign(&mut self, status: String) {
         if status != self.status {
             tell(&[NotifyState::Status(&status)]);
@@ -53,7 +53,7 @@ impl ServiceManager {
     }
 }
 
-/// A manager that does not listen is no reason to end a deployment.
+/// A manager that does not listen does not end a deployment.
 fn tell(state: &[NotifyState<'_>]) {
     let _ = sd_notify::notify(state);
 }

@@ -1,4 +1,4 @@
-//! Watching the children: the loop that starts, restarts and stops them.
+//! Supervision of the children: start, restart and stop.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -22,32 +22,32 @@ use crate::suspicion::Suspicion;
 use crate::wake::Wake;
 use crate::{Orders, say};
 
-/// How long the processes of one stage of the start may take until they say that they run, before the next stage is
-/// started all the same.
+/// Time for the processes of one stage of the start to report that they run. The next stage starts in any case after
+/// this time.
 const START_PATIENCE: Duration = Duration::from_secs(10);
-/// How long a child may take to stop, before it is ended hard.
+/// Time for a child to stop, before SIGKILL.
 const STOP_PATIENCE: Duration = Duration::from_secs(5);
-/// The same for the recorder of a deployment that is rebuilt: it may still write what it has.
+/// Time for the recorder to stop before a rebuild, so that it can write its data.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(1);
-/// How long the last word of fusion may be on its way.
+/// Time for fusion's last health message to arrive.
 const LAST_WORD_PATIENCE: Duration = Duration::from_millis(500);
-/// Longest sleep: what the keeper has heard must be read and said.
+/// Longest sleep, bounded by messages from and to the keeper.
 const TICK: Duration = Duration::from_millis(50);
-/// Time between two words to the keeper without a reason.
+/// Time between two messages to the keeper without a change.
 const TELL_PERIOD: Duration = Duration::from_millis(200);
 
-/// The longest pause of fusion is this part of `checkpoint.max_age_s`.
+/// The longest pause of fusion is this fraction of `checkpoint.max_age_s`.
 const PAUSES_PER_AGE: u32 = 5;
 
-/// A child refuses its configuration or how it was called: exit code 2, here as there.
+/// Exit code of a child that refuses its configuration or arguments: 2, as of the launcher.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{child} refuses its configuration (exit code 2), for the reason it has given above")]
 pub struct ChildRefused {
-    /// Which child.
+    /// Name of the child.
     pub child: String,
 }
 
-/// The children of one deployment.
+/// Children of one deployment.
 #[derive(Debug)]
 pub(crate) struct Supervisor<'a> {
     config: &'a Config,
@@ -55,7 +55,7 @@ pub(crate) struct Supervisor<'a> {
     instance: &'a Instance,
     executable: PathBuf,
     children: Vec<Child>,
-    /// The keeper's line, while there is a keeper.
+    /// Connection to the keeper, while a keeper exists.
     keeper: Option<Link>,
     stop: Stop,
     wake: Wake,
@@ -63,28 +63,28 @@ pub(crate) struct Supervisor<'a> {
     incarnation: u64,
     deaths: u64,
     rebuilds: u64,
-    /// When the keeper was last told how the children are.
+    /// Time of the latest message to the keeper.
     told: Instant,
-    /// When the launcher last looked, and when the keeper last had.
+    /// Times of the latest look at the children by the launcher and by the keeper.
     looked: Instant,
     keeper_looked: Instant,
-    /// Memory whose maker was killed, and when it was last looked for.
+    /// Unfinished memory of killed processes, and the time of the latest search.
     unborn: Unborn,
     swept: Instant,
     suspicion: Suspicion,
-    /// Why the deployment has to be rebuilt, if it has to.
+    /// Reason for a rebuild of the deployment, if there is one.
     corrupt: Option<String>,
     rebuilding: Backoff,
     start: Start,
-    /// When the deployment was complete for the first time.
+    /// Time at which the deployment was complete for the first time.
     complete: Option<Instant>,
     /// Whether fusion has taken a report.
     has_reports: bool,
-    /// Whether the children are being stopped, in order.
+    /// Whether the children are being stopped in order.
     is_stopping: bool,
 }
 
-/// How far the start has come: the first one, or that after a rebuild.
+/// Progress of the start, or of the start after a rebuild.
 #[derive(Clone, Copy, Debug)]
 struct Start {
     begun: Instant,
@@ -106,7 +106,7 @@ impl Start {
 }
 
 impl<'a> Supervisor<'a> {
-    /// Nothing is started yet.
+    /// Creates the supervisor; no child is started yet.
     ///
     /// # Errors
     /// If the executable cannot be found.
@@ -152,10 +152,10 @@ impl<'a> Supervisor<'a> {
         })
     }
 
-    /// Starts all children, watches them, and stops them.
+    /// Starts, watches and stops all children.
     ///
     /// # Errors
-    /// If one that is needed cannot be kept running, or one did not stop well.
+    /// If a needed child cannot be kept running, or a child did not stop well.
     pub(crate) fn run(mut self) -> anyhow::Result<()> {
         let watched = self.watch();
         self.service_manager.stopping();
@@ -164,7 +164,7 @@ impl<'a> Supervisor<'a> {
         watched.and(stopped)
     }
 
-    /// Starts all children and watches them, until there is a reason to stop.
+    /// Starts all children and watches them until there is a reason to stop.
     fn watch(&mut self) -> anyhow::Result<()> {
         loop {
             let now = instant();
@@ -190,7 +190,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Everything that has to be done again and again: mourn, listen, look, restart, speak.
+    /// One round: collects ended children, reads messages, checks signs of life, restarts, and reports.
     fn tick(&mut self, now: Instant) -> anyhow::Result<()> {
         let mut urgent = false;
         for index in 0..self.children.len() {
@@ -213,7 +213,7 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Takes what the keeper has heard, and looks for children that stand still. Whether one has come back.
+    /// Takes the keeper's message and looks for hung children. Returns whether a child has recovered.
     fn listen(&mut self, now: Instant) -> bool {
         let limit = self.config.watchdog;
         let mut heard = Heard::default();
@@ -232,7 +232,7 @@ impl<'a> Supervisor<'a> {
         for child in &mut self.children {
             let is_keeper = child.part().kind == ProcessKind::Keeper;
             let said = match is_keeper {
-                // It speaks for itself: what it says in shared memory is not needed.
+                // The keeper's message is its own sign of life.
                 true => has_looked.then_some(own),
                 false => child.pid().and_then(|pid| heard.get(&pid).copied()),
             };
@@ -242,7 +242,7 @@ impl<'a> Supervisor<'a> {
                 let gap = gap.as_secs_f64();
                 say(&format!("{title} restarted ({restarts}), back after {gap:.2} s"));
             }
-            // Where nobody has looked in shared memory, nobody can have moved there.
+            // Without a look by the keeper there is no sign of life of any child.
             if is_keeper {
                 child.looked(now.duration_since(self.looked), limit);
             } else if has_looked {
@@ -256,7 +256,7 @@ impl<'a> Supervisor<'a> {
         is_back
     }
 
-    /// Removes memory whose maker was killed, over which others stand still.
+    /// Removes unfinished memory of killed processes, over which other processes hang.
     fn sweep(&mut self, now: Instant) {
         if now.duration_since(self.swept) < Unborn::PERIOD {
             return;
@@ -272,7 +272,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Tells the keeper how the children are, if it is time to, or if it is `urgent`.
+    /// Sends the facts to the keeper, if they are due or `urgent`.
     fn tell(&mut self, now: Instant, urgent: bool) {
         if urgent || now.duration_since(self.told) >= TELL_PERIOD {
             self.tell_facts(now, false);
@@ -288,13 +288,13 @@ impl<'a> Supervisor<'a> {
             ended,
             children: self.children.iter().map(Child::facts).collect(),
         };
-        // If there is no room, the next tick tells it.
+        // Without room, the next round sends the facts.
         if self.keeper.as_ref().is_some_and(|keeper| keeper.say(&facts)) {
             self.told = now;
         }
     }
 
-    /// Starts the next stage, if the one before is up or has had its time.
+    /// Starts the next stage, if the present stage is up or its time is over.
     fn start_more(&mut self, now: Instant) -> anyhow::Result<()> {
         if now < self.start.stage_begun {
             return Ok(());
@@ -302,7 +302,7 @@ impl<'a> Supervisor<'a> {
         let missing: Vec<&Child> = self.children.iter().filter(|child| is_waited_for(child)).collect();
         let is_keeper = |child: &&Child| child.part().kind == ProcessKind::Keeper;
         let is_over = now.duration_since(self.start.stage_begun) >= START_PATIENCE;
-        // Without its topics nobody can do anything.
+        // No process can work without its topics.
         if !missing.is_empty() && (!is_over || missing.iter().any(is_keeper)) {
             return Ok(());
         }
@@ -360,7 +360,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Says that a child has ended. An error means that the deployment has to end too.
+    /// Notes that a child has ended. An error means that the deployment must end too.
     fn after_end(&mut self, index: usize, sequel: Sequel, now: Instant) -> anyhow::Result<()> {
         let child = &self.children[index];
         let title = child.part().title();
@@ -371,7 +371,7 @@ impl<'a> Supervisor<'a> {
                 say(&format!("{title} has finished"));
                 Ok(())
             }
-            // The other one is gone, and with it what this one would have to be told again.
+            // The old keeper is gone, and the new keeper needs all facts.
             Sequel::RestartIn(_) if self.has_outlived_a_reader(index) => {
                 anyhow::bail!("{title} {end} near the end of the recordings: what it had still to do is missing")
             }
@@ -397,7 +397,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Ends the pauses of fusion processes where none is up that could lead: tracks end when none leads for long.
+    /// Ends the pauses of fusion processes if no fusion can lead: tracks end after a long time without a leader.
     /// Returns whether the pause of the child at `index` is among them.
     fn hasten_fusion(&mut self, now: Instant, index: usize) -> bool {
         let is_fusion = |child: &Child| child.part().kind == ProcessKind::Fusion;
@@ -411,7 +411,7 @@ impl<'a> Supervisor<'a> {
         is_hastened
     }
 
-    /// Where the fusion that leads has ended, the one that stood by leads from now on, and the successor stands by.
+    /// If the leading fusion has ended, the standby leads from now on, and the restarted process becomes the standby.
     fn hand_over(&mut self, index: usize) {
         let is_leader = self.children[index].part() == &Part::leader();
         let is_standby = |child: &Child| child.part().kind == ProcessKind::Fusion && child.is_up();
@@ -422,16 +422,17 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Decides whether the shared memory is to blame for the end of a child.
+    /// Decides whether shared memory is the cause of a child's end.
     fn suspect(&mut self, index: usize, now: Instant) {
         let child = &self.children[index];
         let Some(end) = child.last_end() else { return };
         let is_keeper = child.part().kind == ProcessKind::Keeper;
-        // Nothing but what is in shared memory can trouble it: a fault, or what its predecessor was killed over.
+        // Only shared memory can disturb the keeper: by its contents, or by the fault of which the keeper before it
+        // died.
         let keeper_cannot_use_it = is_keeper && !end.is_killed();
-        // Who stands still once may have been stopped by somebody; but its successor, too?
+        // A hang may have a cause outside; a hang of the successor as well has not.
         let was_stopped = matches!(end, End::StoodStill(_)) && child.failures() == 1;
-        // Leader and standby read the same: a report in which one dies may be the end of the other.
+        // Leader and standby read the same reports: a report that kills the leader may kill the standby.
         let readers_kind = |other: &Child| other.part().kind == ProcessKind::Fusion;
         let reader = match child.part().kind {
             ProcessKind::Fusion => self.children.iter().position(readers_kind).unwrap_or(index),
@@ -443,7 +444,7 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Ends all children hard, and has them started again in shared memory that is new.
+    /// Kills all children, and restarts them in new shared memory.
     fn rebuild(&mut self, reason: &str, now: Instant) -> anyhow::Result<()> {
         if self.readers().any(Child::is_finished) {
             anyhow::bail!("{reason} near the end of the recordings: what was still to do is missing");
@@ -495,7 +496,7 @@ impl<'a> Supervisor<'a> {
         ));
     }
 
-    /// One line for the service manager.
+    /// Returns one line for the service manager.
     fn status(&self) -> String {
         let down: Vec<String> = self
             .children
@@ -513,8 +514,8 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    /// Whether there is nothing left to do: those who read the adapters have finished. Adapters of recordings stay
-    /// until they are stopped, so that a restarted reader finds them.
+    /// Whether no work is left: the readers of the adapters have finished. Adapters of recordings stay until they are
+    /// stopped, so that a restarted reader finds them.
     fn is_finished(&self) -> bool {
         self.start.is_complete && self.readers().all(Child::is_finished)
     }
@@ -524,7 +525,7 @@ impl<'a> Supervisor<'a> {
         is_reader(&self.children[index]) && self.readers().any(Child::is_finished)
     }
 
-    /// Those who read the adapters, and finish when all recordings have ended.
+    /// Returns the readers of the adapters, which finish when all recordings have ended.
     fn readers(&self) -> impl Iterator<Item = &Child> {
         let reads = |child: &&Child| matches!(child.part().kind, ProcessKind::Fusion | ProcessKind::Recorder);
         self.children.iter().filter(reads)
@@ -542,9 +543,9 @@ impl<'a> Supervisor<'a> {
     /// Stops all children, one kind after the other.
     ///
     /// # Errors
-    /// If one did not stop well; or if the work was in vain: `down` names children that were not there in the end, or
-    /// no report has come. That is a warning where somebody wanted the end before it could be otherwise; but a
-    /// recorder that failed has lost what was recorded.
+    /// If a child did not stop well, or if the work was in vain: `down` names children that were missing in the end,
+    /// or no report has come. After an early stop request this is a warning; a recorder that failed has lost data in
+    /// any case.
     fn stop_all(&mut self, down: Vec<(ProcessKind, String)>) -> anyhow::Result<()> {
         self.is_stopping = true;
         let mut problems = Vec::new();
@@ -554,7 +555,7 @@ impl<'a> Supervisor<'a> {
             if kind == ProcessKind::Keeper && self.complete.is_some() && !self.has_come() {
                 in_vain.push((ProcessKind::Fusion, "fusion did not receive a single report".to_owned()));
             }
-            // The monitor's final report tells of those before it, and the keeper's last word is for everybody else.
+            // The monitor's final report covers the kinds before it; the keeper's last message covers all others.
             self.tell_facts(instant(), kind == ProcessKind::Keeper);
             self.stop_kind(kind, &mut problems);
         }
@@ -573,7 +574,7 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Children that are to be started again, with a sentence each.
+    /// Returns the children that are due to start again, with a sentence for each.
     fn down(&self) -> Vec<(ProcessKind, String)> {
         let down = self.children.iter().filter(|child| child.restart_due().is_some());
         let said = down.map(|child| {
@@ -587,7 +588,7 @@ impl<'a> Supervisor<'a> {
         said.collect()
     }
 
-    /// Whether fusion has taken a report; its last word may still be on its way.
+    /// Whether fusion has taken a report; its last message may still be on the way.
     fn has_come(&mut self) -> bool {
         let start = instant();
         while !self.has_reports && instant() - start < LAST_WORD_PATIENCE {
@@ -631,7 +632,8 @@ impl<'a> Supervisor<'a> {
     }
 }
 
-/// Pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks end.
+/// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
+/// end.
 fn backoff(part: &Part, config: &Config) -> Backoff {
     match (part.kind, config.fusion.checkpoint) {
         (ProcessKind::Fusion, Some(checkpoint)) => {
@@ -641,8 +643,8 @@ fn backoff(part: &Part, config: &Config) -> Backoff {
     }
 }
 
-/// Whether the next stage of the start waits for this child. One that has failed already waits for its own next start,
-/// and others do not have to; but nobody does anything without keeper and fusion.
+/// Whether the next stage of the start waits for this child. A failed child waits for its own next start, and other
+/// children do not wait for it, except for keeper and fusion.
 fn is_waited_for(child: &Child) -> bool {
     let has_failed = child.restart_due().is_some();
     let is_needed = matches!(child.part().kind, ProcessKind::Keeper | ProcessKind::Fusion);

@@ -1,31 +1,31 @@
-//! Whether the shared memory is to blame: deciding only, apart from doing.
+//! Suspicion of shared memory: the decision alone, apart from its consequence.
 //!
-//! A child that dies of a fault, or stands still, is replaced, and the others go on: that is the right answer to a
-//! fault of its own. If several different ones come to such an end within moments, it is what they share, and replacing
-//! them one by one would go on for ever. One alone that comes to such an end again and again may have found what only
-//! it reads: then new memory is tried, once, and if that does not help it is the child.
+//! A child that crashes or hangs is replaced while the others continue: the right response to a fault of its own. If
+//! several different children end like this within a short time, their common memory is suspect, and replacing them
+//! one by one would never end. If one child alone ends like this several times in a row, the cause may be memory that
+//! only this child reads. New memory is then tried once; if the child fails again, the fault is its own.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-/// Ends that lie this close together may have one cause.
+/// Maximum time between ends with a common cause.
 const MOMENTS: Duration = Duration::from_secs(15);
-/// So many different children must have come to such an end.
+/// Minimum number of different children for a common cause.
 const CHILDREN_MIN: usize = 2;
-/// Or one alone so often in a row.
+/// Number of failures in a row of one child that raises the suspicion.
 const IN_A_ROW_MIN: u32 = 5;
 
 /// Recent ends that corrupt memory could explain.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Suspicion {
     recent: Vec<(Instant, usize)>,
-    /// Children that have had new memory for themselves alone.
+    /// Children that have had new memory for their sake.
     tried: BTreeSet<usize>,
 }
 
 impl Suspicion {
-    /// The child with this index has come to such an end, after so many failures in a row. Returns whether that is
-    /// enough.
+    /// Notes such an end of the child with this index, after `failures` failures in a row. Returns whether shared
+    /// memory is suspect.
     pub(crate) fn raise(&mut self, now: Instant, child: usize, in_a_row: u32) -> bool {
         self.recent.retain(|(at, _)| now.duration_since(*at) < MOMENTS);
         self.recent.push((now, child));
@@ -33,7 +33,7 @@ impl Suspicion {
         children.len() >= CHILDREN_MIN || (in_a_row >= IN_A_ROW_MIN && self.tried.insert(child))
     }
 
-    /// The memory is new.
+    /// Notes that the memory is new.
     pub(crate) fn forget(&mut self) {
         self.recent.clear();
     }

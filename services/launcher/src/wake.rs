@@ -1,7 +1,7 @@
-//! Sleeping until a child ends or a signal comes, but not longer than a given time.
+//! Sleep until a child ends or a signal arrives, with a time limit.
 //!
-//! Asking every child again and again would notice an end late or keep a core busy. The kernel says so instead, with
-//! `SIGCHLD`; a thread of its own turns that signal, and those that ask to stop, into something to wait for.
+//! Polling every child would detect an end late or keep a core busy. The kernel sends `SIGCHLD` instead; a separate
+//! thread turns this signal, and stop requests, into a wake-up.
 
 use std::io;
 use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
@@ -11,15 +11,15 @@ use std::time::Duration;
 use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-/// Wakes up for signals.
+/// Wake-ups by signals.
 #[derive(Debug)]
 pub(crate) struct Wake(Receiver<()>);
 
 impl Wake {
-    /// Listens for the end of children and for requests to stop, from now on.
+    /// Catches ends of children and stop requests from now on.
     pub(crate) fn on_signals() -> io::Result<Self> {
         let mut signals = Signals::new([SIGCHLD, SIGINT, SIGTERM])?;
-        // One place: signals that come while nobody waits are one reason to look, not several.
+        // One place: several signals without a waiter cause one wake-up.
         let (sender, receiver) = sync_channel(1);
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             for _ in signals.forever() {
@@ -31,9 +31,9 @@ impl Wake {
         Ok(Self(receiver))
     }
 
-    /// Waits for a signal, `at_most` so long.
+    /// Waits for a signal, at most for `at_most`.
     pub(crate) fn wait(&self, at_most: Duration) {
-        // The thread above never ends before this receiver does; a time-out is as good as a signal.
+        // The thread above outlives this receiver; a time-out needs no other treatment than a signal.
         let _ = self.0.recv_timeout(at_most);
     }
 }
