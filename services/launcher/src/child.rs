@@ -1,4 +1,4 @@
-//! One child process, through all its lives.
+//! Child process through all its restarts.
 
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt as _;
@@ -14,74 +14,74 @@ use crate::end::End;
 use crate::link::{ChildFacts, Said};
 use crate::part::Part;
 
-/// A child without which nothing works, and one that is required, have so many chances in a row.
+/// Failures in a row after which the deployment ends, of a needed or required child that does not come up.
 pub(crate) const CHANCES: u32 = 8;
-/// A child may take so many times longer to start than to move when it runs.
+/// Factor on the limit of silence while a child starts.
 const START_ALLOWANCE: u32 = 6;
-/// How long a killed process may take to be gone, and the pause between two looks.
+/// Time for a killed process to disappear, and the pause between two looks.
 const KILL_PATIENCE: Duration = Duration::from_secs(2);
 const KILL_PAUSE: Duration = Duration::from_millis(1);
-/// A look that comes so long after the one before says nothing: who looks was kept from running, and so may the child
-/// have been.
+/// Maximum time between two looks that count: after a longer time, the observer did not run, and the child may not
+/// have run either.
 const LOOKED_AWAY: Duration = Duration::from_secs(1);
 
-/// A part of the deployment, and the process that plays it.
+/// Process of the deployment, with its present operating system process.
 #[derive(Debug)]
 pub(crate) struct Child {
     part: Part,
     state: State,
     backoff: Backoff,
     restarts: u32,
-    /// Whether one of its processes has ever said that it runs.
+    /// Whether one of its processes has ever reported that it runs.
     was_up: bool,
     last_end: Option<End>,
 }
 
 #[derive(Debug)]
 enum State {
-    /// It has to be started with its stage: for the first time, or since the deployment is rebuilt.
+    /// Waits for its stage of the start, the first one or that after a rebuild.
     Unborn { gap_since: Option<Instant> },
-    /// It has a process.
+    /// Has a process.
     Alive {
         process: std::process::Child,
         since: Instant,
-        /// Whether it has said that it runs.
+        /// Whether the process has reported that it runs.
         running: bool,
-        /// When its predecessor ended, as long as it has not said that it runs.
+        /// End of the predecessor, until the process reports that it runs.
         gap_since: Option<Instant>,
-        /// When it last moved, monotonic, nanoseconds, as it says itself.
+        /// Latest sign of life, monotonic, nanoseconds, by the process itself.
         moved_ns: i64,
-        /// How long it has not moved, as far as anybody looked.
+        /// Time without a sign of life, as far as the keeper looked.
         still: Duration,
-        /// Whether it was killed because it stood still.
+        /// Whether the process was killed because it hung.
         condemned: bool,
     },
-    /// It has ended, and will be started again.
+    /// Has ended, and waits for its restart.
     Waiting {
         ended: Instant,
         until: Instant,
         /// Whether the process that ended had come up.
         had_come_up: bool,
     },
-    /// It has ended for good.
+    /// Has ended for good.
     Ended,
 }
 
-/// What has to be done about a child that has ended.
+/// Consequence of a child's end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Sequel {
-    /// Nothing: its work is done.
+    /// None: the work is done.
     Finished,
-    /// Start it again after this time.
+    /// Restart after this time.
     RestartIn(Duration),
-    /// End the deployment: it refuses its configuration.
+    /// End of the deployment: the child refuses its configuration.
     Refused,
-    /// End the deployment: it cannot do without the child, which does not come up.
+    /// End of the deployment: the child is needed and does not come up.
     GiveUp,
 }
 
 impl Child {
-    /// Child that was not started yet, and is to be restarted after pauses by `backoff`.
+    /// Creates a child that waits for its stage, with pauses before restarts by `backoff`.
     pub(crate) fn new(part: Part, backoff: Backoff) -> Self {
         Self {
             part,
@@ -97,27 +97,27 @@ impl Child {
         &self.part
     }
 
-    /// Exchanges names with another child of its kind: their processes have exchanged their parts.
+    /// Exchanges names with another child of its kind, since their processes have exchanged their roles.
     pub(crate) fn exchange_names(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.part.name, &mut other.part.name);
     }
 
-    /// How often it was started again.
+    /// Returns the number of restarts.
     pub(crate) fn restarts(&self) -> u32 {
         self.restarts
     }
 
-    /// Ends in a row before it had lived for long.
+    /// Returns the number of ends in a row, each after a short life.
     pub(crate) fn failures(&self) -> u32 {
         self.backoff.failures()
     }
 
-    /// How it last ended, if it did not simply finish.
+    /// Returns the last end, unless the child finished.
     pub(crate) fn last_end(&self) -> Option<&End> {
         self.last_end.as_ref().filter(|end| !end.is_finished())
     }
 
-    /// Process number, while it has one.
+    /// Returns the process number, if there is a process.
     pub(crate) fn pid(&self) -> Option<u32> {
         match &self.state {
             State::Alive { process, .. } => Some(process.id()),
@@ -129,17 +129,17 @@ impl Child {
         matches!(self.state, State::Unborn { .. })
     }
 
-    /// Whether it has done its work and ended, with exit code 0.
+    /// Whether the child has finished, with exit code 0.
     pub(crate) fn is_finished(&self) -> bool {
         matches!(self.state, State::Ended) && self.last_end.as_ref().is_some_and(End::is_finished)
     }
 
-    /// Whether it has said that it runs, or has nothing left to do.
+    /// Whether the child runs or has finished.
     pub(crate) fn is_up(&self) -> bool {
         matches!(self.state, State::Alive { running: true, .. }) || self.is_finished()
     }
 
-    /// Where it is in its life, as health messages put it.
+    /// Returns the state of life for health messages.
     fn life(&self) -> LifeState {
         match &self.state {
             State::Alive { running: true, .. } => LifeState::Running,
@@ -149,7 +149,7 @@ impl Child {
         }
     }
 
-    /// All that others may know of it.
+    /// Returns the facts for health messages.
     pub(crate) fn facts(&self) -> ChildFacts {
         ChildFacts {
             name: self.part.name.clone(),
@@ -161,7 +161,7 @@ impl Child {
         }
     }
 
-    /// When it has to be started again, if it has to.
+    /// Returns the time of the next start, if one is due.
     pub(crate) fn restart_due(&self) -> Option<Instant> {
         match self.state {
             State::Waiting { until, .. } => Some(until),
@@ -169,7 +169,7 @@ impl Child {
         }
     }
 
-    /// Ends the pause before its next start, if its process had come up. Returns whether there was a pause to end.
+    /// Ends the pause before the next start, if the process had come up. Returns whether there was a pause.
     pub(crate) fn hasten(&mut self, now: Instant) -> bool {
         match &mut self.state {
             State::Waiting {
@@ -185,7 +185,7 @@ impl Child {
         }
     }
 
-    /// Starts its process, with `input` as its standard input. An error counts as an end.
+    /// Starts the process with `input` as its standard input. An error counts as an end.
     pub(crate) fn start(&mut self, command: &mut Command, input: Option<OwnedFd>) -> Option<Sequel> {
         let gap_since = match self.state {
             State::Waiting { ended, .. } => Some(ended),
@@ -193,8 +193,8 @@ impl Child {
             _ => None,
         };
         self.restarts += u32::from(gap_since.is_some());
-        // Only the monitor writes to standard output. In a process group of its own, Ctrl-C does not reach the child:
-        // the launcher decides in which order all stop.
+        // Only the monitor writes to standard output. In a process group of its own, the child does not receive
+        // Ctrl-C: the launcher decides the order of the stop.
         let output = match self.part.kind {
             ProcessKind::Monitor => Stdio::inherit(),
             _ => Stdio::null(),
@@ -218,8 +218,7 @@ impl Child {
         }
     }
 
-    /// Its process has spoken. Returns how long the part was without a process, if this is the first sign of a
-    /// restarted one.
+    /// Notes a sign of life. Returns the time without a process if this is the first sign of life after a restart.
     pub(crate) fn hear(&mut self, said: Said, now: Instant) -> Option<Duration> {
         let State::Alive {
             running,
@@ -244,8 +243,8 @@ impl Child {
         gap_since.take().map(|ended| now.duration_since(ended))
     }
 
-    /// Somebody has looked for signs of life, so long after the look before. A process that has given none for `limit`
-    /// is killed; [`Self::reap`] tells its end.
+    /// Notes a look for signs of life, `passed` after the look before. A process without a sign of life for `limit`
+    /// is killed; [`Self::reap`] reports its end.
     pub(crate) fn looked(&mut self, elapsed: Duration, limit: Duration) {
         let State::Alive {
             process,
@@ -267,7 +266,7 @@ impl Child {
         };
         let limit = if *running { limit } else { START_ALLOWANCE * limit };
         if *still >= limit && waits_for_disk(process) {
-            // It could not even be killed, and goes on when the disk answers.
+            // The process cannot even be killed, and continues when the disk answers.
             *still = Duration::ZERO;
         } else if *still >= limit {
             *condemned = true;
@@ -275,7 +274,7 @@ impl Child {
         }
     }
 
-    /// Whether its process has ended, and what follows from it.
+    /// Returns the consequence of the process's end, if the process has ended.
     pub(crate) fn reap(&mut self, now: Instant) -> Option<Sequel> {
         let State::Alive {
             process,
@@ -292,7 +291,7 @@ impl Child {
             Ok(None) => return None,
             Ok(Some(_)) if *condemned => End::StoodStill(*still),
             Ok(Some(status)) => End::from(status),
-            // Only if somebody else has waited for it: it is gone, nobody knows how.
+            // Possible only if another waiter has collected the process: the kind of its end is unknown.
             Err(error) => End::NotStarted(error.to_string()),
         };
         let (lived, came_up) = (now.duration_since(*since), *running);
@@ -311,8 +310,7 @@ impl Child {
         }
         let pause = self.backoff.ended(lived, came_up);
         let give_up = match self.part.kind {
-            // In memory that is new it will say so again; one after a predecessor that was killed may have its remains
-            // to complain of.
+            // The fault may recur in new memory; the successor of a killed process may complain about its remains.
             ProcessKind::Keeper => !self.was_up && !killed && (self.failures() == 1 || self.failures() >= CHANCES),
             ProcessKind::Fusion => !self.was_up && self.failures() >= CHANCES,
             _ => self.part.required && self.failures() >= CHANCES,
@@ -328,7 +326,7 @@ impl Child {
         Sequel::RestartIn(pause)
     }
 
-    /// Ends it hard, as a part of a deployment that is rebuilt: it will be started anew with its stage.
+    /// Kills the process for a rebuild of the deployment: the child starts again with its stage.
     pub(crate) fn tear_down(&mut self, now: Instant) {
         let gap_since = match self.state {
             State::Alive { gap_since, .. } => Some(gap_since.unwrap_or(now)),
@@ -340,7 +338,7 @@ impl Child {
         self.state = State::Unborn { gap_since };
     }
 
-    /// Asks it to stop. Returns whether it has a process that has to be waited for; it will not be started again.
+    /// Requests a stop. Returns whether there is a process to wait for; no restart follows.
     pub(crate) fn ask_to_stop(&mut self) -> bool {
         match &self.state {
             State::Alive { process, .. } => {
@@ -355,7 +353,7 @@ impl Child {
         }
     }
 
-    /// Whether its process, having been asked to stop, has stopped. An error describes one that did not stop well.
+    /// Whether the process has stopped after the request. An error describes a process that did not stop well.
     pub(crate) fn has_stopped(&mut self) -> Result<bool, String> {
         let State::Alive { process, running, .. } = &mut self.state else {
             return Ok(true);
@@ -372,8 +370,8 @@ impl Child {
         if well { Ok(true) } else { Err(problem) }
     }
 
-    /// Ends it hard, and waits for that; but not for ever: the kernel may hold one back that waits for a disk, or that
-    /// a debugger has stopped.
+    /// Kills the process and waits for its end, for a limited time: the kernel can hold back a process that waits for
+    /// a disk or is stopped by a debugger.
     pub(crate) fn kill(&mut self) {
         if let State::Alive { process, .. } = &mut self.state {
             signal(process, Signal::KILL);
@@ -387,15 +385,15 @@ impl Child {
     }
 }
 
-/// Whether the kernel lets the process's first thread neither run nor be killed: state D, behind its name in brackets.
+/// Whether the kernel neither runs nor kills the process's first thread: state D, behind its name in brackets.
 fn waits_for_disk(process: &std::process::Child) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", process.id()));
     stat.is_ok_and(|stat| stat.rsplit(") ").next().is_some_and(|rest| rest.starts_with('D')))
 }
 
-/// A process that has not been waited for keeps its number, so this cannot reach another one.
+/// A process that has not been collected keeps its number, so that the signal cannot reach another process.
 fn signal(process: &std::process::Child, signal: Signal) {
-    // It fails only if the process has ended, which is what was wanted.
+    // Fails only if the process has ended, as intended.
     let _ = kill_process(Pid::from_child(process), signal);
 }
 
@@ -546,7 +544,7 @@ mod tests {
             child.looked(second, limit);
             child.hear(said(LifeState::Running, round), Instant::now());
         }
-        // The same message again is no sign of life, and a look after a long pause no proof of death.
+        // A repeated message is no sign of life, and a look after a long pause proves no hang.
         for _ in 0..5 {
             child.looked(second, limit);
             child.hear(said(LifeState::Running, 99), Instant::now());
@@ -556,7 +554,7 @@ mod tests {
             child.looked(second, limit);
         }
         assert_eq!(child.reap(Instant::now()), None);
-        // A process that starts may wait for the disk at that moment: then it is given the time again.
+        // A starting process may wait for the disk at that moment: it gets the time again.
         let start = Instant::now();
         let sequel = loop {
             child.looked(second, limit);

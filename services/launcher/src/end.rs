@@ -1,4 +1,4 @@
-//! How a process ended, in words.
+//! Ends of processes, in words.
 
 use std::fmt;
 use std::os::unix::process::ExitStatusExt as _;
@@ -8,38 +8,38 @@ use std::time::Duration;
 use signal_hook::consts::{SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTERM, SIGTRAP};
 use signal_hook::low_level::signal_name;
 
-/// Exit code of a process that was used or configured wrongly (FM).
+/// Exit code of a process with wrong arguments or configuration (FM).
 const CODE_REFUSED: i32 = 2;
-/// Exit code of a Rust program that panicked.
+/// Exit code of a Rust program after a panic.
 const CODE_PANICKED: i32 = 101;
-/// Signals that the kernel sends to a process for what it does itself.
+/// Signals of the kernel for a process's own faults.
 const FAULTS: [i32; 6] = [SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSEGV, SIGTRAP];
 
-/// How a process ended.
+/// End of a process.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum End {
-    /// By itself, with this exit code.
+    /// Exit with this code.
     Code(i32),
-    /// By a signal.
+    /// Signal.
     Signal(i32),
-    /// It stood still for so long, and was killed for it.
+    /// Kill after a hang of this time.
     StoodStill(Duration),
-    /// It could not even be started, for this reason.
+    /// Failure to start, with the reason.
     NotStarted(String),
 }
 
 impl End {
-    /// Whether it had done all it had to do.
+    /// Whether the process had finished its work.
     pub(crate) fn is_finished(&self) -> bool {
         *self == Self::Code(0)
     }
 
-    /// Whether it refused how it was called or configured: another start would end the same way.
+    /// Whether the process refused its arguments or configuration: a restart would end in the same way.
     pub(crate) fn is_refused(&self) -> bool {
         *self == Self::Code(CODE_REFUSED)
     }
 
-    /// Whether what is in shared memory could have caused it: a fault, a panic, or that it stood still.
+    /// Whether contents of shared memory could be the cause: a fault, a panic, or a hang.
     pub(crate) fn may_be_of_memory(&self) -> bool {
         match self {
             Self::Code(code) => *code == CODE_PANICKED,
@@ -49,12 +49,12 @@ impl End {
         }
     }
 
-    /// Whether somebody killed it.
+    /// Whether another process killed it.
     pub(crate) fn is_killed(&self) -> bool {
         *self == Self::Signal(signal_hook::consts::SIGKILL)
     }
 
-    /// Whether a request to stop ended it before it could listen for one.
+    /// Whether a stop request ended the process before it could catch requests.
     pub(crate) fn is_request_to_stop(&self) -> bool {
         *self == Self::Signal(SIGTERM)
     }

@@ -1,15 +1,15 @@
-//! The keeper: the launcher's hands in shared memory.
+//! Keeper: the launcher's access to shared memory.
 //!
-//! Whoever maps memory that other processes write can be killed by what is in it. The launcher must outlive all of its
-//! children, so it maps none, and a child does what has to be done there: holds every topic, takes back the memory of
-//! processes that have died, listens to what the children say of themselves, and publishes what the launcher says of
-//! them. Its death is like any other's: while it is away the topics stay in existence, since the processes that have
-//! opened them do, and its successor opens them too before it removes what the dead one had.
+//! A process that maps memory written by others can be killed by its contents. The launcher must outlive all of its
+//! children, so that it maps no such memory, and a child does this work: it holds every topic, reclaims the memory of
+//! dead processes, receives the children's health messages, and publishes the launcher's facts about the children.
+//! The keeper is restarted like any other child. Meanwhile the topics continue to exist, since other processes have
+//! opened them, and the successor opens them before it removes the memory of the dead keeper.
 //!
-//! The launcher's own words are health messages of kind `launcher`: one entry for itself and one for each child, with
-//! the child's name, process number, source, restarts, and how it last ended; a child's own message cannot know these,
-//! and a dead child says nothing. When all children have ended, the launcher's entry says `finished`: that is how
-//! readers that are no children learn that it is time to leave.
+//! The launcher's health messages are of kind `launcher`: one entry for the launcher and one for each child, with the
+//! child's name, process number, source, number of restarts and last end. A child's own message cannot contain these
+//! facts, and a dead child publishes none. After the end of all children, the launcher's entry has the state
+//! `finished`: readers outside the deployment then leave.
 
 use std::time::Duration;
 
@@ -27,14 +27,14 @@ use crate::link::{Facts, Heard, Link, Said};
 const PAUSE: Duration = Duration::from_millis(20);
 /// Time between two messages about the children, nanoseconds.
 const PERIOD_NS: i64 = 200_000_000;
-/// Time after which dead processes are looked for although the launcher knows of none, nanoseconds: those that joined
-/// by themselves are not its children.
+/// Time between searches for dead processes without a known death, nanoseconds: processes that joined by themselves
+/// are not children of the launcher.
 const RECLAIM_PERIOD_NS: i64 = 10_000_000_000;
 
-/// Runs the keeper until it is told to stop.
+/// Runs the keeper until a stop request.
 ///
 /// # Errors
-/// If it was not started by a launcher, or a topic cannot be held.
+/// If the parent is no launcher, or if a topic cannot be held.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let link =
         Link::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
@@ -48,8 +48,8 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         link,
         launcher: process.options.launcher.unwrap_or_default(),
         subscriber: process.bus.subscriber(&topic, || process.incarnation)?,
-        // Another one than the process's own, which publishes on the same topic: readers elsewhere know publishers by
-        // it.
+        // An epoch other than that of the process's own health messages on the same topic: readers on other hosts
+        // identify publishers by it.
         publisher: process.bus.publisher(&topic, process.incarnation + 1)?,
         facts: None,
         heard: Heard::default(),
@@ -69,9 +69,9 @@ struct Keeper<'a> {
     publisher: Publisher<SharedMemory, Health>,
     facts: Option<Facts>,
     heard: Heard,
-    /// Deaths up to which memory has been taken back.
+    /// Number of deaths after which memory has been reclaimed.
     reclaimed: Option<u64>,
-    /// When that was.
+    /// Time of the latest reclamation.
     reclaimed_ns: i64,
     published_ns: i64,
 }
@@ -110,8 +110,8 @@ impl Keeper<'_> {
         has_news
     }
 
-    /// Takes back what dead processes had, if any has died since the last time, and now and then what strangers had.
-    /// The first time, that of the keeper's own predecessor.
+    /// Reclaims memory of dead processes after each death, and from time to time that of other processes. The first
+    /// call reclaims the memory of the keeper's own predecessor.
     fn reclaim(&mut self, now: Now) {
         let Some(deaths) = self.facts.as_ref().map(|facts| facts.deaths) else {
             return;

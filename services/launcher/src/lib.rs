@@ -1,40 +1,39 @@
-//! Starts, watches, restarts and stops the processes of a deployment (PL-1, PL-11).
+//! Start, supervision, restart and stop of the processes of a deployment (PL-1, PL-11).
 //!
-//! The processes of a deployment are separate so that a fault in one does not end the others. Somebody must then see to
-//! it that all of them are there. A shell script that starts them one after the other does that until the first one
-//! dies, and a general service manager does not know that dead processes leave places and memory in shared memory that
-//! their successors need. The launcher does four things, in this order:
+//! The processes of a deployment are separate, so that a fault of one process does not end the others. Their
+//! supervisor must keep all of them running. A shell script starts them once. A general service manager does not
+//! reclaim the places and memory that dead processes leave in shared memory and that their successors need. The
+//! launcher works in four steps:
 //!
-//! 1. **It claims the instance** (`runtime::instance`), so that nobody else runs it; removes what a killed run left;
-//!    makes sure that the shared memory is large enough; and says what it finds missing on the machine (`preflight`).
-//! 2. **It starts the processes** (`part`, `child`): first the [`keeper`], which creates every topic and keeps them in
-//!    existence; then the monitor and the recorder, so that they miss nothing, with them fusion and the gateways; when
-//!    these say that they run, the adapters, and the simulator last. All are children of the same executable.
-//! 3. **It watches them** (`supervisor`): a child that ends with exit code 0 has finished. One that ends otherwise is
-//!    noticed at once, its shared memory is taken back, and it is started again, after pauses that grow (`backoff`)
-//!    while it keeps failing, for ever: the others do their work meanwhile. One that gives no sign of life has
-//!    stopped, and is killed and replaced. Several that fall over one after the other have what they share against them
-//!    (`suspicion`): then the deployment is torn down and rebuilt in new shared memory. Only what cannot be cured by
-//!    starting again (a configuration that a child refuses, a fusion or a required source that never comes up) ends the
-//!    deployment with an error.
-//! 4. **It stops them**, sources first and the monitor last, because its final report tells of all the others; then the
-//!    keeper; and clears the instance.
+//! 1. **Claim of the instance** (`runtime::instance`): no second launcher runs it. The launcher removes remains of a
+//!    killed run, checks the size of shared memory, and reports defects of the machine (`preflight`).
+//! 2. **Start of the processes** (`part`, `child`), in stages: first the [`keeper`], which creates and holds every
+//!    topic; then the monitor and the recorder, so that they miss nothing, with fusion and the gateways; when these
+//!    run, the adapters; last the simulator. All are children of the same executable.
+//! 3. **Supervision** (`supervisor`): a child with exit code 0 has finished. After any other end, its shared memory
+//!    is reclaimed at once and the child is restarted, without limit of number, after pauses that grow with each
+//!    failure (`backoff`); the others work meanwhile. A child without a sign of life has hung; it is killed and
+//!    replaced. If several children fail one after the other, their common memory is suspect (`suspicion`): the
+//!    deployment is rebuilt in new shared memory. Only faults that no restart can cure end the deployment with an
+//!    error: a refused configuration, or a fusion or required source that never comes up.
+//! 4. **Stop**: sources first, the monitor last, since its final report covers all others; then the keeper. The
+//!    instance is cleared.
 //!
-//! **The launcher maps no shared memory**: bytes that others write cannot harm it. It knows of its children by the
-//! kernel, and by what the keeper hears of them in the health topic and passes on over a socket (`link`). A child's
-//! health message is made by its loop and published, where the loop must not make a system call, by its housekeeping
-//! thread; so a new message is a sign of life of both. A child has stood still when the keeper has looked for
-//! `launcher.watchdog_s` without finding a new one. Time in which the launcher or the keeper did not run themselves
-//! does not count: on a machine that stalls, everybody stands still. Nor does a child stand still for long over shared
-//! memory that another one had only begun when it was killed: the launcher removes such files ([`bus::Unborn`]).
+//! **The launcher maps no shared memory**: bytes written by others cannot harm it. The kernel reports ends of
+//! children, and the keeper passes on health messages over a socket (`link`). A child's loop makes its health
+//! message; its housekeeping thread publishes the message where the loop must not make a system call, so that a new
+//! message is a sign of life of both. A child has hung when the keeper has looked for `launcher.watchdog_s` without a
+//! new message. Time in which the launcher or the keeper did not run does not count, since a stall of the machine
+//! stops all processes. Unfinished shared memory of a killed process stops no child for long: the launcher removes
+//! such files ([`bus::Unborn`]).
 //!
-//! How often each child was restarted, why, and whether it runs is part of the launcher's own health messages, which
-//! the keeper publishes, so every monitor and status display can show it. Standard error gets one line per event;
-//! standard output belongs to the monitor; a service manager (systemd) is told when the deployment runs, how it is, and
-//! that the launcher lives (`service_manager`).
+//! Number of restarts, reasons and state of each child are part of the launcher's health messages, which the keeper
+//! publishes for monitors and status displays. Standard error receives one line per event; standard output belongs to
+//! the monitor. A service manager (systemd) receives the state of the deployment and signs of life of the launcher
+//! (`service_manager`).
 //!
-//! Limits: if the launcher itself is killed, the kernel tells the children to stop, and the deployment ends; the next
-//! start removes what is left. Corruption that makes nobody fall over or stand still is not noticed here.
+//! Limits: if the launcher itself is killed, the kernel requests the children to stop, and the deployment ends; the
+//! next start removes the remains. Corruption without a crash or hang is not detected here.
 
 #![forbid(unsafe_code)]
 
@@ -62,22 +61,22 @@ use runtime::{Now, Options};
 
 pub use supervisor::ChildRefused;
 
-/// How a deployment is to be run.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct Orders {
-    /// What every process is started with.
+    /// Options of every process.
     pub options: Options,
-    /// When to stop, counted from the start of the adapters; `None`: when told to, or when all work is done.
+    /// Time to stop, counted from the start of the adapters; `None`: at a request, or when all work is done.
     pub run_for: Option<Duration>,
 }
 
-/// Runs the deployment until it is told to stop, its time is over, or all its recordings are worked off.
+/// Runs the deployment until a stop request, the end of its time, or the end of all recordings.
 ///
-/// Must be called on the thread that lives longest: children follow the end of the thread that started them.
+/// The calling thread must live longest: children end with the thread that started them.
 ///
 /// # Errors
-/// If the instance already runs, the machine refuses something, a child that is needed cannot be kept running
-/// ([`ChildRefused`] if it is its configuration), or one did not stop as it should.
+/// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
+/// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
 pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
@@ -98,7 +97,7 @@ pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
     result.and(cleared)
 }
 
-/// The orders, with a folder of this start's own in the place of the one that is asked for, if anything is written.
+/// Returns the options with a folder for this start in place of the requested folder, if any file is written.
 fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
     if config.recorder || config.monitor.files {
         let out = &mut orders.options.out;
@@ -108,12 +107,12 @@ fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
     Ok(orders)
 }
 
-/// Most bytes that a deployment takes in shared memory.
+/// Returns the maximum size of a deployment in shared memory, bytes.
 pub fn needed_bytes(config: &Config) -> u64 {
     instance::needed_bytes(config, part::parts(config).len())
 }
 
-/// One line about one event. Standard error may be closed; that is no reason to end a deployment.
+/// Reports one event. A closed standard error does not end a deployment.
 fn say(line: &str) {
     runtime::notice(format_args!("koseki: {line}"));
 }
