@@ -1,13 +1,13 @@
-//! One distribution as counts between fixed bounds, which is what collectors of metrics store.
+//! Distribution as counts between fixed bounds, the form that collectors of metrics store.
 //!
-//! Percentiles cannot be added over machines or stretches of time; counts between the same bounds can, and percentiles
-//! be estimated from the sum. The price is resolution: three bounds per decade tell a latency to a factor of about two.
-//! The exact figures are in the report and in the histogram files.
+//! Percentiles cannot be added over machines or times. Counts between the same bounds can, and their sum gives an
+//! estimate of percentiles. The price is resolution: three bounds per decade resolve a latency to a factor of about
+//! two. The exact figures are in the report and in the histogram files.
 
 use hdrhistogram::Histogram;
 
-/// Upper bounds, nanoseconds: one, two and five times each power of ten from one microsecond to 100 seconds. What is
-/// longer than the last counts as well, beyond it.
+/// Upper bounds, nanoseconds: one, two and five times each power of ten from one microsecond to 100 seconds. Longer
+/// latencies count beyond the last bound.
 pub const BUCKET_BOUNDS_NS: [u64; 25] = {
     let mut bounds_ns = [0; 25];
     let (mut index, mut decade_ns) = (0, 1_000);
@@ -21,10 +21,11 @@ pub const BUCKET_BOUNDS_NS: [u64; 25] = {
     bounds_ns
 };
 
-/// See the module's documentation.
+/// Distribution as counts between fixed bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Buckets {
-    /// How many latencies lie within each bound of [`BUCKET_BOUNDS_NS`] and above the one before; the last, beyond all.
+    /// Number of latencies up to each bound of [`BUCKET_BOUNDS_NS`] and above the bound before; the last count is
+    /// beyond all bounds.
     pub counts: [u64; BUCKET_BOUNDS_NS.len() + 1],
     /// Sum of all latencies, nanoseconds.
     pub sum_ns: f64,

@@ -1,29 +1,29 @@
-//! Offset of the data from the machine's clock: how far the newest states are from what that says.
+//! Offset of the data from the machine's clock, by the newest states.
 //!
-//! A state that has just come is as old as its way was long, and one that others led to may be older. So the newest one
-//! of some seconds counts: it is late by the way alone, or ahead because a clock is wrong.
+//! The age of a received state is its time on the way, or more if the state is an extrapolation. The newest state of
+//! several seconds is therefore decisive: it is late by its time on the way alone, or ahead because of a wrong clock.
 
-/// Time of half a window, nanoseconds.
+/// Half of a window, nanoseconds.
 const HALF_NS: i64 = 2_500_000_000;
 
-/// See the module's documentation.
+/// Offset of the data from the machine's clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DataOffset {
-    /// Number of the half that goes on, counted from the monotonic clock's zero.
+    /// Number of the present half, counted from zero of the monotonic clock.
     half: i64,
-    /// Offset of the newest state in it and in the one before; `None`: none came.
+    /// Offset of the newest state in the present half and in the half before; `None` without states.
     newest: [Option<i64>; 2],
 }
 
 impl DataOffset {
-    /// A state of the time `time_ns` has come when the clocks said `mono_ns` and `utc_ns`.
+    /// Takes a state of the time `time_ns`, received at `mono_ns` and `utc_ns`.
     pub fn take(&mut self, time_ns: i64, mono_ns: i64, utc_ns: i64) {
         self.newest = self.halves(mono_ns);
         self.half = mono_ns.div_euclid(HALF_NS);
         self.newest[0] = self.newest[0].max(Some(time_ns.saturating_sub(utc_ns)));
     }
 
-    /// Offset at `mono_ns`, nanoseconds, positive: the data are ahead. `None` if no state came lately.
+    /// Returns the offset at `mono_ns`, nanoseconds, positive if the data are ahead; `None` without recent states.
     pub fn ns(&self, mono_ns: i64) -> Option<i64> {
         let [now, before] = self.halves(mono_ns);
         now.max(before)
@@ -51,7 +51,7 @@ mod tests {
         assert_eq!(offset.ns(0), None);
         for step in 0..100_i64 {
             let mono_ns = step * S / 10;
-            // One track is late by a tenth of a second, the other by four.
+            // One track is late by a tenth of a second, the other by four seconds.
             offset.take(UTC + mono_ns - S / 10, mono_ns, UTC + mono_ns);
             offset.take(UTC + mono_ns - 4 * S, mono_ns, UTC + mono_ns);
             assert_eq!(offset.ns(mono_ns), Some(-S / 10));

@@ -1,13 +1,13 @@
-//! Health messages of every process, and what the launcher says of each.
+//! Latest health messages of every process, with the launcher's facts.
 //!
-//! A process counts from its start, so a restarted one begins at 0. Counters here go on: those of earlier incarnations
-//! are kept and added. An incarnation is told from the next by its start time, which every health message carries.
+//! Counters of a process begin at 0 with each start. The book's counters continue: the counts of earlier epochs of a
+//! process are added. Epochs of a process differ in the start time, which every health message contains.
 //!
-//! Restarts are known from two sides. The launcher counts those of its children; and a new incarnation under an old
-//! name is one, whoever started it. The larger number counts.
+//! Restarts are known from two sides. The launcher counts the restarts of its children, and a new epoch under an old
+//! name is a restart of any process. The larger number counts.
 //!
-//! Health messages come from processes that may have been built elsewhere. One with a code or a source that does not
-//! exist is counted and otherwise rejected.
+//! Health messages may come from processes of another build. A message with an unknown code or source is counted and
+//! otherwise rejected.
 
 use std::collections::BTreeMap;
 
@@ -15,12 +15,12 @@ use messages::{Counter, Counters, Health, HealthName, LifeState, NO_SOURCE, Proc
 
 use crate::process::{Process, State};
 
-/// A process that says nothing for longer than this is silent, nanoseconds: five health messages are missing then.
+/// Silence after which a process is silent, nanoseconds: five health messages are missing then.
 const SILENT_AFTER_NS: i64 = 1_000_000_000;
-/// Most things that are spoken of: some 100 processes, three of which speak of 64 sources each, and spare ones.
+/// Maximum number of entries: some 100 processes, three of them with 64 sources each, and spare entries.
 const SPEAKERS_MAX: usize = 1024;
 
-/// Book of the health messages.
+/// Latest health messages of every process.
 #[derive(Clone, Debug)]
 pub struct HealthBook {
     sources: usize,
@@ -33,25 +33,25 @@ pub struct HealthBook {
 #[derive(Clone, Debug)]
 struct Speaker {
     latest: Health,
-    /// Counted by incarnations before that.
+    /// Counts of earlier epochs.
     earlier: Counters,
     incarnations: u32,
 }
 
-/// Statement of the launcher about one process.
+/// Launcher's facts about one process.
 #[derive(Clone, Copy, Debug)]
 struct Child {
     life: LifeState,
     restarts: u32,
     process_id: u32,
-    /// Source of the process, if it is an adapter of one.
+    /// Source of the process, for an adapter of one source.
     source: u16,
-    /// The latest message with a note: how the process ended when it should not have.
+    /// Latest message with a note: the last unexpected end of the process.
     last_end: Health,
 }
 
 impl HealthBook {
-    /// An empty book of a deployment with so many sources.
+    /// Creates an empty book of a deployment with so many sources.
     pub fn new(sources: usize) -> Self {
         Self {
             sources,
@@ -61,7 +61,7 @@ impl HealthBook {
         }
     }
 
-    /// Enters one message.
+    /// Takes one message.
     pub fn hear(&mut self, health: &Health) {
         let (Some(kind), Some(life)) = (health.kind(), health.life()) else {
             self.rejected += 1;
@@ -94,7 +94,7 @@ impl HealthBook {
         child.life = life;
         (child.process_id, child.source) = (health.process_id, health.source);
         child.restarts = child.restarts.max(health.restarts);
-        // Kept when it ends well at last: why it was restarted remains worth knowing.
+        // Kept after a good end as well: the reason of a restart remains of interest.
         if !health.note().is_empty() {
             child.last_end = *health;
         }
@@ -103,8 +103,8 @@ impl HealthBook {
     fn hear_speaker(&mut self, kind: ProcessKind, health: &Health) {
         let key = (kind, health.name, health.source);
         if let Some(speaker) = self.speakers.get_mut(&key) {
-            // Messages of the process that had the name before may arrive after those of the next one. Which process
-            // started later does not matter: a fusion that takes over takes the name of a younger one, too.
+            // Messages of the name's former process may arrive after messages of the next. The start times give no
+            // order: a fusion that takes over takes the name of a younger process.
             let is_another = health.incarnation != speaker.latest.incarnation;
             if is_another && health.said_ns < speaker.latest.said_ns {
                 return;
@@ -128,8 +128,8 @@ impl HealthBook {
         }
     }
 
-    /// Forgets guests that have left without a word at `now_ns`: processes that nobody expects, that are silent, and
-    /// whose number in the operating system `is_gone`.
+    /// Removes guests that have left without a last message at `now_ns`: unexpected, silent processes whose process
+    /// number `is_gone`.
     pub fn forget_guests(&mut self, expected: &[(ProcessKind, String)], now_ns: i64, is_gone: impl Fn(u32) -> bool) {
         let guests = self.processes(&[], now_ns).into_iter().filter(|process| {
             let is_expected = expected
@@ -147,30 +147,31 @@ impl HealthBook {
         }
     }
 
-    /// Messages that could not be understood.
+    /// Returns the number of messages with an unknown code or source.
     pub fn rejected(&self) -> u64 {
         self.rejected
     }
 
-    /// Messages of process `name` about itself as a whole.
+    /// Returns the messages of process `name` about itself as a whole.
     pub fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
         self.said(kind, name, NO_SOURCE)
     }
 
-    /// Messages of process `name` about a source.
+    /// Returns the messages of process `name` about a source.
     pub fn said(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
         self.speakers.get(&(kind, padded(name), source)).map(Latest)
     }
 
-    /// Counters of the adapter `name` for a source: by its number, or, if it is its only one, for itself as a whole.
+    /// Returns the counters of the adapter `name` for a source: by the source's number, or for the adapter as a whole
+    /// if the adapter has one source.
     pub fn adapter(&self, name: &str, source: u16) -> Counters {
         let of = |source| self.said(ProcessKind::Adapter, name, source);
         let said = of(source).or_else(|| of(NO_SOURCE));
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
-    /// Counters of a process that it counts for none of its sources, so that sums over processes and sources have
-    /// everything once. `stands_for_source`: what it says of itself as a whole is taken for what it says of its only
+    /// Returns the counters of a process that belong to none of its sources, so that sums over processes and sources
+    /// contain every count once. `stands_for_source`: the counters of the process as a whole are those of its only
     /// source ([`Self::adapter`]).
     pub fn apart_from_sources(&self, kind: ProcessKind, name: &str, stands_for_source: bool) -> Option<Counters> {
         let mut counters = self.whole(kind, name)?.counters();
@@ -182,7 +183,8 @@ impl HealthBook {
             if of_sources.is_empty() && stands_for_source {
                 counters[*counter] = 0;
             } else if kind != ProcessKind::Recorder {
-                // The recorder speaks of the system tracks apart from its sources; the others speak of all together.
+                // The recorder counts system tracks apart from its sources; other processes count all sources
+                // together.
                 let counted: u64 = of_sources.iter().map(|counters| counters[*counter]).sum();
                 counters[*counter] = counters[*counter].saturating_sub(counted);
             }
@@ -190,20 +192,20 @@ impl HealthBook {
         Some(counters)
     }
 
-    /// Counters of the service of a kind for one source; for all together with [`NO_SOURCE`].
+    /// Returns the counters of the service of a kind for one source, or for all sources together with [`NO_SOURCE`].
     pub fn service(&self, kind: ProcessKind, source: u16) -> Counters {
         let said = self.said(kind, kind.word(), source);
         said.map_or_else(Counters::default, |said| said.counters())
     }
 
-    /// All that was said last: by whom, and of which source (or [`NO_SOURCE`]).
+    /// Returns all latest messages, each with its process and source (or [`NO_SOURCE`]).
     pub fn all_said(&self) -> impl Iterator<Item = (ProcessKind, u16, Latest<'_>)> + '_ {
         let speakers = self.speakers.iter();
         speakers.map(|((kind, _, source), speaker)| (*kind, *source, Latest(speaker)))
     }
 
-    /// Name of a source, from those who know: its adapter, or the launcher of an adapter that has one source. For
-    /// readers without the configuration.
+    /// Returns the name of a source, by its adapter, or by the launcher for an adapter of one source. For readers
+    /// without the configuration.
     pub fn source_name(&self, source: u16) -> Option<&str> {
         let adapters = self.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter);
         let by_adapter = adapters
@@ -218,7 +220,7 @@ impl HealthBook {
         })
     }
 
-    /// Counters of a source's adapter for it, whatever the adapter's name is.
+    /// Returns the counters of a source's adapter for the source, whatever the adapter's name.
     pub fn adapter_of(&self, source: u16) -> Counters {
         let of_source = self
             .all_said()
@@ -231,13 +233,13 @@ impl HealthBook {
         }
     }
 
-    /// Children of the launcher that have not said a word.
+    /// Returns the children of the launcher without any health message.
     pub fn silent_children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
         let has_spoken = |name: &str| self.speakers.values().any(|speaker| speaker.latest.name() == name);
         self.children().filter(move |child| !has_spoken(child.name))
     }
 
-    /// Children of the launcher, as it speaks of them.
+    /// Returns the children of the launcher, by the launcher's facts.
     pub fn children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
         self.children.values().map(|child| ChildState {
             name: child.last_end.name(),
@@ -248,7 +250,8 @@ impl HealthBook {
         })
     }
 
-    /// Systematic errors of a source, as fusion has learned them; of its clock, as its adapter has, where it has one.
+    /// Returns the systematic errors of a source as learned by fusion, with the clock offset as learned by the
+    /// source's adapter if it has one.
     pub fn registration(&self, source: u16) -> Registration {
         let kind = ProcessKind::Fusion;
         let said = self.said(kind, kind.word(), source);
@@ -263,7 +266,7 @@ impl HealthBook {
         known
     }
 
-    /// How far the sources' time is ahead of the machine's UTC, nanoseconds, as fusion has found; 0 where they agree.
+    /// Returns the lead of the sources' time over the machine's UTC as found by fusion, nanoseconds; 0 if both agree.
     pub fn host_offset_ns(&self) -> i64 {
         let kind = ProcessKind::Fusion;
         let said = self.said(kind, kind.word(), NO_SOURCE);
@@ -273,7 +276,7 @@ impl HealthBook {
         })
     }
 
-    /// The `expected` processes, and others that were heard from.
+    /// Returns the `expected` processes, and other processes with health messages.
     pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
         let mut names: Vec<(ProcessKind, HealthName)> =
             expected.iter().map(|(kind, name)| (*kind, padded(name))).collect();
@@ -306,7 +309,7 @@ impl HealthBook {
             kind,
             name: named.name().to_owned(),
             state: state(latest.as_ref(), child, now_ns),
-            // Names pass from one fusion to another, which is no restart: only the launcher counts those for certain.
+            // Names pass from one fusion to another without a restart: only the launcher's count is certain.
             restarts: child.map_or(seen, |child| child.restarts),
             last_end: child.map_or_else(String::new, |child| child.last_end.note().to_owned()),
             note: latest.map_or_else(String::new, |health| health.note().to_owned()),
@@ -318,18 +321,18 @@ impl HealthBook {
     }
 }
 
-/// Statement of the launcher about a child.
+/// Launcher's facts about a child.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChildState<'a> {
-    /// Its name.
+    /// Name.
     pub name: &'a str,
-    /// Its number in the operating system, while it has one.
+    /// Process number, while there is a process.
     pub pid: Option<u32>,
-    /// How it is.
+    /// State of life.
     pub life: LifeState,
-    /// How often it was started again.
+    /// Number of restarts.
     pub restarts: u32,
-    /// How it ended when it should not have; else empty.
+    /// Last unexpected end; empty without one.
     pub last_end: &'a str,
 }
 
@@ -344,31 +347,31 @@ fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
     }
 }
 
-/// Last counters, with those of earlier incarnations added.
+/// Latest counters, with those of earlier epochs added.
 pub struct Latest<'a>(&'a Speaker);
 
 impl<'a> Latest<'a> {
-    /// Name of the process.
+    /// Returns the name of the process.
     pub fn name(&self) -> &'a str {
         self.0.latest.name()
     }
 
-    /// Counts, those of its earlier incarnations included.
+    /// Returns the counts, with those of earlier epochs.
     pub fn counters(&self) -> Counters {
         self.0.earlier.followed_by(&self.0.latest.counters)
     }
 
-    /// Monotonic, nanoseconds.
+    /// Returns the time of the message, monotonic, nanoseconds.
     pub fn said_ns(&self) -> i64 {
         self.0.latest.said_ns
     }
 
-    /// When the process started, monotonic, nanoseconds.
+    /// Returns the start of the process, monotonic, nanoseconds.
     pub fn incarnation(&self) -> u64 {
         self.0.latest.incarnation
     }
 
-    /// How far the process has got in the time of its data, UTC, nanoseconds.
+    /// Returns the progress of the process in the time of its data, UTC, nanoseconds.
     pub fn progress_ns(&self) -> Option<i64> {
         Some(self.0.latest.progress_ns).filter(|progress| *progress != i64::MIN && *progress != i64::MAX)
     }
@@ -421,7 +424,7 @@ mod tests {
     #[test]
     fn a_process_that_takes_over_the_name_of_a_younger_one_is_heard_and_is_no_restart() {
         let mut book = HealthBook::new(0);
-        // Fusion calls itself a standby until it leads; the standby had started before it.
+        // A standby has the name of a standby until it leads; it started before the leader.
         book.hear(&health(ProcessKind::Fusion, "standby", 20, S));
         for second in 2..5 {
             book.hear(&health(ProcessKind::Fusion, "fusion", 20, second * S));
@@ -437,7 +440,7 @@ mod tests {
         };
         assert_eq!(standby(&book, 4).state, State::Life(LifeState::Running));
         assert_eq!(standby(&book, 4).restarts, 0);
-        // It takes over.
+        // Take-over.
         for second in 5..9 {
             book.hear(&health(ProcessKind::Fusion, "fusion", 10, second * S));
         }

@@ -1,11 +1,12 @@
-//! The standard HdrHistogram log: one line per interval, stage and source.
+//! HdrHistogram log: one line per interval, stage and source.
 //!
-//! Written so that the format's usual tools read it (HistogramLogAnalyzer, HistogramLogProcessor, and hdrhistogram's
-//! own parser): version 1.3 header, start and base time, then lines `Tag=…,begin,length,max,histogram` with begin
-//! and length in seconds since the base time and the histogram in compressed V2 form. Values are nanoseconds.
+//! The format is that of the usual tools (HistogramLogAnalyzer, HistogramLogProcessor, hdrhistogram's own parser): a
+//! header of version 1.3, start and base time, then lines `Tag=…,begin,length,max,histogram` with begin and length in
+//! seconds since the base time and the histogram in compressed V2 form. Values are nanoseconds.
 //!
-//! Tags are `stage` for all sources together and `stage/source` for one: `end_to_end`, `end_to_end/radar-west`. An
-//! interval without reports still has its lines for all sources, so that a stall shows; a silent source has none.
+//! Tags are `stage` for all sources together and `stage/source` for one source: `end_to_end`,
+//! `end_to_end/radar-west`. An interval without reports still has its lines for all sources, so that a stall is
+//! visible; a silent source has no line.
 
 use std::io::{self, Write};
 use std::time::{Duration, UNIX_EPOCH};
@@ -17,7 +18,7 @@ use hdrhistogram::serialization::interval_log::{IntervalLogWriterBuilder, Interv
 use crate::stage::Stage;
 use crate::stages::{Span, Stages};
 
-/// See the module's documentation.
+/// Writer of an HdrHistogram log.
 pub struct IntervalLog<W: Write> {
     writer: W,
     serializer: V2DeflateSerializer,
@@ -28,7 +29,7 @@ impl<W: Write> IntervalLog<W> {
     /// Writes the header; the log's times count from `start_utc_ns` (UTC, nanoseconds since 1970).
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn begin(mut writer: W, start_utc_ns: i64) -> io::Result<Self> {
         let start = UNIX_EPOCH + Duration::from_nanos(start_utc_ns.max(0) as u64);
         let mut serializer = V2DeflateSerializer::new();
@@ -49,11 +50,11 @@ impl<W: Write> IntervalLog<W> {
         })
     }
 
-    /// Writes the interval of `stages` that was closed last; it began at `begin_utc_ns` and lasted `length_ns`.
-    /// `source_name` says what a source is called.
+    /// Writes the latest closed interval of `stages`, which began at `begin_utc_ns` and lasted `length_ns`.
+    /// `source_name` returns the name of a source.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn write_interval<N: AsRef<str>>(
         &mut self,
         stages: &Stages,
@@ -67,11 +68,12 @@ impl<W: Write> IntervalLog<W> {
             .try_for_each(|source| self.write_part(stages, Some(source), begin_utc_ns, length_ns, &source_name))
     }
 
-    /// The part of [`IntervalLog::write_interval`] that is of one source or (`None`) of all together: compressing takes
-    /// its time, and with many sources there may be something more urgent to do in between.
+    /// Writes the lines of one source, or of all sources together (`None`), as a part of
+    /// [`IntervalLog::write_interval`]: compression takes time, and with many sources other work may be urgent in
+    /// between.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn write_part<N: AsRef<str>>(
         &mut self,
         stages: &Stages,
@@ -101,12 +103,12 @@ impl<W: Write> IntervalLog<W> {
     /// Flushes the writer.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// Errors of the writer.
     pub fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
     }
 
-    /// The writer, with all that was written.
+    /// Returns the writer with all that was written.
     pub fn into_writer(self) -> W {
         self.writer
     }
@@ -118,7 +120,7 @@ impl<W: Write> IntervalLog<W> {
         begin: Duration,
         length: Duration,
     ) -> io::Result<()> {
-        // A log continued without comments and times has no header, so this adds nothing but the line.
+        // A log continued without comments and times has no header, so that only the line is added.
         IntervalLogWriterBuilder::new()
             .begin_log_with(&mut self.writer, &mut self.serializer)?
             .write_histogram(histogram, begin, length, Tag::new(tag))
@@ -129,7 +131,7 @@ impl<W: Write> IntervalLog<W> {
     }
 }
 
-/// Tags may hold neither blanks nor commas nor line ends.
+/// Tags contain no blanks, commas or line ends.
 fn fit_for_tag(name: &str) -> String {
     name.replace([' ', ',', '\r', '\n'], "_")
 }

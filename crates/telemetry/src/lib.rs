@@ -1,20 +1,20 @@
-//! Where the time goes: latency of every stage, per source, as distributions.
+//! Latency of every stage per source, as distributions, and health of every process.
 //!
-//! A mean hides what an operator fears: the report in a thousand that comes late. So each stage's latencies are kept as
-//! a high-dynamic-range histogram, which tells any percentile to three significant digits at a fixed cost, and which
-//! can be added to others (averages of percentiles mean nothing; the percentile of a sum of histograms is exact). See
-//! G. Tene, *How NOT to Measure Latency*, and <https://hdrhistogram.github.io/HdrHistogram/>.
+//! A mean hides the rare late report, which matters most to an operator. Each stage's latencies are therefore stored
+//! as a high-dynamic-range histogram. Such a histogram gives any percentile to three significant digits at a fixed
+//! cost, and histograms can be added (averages of percentiles mean nothing; the percentile of a sum of histograms is
+//! exact). See G. Tene, *How NOT to Measure Latency*, and <https://hdrhistogram.github.io/HdrHistogram/>.
 //!
 //! - [`Stages`] records the stages of each system track that arrives (PL-8, PL-9);
 //! - [`IntervalLog`] writes them, interval by interval, in the standard HdrHistogram log format;
 //! - [`write_percentiles`] writes one distribution in the standard percentile format;
-//! - [`Buckets`] is what a collector of metrics stores of one;
-//! - [`Summary`] is what a table or a JSON file says of one;
-//! - [`table`] sets figures out for people;
-//! - [`DataOffset`] is how far the newest states are from the machine's clock;
-//! - [`HealthBook`] knows what every process counts and how it is.
+//! - [`Buckets`] is the form for collectors of metrics;
+//! - [`Summary`] is the form for tables and JSON files;
+//! - [`table`] formats figures for people;
+//! - [`DataOffset`] is the offset of the newest states from the machine's clock;
+//! - [`HealthBook`] holds the latest counters and the state of every process.
 //!
-//! Nothing here reads a clock or opens a file: stamps and writers are arguments.
+//! Architecture invariant: this crate reads no clock and opens no file; stamps and writers are arguments.
 
 #![forbid(unsafe_code)]
 
@@ -41,5 +41,5 @@ pub use stage::{JourneyEnd, Stage};
 pub use stages::{Irregularities, Journey, OTHER_SOURCES, SOURCES_MAX, Span, Stages, VALUE_MAX_NS};
 pub use summary::Summary;
 
-/// A distribution of latencies, nanoseconds.
+/// Distribution of latencies, nanoseconds.
 pub type Histogram = hdrhistogram::Histogram<u64>;

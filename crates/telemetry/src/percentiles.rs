@@ -1,16 +1,16 @@
-//! One distribution in the standard percentile format (`.hgrm`), which HdrHistogram's plotter reads.
+//! Distribution in the standard percentile format (`.hgrm`), which HdrHistogram's plotter reads.
 
 use std::io::{self, Write};
 
 use hdrhistogram::Histogram;
 
-/// Lines per halving of the distance to 100 %, as the format's tools write by default.
+/// Lines per halving of the distance to 100 %, as by default in the format's tools.
 const TICKS_PER_HALF_DISTANCE: u32 = 5;
 
-/// Writes `histogram` with its values divided by `divisor` (1,000 for microseconds out of nanoseconds).
+/// Writes `histogram` with its values divided by `divisor` (1,000: microseconds).
 ///
 /// # Errors
-/// Those of the writer.
+/// Errors of the writer.
 pub fn write_percentiles(mut writer: impl Write, histogram: &Histogram<u64>, divisor: f64) -> io::Result<()> {
     writeln!(
         writer,
@@ -40,7 +40,7 @@ pub fn write_percentiles(mut writer: impl Write, histogram: &Histogram<u64>, div
         histogram.max() as f64 / divisor,
         histogram.len()
     )?;
-    // As the format counts them: sub-buckets hold two values to the last of the significant digits.
+    // Sub-buckets hold two values to the last of the significant digits, as the format counts them.
     let sub_buckets = (2 * 10u64.pow(u32::from(histogram.sigfig()))).next_power_of_two();
     writeln!(
         writer,

@@ -1,4 +1,4 @@
-//! Processes as whoever listens to their health messages knows them.
+//! State of processes for readers of their health messages.
 
 use std::fmt;
 
@@ -8,31 +8,31 @@ use serde::{Serialize, Serializer};
 /// One process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Process {
-    /// Kind of the process.
+    /// Kind.
     #[serde(serialize_with = "as_word")]
     pub kind: ProcessKind,
-    /// Name of the process.
+    /// Name.
     pub name: String,
-    /// How it is.
+    /// State.
     pub state: State,
-    /// How often it was started again.
+    /// Number of restarts.
     pub restarts: u32,
-    /// How it last ended, where it should not have.
+    /// Last unexpected end.
     pub last_end: String,
     /// Note of the process, or of the launcher about it.
     pub note: String,
-    /// Number in the operating system, while it has one.
+    /// Process number, while there is a process.
     pub pid: Option<u32>,
 }
 
 impl Process {
-    /// Name in text.
+    /// Returns the name as text.
     pub fn title(&self) -> String {
         process_title(self.kind, &self.name)
     }
 }
 
-/// Name of a process in text.
+/// Returns the name of a process as text.
 pub fn process_title(kind: ProcessKind, name: &str) -> String {
     if name == kind.word() {
         name.to_owned()
@@ -41,22 +41,22 @@ pub fn process_title(kind: ProcessKind, name: &str) -> String {
     }
 }
 
-/// How a process is.
+/// State of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// Nothing was ever said.
+    /// Without any health message.
     NotHeard,
-    /// Nothing was said for a while, though the process has not ended.
+    /// Without recent health messages, though the process has not ended.
     Silent {
-        /// For how long, nanoseconds.
+        /// Time of silence, nanoseconds.
         for_ns: i64,
     },
-    /// As it says itself, or its launcher of it.
+    /// State of life by its own message, or by the launcher's facts.
     Life(LifeState),
 }
 
 impl State {
-    /// Whether a person should look at it.
+    /// Whether the state needs attention.
     pub fn is_troubled(self) -> bool {
         match self {
             Self::NotHeard | Self::Silent { .. } => true,

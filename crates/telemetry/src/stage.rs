@@ -1,40 +1,40 @@
-//! The stages of a report's journey.
+//! Stages of a report from measurement to subscriber.
 
 use messages::SystemTrack;
 
-/// A part of the way from measurement to subscriber.
+/// Stage of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
-    /// In the adapter: from the report's last byte to its hand-over to shared memory.
+    /// Adapter: from the report's last byte to its publication in shared memory.
     IngestToPublish,
-    /// Transport in: until fusion took it.
+    /// Transport in: until fusion takes the report.
     PublishToTaken,
-    /// In fusion: until the system track was handed over to shared memory.
+    /// Fusion: until the publication of the system track in shared memory.
     TakenToFused,
-    /// Transport out: until the subscriber had it.
+    /// Transport out: until the subscriber receives the state.
     FusedToReceived,
     /// All of these: from the report's last byte to the subscriber.
     EndToEnd,
-    /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's (UTC).
+    /// Age of the data: from the measurement to the subscriber, by the sensor's clock and this machine's UTC.
     Age,
 }
 
-/// Event that ends the journey of a state, for whoever measures it.
+/// End of a state's journey for a measurement.
 ///
-/// A subscriber that is woken for every slice measures the whole journey. One that looks only now and then, to spare
-/// the publisher the waking, would measure its own pauses: for it, the journey ends where fusion has published the
-/// state, and the last stage is not measured at all.
+/// A subscriber that is woken for every slice measures the whole journey. A subscriber that reads from time to time,
+/// to spare the publisher the wake-ups, would measure its own pauses: for it, the journey ends at the publication by
+/// fusion, and the last stage is not measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JourneyEnd {
-    /// The subscriber has received the state.
+    /// Reception of the state by the subscriber.
     #[default]
     Received,
-    /// Fusion has handed the state over to shared memory.
+    /// Publication of the state by fusion.
     Published,
 }
 
 impl Stage {
-    /// Every stage, in the order of the journey.
+    /// All stages in the order of the journey.
     pub const ALL: [Self; 6] = [
         Self::IngestToPublish,
         Self::PublishToTaken,
@@ -44,7 +44,7 @@ impl Stage {
         Self::Age,
     ];
 
-    /// Name in logs, JSON and metrics.
+    /// Returns the name in logs, JSON and metrics.
     pub fn key(self) -> &'static str {
         match self {
             Self::IngestToPublish => "ingest_to_publish",
@@ -56,7 +56,7 @@ impl Stage {
         }
     }
 
-    /// Name in tables.
+    /// Returns the name in tables.
     pub fn label(self) -> &'static str {
         match self {
             Self::IngestToPublish => "adapter",
@@ -73,8 +73,8 @@ impl Stage {
         end == JourneyEnd::Received || self != Self::FusedToReceived
     }
 
-    /// The stamps at which this stage of `track` began and ended, nanoseconds of one clock; 0 where there is none.
-    /// `ended` is the end of the journey.
+    /// Returns the stamps at which this stage of `track` began and ended, nanoseconds of one clock; 0 for a missing
+    /// stamp. `ended` is the end of the journey.
     pub(crate) fn stamps(self, track: &SystemTrack, ended: Ended) -> (i64, i64) {
         let stages = &track.stages;
         match self {
@@ -88,7 +88,7 @@ impl Stage {
     }
 }
 
-/// End of a state's journey on both clocks, nanoseconds; 0 if that is not known.
+/// End of a state's journey on both clocks, nanoseconds; 0 if unknown.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ended {
     mono_ns: i64,
@@ -96,7 +96,7 @@ pub(crate) struct Ended {
 }
 
 impl JourneyEnd {
-    /// End of the journey of `track`, which was received at `received_ns` and, by UTC, `received_utc_ns`.
+    /// Returns the end of the journey of `track`, received at `received_ns` and, in UTC, `received_utc_ns`.
     pub(crate) fn of(self, track: &SystemTrack, received_ns: i64, received_utc_ns: i64) -> Ended {
         let fused_ns = track.stages.fused_ns;
         match self {

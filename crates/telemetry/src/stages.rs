@@ -1,14 +1,14 @@
 //! Latencies per stage and source.
 //!
-//! A recording goes into the histograms of its source only; when an interval is closed they are added up over the
-//! sources and into the totals. So recording costs six increments, whatever is to be shown later.
+//! A latency is recorded in the histograms of its source only. At the close of an interval, histograms are added over
+//! the sources and to the totals. Recording therefore costs six increments, whatever is shown later.
 //!
-//! A stamp that is missing, or lies before its predecessor, or more than ten minutes after it, is no latency: it is
-//! counted, per stage, and not recorded. (The age of recorded data is years, for example.) One that is longer than the
-//! stage's deadline is recorded, and counted as a miss.
+//! A missing stamp, a stamp before its predecessor, or more than ten minutes after it, gives no latency: it is
+//! counted per stage. (The age of recorded data is years, for example.) A latency beyond the stage's deadline is
+//! recorded and counted as a miss.
 //!
-//! Recording allocates nothing once every source has been heard from and a histogram holds values as long as those that
-//! come: a histogram grows with the first value beyond its end.
+//! Recording allocates nothing once every source has reported and each histogram covers the occurring latencies: a
+//! histogram grows with the first value beyond its end.
 
 use hdrhistogram::Histogram;
 use messages::{NO_SOURCE, SystemTrack};
@@ -17,19 +17,19 @@ use crate::deadlines::Deadlines;
 use crate::stage::{JourneyEnd, Stage};
 use crate::summary::Summary;
 
-/// Longest latency that is recorded, nanoseconds: ten minutes.
+/// Longest recorded latency, nanoseconds: ten minutes.
 pub const VALUE_MAX_NS: u64 = 600_000_000_000;
-/// Most sources that have histograms of their own.
+/// Maximum number of sources with own histograms.
 pub const SOURCES_MAX: usize = 64;
 /// Source number under which sources beyond the maximum are recorded together.
 pub const OTHER_SOURCES: u16 = NO_SOURCE;
 
-/// Which stretch of time a figure speaks of.
+/// Time span of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Span {
-    /// The interval that was closed last.
+    /// Latest closed interval.
     Interval,
-    /// All intervals that were closed.
+    /// All closed intervals.
     Total,
 }
 
@@ -47,11 +47,11 @@ pub struct Irregularities {
 /// Extent of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Journey {
-    /// The first so many sources that report get histograms of their own.
+    /// Number of sources with own histograms, in the order of their first reports.
     pub sources_max: usize,
-    /// Where the journey ends.
+    /// End of the journey.
     pub end: JourneyEnd,
-    /// How long its stages may take.
+    /// Deadlines of the stages.
     pub deadlines: Deadlines,
 }
 
@@ -65,32 +65,32 @@ impl Default for Journey {
     }
 }
 
-/// See the module's documentation.
+/// Latencies per stage and source.
 #[derive(Clone, Debug)]
 pub struct Stages {
     journey: Journey,
-    /// In the order of their numbers.
+    /// Sources in the order of their numbers.
     sources: Vec<Source>,
     all: [Closed; 6],
     irregularities: [Irregularities; 6],
     recorded: u64,
     untriggered: u64,
-    /// Numbers below this have had their intervals closed; 0 while no interval is being closed.
+    /// Source number below which the present interval is closed; 0 while no interval is being closed.
     next_to_close: u32,
 }
 
 #[derive(Clone, Debug)]
 struct Source {
     number: u16,
-    /// The interval that is not closed yet.
+    /// Open interval.
     current: [Histogram<u64>; 6],
-    /// Deadlines missed in it.
+    /// Missed deadlines in the open interval.
     current_misses: [u64; 6],
     closed: [Closed; 6],
 }
 
 impl Source {
-    /// Ends the interval at hand, and adds it to that of `all` sources.
+    /// Closes the interval and adds it to the interval of `all` sources.
     fn close_interval(&mut self, all: &mut [Closed; 6]) {
         for (index, closed) in self.closed.iter_mut().enumerate() {
             std::mem::swap(&mut closed.interval, &mut self.current[index]);
@@ -128,7 +128,7 @@ impl Closed {
     }
 }
 
-/// Grows with the values it is given, so that a quiet source costs little.
+/// Creates a histogram that grows with its values, so that a quiet source costs little.
 fn empty() -> Histogram<u64> {
     Histogram::new(3).expect("three significant digits are possible")
 }
@@ -144,7 +144,7 @@ impl Default for Stages {
 }
 
 impl Stages {
-    /// Nothing recorded yet.
+    /// Creates an empty measurement.
     pub fn new(journey: Journey) -> Self {
         Self {
             journey,
@@ -157,10 +157,10 @@ impl Stages {
         }
     }
 
-    /// Records the stages of a system track that was received at `received_ns` on the stages' monotonic clock, which
-    /// was `received_utc_ns` in UTC.
+    /// Records the stages of a system track received at `received_ns` on the stages' monotonic clock,
+    /// `received_utc_ns` in UTC.
     ///
-    /// A state that no report caused (coasting, ending) has no stages; it is counted only.
+    /// A state without a report (coasting, termination) has no stages and is counted only.
     pub fn record(&mut self, track: &SystemTrack, received_ns: i64, received_utc_ns: i64) {
         if track.trigger_source == NO_SOURCE {
             self.untriggered += 1;
@@ -193,15 +193,15 @@ impl Stages {
         }
     }
 
-    /// Ends the interval at hand and begins the next: what was recorded since the last call becomes
-    /// [`Span::Interval`] and is added to [`Span::Total`].
+    /// Closes the interval and opens the next: latencies since the last call become [`Span::Interval`] and are added
+    /// to [`Span::Total`].
     pub fn close_interval(&mut self) {
         while self.close_next_source() {}
     }
 
-    /// Does a part of [`Stages::close_interval`]: ends the interval of one source, in some tenths of a millisecond, so
-    /// that whoever has many sources can record in between. What is recorded of a source after its part belongs to its
-    /// next interval. `false`: that was all, and only now are the figures of all sources together complete.
+    /// Does a part of [`Stages::close_interval`]: closes the interval of one source, in some tenths of a millisecond,
+    /// so that recording can continue in between. Later latencies of the source belong to its next interval. Returns
+    /// `false` at the end; only then are the figures of all sources together complete.
     pub fn close_next_source(&mut self) -> bool {
         if self.next_to_close == 0 {
             for all in &mut self.all {
@@ -209,7 +209,7 @@ impl Stages {
                 all.interval_misses = 0;
             }
         }
-        // By number, not by place: a new source may have come in between.
+        // By number, not by place: a new source may have appeared.
         let end = self.sources.last().map_or(0, |source| u32::from(source.number) + 1);
         let waiting = |source: &&mut Source| u32::from(source.number) >= self.next_to_close;
         if let Some(source) = self.sources.iter_mut().find(waiting) {
@@ -224,18 +224,18 @@ impl Stages {
         false
     }
 
-    /// Numbers of the sources that have histograms, in rising order.
+    /// Returns the numbers of the sources with histograms, rising.
     pub fn sources(&self) -> impl ExactSizeIterator<Item = u16> + '_ {
         self.sources.iter().map(|source| source.number)
     }
 
-    /// Extent of a measurement.
+    /// Returns the extent of the measurement.
     pub fn journey(&self) -> &Journey {
         &self.journey
     }
 
-    /// Latencies of one stage in nanoseconds, of one source or (`None`) of all. `None` if the source has not reported,
-    /// or the stage is not measured.
+    /// Returns the latencies of one stage in nanoseconds, of one source or of all (`None`). `None` if the source has
+    /// not reported, or the stage is not measured.
     pub fn histogram(&self, stage: Stage, source: Option<u16>, span: Span) -> Option<&Histogram<u64>> {
         let closed = self.closed(stage, source)?;
         Some(match span {
@@ -244,7 +244,7 @@ impl Stages {
         })
     }
 
-    /// How often one stage took longer than its deadline, with reports of one source or (`None`) of all.
+    /// Returns the number of missed deadlines of one stage, with reports of one source or of all (`None`).
     pub fn deadline_misses(&self, stage: Stage, source: Option<u16>, span: Span) -> u64 {
         self.closed(stage, source).map_or(0, |closed| match span {
             Span::Interval => closed.interval_misses,
@@ -263,23 +263,23 @@ impl Stages {
         stage.is_measured(self.journey.end).then_some(&closed[stage as usize])
     }
 
-    /// Figures of one stage, of one source or (`None`) of all; all 0 if there is nothing.
+    /// Returns the figures of one stage, of one source or of all (`None`); all 0 without latencies.
     pub fn summary(&self, stage: Stage, source: Option<u16>, span: Span) -> Summary {
         self.histogram(stage, source, span)
             .map_or_else(Summary::default, Summary::from)
     }
 
-    /// Counts of latencies that were not recorded in one stage, since the beginning.
+    /// Returns the counts of latencies that were not recorded in one stage, since the start.
     pub fn irregularities(&self, stage: Stage) -> Irregularities {
         self.irregularities[stage as usize]
     }
 
-    /// System tracks that were recorded, since the beginning.
+    /// Returns the number of recorded system tracks since the start.
     pub fn recorded(&self) -> u64 {
         self.recorded
     }
 
-    /// System tracks that no report caused, since the beginning.
+    /// Returns the number of system tracks without a report since the start.
     pub fn untriggered(&self) -> u64 {
         self.untriggered
     }
@@ -400,7 +400,7 @@ mod tests {
         let mut parts = 1;
         while stages.close_next_source() {
             parts += 1;
-            // Of one that is closed, of one that is not, and of one that nobody knew.
+            // Of a closed source, an open source, and an unknown source.
             for source in [2, 9, 7] {
                 stages.record(&track(source, 10), RECEIVED_NS, UTC_NS);
             }
@@ -426,7 +426,7 @@ mod tests {
         let mut missing = track(1, 10);
         missing.stages.published_ns = 0;
         stages.record(&missing, RECEIVED_NS, UTC_NS);
-        // Received before it was fused: another machine's clock.
+        // Received before fused: another machine's clock.
         stages.record(&track(1, 10), RECEIVED_NS - 100, UTC_NS);
         // Recorded data: as old as the recording.
         stages.record(&track(1, 10), RECEIVED_NS, 2 * UTC_NS);
@@ -455,7 +455,7 @@ mod tests {
             end: JourneyEnd::Published,
             ..Journey::default()
         });
-        // Fused 40 ns before it was received, had the subscriber not paused for 5 ms.
+        // Fused 40 ns before reception, had the subscriber not paused for 5 ms.
         stages.record(&track(1, 10), RECEIVED_NS + 5_000_000, UTC_NS + 5_000_000);
         let mut unfused = track(1, 10);
         unfused.stages.fused_ns = 0;
@@ -483,7 +483,7 @@ mod tests {
             deadlines,
             ..Journey::default()
         });
-        // In fusion: 30 (just in time), 33, 60 and 300; end to end: 100, 110, 200 and 1000.
+        // Fusion: 30 (just in time), 33, 60 and 300; end to end: 100, 110, 200 and 1000.
         for (source, unit_ns) in [(1, 10), (2, 11), (2, 20)] {
             stages.record(&track(source, unit_ns), RECEIVED_NS, UTC_NS);
         }

@@ -1,25 +1,25 @@
-//! A distribution in a few figures.
+//! Distribution in a few figures.
 
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
-/// Count, percentiles, maximum and mean of latencies; all 0 if there were none. Each is the upper end of the range
-/// that the histogram cannot tell apart, at most 0.1 % too long.
+/// Count, percentiles, maximum and mean of latencies; all 0 without latencies. Each figure is the upper end of the
+/// histogram's bucket, at most 0.1 % too long.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// How many there were.
+    /// Number of latencies.
     pub count: u64,
-    /// Half of them took no longer than this, nanoseconds.
+    /// Median, nanoseconds.
     pub p50_ns: u64,
-    /// 90 % took no longer than this, nanoseconds.
+    /// 90th percentile, nanoseconds.
     pub p90_ns: u64,
-    /// 99 % took no longer than this, nanoseconds.
+    /// 99th percentile, nanoseconds.
     pub p99_ns: u64,
-    /// 99.9 % took no longer than this, nanoseconds.
+    /// 99.9th percentile, nanoseconds.
     pub p999_ns: u64,
-    /// The longest, nanoseconds.
+    /// Maximum, nanoseconds.
     pub max_ns: u64,
-    /// Their mean, nanoseconds.
+    /// Mean, nanoseconds.
     pub mean_ns: f64,
 }
 

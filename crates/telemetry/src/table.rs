@@ -11,20 +11,20 @@ use crate::summary::Summary;
 /// Content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Text, set from the left.
+    /// Text, aligned left.
     Left,
-    /// Numbers, set from the right.
+    /// Numbers, aligned right.
     Right,
 }
 
-/// A small table: a line of headings and rows below it. [`fmt::Display`] renders it, one line per row.
+/// Small table: a line of headings and rows below it. [`fmt::Display`] renders one line per row.
 #[derive(Clone, Debug)]
 pub struct Table {
     table: comfy_table::Table,
 }
 
 impl Table {
-    /// A table without rows; `columns` are headings and what is below them.
+    /// Creates a table without rows; `columns` are headings and contents.
     pub fn new(columns: &[(&str, Align)]) -> Self {
         let mut table = comfy_table::Table::new();
         table
@@ -43,7 +43,7 @@ impl Table {
         Self { table }
     }
 
-    /// Adds a row; cells that are not given stay empty.
+    /// Adds a row; missing cells stay empty.
     pub fn row<C: Into<String>>(&mut self, cells: impl IntoIterator<Item = C>) -> &mut Self {
         self.table
             .add_row(cells.into_iter().map(|cell| comfy_table::Cell::new(cell.into())));
@@ -60,8 +60,8 @@ impl fmt::Display for Table {
     }
 }
 
-/// The latency table: one line per name (a stage, a source, …) with the figures of its summary, or dashes where there
-/// is `None`, because it is not measured.
+/// Returns the latency table: one line per name (a stage, a source, …) with the figures of its summary, or dashes for
+/// `None` (not measured).
 pub fn latencies<N: Into<String>, S: Into<Option<Summary>>>(
     heading: &str,
     rows: impl IntoIterator<Item = (N, S)>,
@@ -92,7 +92,7 @@ pub fn latencies<N: Into<String>, S: Into<Option<Summary>>>(
     table
 }
 
-/// A number with separators: `1,234,567`.
+/// Returns a number with separators: `1,234,567`.
 pub fn count(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);
@@ -105,7 +105,8 @@ pub fn count(value: u64) -> String {
     text
 }
 
-/// A duration to three significant digits, in the unit that keeps it short: `812 ns`, `12.3 µs`, `4.56 ms`, `1,234 s`.
+/// Returns a duration to three significant digits, in the unit that keeps it short: `812 ns`, `12.3 µs`, `4.56 ms`,
+/// `1,234 s`.
 pub fn duration(nanoseconds: f64) -> String {
     if !nanoseconds.is_finite() {
         return "-".to_owned();
@@ -113,7 +114,7 @@ pub fn duration(nanoseconds: f64) -> String {
     let sign = if nanoseconds < 0.0 { "-" } else { "" };
     let magnitude = nanoseconds.abs();
     if magnitude < 999.5 {
-        // Whole nanoseconds, except means of very few.
+        // Whole nanoseconds, except for means of very few.
         let decimals = usize::from(magnitude < 9.95 && magnitude.fract() != 0.0);
         return format!("{sign}{magnitude:.decimals$} ns");
     }
@@ -126,7 +127,7 @@ pub fn duration(nanoseconds: f64) -> String {
     format!("{sign}{} s", count((magnitude / 1e9).round() as u64))
 }
 
-/// Three significant digits of a value below 999.5.
+/// Returns three significant digits of a value below 999.5.
 fn three_digits(value: f64) -> String {
     let decimals = match value {
         value if value < 9.995 => 2,
