@@ -1,9 +1,9 @@
 //! ASTERIX in datagrams, and the sensors behind one socket.
 //!
-//! A control centre receives many radars on one multicast group. Each data block says which sensor it is from (system
-//! area code and system identification code, the first item of every category), so it is handed to the source of that
-//! sensor and read by the editions that the source is configured with. What is from a sensor that no source has, what
-//! is no block, what comes from a sender that is not on the list: counted, and passed over.
+//! A control centre receives many radars on one multicast group. Each data block names its sensor (system area code
+//! and system identification code, the first item of every category). The block goes to the source of that sensor,
+//! which reads it with the source's configured editions. Blocks of unknown sensors, data that are no block, and
+//! datagrams of senders outside the list are counted and skipped.
 
 use anyhow::Context as _;
 use asterix::{Decoder, blocks};
@@ -18,12 +18,12 @@ use crate::counted::decoded;
 use crate::misfits::{Misfits, Strangers};
 use crate::receiver::{Datagrams, Received};
 
-/// The sources behind the socket, and what could not be given to one of them.
+/// Sources behind the socket, and counts of data without a source.
 #[derive(Debug)]
 pub(crate) struct Blocks {
-    /// For each source its SAC and SIC; `None` takes what no other source has.
+    /// SAC and SIC of each source; `None` takes the blocks of all other sensors.
     senders: Vec<Option<(u8, u8)>>,
-    /// For each source which reports of its sender it takes.
+    /// Reports of each source's sender that the source takes.
     methods: Vec<Method>,
     decoders: Vec<Decoder>,
     channels: Vec<Channel>,
@@ -57,13 +57,14 @@ impl Blocks {
     }
 }
 
-/// The source of this sender, or else the one that takes everyone's.
+/// Returns the source of this sender, or else the source of all other senders.
 fn find(senders: &[Option<(u8, u8)>], sender: Option<(u8, u8)>) -> Option<usize> {
     let of = |wanted| senders.iter().position(|sender| *sender == wanted);
     sender.and_then(|sender| of(Some(sender))).or_else(|| of(None))
 }
 
-/// The sources of the same sender as the one in this place, which is the first: each takes other reports of it.
+/// Returns the sources with the same sender as the source in this place, which is the first: each takes other
+/// reports.
 fn of_sender(senders: &[Option<(u8, u8)>], first: usize) -> impl Iterator<Item = usize> {
     (first..senders.len()).filter(move |place| senders[*place] == senders[first])
 }
@@ -93,14 +94,14 @@ impl Datagrams for Blocks {
             self.channels[index].received(received)?;
             for record in self.decoders[index].records(block.bytes) {
                 let Ok(record) = record else {
-                    // The rest of the block is passed over with it.
+                    // The rest of the block is skipped as well.
                     self.misfits[index].try_others(&block);
                     continue;
                 };
                 match observation::read(&record) {
                     Reading::Target(observed) => {
-                        // A block may hold reports of several sensors. That of a stranger goes to the block's own
-                        // source, which rejects and counts it.
+                        // A block may contain reports of several sensors. A report of an unknown sensor goes to the
+                        // block's own source, which rejects and counts it.
                         let is_own = observed.sac_sic == sender;
                         let other = || find(&self.senders, observed.sac_sic).unwrap_or(index);
                         let first = if is_own { index } else { other() };

@@ -1,12 +1,12 @@
-//! Captures of what comes in, as it came: so that the chain can be run again from the very octets of the sensors.
+//! Captures of received data, byte for byte, so that the chain can be run again from the sensors' own bytes.
 //!
-//! A disk may take its time, and an adapter must not wait for it. So a second thread writes. The two hand each other
-//! batches through queues without locks: the adapter fills one while the others are on their way, and goes on filling
-//! it until an empty one has come back. What a batch has no room for is left out, and counted.
+//! A disk may be slow, and an adapter must not wait for it. A second thread therefore writes. Both threads exchange
+//! batches through queues without locks: the adapter fills one batch while the others are on their way, and continues
+//! to fill it until an empty batch returns. Data beyond the size of a batch are left out and counted.
 //!
-//! A line of a connection becomes the payload of a datagram, so that it has its time of receipt and one reader is
-//! enough. Files are begun anew by size and by time, and put one behind another they are a capture again. What cannot
-//! be written is counted, and tried again in a new file; a killed adapter leaves a file whose last packet is torn.
+//! A line of a connection becomes the payload of a datagram, so that the line has its time of receipt and one reader
+//! suffices. New files begin by size and by time; concatenated files are a capture again. Unwritten data are counted,
+//! and writing is tried again in a new file. A killed adapter leaves a file with a torn last packet.
 
 use std::fs::File;
 use std::io::{self, Write as _};
@@ -24,12 +24,12 @@ use formats::containers::{Way, begin_capture, capture};
 use messages::Counter;
 use runtime::{HealthEntry, Now, NumberedFiles};
 
-/// Batches that go back and forth, and the octets that each has room for: a disk may pause for seconds.
+/// Number of batches, and bytes of each: a disk may pause for seconds.
 const BATCHES: usize = 4;
 const BATCH_OCTETS: usize = 4 << 20;
-/// Datagrams and lines that a batch has room for.
+/// Datagrams and lines of a batch.
 const BATCH_PIECES: usize = 1 << 14;
-/// How often the second thread looks for work.
+/// Period of the second thread.
 const PAUSE: Duration = Duration::from_millis(10);
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
@@ -43,15 +43,15 @@ pub(crate) struct Capture {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What came in, one behind another.
+/// Received data, one piece after another.
 #[derive(Debug)]
 struct Batch {
     octets: Vec<u8>,
-    /// Way and length of each piece.
+    /// Sender and length of each piece.
     pieces: Vec<(Way, usize)>,
 }
 
-/// Common property of the two threads.
+/// Data of both threads.
 #[derive(Debug)]
 struct Shared {
     full: ArrayQueue<Batch>,
@@ -64,10 +64,10 @@ struct Shared {
 }
 
 impl Capture {
-    /// Capture of what is sent to `to`, if the deployment of `process` wants one.
+    /// Creates the capture of data sent to `to`, if the deployment of `process` requests one.
     ///
     /// # Errors
-    /// If there is no second thread to be had.
+    /// If the second thread cannot be started.
     pub(crate) fn open(process: &Process, to: SocketAddr) -> anyhow::Result<Option<Self>> {
         let Some(settings) = process.config.recording.captures else {
             return Ok(None);
@@ -107,7 +107,7 @@ impl Capture {
         })
     }
 
-    /// Takes what came from `from` at `received_utc_ns`.
+    /// Takes data from `from`, received at `received_utc_ns`.
     pub(crate) fn take(&mut self, from: SocketAddr, received_utc_ns: i64, octets: &[u8]) {
         let batch = &mut self.filling;
         if batch.pieces.len() == BATCH_PIECES || batch.octets.len() + octets.len() > BATCH_OCTETS {
@@ -123,19 +123,19 @@ impl Capture {
         batch.pieces.push((way, octets.len()));
     }
 
-    /// Hands over what was taken, if the other thread keeps up.
+    /// Hands over the present batch, if the second thread keeps up.
     pub(crate) fn hand_over(&mut self) {
         if self.filling.pieces.is_empty() {
             return;
         }
         if let Some(empty) = self.shared.empty.pop() {
             let full = std::mem::replace(&mut self.filling, empty);
-            // There is room for all batches.
+            // The queue has a place for every batch.
             let _ = self.shared.full.push(full);
         }
     }
 
-    /// Adds what has been counted.
+    /// Adds the counts.
     pub(crate) fn count(&self, whole: &mut HealthEntry) {
         let shared = &self.shared;
         for (counter, count) in [
@@ -150,7 +150,7 @@ impl Capture {
 }
 
 impl Drop for Capture {
-    /// Writes what has not been written.
+    /// Writes the remaining data.
     fn drop(&mut self) {
         let last = std::mem::replace(
             &mut self.filling,
@@ -163,7 +163,7 @@ impl Drop for Capture {
         self.shared.over.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // A panic there has been said already.
+            // A panic of the thread has been reported already.
             let _ = thread.join();
         }
     }
@@ -187,21 +187,21 @@ impl Batch {
     }
 }
 
-/// The second thread.
+/// Second thread.
 #[derive(Debug)]
 struct Writing {
     folder: PathBuf,
     files: NumberedFiles,
     settings: Segments,
     open: Option<Open>,
-    /// When writing is tried again, monotonic, nanoseconds.
+    /// Time of the next attempt to write, monotonic, nanoseconds.
     retry_ns: i64,
     /// Packets of a batch.
     octets: Vec<u8>,
     shared: Arc<Shared>,
 }
 
-/// The file that is written.
+/// Present file.
 #[derive(Debug)]
 struct Open {
     file: File,
@@ -212,7 +212,7 @@ struct Open {
 impl Writing {
     fn run(&mut self) {
         loop {
-            // Before: what was handed over when it is over is still written.
+            // Read first: batches handed over before the end are still written.
             let is_over = self.shared.over.load(Ordering::Acquire);
             while let Some(mut batch) = self.shared.full.pop() {
                 self.write(&batch, Now::read().mono_ns);
@@ -251,7 +251,7 @@ impl Writing {
         shared.lost.fetch_add(lost, Ordering::Relaxed);
     }
 
-    /// Writes the packets, behind the beginning of a file if one is due.
+    /// Writes the packets, after a file header if a new file is due.
     fn append(&mut self, now_ns: i64) -> io::Result<()> {
         let is_over =
             |open: &Open| open.bytes >= self.settings.bytes || now_ns - open.begun_ns >= self.settings.length_ns;
@@ -272,7 +272,7 @@ impl Writing {
         let begin = begin_capture();
         let mut file = File::create_new(&path)?;
         file.write_all(&begin).inspect_err(|_| {
-            // Nothing is in it.
+            // The file is empty.
             let _ = std::fs::remove_file(&path);
         })?;
         if let Some(keep_bytes) = self.settings.keep_bytes {
@@ -290,7 +290,7 @@ impl Writing {
 
     fn failed(&mut self, error: &io::Error, now_ns: i64) {
         if let Some(open) = self.open.take() {
-            // Else it ends in a torn packet, as after a crash.
+            // Otherwise the file ends in a torn packet, as after a crash.
             let _ = open.file.set_len(open.bytes);
         }
         if self.shared.failures.fetch_add(1, Ordering::Relaxed) == 0 {
@@ -324,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Hands over what was taken, and awaits that it is written or lost.
+    /// Hands over the present batch, and waits until it is written or lost.
     fn pass(capture: &mut Capture) {
         let all = || BATCHES - 1 == capture.shared.empty.len();
         while !all() {

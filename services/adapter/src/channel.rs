@@ -1,4 +1,4 @@
-//! One source's way from observations to its topics.
+//! Way of one source's observations to its topics.
 
 use bus::{BusError, Mark, SharedMemory, Subscriber};
 use configuration::{Process, Source};
@@ -15,24 +15,24 @@ use crate::continuity;
 use crate::outlet::Outlet;
 use crate::receiver::Received;
 
-/// Reports that are gathered before they are published, at most: those of one batch of datagrams.
+/// Maximum number of reports collected before publication: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
-/// Slices taken at a time of what a tracker listens to.
+/// Slices taken at a time from the topics of a tracker's wide-area sensors.
 const SLICES_PER_LOOK: usize = 64;
 
-/// Hands what is observed to the source's pipeline, gathers what comes out, and publishes it in slices.
+/// Passes observations to the source's pipeline, and publishes the results in slices.
 #[derive(Debug)]
 pub(crate) struct Channel {
     source: u16,
     name: String,
     pipeline: Pipeline,
-    /// Wide-area sensors that the source's tracker listens to.
+    /// Wide-area sensors of the source's tracker.
     counts: Vec<Subscriber<SharedMemory, WideArea>>,
-    /// Direction finders whose emissions it hears.
+    /// Direction finders whose emissions the tracker uses.
     emissions: Vec<Subscriber<SharedMemory, SensorBearing>>,
     gathered: Samples,
     outlets: Outlets,
-    /// Clock by which the pipeline's offset of the source's clock is measured.
+    /// Clock for the estimate of the source's clock offset.
     steady: Option<SteadyClock>,
 }
 
@@ -60,7 +60,7 @@ impl Outlets {
         })
     }
 
-    /// Publishes samples in the order in which readers are to hear of them.
+    /// Publishes samples in the order for readers.
     fn send(&mut self, mark: Mark, samples: &mut Samples) -> Result<(), BusError> {
         self.detections.send(mark, &mut samples.detections)?;
         self.platforms.send(mark, &mut samples.platforms)?;
@@ -99,8 +99,8 @@ impl Channel {
         })
     }
 
-    /// Gets ready for data that were `received` then: to be called before each piece of them, so that no report of a
-    /// wide-area sensor that has come waits for the scan after the one that it is for.
+    /// Prepares for data received at `received`. Called before each piece of data, so that a received wide-area
+    /// report is used in the scan of its time and not in the next.
     pub(crate) fn received(&mut self, received: Received) -> anyhow::Result<()> {
         self.pipeline.received(received.utc_ns, received.steady_ns);
         self.steady = Some(SteadyClock::of(Now {
@@ -110,7 +110,8 @@ impl Channel {
         self.listen()
     }
 
-    /// Offset of the source's clock against the machine's UTC at `now` and its standard deviation, seconds.
+    /// Returns the offset of the source's clock against the machine's UTC at `now` and its standard deviation,
+    /// seconds.
     fn clock_offset(&self, now: Now) -> Option<(f64, f64)> {
         let ahead_s = self.steady?.ahead_of(now) as f64 / NS_PER_S;
         self.pipeline
@@ -118,25 +119,25 @@ impl Channel {
             .map(|(offset_s, sigma_s)| (offset_s + ahead_s, sigma_s))
     }
 
-    /// Takes a target report that came in at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes a target report received at `ingested_ns` (monotonic, nanoseconds).
     pub(crate) fn take(&mut self, observation: &Observation, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.take(observation, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
-    /// Takes a bearing that came in at `ingested_ns`.
+    /// Takes a bearing received at `ingested_ns`.
     pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.bearing(bearing, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
-    /// Takes a record that speaks of the sensor.
+    /// Takes a record about the sensor.
     pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
-    /// Publishes what has been gathered.
+    /// Publishes the collected results.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;
         let now = Now::read();
@@ -152,13 +153,13 @@ impl Channel {
         Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
-    /// Health of the source; `decoded` is what its decoder has counted.
+    /// Returns the health of the source; `decoded` are the counts of its decoder.
     pub(crate) fn health(&self, decoded: &Counters) -> HealthEntry {
         let mut entry = HealthEntry {
             source: self.source,
             progress_ns: self.pipeline.progress_ns(),
             counters: self.pipeline.counters(),
-            // Readers without the configuration, such as `koseki top`, know sources by their numbers only.
+            // Readers without the configuration, such as `koseki top`, identify sources by number only.
             note: self.name.clone(),
             ..HealthEntry::default()
         };
@@ -174,7 +175,7 @@ impl Channel {
         entry
     }
 
-    /// Hands the pipeline what wide-area sensors and direction finders have said.
+    /// Passes reports of wide-area sensors and direction finders to the pipeline.
     fn listen(&mut self) -> anyhow::Result<()> {
         let pipeline = &mut self.pipeline;
         for sensor in &mut self.counts {

@@ -1,4 +1,4 @@
-//! Content of a recorded file, read piece by piece.
+//! Contents of a recorded file, read piece by piece.
 
 use std::collections::VecDeque;
 use std::io::Cursor;
@@ -15,20 +15,20 @@ use reception::observation::{self, Reading};
 use crate::counted::{decoded, merged};
 use crate::intake::Intake;
 
-/// A recorded file, and how far it has been read.
+/// Recorded file, and the progress of its reader.
 #[derive(Debug)]
 pub(crate) enum Content {
-    /// ASTERIX data blocks, and what reads them.
+    /// ASTERIX data blocks, and their reader.
     Asterix(Packed, Box<Decoder>),
     /// Lines of SBS-1.
     Lines(Lines),
-    /// A table of sensor tracks.
+    /// Table of sensor tracks.
     Tracks(Tracks),
 }
 
 impl Content {
     /// # Errors
-    /// If it is to be a table and its header is none of a table of sensor tracks.
+    /// If the file is configured as a table and its header is not that of a table of sensor tracks.
     pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(match recorded.format {
             RecordedFormat::Asterix => Self::Asterix(Packed::new(bytes), Box::new(recorded.asterix.decoder())),
@@ -67,7 +67,7 @@ impl Content {
         }
     }
 
-    /// Adds what has been counted so far.
+    /// Adds the counts so far.
     pub(crate) fn count(&self, counters: &mut Counters) {
         match self {
             Self::Asterix(_, decoder) => *counters += &decoded(decoder.counts()),
@@ -94,7 +94,7 @@ impl Lines {
             let end = rest.iter().position(|octet| *octet == b'\n');
             end.map_or(rest.len(), |end| end + 1)
         });
-        // A line that was rejected has been counted by reason. Lines without a time are of no use in a file of text.
+        // A rejected line is counted by reason. Lines without a time have no use in a text file.
         let received_ns = received_ns.unwrap_or(self.first_day_ns);
         if let Ok(Some(observed)) = self.merger.take(line.trim_ascii_end(), received_ns) {
             intake.observe(&observed);
@@ -102,7 +102,7 @@ impl Lines {
     }
 }
 
-/// Rows of sensor tracks, of whatever sensors; a source is a file.
+/// Rows of sensor tracks of any sensors; a file is one source.
 #[derive(Debug)]
 pub(crate) struct Tracks {
     reader: Option<Box<Rows>>,
@@ -135,17 +135,17 @@ impl Tracks {
     }
 }
 
-/// The datagrams of a recording, one after the other.
+/// Datagrams of a recording, one after the other.
 #[derive(Debug)]
 pub(crate) struct Packed {
     bytes: Vec<u8>,
-    /// End of each datagram, in their order, and when it was received, if that is known, UTC, nanoseconds.
+    /// End of each datagram in order, and its time of receipt if known, UTC, nanoseconds.
     ends: VecDeque<(usize, Option<i64>)>,
     offset: usize,
 }
 
 impl Packed {
-    /// Takes datagrams out of what the recording packs them in.
+    /// Unpacks the datagrams of the recording's container.
     pub(crate) fn new(bytes: Vec<u8>) -> Self {
         let (mut unpacked, mut ends) = (Vec::new(), VecDeque::new());
         if Container::detect(&bytes) == Container::Raw {
@@ -169,12 +169,13 @@ impl Packed {
         }
     }
 
-    /// Whether every block has been handed out.
+    /// Whether every block has been returned.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// The octets of the next data block. What is no block ends its datagram, and is handed out to be counted.
+    /// Returns the bytes of the next data block. Data that are no block end their datagram, and are returned to be
+    /// counted.
     pub(crate) fn next_block(&mut self) -> &[u8] {
         let length = |rest: &[u8]| {
             let block = blocks(rest).next().and_then(Result::ok);
@@ -183,7 +184,7 @@ impl Packed {
         self.next_piece(length).0
     }
 
-    /// The next octets of a datagram, of which `length` says how many belong together, and when it was received.
+    /// Returns the next bytes of a datagram, `length` of which belong together, and their time of receipt.
     fn next_piece(&mut self, length: impl Fn(&[u8]) -> usize) -> (&[u8], Option<i64>) {
         let (end, received_ns) = self.ends.front().copied().unwrap_or((self.offset, None));
         let rest = &self.bytes[self.offset..end];

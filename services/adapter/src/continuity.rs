@@ -1,7 +1,7 @@
-//! Going on where another adapter was killed: with the tracks that it has made, under the same numbers.
+//! Continuation of a killed adapter's tracks under the same numbers.
 //!
-//! They are kept beside fusion's checkpoint, each source's in memory of its own ([`bus::Outlasting`]). What cannot be
-//! used is put aside, said, and not used; numbers begin with one that depends on the time then.
+//! Each source's tracks are kept in memory of their own beside fusion's checkpoint ([`bus::Outlasting`]). Unusable
+//! memory is put aside and reported; track numbers then begin with a number that depends on the time.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use configuration::{Process, Source};
 use runtime::Now;
 use sources::Pipeline;
 
-/// Has a source's pipeline go on, and keep its tracks for the next one.
+/// Continues a source's pipeline from its kept tracks, and keeps its tracks for a successor.
 pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline) {
     let (Some(words), Some(settings)) = (pipeline.kept_words(), process.config.fusion.checkpoint) else {
         return;

@@ -1,10 +1,10 @@
-//! Counts of readers of data, as counters.
+//! Counts of decoders as counters.
 
 use asterix::Counts;
 use formats::sbs::{Merger, Rejection};
 use messages::{Counter, Counters};
 
-/// Counters of a decoder of ASTERIX.
+/// Counters of an ASTERIX decoder.
 pub(crate) fn decoded(counts: &Counts) -> Counters {
     let mut counters = Counters::default();
     counters[Counter::Records] = counts.records;
@@ -13,7 +13,7 @@ pub(crate) fn decoded(counts: &Counts) -> Counters {
     counters
 }
 
-/// Counters of what merges lines of SBS-1.
+/// Counters of the merger of SBS-1 lines.
 pub(crate) fn merged(merger: &Merger) -> Counters {
     let counted = merger.counters();
     let rejected = Rejection::ALL.iter().map(|reason| counted.rejected(*reason));

@@ -1,11 +1,11 @@
-//! Data of a recording through the source's pipeline, and into the order of their times.
+//! Data of a recording through the source's pipeline, in the order of their times.
 
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
 use observations::{Observation, Service};
 use reception::Reorder;
 use sources::{Pipeline, Samples};
 
-/// Takes what a recording holds.
+/// Receiver of a recording's contents.
 #[derive(Debug)]
 pub(crate) struct Intake {
     source: u16,
@@ -17,7 +17,7 @@ pub(crate) struct Intake {
 }
 
 impl Intake {
-    /// Of source number `source`, whose reports come at most `reorder_ns` (nanoseconds) out of order.
+    /// Creates the intake of source `source`, whose reports are at most `reorder_ns` (nanoseconds) out of order.
     pub(crate) fn new(source: u16, pipeline: Pipeline, reorder_ns: i64) -> Self {
         Self {
             source,
@@ -35,13 +35,13 @@ impl Intake {
         self.put_in_order();
     }
 
-    /// Takes a record that speaks of the sensor.
+    /// Takes a record about the sensor.
     pub(crate) fn service(&mut self, service: &Service) {
         self.pipeline.service(service, 0, &mut self.samples);
         self.put_in_order();
     }
 
-    /// Takes a sensor track, ready made.
+    /// Takes a finished sensor track.
     pub(crate) fn track(&mut self, track: SensorTrack) {
         self.tracks += 1;
         self.samples.tracks.push(SensorTrack {
@@ -51,24 +51,24 @@ impl Intake {
         self.put_in_order();
     }
 
-    /// Works off what waits: nothing follows.
+    /// Processes waiting data at the end of the recording.
     pub(crate) fn end(&mut self) {
         self.pipeline.end(&mut self.samples);
         self.put_in_order();
         self.reorder.finish();
     }
 
-    /// Gives the detections of which tracks have been made since the last call.
+    /// Returns the detections of tracks since the last call.
     pub(crate) fn detections(&mut self) -> impl Iterator<Item = SensorDetection> + '_ {
         self.samples.detections.drain(..)
     }
 
-    /// Gives the next track in the order of times, if no earlier one can follow.
+    /// Returns the next track in the order of times, if no earlier track can follow.
     pub(crate) fn pop(&mut self) -> Option<SensorTrack> {
         self.reorder.pop()
     }
 
-    /// Counts so far.
+    /// Returns the counts so far.
     pub(crate) fn counters(&self) -> Counters {
         let mut counters = self.pipeline.counters();
         counters[Counter::RejectedLate] += self.late;

@@ -1,11 +1,10 @@
-//! The adapter process: one per sensor or per network input, it turns sensors' data into sensor tracks and publishes
-//! them.
+//! Adapter process: one per sensor or network input, converts sensors' data to sensor tracks and publishes them.
 //!
-//! Live data come in datagrams (`receiver`), which hold ASTERIX (`blocks`), bearings or counts (`tables`), or in lines
-//! over a connection (`lines`). The source's pipeline makes samples of what was observed ([`sources`]), and `channel`
-//! publishes them; `capture` keeps the octets as they came, where that is wanted. Recorded data are read whole: a
-//! source's decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's as counts; `replay` publishes
-//! either, paced by its own times. Sensors that only count are in `wide_area`.
+//! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings or counts (`tables`), or in
+//! lines over a connection (`lines`). The source's pipeline converts observations to samples ([`sources`]), and
+//! `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a
+//! source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts;
+//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`.
 
 #![forbid(unsafe_code)]
 
@@ -35,8 +34,8 @@ use crate::blocks::Blocks;
 use crate::lines::Lines;
 use crate::receiver::Receiver;
 
-/// Runs the adapter that the process is named after (of the receiver of that name, of the recorded source, or of a
-/// wide-area sensor) until it has finished or is told to stop.
+/// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until its work is
+/// done or a stop is requested.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.

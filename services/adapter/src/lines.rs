@@ -1,7 +1,7 @@
-//! SBS-1 (BaseStation) from a server on the network: one connection, and the source behind it.
+//! SBS-1 (BaseStation) from a server on the network: one connection, and its source.
 //!
-//! A server may not be there yet, go away and come back; the connection is made again whenever it is lost. A line has
-//! come in when it is read, as TCP keeps no time stamps of its own.
+//! A server may start later, end and return; a lost connection is made again. The time of receipt of a line is the
+//! time of the read, since TCP has no time stamps of its own.
 
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
@@ -19,10 +19,10 @@ use crate::channel::Channel;
 use crate::counted::merged;
 use crate::receiver::Received;
 
-/// Longest wait for a line in one turn: health messages must be said, and a stop be heard.
+/// Longest wait for a line in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// The agent of a receiver of lines.
+/// Agent of a receiver of lines.
 #[derive(Debug)]
 pub(crate) struct Lines {
     client: TcpLines,
@@ -43,7 +43,7 @@ impl Lines {
         let source = sources.first().context("no source is behind this receiver")?;
         Ok(Self {
             client: TcpLines::new(LinesSettings::new(server))?,
-            // Who reads here is not known.
+            // The readers are unknown here.
             capture: Capture::open(
                 process,
                 SocketAddr::new(
@@ -73,7 +73,7 @@ impl Agent for Lines {
             if let Some(capture) = capture {
                 capture.take(server, read.utc_ns, line);
             }
-            // A line that was rejected has been counted by reason.
+            // A rejected line is counted by reason.
             if let Ok(Some(observed)) = merger.take(line, read.utc_ns) {
                 let taken = channel
                     .received(received)

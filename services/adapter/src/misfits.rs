@@ -1,6 +1,7 @@
-//! Blocks that fit nothing that is configured: of senders that no source has, and of other editions.
+//! Blocks outside the configuration: of unknown senders, and of other editions.
 //!
-//! Both are mistakes of a configuration that a count alone does not help to find, so the most frequent is named.
+//! Both are mistakes of a configuration that a count alone does not locate. The most frequent case is therefore
+//! named.
 
 use std::collections::BTreeMap;
 
@@ -9,12 +10,12 @@ use configuration::Asterix;
 use formats::recording::CategorySurvey;
 use messages::{Counter, Counters};
 
-/// Senders that are remembered; more are counted together.
+/// Maximum number of remembered senders; further senders are counted together.
 const STRANGERS_MAX: usize = 32;
-/// Blocks after which no other edition is tried any more if none has fitted by then.
+/// Number of blocks after which no other edition is tried, if none has fitted.
 const TRIED_MAX: u64 = 256;
 
-/// Senders (SAC and SIC) that no source is configured for, and how many blocks each has sent.
+/// Senders (SAC and SIC) without a configured source, and the number of blocks of each.
 #[derive(Debug, Default)]
 pub(crate) struct Strangers {
     heard: BTreeMap<(u8, u8), u64>,
@@ -22,7 +23,7 @@ pub(crate) struct Strangers {
 }
 
 impl Strangers {
-    /// A block of `sender` has come; `None` if it does not say of whom it is.
+    /// Takes a block of `sender`; `None` without SAC and SIC.
     pub(crate) fn hear(&mut self, sender: Option<(u8, u8)>) {
         self.blocks += 1;
         let Some(sender) = sender else { return };
@@ -31,7 +32,7 @@ impl Strangers {
         }
     }
 
-    /// Adds what was counted.
+    /// Adds the counts.
     pub(crate) fn count(&self, counters: &mut Counters) {
         counters[Counter::RejectedSource] = self.blocks;
         counters[Counter::UnknownSenders] = self.heard.len() as u64;
@@ -42,7 +43,7 @@ impl Strangers {
     }
 }
 
-/// Blocks of one source that cannot be read as configured, by category.
+/// Unreadable blocks of one source, by category.
 #[derive(Debug)]
 pub(crate) struct Misfits {
     configured: Asterix,
@@ -67,12 +68,12 @@ impl Misfits {
             .entry(block.category)
             .or_insert_with(|| CategorySurvey::new(block.category, Some(table)));
         if survey.blocks < TRIED_MAX || survey.better().is_some() {
-            // Why it does not fit is counted by the decoder.
+            // The decoder counts the reason.
             let _ = survey.add(block, Some(table), self.configured.mode);
         }
     }
 
-    /// Category, edition and number of the blocks that fit another edition best.
+    /// Returns category, edition and number of blocks of the edition that fits best.
     fn most(&self) -> Option<(u8, Edition, u64)> {
         let better = self.categories.iter().filter_map(|(category, survey)| {
             let (editions, blocks) = survey.better()?;
@@ -81,7 +82,7 @@ impl Misfits {
         better.max_by_key(|(.., blocks)| *blocks)
     }
 
-    /// Adds what was counted.
+    /// Adds the counts.
     pub(crate) fn count(&self, counters: &mut Counters) {
         if let Some((category, Edition { major, minor }, blocks)) = self.most() {
             counters[Counter::BlocksOfOtherEdition] = blocks;

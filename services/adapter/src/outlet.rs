@@ -1,16 +1,16 @@
-//! The way out of samples of one kind.
+//! Publication of samples of one kind.
 
 use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
 use configuration::Process;
 use messages::{Outgoing, ProcessKind, StreamId, Topic};
 use runtime::flow::Flow;
 
-/// Publisher of a topic that not every source has.
+/// Publisher of a topic that some sources have.
 #[derive(Debug)]
 pub(crate) struct Outlet<T: Payload>(Option<Publisher<SharedMemory, T>>);
 
 impl<T: Outgoing> Outlet<T> {
-    /// Opens `topic`, if the source is to have it; `sensor_uid` is the identity of the source's sensor.
+    /// Opens `topic` if the source has it; `sensor_uid` is the identity of the source's sensor.
     pub(crate) fn open(
         process: &Process,
         topic: &Topic<T>,
@@ -22,7 +22,7 @@ impl<T: Outgoing> Outlet<T> {
         Ok(Self(publisher.map(|publisher| publisher.of_sensor(sensor_uid))))
     }
 
-    /// Publishes samples, and forgets them.
+    /// Publishes the samples and empties the buffer.
     pub(crate) fn send(&mut self, mark: Mark, samples: &mut Vec<T>) -> Result<(), BusError> {
         if let Some(publisher) = self.0.as_mut().filter(|_| !samples.is_empty()) {
             publisher.send(mark, samples.len(), |index, sequence| {
@@ -35,7 +35,8 @@ impl<T: Outgoing> Outlet<T> {
         Ok(())
     }
 
-    /// States in every slice from now on the offset of the source's clock, seconds: of one that is known, even 0.
+    /// Sets the offset of the source's clock for all later slices, seconds; a known offset of 0 stays distinct from
+    /// an unknown offset.
     pub(crate) fn set_clock_offset(&mut self, offset_s: f64) {
         if let Some(publisher) = &mut self.0 {
             // `as` saturates.
@@ -44,13 +45,13 @@ impl<T: Outgoing> Outlet<T> {
         }
     }
 
-    /// Number of samples that have been published.
+    /// Returns the number of published samples.
     pub(crate) fn sent(&self) -> u64 {
         self.0.as_ref().map_or(0, |publisher| publisher.counts().samples)
     }
 }
 
-/// Publisher of a recording's topic, which never sends more than its consumers can take.
+/// Publisher of a recording's topic, limited by its consumers.
 #[derive(Debug)]
 pub(crate) struct PacedOutlet<T: Payload> {
     publisher: Publisher<SharedMemory, T>,
@@ -76,7 +77,7 @@ impl<T: Outgoing> PacedOutlet<T> {
         })
     }
 
-    /// Reads what the consumers have said.
+    /// Reads the consumers' progress.
     pub(crate) fn update(&mut self) -> anyhow::Result<()> {
         self.flow.update(self.publisher.counts().slices)
     }
@@ -86,8 +87,8 @@ impl<T: Outgoing> PacedOutlet<T> {
         self.flow.may_send(self.publisher.counts().slices)
     }
 
-    /// Publishes `count` samples that keep their numbers, and came in at `ingested_ns` (monotonic, nanoseconds): a
-    /// recorded one comes in when it is due.
+    /// Publishes `count` samples with their own numbers, received at `ingested_ns` (monotonic, nanoseconds): the time
+    /// of receipt of a recorded sample is its due time.
     pub(crate) fn send(
         &mut self,
         mark: Mark,
@@ -111,7 +112,7 @@ impl<T: Outgoing> PacedOutlet<T> {
         self.publisher.slice_len()
     }
 
-    /// Number of samples that have been published.
+    /// Returns the number of published samples.
     pub(crate) fn sent(&self) -> u64 {
         self.publisher.counts().samples
     }

@@ -1,8 +1,8 @@
-//! Datagrams from the network: one socket, and what reads them.
+//! Datagrams from the network: one socket and its reader.
 //!
-//! Waiting for the next datagram is part of a turn, as the socket hands over what it has waited for. Data have come in
-//! when the kernel took their datagram from the network; with that time begins their way through the stages, and by it
-//! the sensor's time of day is judged.
+//! The wait for the next datagram is part of a turn, since the socket returns the datagram. The time of receipt is
+//! the time at which the kernel took the datagram from the network. The stages of a report begin with this time, and
+//! the sensor's time of day is checked against it.
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -17,37 +17,37 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::capture::Capture;
 
-/// Longest wait for a datagram in one turn: health messages must be said, and a stop be heard.
+/// Longest wait for a datagram in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// Longest time for which a datagram waits in the kernel, nanoseconds; a stamp farther from the present is of a UTC
-/// that has been set since.
+/// Longest time of a datagram in the kernel, nanoseconds; a stamp farther from the present belongs to a UTC before a
+/// step of the clock.
 const WAITED_MAX_NS: i64 = 10_000_000_000;
 
-/// Reads datagrams and publishes what is in them.
+/// Reader of datagrams and publisher of their contents.
 pub(crate) trait Datagrams: Debug {
     /// Takes a datagram.
     fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()>;
 
-    /// Publishes what has been made of the datagrams of a turn, `count` in number.
+    /// Publishes the results of the `count` datagrams of a turn.
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()>;
 
-    /// Health of the whole, beside its socket, and of each source behind it.
+    /// Returns the health of the receiver apart from its socket, and of each source behind it.
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>);
 }
 
-/// Time at which a datagram was received, nanoseconds.
+/// Time of receipt of a datagram, nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Received {
     /// UTC of the machine.
     pub(crate) utc_ns: i64,
     /// Monotonic.
     pub(crate) mono_ns: i64,
-    /// UTC that is not set while the process runs.
+    /// UTC without steps during the life of the process.
     pub(crate) steady_ns: i64,
 }
 
 impl Received {
-    /// Time of receipt at `utc_ns` of the machine's clock, which stands at `now`.
+    /// Returns the time of receipt at `utc_ns` of the machine's clock, which shows `now`.
     pub(crate) fn of(utc_ns: i64, now: Now, steady: SteadyClock) -> Self {
         let waited_ns = now.utc_ns.saturating_sub(utc_ns);
         let is_possible = (-WAITED_MAX_NS..=WAITED_MAX_NS).contains(&waited_ns);
@@ -60,7 +60,7 @@ impl Received {
     }
 }
 
-/// The agent of a receiver of datagrams.
+/// Agent of a receiver of datagrams.
 #[derive(Debug)]
 pub(crate) struct Receiver<D> {
     socket: UdpReceiver,

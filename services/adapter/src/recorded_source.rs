@@ -1,7 +1,7 @@
-//! A recorded file as a queue of sensor tracks in the order of their times.
+//! Recorded file as a queue of sensor tracks in the order of their times.
 //!
-//! Decoding runs ahead of replay by a few reports, so that the time of the next one is known: that is the source's
-//! progress mark, and lets fusion go on during the source's silences.
+//! Decoding is several reports ahead of the replay, so that the time of the next report is known. This time is the
+//! source's watermark, and lets fusion continue during the source's silences.
 
 use std::collections::VecDeque;
 
@@ -16,22 +16,22 @@ use crate::intake::Intake;
 use crate::replay::{Published, Replay, Replayed};
 use crate::wide_area::recorded;
 
-/// Reports that are decoded ahead: more than any slice holds.
+/// Number of reports decoded ahead: more than a slice.
 pub(crate) const AHEAD: usize = 128;
 
-/// A recording, decoded as it is asked for.
+/// Recording, decoded on demand.
 #[derive(Debug)]
 pub struct RecordedSource {
     content: Content,
     intake: Intake,
     ready: VecDeque<SensorTrack>,
     next_number: u64,
-    /// Detections of which tracks were made, numbered by their place in the recording.
+    /// Detections of tracks, numbered by their place in the recording.
     detections: VecDeque<SensorDetection>,
     next_detection: u64,
 }
 
-/// The agent that replays a recorded source.
+/// Creates the agent that replays a recorded source.
 ///
 /// # Errors
 /// If the recording cannot be read, or shared memory fails.
@@ -74,8 +74,8 @@ pub(crate) fn replay(
     )
 }
 
-/// Reports of the wide-area sensors that the source's tracker listens to: read here, and not taken from their
-/// topics, so that the tracks do not depend on who is faster.
+/// Reports of the wide-area sensors of the source's tracker: read from the recordings and not from their topics, so
+/// that the tracks do not depend on the speed of other processes.
 fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
     let mut reports = Vec::new();
     for number in &source.links.wide_area_sensors {
@@ -86,16 +86,17 @@ fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
 }
 
 impl RecordedSource {
-    /// The recording in `bytes` of `source`, whose first report is of the day that begins at `first_day_ns` (UTC,
-    /// nanoseconds).
+    /// Creates the recording in `bytes` of `source`, whose first report is of the day that begins at `first_day_ns`
+    /// (UTC, nanoseconds).
     ///
     /// # Errors
-    /// If it is to be a table of sensor tracks and its header is none of such a table.
+    /// If the file is configured as a table and its header is not that of a table of sensor tracks.
     pub fn new(bytes: Vec<u8>, recorded: &Recorded, source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
         Self::supported(bytes, recorded, source, first_day_ns, Arrivals::default())
     }
 
-    /// As [`Self::new`], for a source whose tracker listens to wide-area sensors: these are their `counts`.
+    /// Creates the recording as [`Self::new`] does, with the `counts` of the wide-area sensors of the source's
+    /// tracker.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -119,7 +120,7 @@ impl RecordedSource {
         Ok(recording)
     }
 
-    /// Counts so far.
+    /// Returns the counts so far.
     pub fn counters(&self) -> Counters {
         let mut counters = self.intake.counters();
         self.content.count(&mut counters);

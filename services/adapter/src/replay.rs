@@ -1,9 +1,9 @@
-//! Replaying a recording, paced by its own times.
+//! Replay of a recording, paced by its own times.
 //!
-//! The recording's clock starts when every consumer is there. At a finite speed a sample is published when that clock
-//! reaches its time; at the greatest, as soon as the consumers have room. Either way nothing is published that they
-//! could not take. A replay that was killed resumes with the first sample that some consumer still lacks: samples are
-//! numbered by their place in the recording, so the consumers recognise any that come twice.
+//! The recording's clock starts when every consumer has joined. At a finite speed a sample is published when that
+//! clock reaches the sample's time; at maximum speed, as soon as the consumers have room. In both cases nothing is
+//! published beyond the consumers' room. A killed replay resumes with the first sample that a consumer lacks: samples
+//! are numbered by their place in the recording, so that consumers recognise repeated samples.
 
 use std::fmt::Debug;
 use std::time::Duration;
@@ -16,16 +16,16 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::outlet::PacedOutlet;
 
-/// Time to wait for consumers before looking again.
+/// Time between two looks for consumers.
 const PATIENCE: Duration = Duration::from_millis(20);
 /// Time between two repetitions of the end, nanoseconds.
 const END_REPEAT_NS: i64 = 250_000_000;
 
-/// Samples of a recording in the order in which they are due, numbered by their places.
+/// Samples of a recording in the order of their due times, numbered by their places.
 pub(crate) trait Replayed: Debug {
-    /// A sample.
+    /// Sample.
     type Sample: Outgoing;
-    /// Consumers that must be there before the recording's clock starts, in words.
+    /// Consumers that must join before the recording's clock starts, in words.
     const WAITS_FOR: &'static str;
 
     /// Number of the next sample, and UTC at which the one `ahead` places after it is due, nanoseconds; `None` if there
