@@ -6,7 +6,7 @@
 use kept::{Get, Kept, kept};
 use messages::{GrossError, GrossKind, NS_PER_S, TrackState};
 
-use crate::alignment::PairState;
+use crate::alignment::PairFindings;
 use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
 use crate::engine::Engine;
 use crate::existence::Tally;
@@ -43,7 +43,7 @@ kept! {
     /// All that was learned of one ordered pair of sources.
     struct LearnedOfPair {
         sums: Pair,
-        gross: PairState,
+        gross: PairFindings,
         /// Share of copies, mean squares of differences, and whether that makes the two dependent.
         dependence: ((f64, [f64; 2]), bool),
     }
@@ -204,7 +204,7 @@ impl Engine {
                     follows: *self.life.coverage.general_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
                     factor: *self.publisher.accuracies.factor_mut(place),
-                    gross: self.sources.alignment.kept(place),
+                    gross: self.sources.alignment.bias_of(place),
                 };
                 checkpoint.write(kind, place, &learned);
             }

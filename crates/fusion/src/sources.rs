@@ -52,7 +52,7 @@ impl Sources {
         let tick_s = TICK_NS as f64 / NS_PER_S;
         Self {
             models: vec![SourceModel::default(); count],
-            alignment: Alignment::new(settings),
+            alignment: Alignment::new(&settings.registration, &settings.sources),
             registration: Registration::new(
                 count,
                 registration.reference_source.as_ref().map(|source| source.number),
@@ -144,7 +144,7 @@ impl Sources {
         let report = in_time.as_ref().unwrap_or(report);
         let corrected = self.alignment.corrected(report, now_ns).or(in_time);
         let report = corrected.as_ref().unwrap_or(report);
-        if let Some(source) = self.alignment.take(report, now_ns, settings, &self.clocks) {
+        if let Some(source) = self.alignment.take(report, now_ns, &settings.sources, &self.clocks) {
             // What was learned from the few tracks that joined is of another source.
             self.registration.forget(usize::from(source));
         }

@@ -290,7 +290,7 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
         let (sources, tracks) = (&harness.engine.sources, &harness.engine.tracks);
         (
             sources.manoeuvres.motion(fast_mps).turns.density_m2ps3,
-            sources.alignment.kept(2),
+            sources.alignment.bias_of(2),
             [0, 1, 2].map(|source| tracks.dependence.group_of(source)),
         )
     };
@@ -305,6 +305,6 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let mut other = Harness::new(settings);
     let snapshot = Snapshot::read(memory.words(), &next.engine.checkpoint_layout()).unwrap();
     other.engine.resume(&snapshot, false, &mut |_: &SystemTrack| {});
-    let (believed, removed) = other.engine.sources.alignment.kept(2);
+    let (believed, removed) = other.engine.sources.alignment.bias_of(2);
     assert!(removed.is_none() && believed.is_some_and(|error| !error.is_removed));
 }

@@ -9,13 +9,13 @@ pub use rule::{
     DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
     RuleSettings, Tie,
 };
-pub(crate) use source::FRESH_PERIODS;
 pub use source::{
     Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CoverageArea, CoverageTable, ReportLimits, Shares, SourceRef,
     SourceSettings, Weighing,
 };
+pub(crate) use source::{FRESH_PERIODS, longest_period_s};
 
-use messages::{NO_SOURCE, NS_PER_S};
+use messages::NO_SOURCE;
 use settings::{Seconds, SettingsError};
 
 use crate::region::Region;
@@ -245,8 +245,7 @@ impl Settings {
 
     /// Longest time between two reports of any source, seconds.
     pub(crate) fn longest_period_s(&self) -> f64 {
-        let longest = self.sources.iter().map(|source| source.period_ns).max();
-        longest.unwrap_or(0) as f64 / NS_PER_S
+        longest_period_s(&self.sources)
     }
 
     /// TI-8: alpha cannot be normalised by a source whose alpha is 0.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
 
@@ -250,6 +251,12 @@ impl SourceSettings {
             limits: ReportLimits::default(),
         })
     }
+}
+
+/// Longest time between two reports of any source, seconds.
+pub(crate) fn longest_period_s(sources: &[SourceSettings]) -> f64 {
+    let longest = sources.iter().map(|source| source.period_ns).max();
+    longest.unwrap_or(0) as f64 / NS_PER_S
 }
 
 /// Where a source sees targets, and how surely.

@@ -1,31 +1,29 @@
-//! Global alignment: gross errors of a source, found from tracks that did not join.
+//! Search for the biases that would bring the tracks of two sources together.
 //!
-//! Registration learns from tracks that were joined. A radar that is half a degree off shows a target at 100 km nearly
-//! a kilometre aside: nothing joins, nothing is learned, and every target is shown twice. But all of its tracks are off
-//! in the same way. So for every two sources this asks which error of one, an azimuth, a range, a time or a place,
-//! brings the most of its tracks onto tracks of the other. Each pair of tracks that move alike implies one value of
-//! each kind; of pairs that are not of one target these values lie anywhere, of those that are they pile up (a
-//! generalised Hough transform). The fullest bin of each kind's histogram is refined and then tried on all tracks.
+//! Problem: a source that is half a degree off shows a target at 100 km nearly a kilometre aside. Nothing joins, so
+//! nothing shows which track of one source belongs to which track of the other. Comparing only the nearest tracks would
+//! find the density of the traffic, not the bias.
 //!
-//! Reports are collected for a while, of targets in a part of the area that holds as many as can be compared; then the
-//! sources are compared two by two, a bounded number of pairs of tracks with each report. An error is believed when a
-//! second collection, of another part, has shown it again, and it explains much more than no error does.
+//! Method: a generalised Hough transform, a bounded number of pairs of tracks with each report.
+//! 1. *Collect* the latest report of each fast, confirmed track in a part of the area. The part narrows until no source
+//!    has more than [`TRACKS_MAX`] tracks there, so that all sources contribute the same targets.
+//! 2. *Compare* every two sources. First as they are: where most tracks fit, the two agree.
+//! 3. *Vote*: each pair of tracks that move alike implies one value of each kind of bias. Values of pairs of different
+//!    targets lie anywhere; values of pairs of one target pile up in a bin of the histogram.
+//! 4. *Refine* the fullest bin of each kind by the weighted mean of the fitting pairs, then *try* the refined value on
+//!    all tracks. Its score is the number of tracks that it explains, each reduced by its distance.
+//! 5. *Record* the score in the [`PairFindings`]. A bias counts when collections of different parts of the area agree.
 //!
-//! Two sources show that one of them is off, not which. A third one that agrees with one of them does, or a reference
-//! source; addresses do where the error needs a place that only one of them has; and the times of receipt do where it
-//! is one of time.
-//!
-//! Limits: targets that hardly move say too little; errors beyond [`LIMIT`], or two kinds at once, are not found.
+//! Limits: slow targets carry too little information; biases beyond the histogram and two kinds at once are not found.
 //!
 //! Source: D. H. Ballard, *Generalizing the Hough transform to detect arbitrary shapes*, Pattern Recognition 13 (1981).
 
-use kept::kept;
-use messages::{GrossError, GrossKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{GrossKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::gross::{self, Motion, Sigma};
-use crate::registration::ClockError;
-use crate::settings::Settings;
+use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, bin};
+use crate::gross::{Motion, Sigma};
+use crate::settings::{SourceSettings, longest_period_s};
 
 /// Tracks of one source that are compared at most, and at least.
 const TRACKS_MAX: usize = 40;
@@ -58,43 +56,13 @@ const GATE: f64 = 20.0;
 const AGREES: f64 = 0.6;
 const EXPLAINS: f64 = 0.4;
 const GAINS: f64 = 0.35;
-/// Clock offset, seconds, by which one of two sources must be worse to be the one whose time is wrong.
-const CLOCK_WORSE_S: f64 = 0.5;
-/// Times that an error must have been found.
-const WINDOWS_MIN: u32 = 2;
-/// Errors that are looked for: on the side of which source of the two, and of which kind.
-const HYPOTHESES: [(Side, GrossKind); 6] = [
-    (Side::First, GrossKind::Azimuth),
-    (Side::First, GrossKind::Range),
-    (Side::First, GrossKind::Time),
-    (Side::First, GrossKind::Position),
-    (Side::Second, GrossKind::Azimuth),
-    (Side::Second, GrossKind::Range),
-];
 /// Bins of a histogram along one axis, to either side of 0.
 const BINS: usize = 60;
 const ROW: usize = 2 * BINS + 1;
 
-/// Width of a bin of each kind, in its unit; twice that is the difference up to which two values are the same.
-const fn bin(kind: GrossKind) -> f64 {
-    match kind {
-        GrossKind::Azimuth => 0.0025,
-        GrossKind::Range => 100.0,
-        GrossKind::Time => 1.0,
-        GrossKind::Position => 200.0,
-    }
-}
-
-/// Which source of a pair an error is one of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Side {
-    First,
-    Second,
-}
-
 /// Latest report of a track.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Seen {
+struct TrackSample {
     time_ns: i64,
     track_number: u32,
     height_m: Option<f64>,
@@ -105,7 +73,7 @@ struct Seen {
     velocity_m2ps2: f64,
 }
 
-impl Seen {
+impl TrackSample {
     /// Motion at `time_ns`, and the deviation per axis that this adds, metres.
     fn at(&self, time_ns: i64) -> (Motion, f64) {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
@@ -115,43 +83,6 @@ impl Seen {
         }
         let unforeseen_m = (0.5 * ACCELERATION_MPS2 * seconds * seconds).min(ACCELERATION_MPS2 * 4.0 * seconds.abs());
         (motion, (self.velocity_m2ps2.sqrt() * seconds).hypot(unforeseen_m))
-    }
-}
-
-kept!(Found {
-    value: [f64; 2],
-    score: f64,
-    windows: u32
-});
-kept!(PairState {
-    found: [Found; HYPOTHESES.len()],
-    agree: bool,
-    addresses: u32
-});
-
-/// Success of one kind of error in explaining two sources, over the collections in a row that found it.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Found {
-    value: [f64; 2],
-    score: f64,
-    windows: u32,
-}
-
-/// Knowledge of two sources.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct PairState {
-    found: [Found; HYPOTHESES.len()],
-    /// Whether they agree as they are.
-    agree: bool,
-    /// Pairs of tracks with the same address that fit with the error.
-    addresses: u32,
-}
-
-impl PairState {
-    /// The hypothesis that explains most; `None` if none is believed.
-    fn best(&self) -> Option<usize> {
-        let believed = (0..HYPOTHESES.len()).filter(|h| self.found[*h].windows >= WINDOWS_MIN);
-        believed.max_by(|a, b| self.found[*a].score.total_cmp(&self.found[*b].score))
     }
 }
 
@@ -234,49 +165,38 @@ impl Votes {
     }
 }
 
-/// Gross errors of all sources.
+/// Search over all pairs of sources.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Alignment {
-    reference: Option<usize>,
-    removes: bool,
+pub(super) struct Search {
     places_m: Vec<Option<[f64; 2]>>,
     /// Tracks collected of each source.
-    seen: Vec<Vec<Seen>>,
+    samples: Vec<Vec<TrackSample>>,
     phase: Phase,
-    /// Middle and half-width of the part of the area that is looked at.
+    /// Centre and half-width of the part of the area from which tracks are collected.
     focus_m: Option<[f64; 2]>,
     reach_m: f64,
-    /// The two sources being compared, what of, and the next track of the first one.
+    /// Compared sources, present stage, and the next track of the first source.
     pair: (usize, usize),
     job: Job,
     row: usize,
     votes: Box<Votes>,
-    /// Sums of the present job, and results so far.
+    /// Sums of the present stage, and results so far.
     sum: [f64; 4],
     as_they_are: f64,
     values: [[f64; 2]; HYPOTHESES.len()],
     scores: [f64; HYPOTHESES.len()],
     same_address: u32,
-    pairs: Vec<PairState>,
-    /// How much was amiss in the present comparisons: nothing, sources that do not agree, an error.
+    pairs: Vec<PairFindings>,
+    /// Worst result of the present comparisons: 0 agreement, 1 disagreement, 2 a bias.
     amiss: usize,
-    /// Error of each source that is believed.
-    errors: Vec<Option<GrossError>>,
-    /// Errors that are taken off each source's reports.
-    removed: Vec<Option<(GrossKind, [f64; 2])>>,
-    /// How often that has changed.
-    epochs: Vec<u8>,
 }
 
-impl Alignment {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        let count = settings.sources.len();
-        let reference = settings.registration.reference_source.as_ref();
+impl Search {
+    pub(super) fn new(sources: &[SourceSettings]) -> Self {
+        let count = sources.len();
         Self {
-            reference: reference.map(|source| usize::from(source.number)),
-            removes: settings.registration.gross,
-            places_m: settings.sources.iter().map(|source| source.place_m).collect(),
-            seen: (0..count).map(|_| Vec::with_capacity(TRACKS_MAX)).collect(),
+            places_m: sources.iter().map(|source| source.place_m).collect(),
+            samples: (0..count).map(|_| Vec::with_capacity(TRACKS_MAX)).collect(),
             phase: Phase::Pause(i64::MIN),
             focus_m: None,
             reach_m: REACH_MAX_M,
@@ -289,73 +209,31 @@ impl Alignment {
             values: [[0.0; 2]; HYPOTHESES.len()],
             scores: [0.0; HYPOTHESES.len()],
             same_address: 0,
-            pairs: vec![PairState::default(); count * count],
+            pairs: vec![PairFindings::default(); count * count],
             amiss: 0,
-            errors: vec![None; count],
-            removed: vec![None; count],
-            epochs: vec![0; count],
         }
     }
 
-    /// Findings on two sources, by the place of their pair.
-    pub(crate) fn pair_mut(&mut self, place: usize) -> &mut PairState {
+    /// Places of the sources' sensors, east and north, metres.
+    pub(super) fn places_m(&self) -> &[Option<[f64; 2]>] {
+        &self.places_m
+    }
+
+    /// Findings on all pairs of sources, by first × number of sources + second.
+    pub(super) fn pairs(&self) -> &[PairFindings] {
+        &self.pairs
+    }
+
+    pub(super) fn pair_mut(&mut self, place: usize) -> &mut PairFindings {
         &mut self.pairs[place]
     }
 
-    /// Errors of a source: the one that is believed, and what is taken off its reports.
-    pub(crate) fn kept(&self, source: usize) -> (Option<GrossError>, Option<(GrossKind, [f64; 2])>) {
-        (self.errors[source], self.removed[source])
-    }
-
-    /// Goes on with errors that were [kept](Self::kept); nothing is taken off where the settings do not say so.
-    pub(crate) fn resume(
-        &mut self,
-        source: usize,
-        (error, removed): (Option<GrossError>, Option<(GrossKind, [f64; 2])>),
-    ) {
-        self.removed[source] = removed.filter(|_| self.removes);
-        self.errors[source] = error.map(|error| GrossError {
-            is_removed: error.is_removed && self.removes,
-            ..error
-        });
-    }
-
-    /// The gross error of a source, if one is believed.
-    pub(crate) fn error_of(&self, source: u16) -> Option<GrossError> {
-        self.errors[usize::from(source)]
-    }
-
-    /// How often what is removed from the reports of a source has changed: tracks of before are of no use then.
-    pub(crate) fn epoch_of(&self, source: u16) -> u8 {
-        self.epochs[usize::from(source)]
-    }
-
-    /// Reports of a source are others from now on: its tracks of before are of no use.
-    pub(crate) fn begin_epoch(&mut self, source: u16) {
-        self.epochs[usize::from(source)] = self.epochs[usize::from(source)].wrapping_add(1);
-        self.forget(usize::from(source));
-    }
-
-    /// The report without the gross error of its source, at `now_ns`; `None` if nothing is taken off it.
-    pub(crate) fn corrected(&self, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
-        let source = usize::from(report.source);
-        let (kind, value) = self.removed[source]?;
-        Some(gross::corrected(report, kind, value, self.places_m[source], now_ns))
-    }
-
-    /// Takes a valid report, and goes on with the comparison; `now_ns` is the present, and `clocks` the errors of the
-    /// sources' clocks by the times of receipt. The source whose correction has changed, if one has.
-    pub(crate) fn take(
-        &mut self,
-        report: &SensorTrack,
-        now_ns: i64,
-        settings: &Settings,
-        clocks: &[ClockError],
-    ) -> Option<u16> {
+    /// Continues the search with a valid report; true when all pairs of sources have been compared.
+    pub(super) fn take(&mut self, report: &SensorTrack, now_ns: i64, sources: &[SourceSettings]) -> bool {
         match self.phase {
             Phase::Pause(until_ns) if now_ns >= until_ns => {
                 let [least_s, most_s] = COLLECT_S;
-                let collect_s = (COLLECT_PERIODS * settings.longest_period_s()).clamp(least_s, most_s);
+                let collect_s = (COLLECT_PERIODS * longest_period_s(sources)).clamp(least_s, most_s);
                 self.begin(now_ns.saturating_add((collect_s * NS_PER_S) as i64));
                 self.collect(report);
             }
@@ -368,25 +246,25 @@ impl Alignment {
                 self.next_pair();
             }
             Phase::Collect(_) => self.collect(report),
-            Phase::Compare => return self.step(now_ns, clocks),
+            Phase::Compare => return self.step(now_ns),
         }
-        None
+        false
     }
 
     fn begin(&mut self, until_ns: i64) {
         self.phase = Phase::Collect(until_ns);
         self.focus_m = None;
-        self.seen.iter_mut().for_each(Vec::clear);
+        self.samples.iter_mut().for_each(Vec::clear);
     }
 
     fn collect(&mut self, report: &SensorTrack) {
         let source = usize::from(report.source);
         let [vx, vy, _] = report.velocity_mps;
         let [x, y, _] = report.position_m;
-        let says_enough = report.state == TrackState::Confirmed as u8
+        let is_informative = report.state == TrackState::Confirmed as u8
             && report.has(sensor_track_bits::VELOCITY)
             && vx.hypot(vy) > SPEED_MIN_MPS;
-        if !says_enough {
+        if !is_informative {
             return;
         }
         let focus_m = *self.focus_m.get_or_insert([x, y]);
@@ -394,7 +272,7 @@ impl Alignment {
             return;
         }
         let variance = |index: usize| report.covariance.get(index, index);
-        let seen = Seen {
+        let sample = TrackSample {
             time_ns: report.time_of_measurement_ns,
             track_number: report.track_number,
             height_m: report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]),
@@ -407,28 +285,30 @@ impl Alignment {
             position_m2: 0.5 * (variance(0) + variance(1)),
             velocity_m2ps2: 0.5 * (variance(3) + variance(4)),
         };
-        let tracks = &mut self.seen[source];
-        let known = tracks.iter().position(|seen| seen.track_number == report.track_number);
+        let tracks = &mut self.samples[source];
+        let known = tracks
+            .iter()
+            .position(|sample| sample.track_number == report.track_number);
         if let Some(place) = known {
-            tracks[place] = seen;
+            tracks[place] = sample;
             return;
         }
-        while self.seen[source].len() == TRACKS_MAX {
+        while self.samples[source].len() == TRACKS_MAX {
             // So that it is the same targets that are seen of all sources.
             self.reach_m *= NARROWER;
-            for tracks in &mut self.seen {
-                tracks.retain(|seen| is_near(&seen.motion.position_m, &focus_m, self.reach_m));
+            for tracks in &mut self.samples {
+                tracks.retain(|sample| is_near(&sample.motion.position_m, &focus_m, self.reach_m));
             }
         }
         if is_near(&[x, y], &focus_m, self.reach_m) {
-            self.seen[source].push(seen);
+            self.samples[source].push(sample);
         }
     }
 
     /// Turns to the next two sources of which enough was seen; after the last ones there is a pause.
     fn next_pair(&mut self) {
-        let count = self.seen.len();
-        let enough = |source: usize| self.seen[source].len() >= TRACKS_MIN;
+        let count = self.samples.len();
+        let enough = |source: usize| self.samples[source].len() >= TRACKS_MIN;
         let (mut first, mut second) = self.pair;
         loop {
             second += 1;
@@ -453,32 +333,32 @@ impl Alignment {
         (self.job, self.row, self.sum) = (job, 0, [0.0; 4]);
     }
 
-    /// Compares some pairs of tracks.
-    fn step(&mut self, now_ns: i64, clocks: &[ClockError]) -> Option<u16> {
+    /// Compares some pairs of tracks; true when all pairs of sources have been compared.
+    fn step(&mut self, now_ns: i64) -> bool {
         let (first, second) = self.pair;
-        if first == self.seen.len() {
+        if first == self.samples.len() {
             let pause_s = PAUSE_S[self.amiss];
             self.phase = Phase::Pause(now_ns.saturating_add((pause_s * NS_PER_S) as i64));
-            return self.judge(clocks);
+            return true;
         }
         let mut work = 0;
-        while work < STEP_PAIRS && self.row < self.seen[first].len() {
+        while work < STEP_PAIRS && self.row < self.samples[first].len() {
             self.compare_row(first, second);
-            work += self.seen[second].len();
+            work += self.samples[second].len();
             self.row += 1;
         }
-        if self.row == self.seen[first].len() {
+        if self.row == self.samples[first].len() {
             self.finish(first, second);
         }
-        None
+        false
     }
 
     /// Compares one track of the first source with all of the second one.
     fn compare_row(&mut self, first: usize, second: usize) {
-        let own = self.seen[first][self.row];
+        let own = self.samples[first][self.row];
         let mut best: Option<(f64, [f64; 2], f64, bool)> = None;
-        for other in 0..self.seen[second].len() {
-            let other = &self.seen[second][other];
+        for other in 0..self.samples[second].len() {
+            let other = &self.samples[second][other];
             let Some((motion, sigma)) = comparable(&own, other) else {
                 continue;
             };
@@ -538,16 +418,16 @@ impl Alignment {
 
     /// Draws the conclusion from a job that is done, and turns to the next.
     fn finish(&mut self, first: usize, second: usize) {
-        let fewer = self.seen[first].len().min(self.seen[second].len()) as f64;
+        let fewer = self.samples[first].len().min(self.samples[second].len()) as f64;
         let [score, east, north, weights] = self.sum;
-        let state = first * self.seen.len() + second;
+        let state = first * self.samples.len() + second;
         match self.job {
             Job::AsTheyAre => {
                 self.as_they_are = score;
                 if score >= AGREES * fewer {
-                    self.pairs[state] = PairState {
+                    self.pairs[state] = PairFindings {
                         agree: true,
-                        ..PairState::default()
+                        ..PairFindings::default()
                     };
                     return self.next_pair();
                 }
@@ -576,159 +456,45 @@ impl Alignment {
                     self.turn_to(Job::Refine(hypothesis + 1));
                     return;
                 }
-                self.note(state, fewer);
+                self.record(state, fewer);
                 self.next_pair();
             }
         }
     }
 
-    /// Notes what was found of two sources, of which `fewer` tracks could fit.
-    fn note(&mut self, state: usize, fewer: f64) {
+    /// Records the scores of two sources; the source with fewer tracks has `fewer`.
+    fn record(&mut self, state: usize, fewer: f64) {
         let state = &mut self.pairs[state];
         state.agree = false;
         state.addresses = self.same_address;
         for (hypothesis, (_, kind)) in HYPOTHESES.iter().enumerate() {
             let (score, value) = (self.scores[hypothesis], self.values[hypothesis]);
-            let found = &mut state.found[hypothesis];
+            let estimate = &mut state.estimates[hypothesis];
             let explains =
                 score >= (TRACKS_MIN as f64 - 1.0).max(EXPLAINS * fewer) && score - self.as_they_are >= GAINS * score;
             if !explains {
-                *found = Found::default();
+                *estimate = BiasEstimate::default();
                 continue;
             }
             self.amiss = 2;
-            let is_same = (0..2).all(|axis| (value[axis] - found.value[axis]).abs() <= 2.0 * bin(*kind));
-            if found.windows == 0 || !is_same {
-                *found = Found::default();
+            let is_same = (0..2).all(|axis| (value[axis] - estimate.value[axis]).abs() <= 2.0 * bin(*kind));
+            if estimate.windows == 0 || !is_same {
+                *estimate = BiasEstimate::default();
             }
-            let sum = found.score + score;
-            for (mean, value) in found.value.iter_mut().zip(value) {
+            let sum = estimate.score + score;
+            for (mean, value) in estimate.value.iter_mut().zip(value) {
                 *mean += (value - *mean) * score / sum;
             }
-            (found.score, found.windows) = (sum, found.windows + 1);
+            (estimate.score, estimate.windows) = (sum, estimate.windows + 1);
         }
     }
 
-    /// Decides whose error it is; the source whose correction has changed, if one has.
-    fn judge(&mut self, clocks: &[ClockError]) -> Option<u16> {
-        let count = self.seen.len();
-        for source in 0..count {
-            let removed = self.removed[source];
-            // What is taken off shows no more; that it is, is still to be told.
-            self.errors[source] = self.errors[source].filter(|_| removed.is_some());
-        }
-        let worse_clock = |first: usize, second: usize| {
-            let apart_s = clocks[first].excess_s - clocks[second].excess_s;
-            (apart_s.abs() > CLOCK_WORSE_S).then_some(if apart_s > 0.0 { first } else { second })
-        };
-        let mut changed = None;
-        for first in 0..count {
-            for second in first + 1..count {
-                let state = self.pairs[first * count + second];
-                let Some(hypothesis) = state.best() else {
-                    continue;
-                };
-                let [of_first, of_second] = [first, second].map(|source| self.supporters(source));
-                let agree =
-                    |source: usize| (0..count).any(|other| self.pair_of(source, other).is_some_and(|p| p.agree));
-                let mut culprit = match HYPOTHESES[hypothesis].0 {
-                    Side::First => first,
-                    Side::Second => second,
-                };
-                let mut is_certain = false;
-                if self.reference == Some(first) || self.reference == Some(second) {
-                    culprit = if self.reference == Some(first) { second } else { first };
-                    is_certain = true;
-                } else if let (GrossKind::Time, Some(worse)) = (HYPOTHESES[hypothesis].1, worse_clock(first, second)) {
-                    (culprit, is_certain) = (worse, true);
-                } else if of_first >= 2 && agree(second) && !agree(first) {
-                    (culprit, is_certain) = (first, true);
-                } else if of_second >= 2 && agree(first) && !agree(second) {
-                    (culprit, is_certain) = (second, true);
-                } else if state.addresses >= 3 {
-                    let kind = HYPOTHESES[hypothesis].1;
-                    let other = first + second - culprit;
-                    let needs_place = matches!(kind, GrossKind::Azimuth | GrossKind::Range);
-                    is_certain = needs_place && self.places_m[other].is_none();
-                }
-                let Some((kind, value)) = self.error_as(culprit, first, second) else {
-                    continue;
-                };
-                let is_known = |error: GrossError| error.is_certain && !is_certain;
-                if self.errors[culprit].is_some_and(is_known) {
-                    continue;
-                }
-                let partner = (first + second - culprit) as u16;
-                let is_removed = is_certain && self.removes;
-                let mut total = value;
-                if is_removed {
-                    total = match self.removed[culprit] {
-                        Some((before, already)) if before == kind => [0, 1].map(|axis| value[axis] + already[axis]),
-                        // It was no error of that kind: all begins anew.
-                        Some(_) => [0.0; 2],
-                        None => value,
-                    };
-                    let is_gone = total.iter().all(|part| part.abs() < bin(kind));
-                    self.removed[culprit] = (!is_gone).then_some((kind, total));
-                    self.epochs[culprit] = self.epochs[culprit].wrapping_add(1);
-                    changed = Some(culprit as u16);
-                }
-                self.errors[culprit] = Some(GrossError {
-                    kind,
-                    value: total,
-                    partner,
-                    is_certain,
-                    is_removed,
-                })
-                .filter(|_| !is_removed || self.removed[culprit].is_some());
-                if changed.is_some() {
-                    // Reports are others from now on.
-                    self.forget(culprit);
-                    return changed;
-                }
-            }
-        }
-        changed
-    }
-
-    fn pair_of(&self, one: usize, other: usize) -> Option<&PairState> {
-        let (first, second) = (one.min(other), one.max(other));
-        (one != other).then(|| &self.pairs[first * self.seen.len() + second])
-    }
-
-    /// How many other sources show that `source`, or they, are off.
-    fn supporters(&self, source: usize) -> usize {
-        let others = 0..self.seen.len();
-        others
-            .filter(|other| self.pair_of(source, *other).is_some_and(|pair| pair.best().is_some()))
-            .count()
-    }
-
-    /// The error of `culprit` that explains most of what it shows with the others, and its mean.
-    fn error_as(&self, culprit: usize, first: usize, second: usize) -> Option<(GrossKind, [f64; 2])> {
-        let side = if culprit == first { Side::First } else { Side::Second };
-        let pair = &self.pairs[first * self.seen.len() + second];
-        // Times and places differ; whose error it is turns the sign.
-        let candidates = HYPOTHESES.iter().enumerate().filter_map(|(hypothesis, (of, kind))| {
-            let turns = matches!(kind, GrossKind::Time | GrossKind::Position) && side == Side::Second;
-            let found = &pair.found[hypothesis];
-            let usable = found.windows >= WINDOWS_MIN && (*of == side || turns);
-            let value = if turns {
-                found.value.map(|part| -part)
-            } else {
-                found.value
-            };
-            usable.then_some((found.score, *kind, value))
-        });
-        let best = candidates.max_by(|a, b| a.0.total_cmp(&b.0));
-        best.map(|(_, kind, value)| (kind, value))
-    }
-
-    fn forget(&mut self, source: usize) {
-        let count = self.seen.len();
+    /// Discards the findings on a source and all others.
+    pub(super) fn forget(&mut self, source: usize) {
+        let count = self.samples.len();
         for other in (0..count).filter(|other| *other != source) {
             let (first, second) = (source.min(other), source.max(other));
-            self.pairs[first * count + second] = PairState::default();
+            self.pairs[first * count + second] = PairFindings::default();
         }
     }
 }
@@ -748,9 +514,9 @@ fn sides<'a>(side: Side, own: &'a Motion, other: &'a Motion) -> (&'a Motion, &'a
 
 /// The other track at the time of the own one, and how far the two may be apart besides an error; `None` if they are
 /// surely not of one target.
-fn comparable(own: &Seen, other: &Seen) -> Option<(Motion, Sigma)> {
+fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(Motion, Sigma)> {
     let heights = own.height_m.zip(other.height_m);
-    let speed = |seen: &Seen| seen.motion.velocity_mps[0].hypot(seen.motion.velocity_mps[1]);
+    let speed = |sample: &TrackSample| sample.motion.velocity_mps[0].hypot(sample.motion.velocity_mps[1]);
     let velocity_mps = (own.velocity_m2ps2 + other.velocity_m2ps2)
         .sqrt()
         .hypot(VELOCITY_FLOOR_MPS);

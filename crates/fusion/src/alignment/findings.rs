@@ -1,0 +1,77 @@
+//! Findings of the search on two sources: one estimate per hypothesis.
+//!
+//! A hypothesis is a kind of bias on one side of the pair. An azimuth or a range bias needs the place of its sensor, so
+//! both sides are tried. A time or a place bias of the first source is that of the second one with the other sign, so
+//! one side is enough.
+
+use kept::kept;
+use messages::GrossKind;
+use serde::{Deserialize, Serialize};
+
+/// Collections that must confirm a bias.
+pub(super) const WINDOWS_MIN: u32 = 2;
+/// Hypotheses: the erring source of the two, and the kind of its bias.
+pub(super) const HYPOTHESES: [(Side, GrossKind); 6] = [
+    (Side::First, GrossKind::Azimuth),
+    (Side::First, GrossKind::Range),
+    (Side::First, GrossKind::Time),
+    (Side::First, GrossKind::Position),
+    (Side::Second, GrossKind::Azimuth),
+    (Side::Second, GrossKind::Range),
+];
+/// Width of a bin of each kind, in its unit; twice that is the difference up to which two values are the same.
+pub(super) const fn bin(kind: GrossKind) -> f64 {
+    match kind {
+        GrossKind::Azimuth => 0.0025,
+        GrossKind::Range => 100.0,
+        GrossKind::Time => 1.0,
+        GrossKind::Position => 200.0,
+    }
+}
+
+/// Erring source of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Side {
+    First,
+    Second,
+}
+
+kept!(BiasEstimate {
+    value: [f64; 2],
+    score: f64,
+    windows: u32
+});
+kept!(PairFindings {
+    estimates: [BiasEstimate; HYPOTHESES.len()],
+    agree: bool,
+    addresses: u32
+});
+
+/// Estimate of one kind of bias between two sources, over the consecutive collections that confirmed it.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct BiasEstimate {
+    /// Radians, metres or seconds, by the kind.
+    pub(super) value: [f64; 2],
+    /// Number of explained tracks, each reduced by its distance.
+    pub(super) score: f64,
+    /// Collections that confirmed the value.
+    pub(super) windows: u32,
+}
+
+/// Findings on two sources.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct PairFindings {
+    pub(super) estimates: [BiasEstimate; HYPOTHESES.len()],
+    /// Whether the two sources agree without a bias.
+    pub(super) agree: bool,
+    /// Pairs of tracks with the same address that fit with the bias.
+    pub(super) addresses: u32,
+}
+
+impl PairFindings {
+    /// Index of the confirmed hypothesis with the highest score.
+    pub(super) fn best(&self) -> Option<usize> {
+        let believed = (0..HYPOTHESES.len()).filter(|h| self.estimates[*h].windows >= WINDOWS_MIN);
+        believed.max_by(|a, b| self.estimates[*a].score.total_cmp(&self.estimates[*b].score))
+    }
+}

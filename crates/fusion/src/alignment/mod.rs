@@ -1,0 +1,113 @@
+//! Global alignment: large biases of a source, estimated from tracks that did not join.
+//!
+//! Registration learns from tracks that were joined. A large bias prevents joining: nothing is learned, and every target
+//! is shown twice. But all tracks of such a source are off in the same way, so the bias can be found without knowing
+//! which tracks belong together. Three steps, each with its own method:
+//! 1. [`search`]: which bias would bring most tracks of two sources together.
+//! 2. [`verdict`]: to which of the two sources that bias belongs.
+//! 3. [`removal`]: the corrections of that source's reports.
+//!
+//! Each report advances the search by a bounded amount of work; verdicts follow when all pairs have been compared.
+
+mod findings;
+mod removal;
+mod search;
+mod verdict;
+
+use messages::{GrossError, SensorTrack};
+use serde::{Deserialize, Serialize};
+
+pub(crate) use crate::alignment::findings::PairFindings;
+pub(crate) use crate::alignment::removal::Correction;
+use crate::alignment::removal::Removal;
+use crate::alignment::search::Search;
+use crate::alignment::verdict::Evidence;
+use crate::registration::ClockError;
+use crate::settings::{RegistrationSettings, SourceSettings};
+
+/// Large biases of all sources.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Alignment {
+    reference: Option<usize>,
+    removes: bool,
+    search: Search,
+    removal: Removal,
+}
+
+impl Alignment {
+    pub(crate) fn new(settings: &RegistrationSettings, sources: &[SourceSettings]) -> Self {
+        let reference = settings.reference_source.as_ref();
+        Self {
+            reference: reference.map(|source| usize::from(source.number)),
+            removes: settings.gross,
+            search: Search::new(sources),
+            removal: Removal::new(sources.len()),
+        }
+    }
+
+    /// Findings on two sources, by the place of their pair.
+    pub(crate) fn pair_mut(&mut self, place: usize) -> &mut PairFindings {
+        self.search.pair_mut(place)
+    }
+
+    /// Believed bias and correction of a source.
+    pub(crate) fn bias_of(&self, source: usize) -> (Option<GrossError>, Option<Correction>) {
+        self.removal.of(source)
+    }
+
+    /// Continues with a [bias](Self::bias_of) of a former process; corrections need the present settings' consent.
+    pub(crate) fn resume(&mut self, source: usize, bias: (Option<GrossError>, Option<Correction>)) {
+        self.removal.resume(source, bias, self.removes);
+    }
+
+    /// Believed bias of a source.
+    pub(crate) fn error_of(&self, source: u16) -> Option<GrossError> {
+        self.removal.of(usize::from(source)).0
+    }
+
+    /// Epoch of a source's correction: tracks of an earlier epoch are not comparable with its reports.
+    pub(crate) fn epoch_of(&self, source: u16) -> u8 {
+        self.removal.epoch_of(usize::from(source))
+    }
+
+    /// Begins an epoch: the reports of the source have changed for another reason.
+    pub(crate) fn begin_epoch(&mut self, source: u16) {
+        self.removal.begin_epoch(usize::from(source));
+        self.search.forget(usize::from(source));
+    }
+
+    /// The report without the bias of its source, at `now_ns`; `None` without correction.
+    pub(crate) fn corrected(&self, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
+        let place_m = self.search.places_m()[usize::from(report.source)];
+        self.removal.corrected(report, place_m, now_ns)
+    }
+
+    /// Continues the search with a valid report at `now_ns`; `clocks` are the errors of the sources' clocks by the times
+    /// of receipt. Returns the source whose correction has changed.
+    pub(crate) fn take(
+        &mut self,
+        report: &SensorTrack,
+        now_ns: i64,
+        sources: &[SourceSettings],
+        clocks: &[ClockError],
+    ) -> Option<u16> {
+        self.search.take(report, now_ns, sources).then(|| self.judge(clocks))?
+    }
+
+    /// Applies verdicts until one changes a correction; returns its source.
+    fn judge(&mut self, clocks: &[ClockError]) -> Option<u16> {
+        self.removal.keep_removed();
+        let evidence = Evidence {
+            pairs: self.search.pairs(),
+            places_m: self.search.places_m(),
+            clocks,
+            reference: self.reference,
+        };
+        let changed = evidence
+            .verdicts()
+            .find(|verdict| self.removal.apply(verdict, self.removes))?
+            .culprit;
+        self.search.forget(changed);
+        Some(changed as u16)
+    }
+}
