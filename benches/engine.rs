@@ -10,10 +10,7 @@ use std::time::Instant;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
 use fusion::checkpoint::Position;
-use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, BorderSettings, Capacity, ExistenceSettings, LifeSettings,
-    RegistrationSettings, ReportLimits, RuleSettings, Settings, SourceSettings,
-};
+use fusion::settings::{Accuracy, AssociationSettings, Capacity, Settings, SourceSettings};
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use test_support::S;
 
@@ -21,28 +18,10 @@ const SOURCES: u16 = 4;
 
 fn settings(targets: usize) -> Settings {
     let source = |number: u16| SourceSettings {
-        name: format!("source{number}"),
-        sensor_uid: 0,
-        period_ns: S,
-        learns_period: false,
-        fresh_ns: 5 * S / 2,
-        accuracy: Accuracy {
-            base: AccuracyBase::Constant { sigma_m: 10.0 },
-            per_speed_s: 0.0,
-            conditions: Vec::new(),
-        },
-        adjustment: 1.0,
         priority: u32::from(number),
-        shares: Vec::new(),
-        is_centre: false,
-        independent_of: Vec::new(),
-        ceiling_m: f64::INFINITY,
-        coverage: None,
-        place_m: None,
-        limits: ReportLimits::default(),
+        ..SourceSettings::of(&format!("source{number}"), 1.0, Accuracy::constant(10.0))
     };
     Settings {
-        sources: (0..SOURCES).map(source).collect(),
         capacity: Capacity {
             system_tracks: Some(2 * targets),
             sensor_tracks: Some(2 * targets * usize::from(SOURCES)),
@@ -53,16 +32,7 @@ fn settings(targets: usize) -> Settings {
             cell_m: 1000.0,
             ..AssociationSettings::default()
         },
-        life: LifeSettings::default(),
-        existence: ExistenceSettings::default(),
-        rule: RuleSettings::default(),
-        process_noise_m2ps3: 1.0,
-        registration: RegistrationSettings::default(),
-        consistency: true,
-        refresh_s: None,
-        exchange: false,
-        border: BorderSettings::default(),
-        refresh_delay_s: settings::Seconds::default(),
+        ..Settings::of((0..SOURCES).map(source).collect())
     }
 }
 

@@ -5,8 +5,7 @@ use std::sync::atomic::AtomicU64;
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use fusion::rules;
 use fusion::settings::{
-    Accuracy, AccuracyBase, AssociationSettings, Capacity, DropOut, ExistenceSettings, HandOverSettings, LifeSettings,
-    RegistrationSettings, ReportLimits, RuleSettings, Settings, SourceSettings,
+    Accuracy, AssociationSettings, Capacity, DropOut, HandOverSettings, RuleSettings, Settings, SourceSettings,
 };
 use fusion::{Engine, Merger};
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
@@ -17,28 +16,10 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 fn settings() -> Settings {
     let source = |name: &str| SourceSettings {
-        name: name.to_owned(),
-        sensor_uid: 0,
-        period_ns: S,
         learns_period: name == "c",
-        fresh_ns: 5 * S / 2,
-        accuracy: Accuracy {
-            base: AccuracyBase::Constant { sigma_m: 10.0 },
-            per_speed_s: 0.0,
-            conditions: Vec::new(),
-        },
-        adjustment: 1.0,
-        priority: 0,
-        shares: Vec::new(),
-        is_centre: false,
-        independent_of: Vec::new(),
-        ceiling_m: f64::INFINITY,
-        coverage: None,
-        place_m: None,
-        limits: ReportLimits::default(),
+        ..SourceSettings::of(name, 1.0, Accuracy::constant(10.0))
     };
     Settings {
-        sources: ["a", "b", "c"].map(source).to_vec(),
         capacity: Capacity {
             system_tracks: Some(60),
             sensor_tracks: Some(200),
@@ -49,16 +30,7 @@ fn settings() -> Settings {
             target_extent_m: 30.0,
             ..AssociationSettings::default()
         },
-        life: LifeSettings::default(),
-        existence: ExistenceSettings::default(),
-        rule: RuleSettings::default(),
-        registration: RegistrationSettings::default(),
-        consistency: true,
-        process_noise_m2ps3: 1.0,
-        exchange: false,
-        border: fusion::settings::BorderSettings::default(),
-        refresh_s: None,
-        refresh_delay_s: settings::Seconds::default(),
+        ..Settings::of(["a", "b", "c"].map(source).to_vec())
     }
 }
 

@@ -151,6 +151,14 @@ impl LifeSettings {
 }
 
 impl Settings {
+    /// Default settings for these sources.
+    pub fn of(sources: Vec<SourceSettings>) -> Self {
+        Self {
+            sources,
+            ..Self::default()
+        }
+    }
+
     /// Names of the conditions (weather) that can hold, each in its place: first the one that does at the start. A name
     /// may come again.
     pub fn conditions(&self) -> impl Iterator<Item = &str> {

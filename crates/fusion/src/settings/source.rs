@@ -231,12 +231,8 @@ impl SourceSettings {
         settings::within("fresh_s", fresh_s, period_s, 1e5)?;
         let accuracy = weighing.accuracy.as_ref().unwrap_or(accuracy);
         Ok(Self {
-            name: name.to_owned(),
-            sensor_uid: 0,
-            period_ns: Seconds::of(period_s).ns(),
             learns_period: weighing.period_s.is_none() && weighing.fresh_s.is_none(),
             fresh_ns: Seconds::of(fresh_s).ns(),
-            accuracy: accuracy.at(place_m),
             adjustment: accuracy.adjustment,
             priority: weighing.priority.unwrap_or(priority),
             shares: match &weighing.shares {
@@ -247,9 +243,29 @@ impl SourceSettings {
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
+            ..Self::of(name, period_s, accuracy.at(place_m))
+        })
+    }
+
+    /// A source of known period without limits: first in priority, independent, its coverage learned.
+    pub fn of(name: &str, period_s: f64, accuracy: Accuracy) -> Self {
+        Self {
+            name: name.to_owned(),
+            sensor_uid: 0,
+            period_ns: Seconds::of(period_s).ns(),
+            learns_period: false,
+            fresh_ns: Seconds::of(FRESH_PERIODS * period_s).ns(),
+            accuracy,
+            adjustment: 1.0,
+            priority: 0,
+            shares: Vec::new(),
+            is_centre: false,
+            independent_of: Vec::new(),
+            ceiling_m: f64::INFINITY,
+            coverage: None,
             place_m: None,
             limits: ReportLimits::default(),
-        })
+        }
     }
 }
 
@@ -334,6 +350,17 @@ pub enum AccuracyBase {
         /// How many residuals the mean reaches back over.
         memory: f64,
     },
+}
+
+impl Accuracy {
+    /// The same accuracy everywhere and in all conditions, metres.
+    pub fn constant(sigma_m: f64) -> Self {
+        Self {
+            base: AccuracyBase::Constant { sigma_m },
+            per_speed_s: 0.0,
+            conditions: Vec::new(),
+        }
+    }
 }
 
 impl AccuracyTable {
