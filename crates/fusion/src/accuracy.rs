@@ -1,6 +1,6 @@
 //! Sensor accuracy s and observation error coefficient alpha = k·s (TI-7, TI-8).
 
-use crate::settings::{AccuracyBase, Settings};
+use crate::settings::{Accuracy, AccuracyBase, Settings, SourceSettings};
 use messages::Covariance;
 use serde::{Deserialize, Serialize};
 
@@ -49,9 +49,9 @@ impl Accuracies {
     }
 
     /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
-    pub(crate) fn learn(&mut self, settings: &Settings, source: u16, residual: [f64; 3]) {
+    pub(crate) fn learn(&mut self, sources: &[SourceSettings], source: u16, residual: [f64; 3]) {
         let index = usize::from(source);
-        let AccuracyBase::Estimated { memory, .. } = settings.sources[index].accuracy.base else {
+        let AccuracyBase::Estimated { memory, .. } = sources[index].accuracy.base else {
             return;
         };
         let square = 0.5 * (residual[0] * residual[0] + residual[1] * residual[1]);
@@ -69,8 +69,8 @@ impl Accuracies {
         reported: &Covariance,
     ) -> f64 {
         let alpha = |source: u16| {
-            let s = self.s(settings, source, target, reported);
-            settings.sources[usize::from(source)].adjustment * s
+            let settings = &settings.sources[usize::from(source)];
+            settings.adjustment * self.s(&settings.accuracy, source, target, reported)
         };
         match settings.rule.reference_source.as_ref().map(|source| source.number) {
             // A reference that is without error now, by its condition or as estimated, can be no unit.
@@ -82,13 +82,12 @@ impl Accuracies {
     /// s of `source` (TI-7).
     fn s(
         &self,
-        settings: &Settings,
+        accuracy: &Accuracy,
         source: u16,
         (position_m, velocity_mps): ([f64; 3], [f64; 3]),
         reported: &Covariance,
     ) -> f64 {
         let index = usize::from(source);
-        let accuracy = &settings.sources[index].accuracy;
         let base = match accuracy.base {
             AccuracyBase::Constant { sigma_m } => sigma_m,
             AccuracyBase::Polar {
@@ -184,7 +183,7 @@ mod tests {
         assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 7.0).abs() < 1e-9);
         for step in 0..200 {
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
-            accuracies.learn(&settings, 0, [30.0 * sign, -30.0 * sign, 0.0]);
+            accuracies.learn(&settings.sources, 0, [30.0 * sign, -30.0 * sign, 0.0]);
         }
         assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [0.0, 0.0, 0.0]), &STATED) - 30.0).abs() < 1e-6);
     }

@@ -98,7 +98,7 @@ impl Search<'_> {
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
-        let spread_m2 = self.sources.spread_m2(self.settings, None);
+        let spread_m2 = self.sources.spread_m2(&self.settings.association, None);
         self.alike(own, now_ns, spread_m2, |system, d2| {
             if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
                 second = best.map_or(f64::INFINITY, |(least, _)| least);
@@ -114,7 +114,7 @@ impl Search<'_> {
     /// Whether a target that is shown already may be that of the system track `own`: none of its sources follows both,
     /// and the two agree, if need be as two points of one large target.
     pub(crate) fn is_shown_already(&self, own: SystemSlot, now_ns: i64) -> bool {
-        let learned_m2 = self.sources.spread_m2(self.settings, None);
+        let learned_m2 = self.sources.spread_m2(&self.settings.association, None);
         let mut is_shown = false;
         self.alike(own, now_ns, learned_m2.max(DOUBTED_SPREAD_M2), |system, _| {
             is_shown |= matches!(
@@ -153,7 +153,7 @@ impl Search<'_> {
 
     /// Calls `visit` with every system track near a report.
     pub(crate) fn near(&self, report: &SensorTrack, state: &Gaussian, visit: impl FnMut(SystemSlot)) {
-        let reach = self.reach(state, self.sources.spread_m2(self.settings, None));
+        let reach = self.reach(state, self.sources.spread_m2(&self.settings.association, None));
         self.tracks.systems.grid.near(
             report.position_m[0],
             report.position_m[1],
@@ -187,7 +187,7 @@ impl Search<'_> {
             .at(report.time_of_measurement_ns, self.sources.motion_of(&entry.filter));
         for axis in 0..2 {
             expected.covariance.upper[Covariance::index(axis, axis)] +=
-                self.sources.spread_m2(self.settings, Some(report.source));
+                self.sources.spread_m2(&self.settings.association, Some(report.source));
         }
         let d2 = statistical_distance(&gaussian_of(report), &expected, ComparedComponents::HorizontalPosition);
         (self.is_compatible(report, system) && d2 <= self.resumption_gate()).then_some(d2)
@@ -210,7 +210,7 @@ impl Search<'_> {
             state,
             &other,
             heights,
-            self.sources.spread_m2(self.settings, Some(report.source)),
+            self.sources.spread_m2(&self.settings.association, Some(report.source)),
         )
     }
 

@@ -15,9 +15,21 @@ use std::fmt;
 
 use messages::SystemTrack;
 use serde::{Deserialize, Serialize};
+use settings::Seconds;
 
 use crate::region::{Region, TOUCH_M};
-use crate::settings::BorderSettings;
+
+settings::settings! {
+    /// Borders with other centres, where there are regions: `[[region]]`.
+    pub struct BorderSettings beside [regions: Vec<Region>] {
+        /// Distance from another centre's region within which it is told of targets.
+        strip_m: f64 = 20e3, in [0, 1e6];
+        /// Distance beyond its owner's region, and time spent there, after which a target changes hands.
+        hand_over_m: f64 = 500.0, in [0, 1e5];
+        /// See `hand_over_m`.
+        hand_over_s: Seconds = Seconds::of(10.0), in [0, 3600];
+    }
+}
 
 impl BorderSettings {
     /// Whether other centres are told of a target at this place, east and north, metres. Without regions, of all.

@@ -34,7 +34,7 @@ use std::sync::atomic::AtomicU64;
 use kept::{Area, Found, Get, HEAD, Kept, Put, is_marked, kept, mark, mixed};
 pub use kept::{Memory, Refused};
 
-use crate::settings::Settings;
+use crate::settings::{Capacity, SourceSettings};
 
 /// Must be raised with each change of what a record holds.
 const FORMAT: u64 = 6;
@@ -127,9 +127,9 @@ pub(crate) struct Sizes {
 }
 
 impl Layout {
-    pub(crate) fn new(settings: &Settings, sizes: Sizes) -> Self {
-        let sources = settings.sources.len();
-        let (systems, sensors) = (settings.capacity.system_tracks(), settings.capacity.sensor_tracks());
+    pub(crate) fn new(capacity: &Capacity, names: &[SourceSettings], sizes: Sizes) -> Self {
+        let sources = names.len();
+        let (systems, sensors) = (capacity.system_tracks(), capacity.sensor_tracks());
         let mut first = IN_WORK + 1;
         let areas = KINDS.map(|kind| {
             let (places, words) = match kind {
@@ -149,10 +149,7 @@ impl Layout {
             first += area.len();
             area
         });
-        let names = settings
-            .sources
-            .iter()
-            .flat_map(|source| source.name.bytes().chain([0]));
+        let names = names.iter().flat_map(|source| source.name.bytes().chain([0]));
         Self {
             areas,
             names: names.fold(FORMAT, |hash, octet| mixed(hash ^ u64::from(octet))),

@@ -22,7 +22,7 @@ use association::distance::squared2;
 use messages::{NS_PER_S, SensorTrack};
 use serde::{Deserialize, Serialize};
 
-use crate::settings::Settings;
+use crate::settings::SourceSettings;
 
 /// Reports that are remembered.
 const PLACES: usize = 4096;
@@ -68,8 +68,8 @@ pub(crate) struct Dependence {
 }
 
 impl Dependence {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        let count = settings.sources.len();
+    pub(crate) fn new(sources: &[SourceSettings]) -> Self {
+        let count = sources.len();
         let mut new = Self {
             recent: vec![(0, u16::MAX); PLACES],
             copies: vec![0.0; count * count],
@@ -80,7 +80,7 @@ impl Dependence {
             learned: vec![false; count * count],
             groups: Vec::with_capacity(count),
         };
-        for (number, source) in settings.sources.iter().enumerate() {
+        for (number, source) in sources.iter().enumerate() {
             for other in source.independent_of.iter().map(|other| usize::from(other.number)) {
                 new.may_depend[number * count + other] = false;
                 new.may_depend[other * count + number] = false;
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn a_copy_is_recognised_within_a_few_reports_and_given_up_when_it_is_none_any_more() {
-        let mut dependence = Dependence::new(&test_settings(3));
+        let mut dependence = Dependence::new(&test_settings(3).sources);
         for step in 0..20 {
             for source in [0, 2, 1] {
                 let error = if source == 2 { 30.0 } else { 0.0 };
@@ -261,7 +261,7 @@ mod tests {
         let mut settings = test_settings(4);
         settings.sources[3].shares = vec![1.into()];
         settings.sources[2].independent_of = vec![0.into()];
-        let mut dependence = Dependence::new(&settings);
+        let mut dependence = Dependence::new(&settings.sources);
         for step in 0..20 {
             for source in [0, 2] {
                 dependence.learn(&report(source, step, 0.0));

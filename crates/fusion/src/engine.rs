@@ -86,13 +86,13 @@ impl Engine {
                     settings.association.cell_m,
                     remembers,
                 ),
-                Lifetimes::new(&settings),
-                Dependence::new(&settings),
+                Lifetimes::new(&settings.life, &settings.sources),
+                Dependence::new(&settings.sources),
             ),
             sources: Sources::new(&settings),
             points: ReferencePoints::default(),
-            scans: Scans::new(&settings),
-            life: Life::new(&settings),
+            scans: Scans::new(&settings.sources, settings.association.scan_wait),
+            life: Life::new(&settings.sources),
             publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
             host_clock: HostClock::default(),
@@ -176,7 +176,7 @@ impl Engine {
     /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if
     /// it is not known.
     pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
-        self.sources.set_clock(&self.settings, source, offset_s);
+        self.sources.set_clock(&self.settings.sources, source, offset_s);
     }
 
     /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks
@@ -336,7 +336,7 @@ impl Engine {
             (None, Correction::NONE)
         } else {
             let measurement = self.sources.measurement_behind(report, before, repaired);
-            (measurement, self.sources.correction_of(&self.settings, report))
+            (measurement, self.sources.correction_of(&self.settings.sources, report))
         };
         if let Some(measurement) = &mut measurement {
             measurement.correct(&correction);
@@ -410,7 +410,7 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         if entry.role != Role::Primary {
             self.outbox.counts.add(report.source, Counter::RejectedDuplicate);
-        } else if !entry.is_foreign && !self.sources.admits(&self.settings, &self.tracks, sensor) {
+        } else if !entry.is_foreign && !self.sources.admits(&self.settings.association, &self.tracks, sensor) {
             self.set_aside(sensor);
         } else if system == before {
             self.update(sensor, report, measurement, sink);
@@ -758,8 +758,13 @@ impl Engine {
             self.publisher.set_common_error(self.points.spread_m2() + common_m2);
             self.sources.look_at_motion();
             let now_ns = self.schedule.now_ns();
-            if self.tracks.lifetimes.follow(&mut self.settings, now_ns) {
-                self.scans.follow_periods(&self.settings);
+            if self
+                .tracks
+                .lifetimes
+                .follow(&self.settings.life, &mut self.settings.sources, now_ns)
+            {
+                self.scans
+                    .follow_periods(&self.settings.sources, self.settings.association.scan_wait);
             }
         }
         let silent_ns = self

@@ -21,7 +21,29 @@
 use kept::{Get, Kept as _, Put, kept};
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{CoverageArea, ExistenceSettings};
+use crate::coverage::CoverageArea;
+
+settings::settings! {
+    /// Existence of targets, as far as it shows in what sources report and do not report (BF-2). Worths are logarithms
+    /// of how much likelier a target is than a false track; those of one claim add up.
+    #[derive(Copy)]
+    pub struct ExistenceSettings {
+        /// Worth above which a target is believed that one source alone reports; the silence of each source that covers
+        /// the place counts against it.
+        believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
+        /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
+        persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";
+        /// Reports before persistence counts.
+        persistence_reports: u32 = 3, in [0, 1e6];
+        /// Worth of an address: noise does not answer interrogations.
+        address: f64 = 5.0, in [0, 20];
+        /// Sum of ln(1 − probability of detection) over the misses since any source has seen it, at which a confirmed
+        /// target is taken to be gone, and not shown until one sees it again.
+        gone: f64 = -6.9, in [-50, -0.1], usually "-6.9: one target in a thousand would be missed that often";
+        /// Misses in a row of one source that count for that: what hides a target once hides it again.
+        misses: u32 = 2, in [1, 1000];
+    }
+}
 
 /// Probability that a source follows a target at a place, before anything was learned.
 const FOLLOWS_PRIOR: f64 = 0.5;

@@ -8,7 +8,7 @@ use crate::existence::{Claim, Coverage};
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
-use crate::settings::Settings;
+use crate::settings::{Settings, SourceSettings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -41,11 +41,11 @@ pub(crate) struct Life {
 }
 
 impl Life {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        let areas = settings.sources.iter().map(|source| source.coverage.clone()).collect();
+    pub(crate) fn new(sources: &[SourceSettings]) -> Self {
+        let areas = sources.iter().map(|source| source.coverage.clone()).collect();
         Self {
             coverage: Coverage::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
-            shortest_fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
+            shortest_fresh_ns: sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
         }
     }
 

@@ -10,7 +10,7 @@ use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 use settings::{Seconds, SettingsError};
 
-use crate::settings::{FRESH_PERIODS, Settings};
+use crate::settings::{FRESH_PERIODS, LifeSettings, Settings, SourceSettings};
 use crate::source_model::Median;
 
 /// Time that a source is given to report a track a second time, nanoseconds: slower ones are rare.
@@ -50,15 +50,15 @@ impl Learned {
 }
 
 impl Lifetimes {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        let learned = settings.sources.iter().map(|source| Learned {
+    pub(crate) fn new(settings: &LifeSettings, sources: &[SourceSettings]) -> Self {
+        let learned = sources.iter().map(|source| Learned {
             least_ns: source.learns_period.then_some(source.period_ns),
             interval_s: Median::default(),
             first_ns: None,
         });
         let mut new = Self {
             learned: learned.collect(),
-            fresh_ns: settings.sources.iter().map(|source| source.fresh_ns).collect(),
+            fresh_ns: sources.iter().map(|source| source.fresh_ns).collect(),
             tentative_ns: 0,
             terminate_ns: 0,
         };
@@ -85,11 +85,11 @@ impl Lifetimes {
         }
     }
 
-    /// Lets the periods of the settings be those that were learned, and all times follow from them; whether a period is
+    /// Sets the periods of the sources to those that were learned, and all times follow from them; whether a period is
     /// another one now.
-    pub(crate) fn follow(&mut self, settings: &mut Settings, now_ns: i64) -> bool {
+    pub(crate) fn follow(&mut self, settings: &LifeSettings, sources: &mut [SourceSettings], now_ns: i64) -> bool {
         let mut has_changed = false;
-        for ((learned, fresh_ns), source) in self.learned.iter().zip(&mut self.fresh_ns).zip(&mut settings.sources) {
+        for ((learned, fresh_ns), source) in self.learned.iter().zip(&mut self.fresh_ns).zip(sources) {
             let Some(least_ns) = learned.least_ns.filter(|_| !learned.interval_s.is_unknown()) else {
                 continue;
             };
@@ -103,12 +103,12 @@ impl Lifetimes {
         has_changed
     }
 
-    fn derive(&mut self, settings: &Settings, now_ns: i64) {
+    fn derive(&mut self, settings: &LifeSettings, now_ns: i64) {
         let longest_ns = self.fresh_ns.iter().copied().max().unwrap_or_default();
         let awaited = self.learned.iter().any(|learned| learned.is_awaited(now_ns));
         let least_ns = longest_ns.max(if awaited { PATIENCE_NS } else { 0 });
-        self.tentative_ns = settings.life.tentative_ns(least_ns);
-        self.terminate_ns = settings.life.terminate_ns(least_ns);
+        self.tentative_ns = settings.tentative_ns(least_ns);
+        self.terminate_ns = settings.terminate_ns(least_ns);
     }
 }
 
@@ -164,14 +164,14 @@ mod tests {
     #[test]
     fn unstated_times_follow_from_the_slowest_source() {
         let mut settings = test_settings(2);
-        let lifetimes = Lifetimes::new(&settings);
+        let lifetimes = Lifetimes::new(&settings.life, &settings.sources);
         assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (6 * S, 20 * S));
         (settings.sources[1].period_ns, settings.sources[1].fresh_ns) = (12 * S, 30 * S);
-        let lifetimes = Lifetimes::new(&settings);
+        let lifetimes = Lifetimes::new(&settings.life, &settings.sources);
         assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (30 * S, 30 * S + 1));
         settings.life.tentative_s = Some(Seconds::of_ns(40 * S));
         settings.life.terminate_s = Some(Seconds::of_ns(5 * S));
-        let lifetimes = Lifetimes::new(&settings);
+        let lifetimes = Lifetimes::new(&settings.life, &settings.sources);
         assert_eq!((lifetimes.tentative_ns, lifetimes.terminate_ns), (40 * S, 5 * S));
     }
 
@@ -204,13 +204,13 @@ mod tests {
     fn an_unstated_period_is_learned_and_awaited_for_a_while() {
         let mut settings = test_settings(2);
         settings.sources[1].learns_period = true;
-        let mut lifetimes = Lifetimes::new(&settings);
+        let mut lifetimes = Lifetimes::new(&settings.life, &settings.sources);
         assert_eq!(lifetimes.tentative_ns, 6 * S);
         lifetimes.learn(1, 100 * S, None);
-        assert!(!lifetimes.follow(&mut settings, 100 * S));
+        assert!(!lifetimes.follow(&settings.life, &mut settings.sources, 100 * S));
         assert_eq!(lifetimes.tentative_ns, PATIENCE_NS);
         // Who reports nothing twice holds up the others no longer.
-        assert!(!lifetimes.follow(&mut settings, 161 * S));
+        assert!(!lifetimes.follow(&settings.life, &mut settings.sources, 161 * S));
         assert_eq!(lifetimes.tentative_ns, 6 * S);
         for report in 1..20 {
             // A miss now and then does not matter.
@@ -218,7 +218,7 @@ mod tests {
             lifetimes.learn(1, (100 + 12 * report) * S, Some(12 * periods * S));
             lifetimes.learn(0, (100 + 12 * report) * S, Some(3 * S));
         }
-        assert!(lifetimes.follow(&mut settings, 340 * S));
+        assert!(lifetimes.follow(&settings.life, &mut settings.sources, 340 * S));
         let (period_ns, fresh_ns) = (settings.sources[1].period_ns, lifetimes.fresh_ns(1));
         assert!((period_ns - 12 * S).abs() < S / 2, "{period_ns}");
         assert_eq!(fresh_ns, (2.5 * period_ns as f64) as i64);

@@ -205,7 +205,10 @@ impl Linking<'_> {
         if entry.role == Role::Duplicate || entry.is_foreign {
             return self.part_has_split(sensor);
         }
-        let Some(d2) = self.sources.offset_from_others(self.settings, self.tracks, sensor) else {
+        let Some(d2) = self
+            .sources
+            .offset_from_others(&self.settings.association, self.tracks, sensor)
+        else {
             return false;
         };
         let split = self.misfits(sensor, d2 > gate);

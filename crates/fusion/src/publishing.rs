@@ -15,7 +15,7 @@ use crate::message::{list_silent_centres, weight, write};
 use crate::outlet::Outlet;
 use crate::rules::{self, Candidate, Fuse, Method, RuleEntry};
 use crate::sensor_tracks::SensorSlot;
-use crate::settings::{AccuracyBase, BorderSettings, Settings};
+use crate::settings::{AccuracyBase, BorderSettings, Settings, SourceSettings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -71,10 +71,10 @@ impl Publisher {
         let reference_ns = time_ns.max(report.time_of_measurement_ns);
         if settings.refresh_s.is_none() {
             self.weigh(settings, tracks, sources, (system, reference_ns, Some(report)), out);
-        } else if learns(settings, report.source) {
+        } else if learns(&settings.sources, report.source) {
             // A report teaches once, however often its system track is weighed.
             self.gather(settings, tracks, system, reference_ns);
-            self.learn(settings, report.source);
+            self.learn(&settings.sources, report.source);
         }
     }
 
@@ -106,10 +106,10 @@ impl Publisher {
     }
 
     /// Lets the accuracy of `source` learn from its residual.
-    fn learn(&mut self, settings: &Settings, source: u16) {
+    fn learn(&mut self, sources: &[SourceSettings], source: u16) {
         let mut candidates = self.weighed.candidates().iter();
         if let Some(residual) = candidates.find(|c| c.source == source).and_then(|c| c.residual) {
-            self.accuracies.learn(settings, source, residual);
+            self.accuracies.learn(sources, source, residual);
         }
     }
 
@@ -125,9 +125,9 @@ impl Publisher {
     ) {
         self.gather(settings, tracks, system, reference_ns);
         if let Some(report) = cause
-            && learns(settings, report.source)
+            && learns(&settings.sources, report.source)
         {
-            self.learn(settings, report.source);
+            self.learn(&settings.sources, report.source);
         }
         let is_usable = match self.rule.method {
             Method::Filter => {
@@ -139,11 +139,11 @@ impl Publisher {
             }
             Method::Candidates(rule) => self.fuse(settings, tracks, rule, (system, reference_ns), out),
         };
-        if is_usable && settings.exchange && Self::is_exchanged(settings, tracks, system) {
+        if is_usable && settings.exchange && Self::is_exchanged(&settings.border, tracks, system) {
             let weighed = Some(&*self.weighed);
             out.own_track(|message| {
                 write(message, settings, tracks, system, cause, weighed);
-                list_contributors(message, settings, tracks.systems.get(system).contributors);
+                list_contributors(message, &settings.sources, tracks.systems.get(system).contributors);
             });
         }
         let is_usable = self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
@@ -170,9 +170,9 @@ impl Publisher {
     }
 
     /// Whether other centres are told of a system track.
-    fn is_exchanged(settings: &Settings, tracks: &Tracks, system: SystemSlot) -> bool {
+    fn is_exchanged(settings: &BorderSettings, tracks: &Tracks, system: SystemSlot) -> bool {
         let [east, north, _] = tracks.systems.get(system).state.position_m;
-        settings.border.is_in_strip([east, north])
+        settings.is_in_strip([east, north])
     }
 
     /// Decides which centre owns the target.
@@ -319,8 +319,8 @@ impl Publisher {
 
 /// Lists, after the contributions, those of `contributors` (sources, as bits) that no longer contribute: what they said
 /// is in the state.
-fn list_contributors(message: &mut SystemTrack, settings: &Settings, contributors: u64) {
-    for (number, source) in (0..).zip(&settings.sources) {
+fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], contributors: u64) {
+    for (number, source) in (0..).zip(sources) {
         let is_listed = message.contributions().iter().any(|listed| listed.source == number);
         if contributors & 1 << number == 0 || is_listed {
             continue;
@@ -348,7 +348,7 @@ fn restart(tracks: &mut Tracks, system: SystemSlot) {
 }
 
 /// Whether the accuracy of `source` is estimated from its reports.
-fn learns(settings: &Settings, source: u16) -> bool {
-    let accuracy = &settings.sources[usize::from(source)].accuracy;
+fn learns(sources: &[SourceSettings], source: u16) -> bool {
+    let accuracy = &sources[usize::from(source)].accuracy;
     matches!(accuracy.base, AccuracyBase::Estimated { .. })
 }

@@ -36,6 +36,9 @@
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
+mod errors;
+pub(crate) mod settings;
+
 use std::ops::Range;
 
 use kept::kept;
@@ -44,20 +47,14 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::drift::{DRIFT_S, Rest};
-use crate::settings::SOURCES_MAX;
+use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, TIME, clock_of, sensitivity};
+use crate::source_ref::SOURCES_MAX;
 
-/// Number of systematic errors per source.
-pub const ERRORS: usize = 6;
-/// Offset east, north, up (m); time offset (s, late is positive); range bias (m); azimuth bias (rad, clockwise).
-pub type Errors = SVector<f64, ERRORS>;
+pub(crate) use crate::registration::errors::{ClockError, View};
+pub use crate::registration::errors::{ERRORS, Errors, SourceErrors};
+
 type Block = SMatrix<f64, ERRORS, ERRORS>;
 
-/// Place of the time offset among the errors.
-const TIME: usize = 3;
-/// Standard deviations of the errors before anything is known.
-const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
-/// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
-const ERROR_MAX_SIGMA: f64 = 10.0;
 /// Velocities of one target do not differ by more, metres per second.
 const VELOCITY_GATE_MPS: f64 = 300.0;
 /// Weight of one sample: errors of tracks persist over several reports.
@@ -87,74 +84,6 @@ const POINTS_MAX_M2: f64 = 100.0 * 100.0;
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
-/// Standard deviations of a time offset whose clock is off by the times of receipt, seconds: of one that is ahead, and
-/// of one that is late, as data that take long to come look like that, too.
-const CLOCK_SIGMA_S: [f64; 2] = [0.3, 1.0];
-
-/// Error of a source's clock, as times of receipt show it.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct ClockError {
-    /// Offset against sound clocks, seconds; positive if it is ahead.
-    pub(crate) offset_s: f64,
-    /// Part of its size that the way of the data does not explain, seconds; 0 of a sound, unknown or corrected clock.
-    pub(crate) excess_s: f64,
-    /// Part that is taken off the times of the source's reports, seconds.
-    pub(crate) removed_s: f64,
-}
-
-impl ClockError {
-    /// Inverse variance and mean of the source's time offset before any comparison.
-    fn prior(self) -> (f64, f64) {
-        let (sigma_s, offset_s) = match self.excess_s > 0.0 {
-            true => (CLOCK_SIGMA_S[usize::from(self.offset_s < 0.0)], self.offset_s),
-            false => (PRIOR_SIGMA[TIME], 0.0),
-        };
-        (1.0 / (sigma_s * sigma_s), offset_s)
-    }
-}
-
-fn clock_of(clocks: &[ClockError], source: usize) -> ClockError {
-    clocks.get(source).copied().unwrap_or_default()
-}
-
-/// One source's view of a target.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct View {
-    pub(crate) source: u16,
-    /// Position as reported, nothing removed, metres.
-    pub(crate) position_m: [f64; AXES],
-    pub(crate) covariance_m2: estimation::Matrix3,
-    pub(crate) velocity_mps: [f64; AXES],
-    pub(crate) has_height: bool,
-    /// Place of the sensor, where it is known and measures range and azimuth.
-    pub(crate) place_m: Option<[f64; 2]>,
-}
-
-impl View {
-    /// How the source's errors move its report of this target, whose velocity is given.
-    fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
-        sensitivity(self.position_m, velocity_mps, self.place_m)
-    }
-}
-
-fn sensitivity(position: [f64; AXES], velocity: [f64; AXES], place: Option<[f64; 2]>) -> SMatrix<f64, AXES, ERRORS> {
-    let mut h = SMatrix::zeros();
-    for axis in 0..AXES {
-        h[(axis, axis)] = 1.0;
-        h[(axis, 3)] = -velocity[axis];
-    }
-    if let Some([east, north]) = place {
-        let (dx, dy) = (position[0] - east, position[1] - north);
-        let range = dx.hypot(dy);
-        if range > 1.0 {
-            (h[(0, 4)], h[(1, 4)]) = (dx / range, dy / range);
-            // Azimuth counts clockwise from north.
-            (h[(0, 5)], h[(1, 5)]) = (dy, -dx);
-        }
-    }
-    h
-}
-
 kept! {
     /// Sums over one ordered pair of sources, seen from the first.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -173,59 +102,6 @@ const EMPTY: Pair = Pair {
     cross: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
     right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
 };
-
-kept! {
-    /// Systematic errors of one source, as far as they are known.
-    #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-    pub struct SourceErrors {
-        /// The estimate.
-        pub errors: Errors,
-        /// Variances of the estimate, same units squared.
-        pub variances: Errors,
-        /// Samples that went into it, after forgetting.
-        pub samples: f64,
-        /// Errors that are being removed from the source's reports.
-        pub removed: [bool; ERRORS],
-    }
-}
-
-impl SourceErrors {
-    /// Nothing is known.
-    fn unknown() -> Self {
-        Self {
-            errors: Errors::zeros(),
-            variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
-            samples: 0.0,
-            removed: [false; ERRORS],
-        }
-    }
-
-    /// The time offset that is being removed, seconds.
-    pub(crate) fn time_offset_s(&self) -> f64 {
-        if self.removed[TIME] { self.errors[TIME] } else { 0.0 }
-    }
-
-    /// Mean square of the horizontal offset per axis, less what chance explains, m².
-    fn excess_m2(&self) -> f64 {
-        let excess = |axis: usize| self.errors[axis] * self.errors[axis] - self.variances[axis];
-        0.5 * (excess(0) + excess(1))
-    }
-
-    /// Weight in the geometric median of all sources: inverse of the distance from it, as far as that is known.
-    fn closeness(&self, rows: Range<usize>) -> f64 {
-        let squared = |row: usize| self.errors[row] * self.errors[row] + self.variances[row];
-        1.0 / rows.map(squared).sum::<f64>().sqrt()
-    }
-
-    /// Whether a source can have these errors; none that are not a number.
-    fn are_possible(&self) -> bool {
-        let limits = PRIOR_SIGMA.iter().map(|sigma| ERROR_MAX_SIGMA * sigma);
-        self.errors
-            .iter()
-            .zip(limits)
-            .all(|(error, limit)| error.abs() <= limit)
-    }
-}
 
 kept! {
     /// Part of one source's errors that a checkpoint keeps, beside the [`Pair`]s.

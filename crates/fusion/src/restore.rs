@@ -62,7 +62,7 @@ impl Engine {
             classes: (CLASSES, Class::WORDS),
             cells: (coverage.places(), coverage.cell_words()),
         };
-        Layout::new(&self.settings, sizes)
+        Layout::new(&self.settings.capacity, &self.settings.sources, sizes)
     }
 
     /// From now on what must outlive the process is kept in `memory`, which is blank.

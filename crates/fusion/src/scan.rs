@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::association_step::Search;
 use crate::sensor_tracks::SensorSlot;
-use crate::settings::Settings;
+use crate::settings::{Settings, SourceSettings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -67,8 +67,8 @@ fn assignment() -> Assignment {
 }
 
 impl Scans {
-    pub(crate) fn new(settings: &Settings) -> Self {
-        let scans = settings.sources.iter().map(|_| Scan {
+    pub(crate) fn new(sources: &[SourceSettings], scan_wait: f64) -> Self {
+        let scans = sources.iter().map(|_| Scan {
             waiting: Vec::with_capacity(WAITING_MAX),
             first_ns: i64::MAX,
             duration_ns: 0,
@@ -81,14 +81,14 @@ impl Scans {
             assignment: assignment(),
             assigned: Vec::with_capacity(WAITING_MAX),
         };
-        new.follow_periods(settings);
+        new.follow_periods(sources, scan_wait);
         new
     }
 
-    /// Lets scans last as long as the sources' periods say.
-    pub(crate) fn follow_periods(&mut self, settings: &Settings) {
-        for (scan, source) in self.scans.iter_mut().zip(&settings.sources) {
-            scan.duration_ns = (source.period_ns as f64 * settings.association.scan_wait) as i64;
+    /// Sets the durations of scans to `scan_wait` of their sources' periods.
+    pub(crate) fn follow_periods(&mut self, sources: &[SourceSettings], scan_wait: f64) {
+        for (scan, source) in self.scans.iter_mut().zip(sources) {
+            scan.duration_ns = (source.period_ns as f64 * scan_wait) as i64;
         }
     }
 

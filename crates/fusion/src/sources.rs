@@ -14,7 +14,7 @@ use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, View};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
-use crate::settings::{AccuracyBase, SOURCES_MAX, Settings};
+use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
@@ -67,12 +67,12 @@ impl Sources {
     }
 
     /// Sets the offset of a source's clock against sound clocks, seconds; `None` if it is not known.
-    pub(crate) fn set_clock(&mut self, settings: &Settings, source: u16, offset_s: Option<f64>) {
+    pub(crate) fn set_clock(&mut self, sources: &[SourceSettings], source: u16, offset_s: Option<f64>) {
         let Some(clock) = self.clocks.get_mut(usize::from(source)) else {
             return;
         };
         // Data that are late need not have a wrong clock: they may take a period to come.
-        let late_s = settings.sources[usize::from(source)].period_ns as f64 / NS_PER_S;
+        let late_s = sources[usize::from(source)].period_ns as f64 / NS_PER_S;
         let offset_s = offset_s.unwrap_or_default();
         let excess_s = (offset_s.max(-offset_s - late_s) - CLOCK_SOUND_S).max(0.0);
         // A clock that is ahead of the receipt is wrong. One that is behind may be that of data that take long to come.
@@ -117,8 +117,8 @@ impl Sources {
 
     /// Whether the latest report of a sensor track may be used: see [`Credibility::admits`].
     #[inline]
-    pub(crate) fn admits(&mut self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> bool {
-        let extent_m = settings.association.extent_sigma_m;
+    pub(crate) fn admits(&mut self, settings: &AssociationSettings, tracks: &Tracks, sensor: SensorSlot) -> bool {
+        let extent_m = settings.extent_sigma_m;
         let spread_m2 = self.learned_spread_m2(extent_m * extent_m);
         self.credibility.admits(tracks, sensor, spread_m2, &self.clocks)
     }
@@ -153,8 +153,8 @@ impl Sources {
 
     /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all
     /// sources if `None`) if that is more.
-    pub(crate) fn spread_m2(&self, settings: &Settings, source: Option<u16>) -> f64 {
-        let extent_m = settings.association.extent_sigma_m;
+    pub(crate) fn spread_m2(&self, settings: &AssociationSettings, source: Option<u16>) -> f64 {
+        let extent_m = settings.extent_sigma_m;
         let configured = extent_m * extent_m;
         match source {
             Some(source) => configured.max(self.models[usize::from(source)].possible_spread_m2()),
@@ -187,8 +187,8 @@ impl Sources {
     }
 
     /// The known errors of a report.
-    pub(crate) fn correction_of(&self, settings: &Settings, report: &SensorTrack) -> Correction {
-        let place_m = place_of(settings, report.source);
+    pub(crate) fn correction_of(&self, sources: &[SourceSettings], report: &SensorTrack) -> Correction {
+        let place_m = place_of(&sources[usize::from(report.source)]);
         Correction {
             shift_m: self
                 .registration
@@ -290,11 +290,16 @@ impl Sources {
 
     /// d² of a sensor track's offset from the others, in view of noise and of how far detection points lie apart;
     /// `None` while too little is known.
-    pub(crate) fn offset_from_others(&self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> Option<f64> {
+    pub(crate) fn offset_from_others(
+        &self,
+        settings: &AssociationSettings,
+        tracks: &Tracks,
+        sensor: SensorSlot,
+    ) -> Option<f64> {
         // Of two that differ, one is at least half as far from the filter as they are from each other.
         let entry = tracks.sensors.get(sensor);
         let [east, north] = entry.residual_mean_m;
-        let gate = settings.association.keep_gate;
+        let gate = settings.keep_gate;
         if 4.0 * (east * east + north * north) < gate * MEAN_VARIANCE * entry.residual_variance_m2 {
             return Some(0.0);
         }
@@ -331,24 +336,24 @@ impl Sources {
         let Some(other) = latest else {
             return;
         };
-        let view = |sensor| self.view(settings, tracks.sensors.get(sensor), now_ns);
+        let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
         let (own, other) = (view(sensor), view(other));
-        let points_m2 = self.target_points_m2(settings, tracks, system);
+        let points_m2 = self.target_points_m2(&settings.association, tracks, system);
         self.registration.learn(&own, &other, points_m2);
     }
 
     /// Variance per axis that a further comparison on one target has because the sources see different points of it,
     /// m². The points stay where they are, so that however often a target is compared, it says no more than one pair of
     /// points: an aircraft at its stand must not outweigh all that pass.
-    fn target_points_m2(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot) -> f64 {
-        let sources = settings.sources.len() as f64;
+    fn target_points_m2(&self, settings: &AssociationSettings, tracks: &Tracks, system: SystemSlot) -> f64 {
+        let sources = self.models.len() as f64;
         let times = 1.0 + f64::from(tracks.systems.get(system).reports) / sources;
-        let extent_m = settings.association.extent_sigma_m;
+        let extent_m = settings.extent_sigma_m;
         self.learned_spread_m2(extent_m * extent_m) * times
     }
 
     /// A sensor track as its source gives it, at `time_ns`.
-    fn view(&self, settings: &Settings, entry: &SensorEntry, time_ns: i64) -> View {
+    fn view(&self, sources: &[SourceSettings], entry: &SensorEntry, time_ns: i64) -> View {
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
         let mut state = entry.as_reported();
@@ -366,7 +371,7 @@ impl Sources {
             covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
-            place_m: place_of(settings, source),
+            place_m: place_of(&sources[usize::from(source)]),
         }
     }
 
@@ -406,8 +411,8 @@ impl Sources {
 }
 
 /// Where a source that measures range and azimuth stands, metres; `None` for others.
-fn place_of(settings: &Settings, source: u16) -> Option<[f64; 2]> {
-    match settings.sources[usize::from(source)].accuracy.base {
+fn place_of(source: &SourceSettings) -> Option<[f64; 2]> {
+    match source.accuracy.base {
         AccuracyBase::Polar { place_m, .. } => Some(place_m),
         _ => None,
     }

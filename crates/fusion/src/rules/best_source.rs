@@ -10,7 +10,7 @@
 
 use super::combination::combine;
 use super::{Candidate, Memory, Method, NO_SOURCE, RuleEntry, Share, Target};
-use crate::settings::{Residual, RuleSettings, Tie};
+use crate::rules::settings::{Residual, RuleSettings, Tie};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::testing::{fused_of, target};
 use super::*;
-use crate::settings::{DropOut, HandOverSettings, Residual};
+use crate::rules::settings::{DropOut, HandOverSettings, Residual};
 use test_support::S;
 
 /// The rules that make their states from candidates.

@@ -4,7 +4,7 @@
 
 use super::combination::combine;
 use super::{Memory, Method, RuleEntry, Share, Target};
-use crate::settings::RuleSettings;
+use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {

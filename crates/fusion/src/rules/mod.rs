@@ -18,6 +18,7 @@ mod inverse_trace;
 mod matrices;
 mod mosaic;
 mod quality_factor;
+pub(crate) mod settings;
 mod system_filter;
 
 use messages::{FusionRule, TrackState};
@@ -26,7 +27,7 @@ pub(crate) use centres::join;
 use hand_over::HandOver;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::RuleSettings;
+use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
 /// Source number that stands for none.

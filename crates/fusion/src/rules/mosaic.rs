@@ -8,7 +8,7 @@ use messages::TrackState;
 use super::combination::combine;
 use super::{Candidate, Memory, Method, RuleEntry, Share, Target};
 use crate::history::moved;
-use crate::settings::RuleSettings;
+use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
@@ -45,7 +45,7 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
 mod tests {
     use super::*;
     use crate::rules;
-    use crate::settings::{MosaicCell, MosaicSettings, RuleName};
+    use crate::rules::settings::{MosaicCell, MosaicSettings, RuleName};
 
     fn selected(settings: &RuleSettings, candidates: &[Candidate], place_m: [f64; 3]) -> Option<u16> {
         let target = Target {

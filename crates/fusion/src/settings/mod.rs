@@ -1,30 +1,30 @@
-//! The engine's settings: the keys of `[fusion]`, and what is known of each source.
+//! The engine's settings: the keys of `[fusion]`, and the properties of each source. The settings of a part stand
+//! beside the part.
 
 mod association;
-mod rule;
 mod source;
 
 pub use association::{AssociationSettings, GateProbability};
-pub use rule::{
-    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
-    RuleSettings, Tie,
-};
 pub use source::{
-    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CoverageArea, CoverageTable, ReportLimits, Shares, SourceRef,
-    SourceSettings, Weighing,
+    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, ReportLimits, Shares, SourceSettings, Weighing,
 };
 pub(crate) use source::{FRESH_PERIODS, longest_period_s};
 
 use messages::NO_SOURCE;
 use settings::{Seconds, SettingsError};
 
-use crate::region::Region;
+pub use crate::border::BorderSettings;
+pub use crate::coverage::{CoverageArea, CoverageTable};
+pub use crate::existence::ExistenceSettings;
+pub use crate::registration::settings::RegistrationSettings;
+pub use crate::rules::settings::{
+    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
+    RuleSettings, Tie,
+};
+pub use crate::source_ref::{SOURCES_MAX, SourceRef};
 
 /// Most stored reports per source and target.
 pub const STORED_REPORTS_MAX: usize = 64;
-/// Most sources.
-pub const SOURCES_MAX: usize = 64;
-
 settings::settings! {
     /// Fusion.
     pub struct Settings beside [sources: Vec<SourceSettings>] {
@@ -55,16 +55,6 @@ settings::settings! {
         rule: RuleSettings = RuleSettings::default();
     }
 
-    /// Borders with other centres, where there are regions: `[[region]]`.
-    pub struct BorderSettings beside [regions: Vec<Region>] {
-        /// Distance from another centre's region within which it is told of targets.
-        strip_m: f64 = 20e3, in [0, 1e6];
-        /// Distance beyond its owner's region, and time spent there, after which a target changes hands.
-        hand_over_m: f64 = 500.0, in [0, 1e5];
-        /// See `hand_over_m`.
-        hand_over_s: Seconds = Seconds::of(10.0), in [0, 3600];
-    }
-
     /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A
     /// source may always have its fair share of a table, an equal part for each; above that it gets what the others
     /// have not needed yet.
@@ -90,40 +80,6 @@ settings::settings! {
         /// Time without a report after which a tentative track ends.
         tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
     }
-
-    /// Existence of targets, as far as it shows in what sources report and do not report (BF-2). Worths are logarithms
-    /// of how much likelier a target is than a false track; those of one claim add up.
-    #[derive(Copy)]
-    pub struct ExistenceSettings {
-        /// Worth above which a target is believed that one source alone reports; the silence of each source that covers
-        /// the place counts against it.
-        believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
-        /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
-        persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";
-        /// Reports before persistence counts.
-        persistence_reports: u32 = 3, in [0, 1e6];
-        /// Worth of an address: noise does not answer interrogations.
-        address: f64 = 5.0, in [0, 20];
-        /// Sum of ln(1 − probability of detection) over the misses since any source has seen it, at which a confirmed
-        /// target is taken to be gone, and not shown until one sees it again.
-        gone: f64 = -6.9, in [-50, -0.1], usually "-6.9: one target in a thousand would be missed that often";
-        /// Misses in a row of one source that count for that: what hides a target once hides it again.
-        misses: u32 = 2, in [1, 1000];
-    }
-
-    /// Systematic errors of the sources (BF-3).
-    pub struct RegistrationSettings {
-        /// They are estimated and removed.
-        enabled: bool = true;
-        /// Name of the source that is taken as true.
-        reference_source: Option<SourceRef> = None, usually "the middle of all sources";
-        /// Time constant with which old comparisons are forgotten.
-        memory_s: f64 = 600.0, in [1, 1e6];
-        /// Gross errors of azimuth, range, time or place, of which a source's tracks join none, are taken off where a
-        /// third source, the reference source or addresses tell whose they are. They are told in any case.
-        gross: bool = false;
-    }
-
 }
 
 impl Capacity {

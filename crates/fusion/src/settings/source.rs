@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use messages::NS_PER_S;
-use serde::{Deserialize, Serialize};
 use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
+
+use crate::coverage::{CoverageArea, CoverageTable};
+use crate::source_ref::SourceRef;
 
 /// Word for `shares` where the sources are not known.
 const UNKNOWN: &str = "unknown";
@@ -57,18 +59,6 @@ settings::settings! {
         conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
     }
 
-    /// Where a source sees; a key that is left out does not limit it.
-    pub struct CoverageTable {
-        check CoverageTable::check;
-        /// Farthest horizontal distance.
-        range_m: Option<f64> = None, in [1, 2e6];
-        /// First and last azimuth of the sector that is seen, clockwise from north.
-        sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
-        /// Corners of the area that is seen, east and north in the system frame.
-        polygon_m: Vec<[f64; 2]> = Vec::new(), in [-2e6, 2e6];
-        /// Probability that it follows a target in there.
-        probability: f64 = 0.9, in [0.01, 1];
-    }
 }
 
 settings::words! {
@@ -84,31 +74,6 @@ settings::words! {
         Estimated = "estimated",
     }
 }
-
-/// A source that a key names: its number follows when all sources are known.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SourceRef {
-    pub(super) name: String,
-    /// Its number, its place among the sources.
-    pub number: u16,
-}
-
-impl From<u16> for SourceRef {
-    fn from(number: u16) -> Self {
-        Self {
-            name: String::new(),
-            number,
-        }
-    }
-}
-
-settings::spelt_as!(
-    SourceRef,
-    String,
-    "name of a source",
-    |name| Ok(Self { name, number: 0 }),
-    |source| source.name.clone()
-);
 
 /// Sources whose measurements are in a source's tracks too.
 #[derive(Clone, Debug, PartialEq)]
@@ -275,44 +240,6 @@ pub(crate) fn longest_period_s(sources: &[SourceSettings]) -> f64 {
     longest.unwrap_or(0) as f64 / NS_PER_S
 }
 
-/// Where a source sees targets, and how surely.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CoverageArea {
-    /// East and north of the sensor in the system frame, metres.
-    pub place_m: [f64; 2],
-    /// Farthest horizontal distance, metres.
-    pub range_m: f64,
-    /// First and last azimuth of the sector that is seen, clockwise from north, radians; `None`: all around.
-    pub sector_rad: Option<[f64; 2]>,
-    /// Corners, east and north in the system frame, metres, of the area that is seen; empty: no further limit.
-    pub polygon_m: Vec<[f64; 2]>,
-    /// Probability that it follows a target in there.
-    pub probability: f64,
-}
-
-impl CoverageArea {
-    /// Probability that the source follows a target at this place.
-    pub fn probability_at(&self, position_m: [f64; 3]) -> f64 {
-        let (dx, dy) = (position_m[0] - self.place_m[0], position_m[1] - self.place_m[1]);
-        let in_sector = self.sector_rad.is_none_or(|[first, last]| {
-            let turn = std::f64::consts::TAU;
-            (dx.atan2(dy) - first).rem_euclid(turn) <= (last - first).rem_euclid(turn)
-        });
-        let inside = dx.hypot(dy) <= self.range_m && in_sector && self.polygon_holds(position_m[0], position_m[1]);
-        if inside { self.probability } else { 0.0 }
-    }
-
-    /// Whether a ray from (x, y) crosses the polygon's edges an odd number of times.
-    fn polygon_holds(&self, x: f64, y: f64) -> bool {
-        let corners = &self.polygon_m;
-        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
-        let crosses = |([ax, ay], [bx, by]): &(&[f64; 2], &[f64; 2])| {
-            (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax
-        };
-        corners.is_empty() || edges.filter(crosses).count() % 2 == 1
-    }
-}
-
 /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Accuracy {
@@ -382,40 +309,6 @@ impl AccuracyTable {
             },
             per_speed_s: self.per_speed_s,
             conditions: self.conditions.clone().into_iter().collect(),
-        }
-    }
-}
-
-impl CoverageTable {
-    fn check(&self) -> Result<(), SettingsError> {
-        if !(1..3).contains(&self.polygon_m.len()) {
-            return Ok(());
-        }
-        let what = "a polygon has three corners or more, each [east, north]; leave it out for no further limit";
-        Err(SettingsError::new("polygon_m", what))
-    }
-
-    /// Where the source at this place sees, east and north, metres.
-    fn at(&self, place_m: [f64; 2]) -> CoverageArea {
-        CoverageArea {
-            place_m,
-            range_m: self.range_m.unwrap_or(f64::INFINITY),
-            sector_rad: self.sector_deg.map(|sector| sector.map(Degrees::rad)),
-            polygon_m: self.polygon_m.clone(),
-            probability: self.probability,
-        }
-    }
-}
-
-impl CoverageArea {
-    /// The coverage of a sensor whose silence says nothing, like that of a direction finder: probability 0.
-    pub fn none() -> Self {
-        Self {
-            place_m: [0.0; 2],
-            range_m: f64::INFINITY,
-            sector_rad: None,
-            polygon_m: Vec::new(),
-            probability: 0.0,
         }
     }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use messages::FusionRule;
 use settings::SettingsError;
 
-use super::source::SourceRef;
 use crate::quality::SCANS_MAX;
+use crate::source_ref::SourceRef;
 
 /// Most refreshes that a hand-over can take.
 pub const RAMP_MAX: usize = 256;
