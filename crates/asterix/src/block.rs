@@ -1,8 +1,6 @@
 //! Data blocks: category, length, body.
 
 use super::error::Error;
-use super::record::{Mode, Records};
-use super::table::Category;
 
 /// The octets of a block header: category and length.
 pub const HEADER_OCTETS: usize = 3;
@@ -34,11 +32,6 @@ impl<'a> Block<'a> {
             [sac, sic, ..] if body[0] & FIRST_ITEM != 0 => Some((*sac, *sic)),
             _ => None,
         }
-    }
-
-    /// The records, read with one edition's table. The caller has chosen a table of the block's category.
-    pub fn records(&self, table: &'static Category, mode: Mode) -> Records<'a> {
-        Records::new(self, table, mode)
     }
 }
 

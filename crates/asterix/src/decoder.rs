@@ -2,7 +2,8 @@
 
 use super::block::{Blocks, blocks};
 use super::error::Error;
-use super::record::{Mode, Record, Records};
+use super::mode::Mode;
+use super::record::{Record, Records};
 use super::registry;
 use super::table::Category;
 

@@ -10,8 +10,9 @@
 
 use super::error::Error;
 use super::extent;
+use super::mode::Mode;
 use super::named::{UNKNOWN_EXTENSION, Value, decode};
-use super::record::{Mode, Record};
+use super::record::Record;
 use super::table::{Edition, Item};
 
 /// The flags there are: an octet of them.

@@ -14,7 +14,7 @@
 
 use super::bits::{fspec_bits, goes_on};
 use super::error::Error;
-use super::record::Mode;
+use super::mode::Mode;
 use super::table::{Item, Layout, MAX_FSPEC_OCTETS, Part, Uap, extent_of_part};
 
 /// The most octets that lenient reading takes as an extension beyond the edition.

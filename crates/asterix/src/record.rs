@@ -7,20 +7,9 @@ use super::bits::{bits, fspec_bits, goes_on};
 use super::block::{Block, HEADER_OCTETS};
 use super::error::Error;
 use super::extent;
+use super::mode::Mode;
 use super::spare;
 use super::table::{Category, Frn, Item, Layout, MAX_FRN, MAX_FSPEC_OCTETS, Profile, Uap, first_element};
-
-/// Strictness with which bytes must follow the edition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Mode {
-    /// Spare bits must be zero, and no extended item may go on after the edition's last part: to test a sender, or an
-    /// encoder.
-    Strict,
-    /// Spare bits are ignored, and up to four single octets after an extended item's last defined part are skipped
-    /// as unknown: to live with what senders do.
-    #[default]
-    Lenient,
-}
 
 /// Item 010, the sender, in every category: [`registry`](crate::registry) makes sure of it.
 pub(crate) const SENDER: Frn = Frn(1);
@@ -160,8 +149,15 @@ pub struct Records<'a> {
     octets_skipped: usize,
 }
 
+impl<'a> Block<'a> {
+    /// The records, read with one edition's table. The caller has chosen a table of the block's category.
+    pub fn records(&self, table: &'static Category, mode: Mode) -> Records<'a> {
+        Records::new(self, table, mode)
+    }
+}
+
 impl<'a> Records<'a> {
-    pub(super) fn new(block: &Block<'a>, table: &'static Category, mode: Mode) -> Self {
+    fn new(block: &Block<'a>, table: &'static Category, mode: Mode) -> Self {
         let offset = block.offset + HEADER_OCTETS;
         Self {
             table,

@@ -4,7 +4,8 @@
 //! ticks of 1/128 s, round midnight, is the same recording of another hour; every other octet stays.
 
 use crate::block::blocks;
-use crate::record::{Mode, Record};
+use crate::mode::Mode;
+use crate::record::Record;
 use crate::table::Category;
 
 /// Ticks of 1/128 s in a second.

@@ -20,7 +20,8 @@ use std::ptr;
 
 use nix::libc;
 
-use crate::receiver::BATCH_MAX;
+/// Most datagrams that one call takes.
+pub const BATCH_MAX: usize = 32;
 
 /// Room for an address: that of `sockaddr_in6`, the longer of the two.
 const NAME_OCTETS: usize = 28;

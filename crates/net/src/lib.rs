@@ -33,10 +33,11 @@ mod senders;
 mod splitter;
 mod wait;
 
+pub use batch::BATCH_MAX;
 pub use error::NetError;
 pub use interface::Interface;
 pub use line_server::{LineServer, LineServerCounters, READERS_MAX};
 pub use lines::{LinesCounters, LinesSettings, TcpLines};
-pub use receiver::{BATCH_MAX, Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
+pub use receiver::{Datagram, ReceiverCounters, ReceiverSettings, UdpReceiver};
 pub use sender::{SenderCounters, SenderSettings, UdpSender};
 pub use senders::AllowedSenders;

@@ -42,9 +42,6 @@ use socket2::{Domain, InterfaceIndexOrAddress, Protocol, Socket, Type};
 use crate::batch::{Batch, RawDatagram};
 use crate::{AllowedSenders, Interface, NetError, wait};
 
-/// Most datagrams that one call takes.
-pub const BATCH_MAX: usize = 32;
-
 /// Longest payload that any datagram has.
 const DATAGRAM_OCTETS_MAX: usize = 65_535;
 /// Sizes of the kernel's buffer that can be asked for.
@@ -64,7 +61,7 @@ pub struct ReceiverSettings {
     /// How many octets the kernel shall hold while the reader is busy, 4 KiB to 1 GiB. A datagram counts with what the
     /// kernel needs to manage it, some hundred octets more than its payload.
     pub receive_buffer_octets: usize,
-    /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`] times as much is allocated.
+    /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`](crate::BATCH_MAX) times as much is allocated.
     pub datagram_octets_max: usize,
 }
 
@@ -197,7 +194,7 @@ impl UdpReceiver {
         })
     }
 
-    /// Takes the datagrams that are there, [`BATCH_MAX`] at most; if there are none, waits for the first of them as
+    /// Takes the datagrams that are there, [`BATCH_MAX`](crate::BATCH_MAX) at most; if there are none, waits for the first of them as
     /// long as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number is returned, and
     /// may be 0 although something came. A signal ends the wait.
     ///

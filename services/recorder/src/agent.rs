@@ -1,6 +1,5 @@
 //! Duty cycle of the recorder.
 
-use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Context as _;
@@ -12,23 +11,11 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::all_topics::{AllTopics, Done};
 use crate::recovery;
+use crate::start::Start;
 use crate::topic_file::{self, Place, StreamFile};
 
 /// Maximum number of turns at the end for writing the slices still waiting.
 const TURNS_AT_CLOSE: usize = 1000;
-
-/// Recorded run of a deployment.
-#[derive(Clone, Copy, Debug)]
-pub struct Start<'a> {
-    /// Folder for the run's files.
-    pub folder: &'a Path,
-    /// Description of the run, unique to it.
-    pub run: &'a str,
-    /// Version of the executable, with the commit if known.
-    pub version: &'a str,
-    /// Midnight from which tables count their seconds, UTC, nanoseconds.
-    pub first_day_ns: i64,
-}
 
 /// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]

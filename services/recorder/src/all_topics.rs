@@ -9,10 +9,10 @@ use messages::{BatchHeader, Stream, Streamed, Topic};
 use recording::Facts;
 use runtime::Now;
 
-use crate::agent::Start;
 use crate::images::Images;
 use crate::recorded::{ForSamples, Recorded, for_samples};
 use crate::segments::{SegmentCounts, Segments};
+use crate::start::Start;
 
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;

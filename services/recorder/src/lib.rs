@@ -31,10 +31,12 @@ mod numbering;
 mod recorded;
 mod recovery;
 mod segments;
+mod start;
 mod tables;
 mod topic_file;
 
-pub use agent::{RecorderAgent, Start};
+pub use agent::RecorderAgent;
+pub use start::Start;
 pub use tables::Tables;
 
 use configuration::Process;

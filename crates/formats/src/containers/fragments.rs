@@ -4,39 +4,19 @@
 //! any order, mixed with those of other datagrams, and some never come. So a limited number of datagrams is kept open;
 //! where one more is begun, the oldest is given up.
 
-use core::net::IpAddr;
 use std::borrow::Cow;
 use std::collections::VecDeque;
 
+use etherparse::IpNumber;
 use etherparse::defrag::IpDefragBuf;
-use etherparse::{IpFragOffset, IpNumber};
 
-use super::packet::{self, Packet};
+use super::packet::{self, Fragment, Key, Packet};
 use super::skipped::{Reason, Skipped};
 use super::{Datagram, TimeStamp};
 
 /// The most fragmented datagrams that are kept open at a time. Senders emit the fragments of one in a burst, so more
 /// than one per sender is rare.
 pub const FRAGMENTED_MAX: usize = 64;
-
-/// Key that the fragments of one datagram have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Key {
-    pub(super) interface: u32,
-    pub(super) source: IpAddr,
-    pub(super) destination: IpAddr,
-    pub(super) identification: u32,
-}
-
-/// A part of a datagram.
-#[derive(Debug)]
-pub(super) struct Fragment<'a> {
-    pub(super) key: Key,
-    pub(super) offset: IpFragOffset,
-    /// Whether it is not the last.
-    pub(super) more: bool,
-    pub(super) bytes: &'a [u8],
-}
 
 /// The datagrams of which some fragments have come, the oldest first.
 #[derive(Debug, Default)]

@@ -1,9 +1,12 @@
 //! From a captured packet to the payload that may be data blocks: link, network, transport.
 
-use etherparse::{EtherType, Ethernet2Slice, IpNumber, IpSlice, Ipv6ExtensionSlice, SingleVlanSlice, UdpSlice};
+use core::net::IpAddr;
+
+use etherparse::{
+    EtherType, Ethernet2Slice, IpFragOffset, IpNumber, IpSlice, Ipv6ExtensionSlice, SingleVlanSlice, UdpSlice,
+};
 
 use super::TimeStamp;
-use super::fragments::{Fragment, Key};
 use super::skipped::{Reason, Skipped};
 
 /// The largest EtherType that is none, but the length of an IEEE 802.3 frame.
@@ -49,6 +52,25 @@ impl Packet<'_> {
             _ => Reason::Header { layer, captured },
         }
     }
+}
+
+/// Key that the fragments of one datagram have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Key {
+    pub(super) interface: u32,
+    pub(super) source: IpAddr,
+    pub(super) destination: IpAddr,
+    pub(super) identification: u32,
+}
+
+/// A part of a datagram.
+#[derive(Debug)]
+pub(super) struct Fragment<'a> {
+    pub(super) key: Key,
+    pub(super) offset: IpFragOffset,
+    /// Whether it is not the last.
+    pub(super) more: bool,
+    pub(super) bytes: &'a [u8],
 }
 
 /// Payload of a packet.
