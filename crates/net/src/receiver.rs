@@ -61,7 +61,8 @@ pub struct ReceiverSettings {
     /// How many octets the kernel shall hold while the reader is busy, 4 KiB to 1 GiB. A datagram counts with what the
     /// kernel needs to manage it, some hundred octets more than its payload.
     pub receive_buffer_octets: usize,
-    /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`](crate::BATCH_MAX) times as much is allocated.
+    /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`](crate::BATCH_MAX) times as much is
+    /// allocated.
     pub datagram_octets_max: usize,
 }
 
@@ -194,9 +195,9 @@ impl UdpReceiver {
         })
     }
 
-    /// Takes the datagrams that are there, [`BATCH_MAX`](crate::BATCH_MAX) at most; if there are none, waits for the first of them as
-    /// long as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number is returned, and
-    /// may be 0 although something came. A signal ends the wait.
+    /// Takes the datagrams that are there, [`BATCH_MAX`](crate::BATCH_MAX) at most; if there are none, waits for the
+    /// first of them as long as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number
+    /// is returned, and may be 0 although something came. A signal ends the wait.
     ///
     /// # Errors
     /// If the socket fails, which it does not because of anything that is sent to it. It may be used again.

@@ -1,8 +1,8 @@
 //! Global alignment: large biases of a source, estimated from tracks that did not join.
 //!
-//! Registration learns from tracks that were joined. A large bias prevents joining: nothing is learned, and every target
-//! is shown twice. But all tracks of such a source are off in the same way, so the bias can be found without knowing
-//! which tracks belong together. Three steps, each with its own method:
+//! Registration learns from tracks that were joined. A large bias prevents joining: nothing is learned, and every
+//! target is shown twice. But all tracks of such a source are off in the same way, so the bias can be found without
+//! knowing which tracks belong together. Three steps, each with its own method:
 //! 1. [`search`]: which bias would bring most tracks of two sources together.
 //! 2. [`verdict`]: to which of the two sources that bias belongs.
 //! 3. [`removal`]: the corrections of that source's reports.
@@ -82,8 +82,8 @@ impl Alignment {
         self.removal.corrected(report, place_m, now_ns)
     }
 
-    /// Continues the search with a valid report at `now_ns`; `clocks` are the errors of the sources' clocks by the times
-    /// of receipt. Returns the source whose correction has changed.
+    /// Continues the search with a valid report at `now_ns`; `clocks` are the errors of the sources' clocks by the
+    /// times of receipt. Returns the source whose correction has changed.
     pub(crate) fn take(
         &mut self,
         report: &SensorTrack,

@@ -1,7 +1,7 @@
 //! Verdict: the source to which a bias between two sources belongs.
 //!
-//! Problem: the findings on two sources show that one of them is off, not which one. The pair alone cannot decide, since
-//! the same difference follows from either side.
+//! Problem: the findings on two sources show that one of them is off, not which one. The pair alone cannot decide,
+//! since the same difference follows from either side.
 //!
 //! Method: further evidence decides, the strongest first.
 //! 1. The reference source is true by configuration; the other source is off.

@@ -1,8 +1,8 @@
 //! Systematic errors of a source, and their effect on its reports.
 //!
-//! The errors are an offset of the place, an offset of the time, a range bias and an azimuth bias. A report is linear in
-//! them to first order: [`View::sensitivity`] is the matrix of its derivatives at the place and velocity of the target.
-//! `registration` estimates them from differences of reports by several sources.
+//! The errors are an offset of the place, an offset of the time, a range bias and an azimuth bias. A report is linear
+//! in them to first order: [`View::sensitivity`] is the matrix of its derivatives at the place and velocity of the
+//! target. `registration` estimates them from differences of reports by several sources.
 
 use std::ops::Range;
 
