@@ -83,7 +83,7 @@ impl Search<'_> {
         let (here, now_ns) = (entry.system, entry.time_ns);
         self.tracks.primary_of(there, entry.source, own, now_ns)?;
         let mut pairs = Pairs::default();
-        let (mut information, mut seen) = (Matrix2::zeros(), [Seen::default(); COMPARED_MAX]);
+        let (mut information, mut seen) = (Matrix2::zeros(), [SourceEvidence::default(); COMPARED_MAX]);
         let both = self.tracks.contributing_here(here, now_ns).filter_map(|mine| {
             let source = self.tracks.sensors.get(mine).source;
             Some((mine, self.tracks.primary_of(there, source, mine, now_ns)?))
@@ -99,7 +99,7 @@ impl Search<'_> {
             let inverse = (from.covariance + to.covariance + Matrix2::identity() * points_m2).try_inverse()?;
             information += inverse;
             let shares = [mine, theirs].map(|sensor| self.tracks.sensors.get(sensor).share);
-            seen[count] = Seen {
+            seen[count] = SourceEvidence {
                 pull: inverse * (to.mean - from.mean),
                 share: shares[0] + shares[1],
             };
@@ -121,7 +121,7 @@ impl Search<'_> {
 
 /// What a source's tracks of two targets say.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
+struct SourceEvidence {
     /// Sₛ⁻¹·dₛ.
     pull: Vector2<f64>,
     /// Its share in the two system tracks together.
@@ -131,7 +131,7 @@ struct Seen {
 /// The most likely set of crossed sources that has the one of `own_bit` in it, as bits, and its log-likelihood ratio to
 /// the most likely one that has not, given Λ⁻¹. A set never has more than half of the shares: then it is the others
 /// that are crossed. So the two states change least by it, and numbers stay with their targets.
-fn most_likely(seen: &[Seen], covariance: &Matrix2<f64>, own_bit: u32) -> Option<(f64, u32)> {
+fn most_likely(seen: &[SourceEvidence], covariance: &Matrix2<f64>, own_bit: u32) -> Option<(f64, u32)> {
     let sign = |crossed: u32, index: usize| if crossed & 1 << index == 0 { 1.0 } else { -1.0 };
     let (mut with, mut without) = (None, f64::NEG_INFINITY);
     for crossed in 0..1_u32 << seen.len() {
@@ -178,7 +178,7 @@ mod tests {
             .map(|(apart_m, sigma_m)| {
                 let inverse = Matrix2::from_diagonal(&Vector2::from(sigma_m.map(|sigma| 1.0 / (sigma * sigma))));
                 information += inverse;
-                Seen {
+                SourceEvidence {
                     pull: inverse * Vector2::from(*apart_m),
                     share: 1.0,
                 }

@@ -14,7 +14,7 @@ const DRIFT_2: f64 = 9.2;
 
 /// Latest differences of a source that its estimate leaves over: without a drift they are 0 on the average.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Rest {
+pub(crate) struct Residuals {
     /// Σ W (xx, xy, yy), 1/m².
     information: [f64; 3],
     /// Σ W·rest, 1/m.
@@ -23,7 +23,7 @@ pub(crate) struct Rest {
     is_drift: bool,
 }
 
-impl Rest {
+impl Residuals {
     /// Adds a difference, east and north, metres, whose inverse covariance is given.
     pub(crate) fn add(&mut self, weight: &estimation::Matrix3, [east, north]: [f64; 2]) {
         let (xx, xy, yy) = (weight[(0, 0)], weight[(0, 1)], weight[(1, 1)]);

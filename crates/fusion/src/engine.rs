@@ -6,7 +6,7 @@
 //! learn;
 //! [`Tracks`] are what they share.
 
-use messages::{Counter, DecisionKind, GrossError, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Bias, Counter, DecisionKind, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
 use association::distance::squared2;
@@ -27,7 +27,7 @@ use crate::publishing::Publisher;
 use crate::reference_point::ReferencePoints;
 use crate::registration::SourceErrors;
 use crate::rules;
-use crate::scan::{Assigned, Scans};
+use crate::scan::{Placement, Scans};
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
@@ -132,7 +132,7 @@ impl Engine {
     }
 
     /// The gross error of `source`, if tracks that did not join show one; `None` too if there is no such source.
-    pub fn gross_error(&self, source: u16) -> Option<GrossError> {
+    pub fn gross_error(&self, source: u16) -> Option<Bias> {
         (usize::from(source) < self.settings.sources.len())
             .then(|| self.sources.alignment.error_of(source))
             .flatten()
@@ -149,8 +149,11 @@ impl Engine {
 
     /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do
     /// not, `None` if there is no such source.
-    pub fn inflation(&self, source: u16) -> Option<f64> {
-        self.sources.models.get(usize::from(source)).map(SourceModel::inflation)
+    pub fn covariance_scale(&self, source: u16) -> Option<f64> {
+        self.sources
+            .models
+            .get(usize::from(source))
+            .map(SourceModel::covariance_scale)
     }
 
     /// Probability that a scan of `source` sees a target that it tracks, as learned; `None` if there is no such source.
@@ -490,7 +493,7 @@ impl Engine {
     }
 
     /// Puts a sensor track where the assignment of its scan says.
-    fn place_assigned(&mut self, Assigned { sensor, best }: Assigned, sink: &mut impl Sink) {
+    fn place_assigned(&mut self, Placement { sensor, best }: Placement, sink: &mut impl Sink) {
         let is_unlinked = self.tracks.sensors.get(sensor).system == NO_SYSTEM;
         // It may have ended meanwhile, merged by another sensor track of this scan.
         let lives = |system: SystemSlot| self.tracks.systems.get(system).life != TrackState::Terminated;

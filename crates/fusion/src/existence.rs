@@ -46,7 +46,7 @@ settings::settings! {
 }
 
 /// Probability that a source follows a target at a place, before anything was learned.
-const FOLLOWS_PRIOR: f64 = 0.5;
+const DETECTION_PRIOR: f64 = 0.5;
 /// Worth of the source's general probability in a cell, in observed targets.
 const GENERAL_WEIGHT: f64 = 4.0;
 /// Observations of a cell are forgotten beyond this number.
@@ -54,7 +54,7 @@ const CELL_MEMORY: f64 = 64.0;
 /// Observations of a source in general are forgotten beyond this number.
 const GENERAL_MEMORY: f64 = 256.0;
 /// Largest probability that is believed: there is always a chance to be shadowed.
-const FOLLOWS_MAX: f64 = 0.98;
+const DETECTION_MAX: f64 = 0.98;
 /// Places of the table that are tried for one cell.
 const PROBES: usize = 8;
 
@@ -142,10 +142,10 @@ impl Coverage {
     }
 
     /// Learns from a confirmed track at (x, y): `follows(source)` says whether the source contributes.
-    pub(crate) fn learn(&mut self, x: f64, y: f64, follows: impl Fn(u16) -> bool) {
+    pub(crate) fn learn(&mut self, x: f64, y: f64, is_detected: impl Fn(u16) -> bool) {
         let place = self.claim(x, y);
         for source in 0..self.sources {
-            let hit = follows(source as u16);
+            let hit = is_detected(source as u16);
             self.general[source].add(hit, GENERAL_MEMORY);
             if let Some(place) = place {
                 self.tallies[place * self.sources + source].add(hit, CELL_MEMORY);
@@ -154,16 +154,16 @@ impl Coverage {
     }
 
     /// Probability that `source` follows a target at this place.
-    pub(crate) fn follows(&self, source: u16, position_m: [f64; 3]) -> f64 {
+    pub(crate) fn detection_probability(&self, source: u16, position_m: [f64; 3]) -> f64 {
         let index = usize::from(source);
         if let Some(area) = &self.areas[index] {
-            return area.probability_at(position_m).min(FOLLOWS_MAX);
+            return area.probability_at(position_m).min(DETECTION_MAX);
         }
-        let general = self.general[index].share(FOLLOWS_PRIOR, GENERAL_WEIGHT);
+        let general = self.general[index].share(DETECTION_PRIOR, GENERAL_WEIGHT);
         let cell = self.place(position_m[0], position_m[1]).map_or(general, |place| {
             self.tallies[place * self.sources + index].share(general, GENERAL_WEIGHT)
         });
-        cell.min(FOLLOWS_MAX)
+        cell.min(DETECTION_MAX)
     }
 
     /// The place of a cell in the table, if it has one.
@@ -210,7 +210,7 @@ pub(crate) struct Claim {
 
 impl Claim {
     /// L, the logarithm of how much likelier a target is than a false track.
-    pub(crate) fn worth(&self, settings: &ExistenceSettings) -> f64 {
+    pub(crate) fn log_ratio(&self, settings: &ExistenceSettings) -> f64 {
         let further = self.reports.saturating_sub(settings.persistence_reports);
         let persistence = settings.persistence * f64::from(further);
         let address = if self.has_address { settings.address } else { 0.0 };
@@ -218,7 +218,7 @@ impl Claim {
     }
 
     pub(crate) fn is_believed(&self, settings: &ExistenceSettings) -> bool {
-        self.worth(settings) > settings.believed
+        self.log_ratio(settings) > settings.believed
     }
 }
 
@@ -241,10 +241,10 @@ mod tests {
             coverage.learn(500.0, 500.0, |source| source != 2);
             coverage.learn(5500.0, 500.0, |source| source == 0);
         }
-        let here = coverage.follows(1, [500.0, 500.0, 0.0]);
-        let there = coverage.follows(1, [5500.0, 500.0, 0.0]);
+        let here = coverage.detection_probability(1, [500.0, 500.0, 0.0]);
+        let there = coverage.detection_probability(1, [5500.0, 500.0, 0.0]);
         assert!(here > 0.9 && there < 0.1, "{here} {there}");
-        assert!(coverage.follows(2, [500.0, 500.0, 0.0]) < 0.05);
+        assert!(coverage.detection_probability(2, [500.0, 500.0, 0.0]) < 0.05);
         assert!(!claim((1.0 - here).ln(), 5).is_believed(&ExistenceSettings::default()));
         assert!(claim((1.0 - there).ln(), 5).is_believed(&ExistenceSettings::default()));
     }
@@ -252,11 +252,11 @@ mod tests {
     #[test]
     fn a_place_never_seen_is_judged_by_the_source_in_general() {
         let mut coverage = Coverage::new(vec![None; 1], 64, 1000.0);
-        assert_eq!(coverage.follows(0, [0.0; 3]), FOLLOWS_PRIOR);
+        assert_eq!(coverage.detection_probability(0, [0.0; 3]), DETECTION_PRIOR);
         for _ in 0..100 {
             coverage.learn(0.0, 0.0, |_| true);
         }
-        assert!(coverage.follows(0, [50e3, 0.0, 0.0]) > 0.9);
+        assert!(coverage.detection_probability(0, [50e3, 0.0, 0.0]) > 0.9);
     }
 
     #[test]
@@ -279,6 +279,6 @@ mod tests {
         for column in 0..100 {
             coverage.learn(f64::from(column) * 10.0, 0.0, |_| true);
         }
-        assert!(coverage.follows(0, [995.0, 0.0, 0.0]) > 0.9);
+        assert!(coverage.detection_probability(0, [995.0, 0.0, 0.0]) > 0.9);
     }
 }

@@ -1,6 +1,6 @@
 //! Gross errors: what a report says without one, and which one would bring two tracks together.
 
-use messages::{AXES, Covariance, GrossKind, NS_PER_S, SensorTrack, sensor_track_bits};
+use messages::{AXES, BiasKind, Covariance, NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 /// A horizontal place and velocity, and the place of the sensor that reported them, if it is known; metres and metres
@@ -14,37 +14,37 @@ pub(crate) struct Motion {
 
 impl Motion {
     /// The motion without an error of its source; the same if the error needs a place that is not known.
-    pub(crate) fn without(mut self, kind: GrossKind, value: [f64; 2]) -> Self {
+    pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         let ([x, y], [vx, vy]) = (self.position_m, self.velocity_mps);
         match (kind, self.place_m) {
-            (GrossKind::Azimuth, Some([east, north])) => {
+            (BiasKind::Azimuth, Some([east, north])) => {
                 let (sin, cos) = value[0].sin_cos();
                 let turned = |dx: f64, dy: f64| [dx * cos - dy * sin, dx * sin + dy * cos];
                 let [dx, dy] = turned(x - east, y - north);
                 self.position_m = [east + dx, north + dy];
                 self.velocity_mps = turned(vx, vy);
             }
-            (GrossKind::Range, Some([east, north])) => {
+            (BiasKind::Range, Some([east, north])) => {
                 let (dx, dy) = (x - east, y - north);
                 let range = dx.hypot(dy).max(1.0);
                 let shorter = 1.0 - value[0] / range;
                 self.position_m = [east + dx * shorter, north + dy * shorter];
             }
-            (GrossKind::Time, _) => self.position_m = [x + vx * value[0], y + vy * value[0]],
-            (GrossKind::Position, _) => self.position_m = [x - value[0], y - value[1]],
-            (GrossKind::Azimuth | GrossKind::Range, None) => {}
+            (BiasKind::Time, _) => self.position_m = [x + vx * value[0], y + vy * value[0]],
+            (BiasKind::Position, _) => self.position_m = [x - value[0], y - value[1]],
+            (BiasKind::Azimuth | BiasKind::Range, None) => {}
         }
         self
     }
 
     /// The error of this kind that shows the target of `other` here, if one can; `sigma` says how far two tracks of one
     /// target lie apart besides.
-    pub(crate) fn implied(&self, other: &Self, kind: GrossKind, sigma: Sigma) -> Option<[f64; 2]> {
+    pub(crate) fn implied(&self, other: &Self, kind: BiasKind, sigma: Sigma) -> Option<[f64; 2]> {
         const SIGMAS: f64 = 3.0;
         let apart = [0, 1].map(|axis| self.position_m[axis] - other.position_m[axis]);
         match kind {
-            GrossKind::Position => Some(apart),
-            GrossKind::Time => {
+            BiasKind::Position => Some(apart),
+            BiasKind::Time => {
                 let velocity = [0, 1].map(|axis| 0.5 * (self.velocity_mps[axis] + other.velocity_mps[axis]));
                 let speed = velocity[0].hypot(velocity[1]);
                 let along = (apart[0] * velocity[0] + apart[1] * velocity[1]) / speed;
@@ -52,7 +52,7 @@ impl Motion {
                 let error = [-along / speed, 0.0];
                 (across.abs() <= SIGMAS * sigma.without(kind, error).position_m).then_some(error)
             }
-            GrossKind::Azimuth | GrossKind::Range => {
+            BiasKind::Azimuth | BiasKind::Range => {
                 let [east, north] = self.place_m?;
                 let polar = |of: &Self| {
                     let (dx, dy) = (of.position_m[0] - east, of.position_m[1] - north);
@@ -62,7 +62,7 @@ impl Motion {
                 let turn = (own - azimuth + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU);
                 let (longer_m, turned) = (own_m - range_m, turn - std::f64::consts::PI);
                 let (error, rest_m) = match kind {
-                    GrossKind::Azimuth => (turned, longer_m),
+                    BiasKind::Azimuth => (turned, longer_m),
                     _ => (longer_m, turned * range_m),
                 };
                 (rest_m.abs() <= SIGMAS * sigma.position_m).then_some([error, 0.0])
@@ -81,8 +81,8 @@ pub(crate) struct Sigma {
 impl Sigma {
     /// The deviations once the error is taken off one of the two: where it has been carried along its velocity, it is
     /// as far off as that velocity makes it.
-    pub(crate) fn without(mut self, kind: GrossKind, value: [f64; 2]) -> Self {
-        if kind == GrossKind::Time {
+    pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
+        if kind == BiasKind::Time {
             self.position_m = self.position_m.hypot(self.velocity_mps * value[0]);
         }
         self
@@ -94,7 +94,7 @@ impl Sigma {
 #[cold]
 pub(crate) fn corrected(
     report: &SensorTrack,
-    kind: GrossKind,
+    kind: BiasKind,
     value: [f64; 2],
     place_m: Option<[f64; 2]>,
     now_ns: i64,
@@ -102,7 +102,7 @@ pub(crate) fn corrected(
     /// Times that lie so near the present are those of the reports, nanoseconds.
     const PRESENT_NS: i64 = 5_000_000_000;
     let mut report = *report;
-    if kind == GrossKind::Time {
+    if kind == BiasKind::Time {
         let measured_ns = report.time_of_measurement_ns - (value[0] * NS_PER_S) as i64;
         if (measured_ns - now_ns).abs() <= PRESENT_NS {
             report.time_of_measurement_ns = measured_ns;
@@ -143,10 +143,10 @@ mod tests {
             place_m: Some([-10e3, 5e3]),
         };
         let errors = [
-            (GrossKind::Azimuth, [0.05, 0.0]),
-            (GrossKind::Range, [-700.0, 0.0]),
-            (GrossKind::Time, [30.0, 0.0]),
-            (GrossKind::Position, [900.0, -300.0]),
+            (BiasKind::Azimuth, [0.05, 0.0]),
+            (BiasKind::Range, [-700.0, 0.0]),
+            (BiasKind::Time, [30.0, 0.0]),
+            (BiasKind::Position, [900.0, -300.0]),
         ];
         for (kind, value) in errors {
             // To have the contrary error taken off is to get this one; but for the length of an arc that is exact.
@@ -164,6 +164,6 @@ mod tests {
             position_m: [40e3 + 800.0, -25e3 - 1500.0],
             ..target
         };
-        assert_eq!(aside.implied(&target, GrossKind::Time, SIGMA), None);
+        assert_eq!(aside.implied(&target, BiasKind::Time, SIGMA), None);
     }
 }

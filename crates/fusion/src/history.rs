@@ -13,13 +13,13 @@ use crate::rules::settings::Residual;
 
 /// The part of a report that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Stored {
+struct StoredReport {
     time_ns: i64,
     position_m: [f64; 3],
     velocity_mps: [f64; 3],
 }
 
-impl Place for Stored {
+impl Place for StoredReport {
     fn is_taken(&self) -> bool {
         *self != Self::default()
     }
@@ -29,7 +29,7 @@ impl Place for Stored {
     }
 }
 
-impl Stored {
+impl StoredReport {
     fn position_at(&self, time_ns: i64) -> [f64; 3] {
         moved(self.position_m, self.velocity_mps, time_ns - self.time_ns)
     }
@@ -45,7 +45,7 @@ pub(crate) fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Histories {
     #[serde(with = "places")]
-    stored: Vec<Stored>,
+    stored: Vec<StoredReport>,
     heads: Vec<Head>,
     length: usize,
     /// Weight of an earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
@@ -55,7 +55,7 @@ pub(crate) struct Histories {
 /// Octets that a ring of `length` reports takes.
 #[cfg(test)]
 pub(crate) fn bytes_per_track(length: usize) -> usize {
-    length * size_of::<Stored>() + size_of::<Head>()
+    length * size_of::<StoredReport>() + size_of::<Head>()
 }
 
 /// Where one ring stands.
@@ -73,7 +73,7 @@ struct Head {
 impl Histories {
     pub(crate) fn new(slots: usize, length: usize, recency: f64) -> Self {
         Self {
-            stored: vec![Stored::default(); slots * length],
+            stored: vec![StoredReport::default(); slots * length],
             heads: vec![Head::default(); slots],
             length,
             recency,
@@ -94,7 +94,7 @@ impl Histories {
             (head.newest + 1) % self.length
         };
         head.count = (head.count + 1).min(self.length);
-        self.stored[slot * self.length + head.newest] = Stored {
+        self.stored[slot * self.length + head.newest] = StoredReport {
             time_ns: report.time_of_measurement_ns,
             position_m: report.position_m,
             velocity_mps: report.velocity_mps,
@@ -136,7 +136,7 @@ impl Histories {
     }
 
     /// The report `back` places before the newest.
-    fn nth(&self, slot: usize, back: usize) -> Option<&Stored> {
+    fn nth(&self, slot: usize, back: usize) -> Option<&StoredReport> {
         let head = &self.heads[slot];
         if back >= head.count {
             return None;

@@ -77,6 +77,6 @@ mod weighing;
 pub use engine::Engine;
 pub use engine_counters::EngineCounters;
 pub use explanation::Sink;
-pub use merger::{Merger, Pushed};
+pub use merger::{Merger, PushOutcome};
 pub use settings::Settings;
 pub use state::State;

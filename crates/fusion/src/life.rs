@@ -28,7 +28,7 @@ const PATIENCE_PERIODS: f64 = 30.0;
 const AGREEMENT: f64 = 2.0;
 const AGREEMENT_FALLS: f64 = 5.0;
 /// A source that follows fewer targets than this here need not be waited for.
-const FOLLOWS_SELDOM: f64 = 0.1;
+const DETECTION_SELDOM: f64 = 0.1;
 
 /// Evidence and times on which the life of system tracks rests.
 #[derive(Debug, Serialize, Deserialize)]
@@ -68,14 +68,14 @@ impl Life {
         match entry.life {
             TrackState::Coasted => tracks.systems.set_life(system, TrackState::Confirmed),
             TrackState::Tentative => {
-                let (believed, worth) = self.evidence(settings, tracks, system, now_ns);
+                let (believed, log_ratio) = self.evidence(settings, tracks, system, now_ns);
                 if believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
                     tracks.systems.set_life(system, TrackState::Confirmed);
                     let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
                     if first {
                         out.count(report.source, Counter::TracksConfirmed);
                     }
-                    out.decision(&tracks.decision_on(system, DecisionKind::Confirmed, now_ns, worth));
+                    out.decision(&tracks.decision_on(system, DecisionKind::Confirmed, now_ns, log_ratio));
                 }
             }
             TrackState::Confirmed if now_ns >= entry.coverage_due_ns => self.learn_coverage(tracks, system, now_ns),
@@ -113,9 +113,11 @@ impl Life {
             // What is higher than a source can see says nothing about it.
             let may_see = !filter.has_height || filter.estimate.mean[2] <= source.ceiling_m;
             if groups(0, index as u16) & heard == 0 && may_see && !source.is_centre {
-                let follows = self.coverage.follows(index as u16, filter.estimate.position_m());
-                silence += (1.0 - follows).ln();
-                had_their_chance &= follows < FOLLOWS_SELDOM || age_ns >= CHANCE_PERIODS * source.period_ns;
+                let detection = self
+                    .coverage
+                    .detection_probability(index as u16, filter.estimate.position_m());
+                silence += (1.0 - detection).ln();
+                had_their_chance &= detection < DETECTION_SELDOM || age_ns >= CHANCE_PERIODS * source.period_ns;
             }
         }
         let claim = Claim {
@@ -124,12 +126,12 @@ impl Life {
             has_address: entry.identity.unique_number().is_some(),
         };
         if established >= 2 {
-            let worth = claim.worth(&settings.existence) + worth_of_agreement(tracks);
-            return (worth > settings.existence.believed, f64::from(established));
+            let log_ratio = claim.log_ratio(&settings.existence) + agreement_log_ratio(tracks);
+            return (log_ratio > settings.existence.believed, f64::from(established));
         }
         (
             claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address),
-            claim.worth(&settings.existence),
+            claim.log_ratio(&settings.existence),
         )
     }
 
@@ -179,7 +181,7 @@ impl Life {
 
 /// The worth of two sources that agree: the more tracks there are that nobody confirms, beside those that are shown,
 /// the more often two of them lie side by side by chance.
-fn worth_of_agreement(tracks: &Tracks) -> f64 {
+fn agreement_log_ratio(tracks: &Tracks) -> f64 {
     let count = |state| tracks.systems.count_in_state(state) as f64;
     let others = count(TrackState::Tentative) - 1.0;
     let share = others / (count(TrackState::Confirmed) + count(TrackState::Coasted)).max(1.0);

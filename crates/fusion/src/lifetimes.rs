@@ -22,7 +22,7 @@ const SURELY_AGAIN: f64 = 1.1;
 /// How long reports and tracks live.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Lifetimes {
-    learned: Vec<Learned>,
+    learned: Vec<LearnedPeriod>,
     /// Age up to which a report counts, per source, nanoseconds.
     fresh_ns: Vec<i64>,
     /// Time without a report after which a tentative track ends, nanoseconds.
@@ -33,7 +33,7 @@ pub(crate) struct Lifetimes {
 
 /// Period of a source of which nobody has stated it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Learned {
+struct LearnedPeriod {
     /// The shortest that is believed, nanoseconds; `None` if the source's period is stated.
     least_ns: Option<i64>,
     interval_s: Median,
@@ -41,7 +41,7 @@ struct Learned {
     first_ns: Option<i64>,
 }
 
-impl Learned {
+impl LearnedPeriod {
     /// Whether the source may be one of which a second report is still to come at `now_ns`.
     fn is_awaited(&self, now_ns: i64) -> bool {
         let has_begun = |first_ns: i64| now_ns.saturating_sub(first_ns) <= PATIENCE_NS;
@@ -51,7 +51,7 @@ impl Learned {
 
 impl Lifetimes {
     pub(crate) fn new(settings: &LifeSettings, sources: &[SourceSettings]) -> Self {
-        let learned = sources.iter().map(|source| Learned {
+        let learned = sources.iter().map(|source| LearnedPeriod {
             least_ns: source.learns_period.then_some(source.period_ns),
             interval_s: Median::default(),
             first_ns: None,

@@ -28,13 +28,13 @@ pub(crate) struct Correction {
     /// By how much its source's known errors have moved it, metres.
     pub(crate) shift_m: [f64; AXES],
     /// By how much its covariance claims too much.
-    pub(crate) inflation: f64,
+    pub(crate) covariance_scale: f64,
 }
 
 impl Correction {
     pub(crate) const NONE: Self = Self {
         shift_m: [0.0; AXES],
-        inflation: 1.0,
+        covariance_scale: 1.0,
     };
 }
 
@@ -54,9 +54,9 @@ impl Measurement {
         for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
             *position -= shift;
         }
-        if correction.inflation != 1.0 {
+        if correction.covariance_scale != 1.0 {
             let values = self.covariance_m2.iter_mut();
-            values.for_each(|value| *value *= correction.inflation);
+            values.for_each(|value| *value *= correction.covariance_scale);
         }
     }
 

@@ -29,7 +29,7 @@ struct SourceQueue {
 
 /// Fate of a report that was handed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pushed {
+pub enum PushOutcome {
     /// The report waits for its turn.
     Waiting,
     /// The report waits, and the source's oldest waiting one was dropped for it: the queue was full.
@@ -62,11 +62,11 @@ impl Merger {
     }
 
     /// Hands in a report. Sequence numbers of a source must rise; what is not above the last one is a repetition.
-    pub fn push(&mut self, source: usize, report: &SensorTrack) -> Pushed {
+    pub fn push(&mut self, source: usize, report: &SensorTrack) -> PushOutcome {
         let worked_off_ns = self.worked_off_ns;
         let waiting = &mut self.sources[source];
         if report.sequence < waiting.next_sequence {
-            return Pushed::Repeated;
+            return PushOutcome::Repeated;
         }
         waiting.next_sequence = report.sequence + 1;
         let newest = waiting
@@ -74,12 +74,12 @@ impl Merger {
             .back()
             .map_or(worked_off_ns, |last| last.time_of_measurement_ns);
         if report.time_of_measurement_ns < newest {
-            return Pushed::OutOfOrder;
+            return PushOutcome::OutOfOrder;
         }
-        let mut result = Pushed::Waiting;
+        let mut result = PushOutcome::Waiting;
         if waiting.queue.len() == self.capacity {
             waiting.queue.pop_front();
-            result = Pushed::DroppedOldest;
+            result = PushOutcome::DroppedOldest;
         }
         waiting.queue.push_back(*report);
         result
@@ -185,13 +185,13 @@ mod tests {
     #[test]
     fn overflow_drops_the_oldest_and_lateness_the_late() {
         let mut merger = Merger::new(1, 2);
-        assert_eq!(merger.push(0, &report(0, 0, 1)), Pushed::Waiting);
-        assert_eq!(merger.push(0, &report(0, 1, 2)), Pushed::Waiting);
-        assert_eq!(merger.push(0, &report(0, 1, 2)), Pushed::Repeated);
-        assert_eq!(merger.push(0, &report(0, 2, 3)), Pushed::DroppedOldest);
+        assert_eq!(merger.push(0, &report(0, 0, 1)), PushOutcome::Waiting);
+        assert_eq!(merger.push(0, &report(0, 1, 2)), PushOutcome::Waiting);
+        assert_eq!(merger.push(0, &report(0, 1, 2)), PushOutcome::Repeated);
+        assert_eq!(merger.push(0, &report(0, 2, 3)), PushOutcome::DroppedOldest);
         merger.end(0);
         assert_eq!(merger.pop().unwrap().time_of_measurement_ns, 2);
-        assert_eq!(merger.push(0, &report(0, 3, 2)), Pushed::OutOfOrder);
+        assert_eq!(merger.push(0, &report(0, 3, 2)), PushOutcome::OutOfOrder);
     }
 
     proptest! {
@@ -222,7 +222,7 @@ mod tests {
             for (source, count) in schedule.into_iter().chain(everything) {
                 let stream = &streams[source];
                 for report in &stream[delivered[source]..stream.len().min(delivered[source].saturating_add(count))] {
-                    prop_assert_eq!(merger.push(source, report), Pushed::Waiting);
+                    prop_assert_eq!(merger.push(source, report), PushOutcome::Waiting);
                     merger.set_watermark(source, report.time_of_measurement_ns);
                     delivered[source] += 1;
                 }

@@ -46,7 +46,7 @@ use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::drift::{DRIFT_S, Rest};
+use crate::drift::{DRIFT_S, Residuals};
 use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, TIME, clock_of, sensitivity};
 use crate::source_ref::SOURCES_MAX;
 
@@ -124,7 +124,7 @@ pub(crate) struct Registration {
     contradicted: Vec<f64>,
     reference: Option<u16>,
     /// Latest differences of each source that the estimates leave over.
-    rests: Vec<Rest>,
+    rests: Vec<Residuals>,
     /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
     keep_drifting: f64,
@@ -150,7 +150,7 @@ impl Registration {
             pairs: vec![EMPTY; sources * sources],
             partners: vec![0; sources],
             contradicted: vec![0.0; sources],
-            rests: vec![Rest::default(); sources],
+            rests: vec![Residuals::default(); sources],
             reference,
             keep: (-tick_s / memory_s).exp(),
             keep_drifting: (-tick_s / DRIFT_S.min(memory_s)).exp(),
@@ -420,7 +420,7 @@ impl Registration {
         }
         self.partners[own] = 0;
         self.contradicted[own] = 0.0;
-        self.rests[own] = Rest::default();
+        self.rests[own] = Residuals::default();
         self.sources[own] = SourceErrors::unknown();
     }
 

@@ -4,7 +4,7 @@
 //! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.
 
 use kept::{Get, Kept, kept};
-use messages::{GrossError, GrossKind, NS_PER_S, TrackState};
+use messages::{Bias, BiasKind, NS_PER_S, TrackState};
 
 use crate::alignment::PairFindings;
 use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
@@ -27,21 +27,21 @@ const IN_TURN: [Kind; 4] = [Kind::Sources, Kind::Pairs, Kind::Classes, Kind::Cel
 
 kept! {
     /// All that was learned of one source.
-    struct Learned {
+    struct SourceEstimates {
         model: SourceModel,
         errors: KeptErrors,
-        follows: Tally,
+        detection: Tally,
         mean_square: Option<f64>,
         /// Factor of the present condition (weather).
         factor: f64,
         /// Gross error that is believed, and what is taken off.
-        gross: (Option<GrossError>, Option<(GrossKind, [f64; 2])>),
+        gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
     }
 }
 
 kept! {
     /// All that was learned of one ordered pair of sources.
-    struct LearnedOfPair {
+    struct PairEstimates {
         sums: Pair,
         gross: PairFindings,
         /// Share of copies, mean squares of differences, and whether that makes the two dependent.
@@ -57,8 +57,8 @@ impl Engine {
             suspects: Suspects::WORDS,
             systems: KeptTrack::WORDS,
             members: Member::WORDS,
-            sources: Learned::WORDS,
-            pairs: LearnedOfPair::WORDS,
+            sources: SourceEstimates::WORDS,
+            pairs: PairEstimates::WORDS,
             classes: (CLASSES, Class::WORDS),
             cells: (coverage.places(), coverage.cell_words()),
         };
@@ -125,15 +125,15 @@ impl Engine {
     }
 
     fn resume_learned(&mut self, snapshot: &Snapshot) {
-        for (source, learned) in snapshot.all::<Learned>(Kind::Sources) {
+        for (source, learned) in snapshot.all::<SourceEstimates>(Kind::Sources) {
             self.sources.models[source] = learned.model;
             self.sources.registration.resume(source, &learned.errors);
-            *self.life.coverage.general_mut(source) = learned.follows;
+            *self.life.coverage.general_mut(source) = learned.detection;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
             *self.publisher.accuracies.factor_mut(source) = learned.factor;
             self.sources.alignment.resume(source, learned.gross);
         }
-        for (place, pair) in snapshot.all::<LearnedOfPair>(Kind::Pairs) {
+        for (place, pair) in snapshot.all::<PairEstimates>(Kind::Pairs) {
             self.sources.registration.resume_pair(place, pair.sums);
             *self.sources.alignment.pair_mut(place) = pair.gross;
             self.tracks.dependence.resume(place, pair.dependence);
@@ -198,10 +198,10 @@ impl Engine {
         };
         match kind {
             Kind::Sources => {
-                let learned = Learned {
+                let learned = SourceEstimates {
                     model: self.sources.models[place],
                     errors: self.sources.registration.kept(place),
-                    follows: *self.life.coverage.general_mut(place),
+                    detection: *self.life.coverage.general_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
                     factor: *self.publisher.accuracies.factor_mut(place),
                     gross: self.sources.alignment.bias_of(place),
@@ -209,7 +209,7 @@ impl Engine {
                 checkpoint.write(kind, place, &learned);
             }
             Kind::Pairs => {
-                let learned = LearnedOfPair {
+                let learned = PairEstimates {
                     sums: self.sources.registration.pairs()[place],
                     gross: *self.sources.alignment.pair_mut(place),
                     dependence: self.tracks.dependence.kept(place),

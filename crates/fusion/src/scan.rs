@@ -35,7 +35,7 @@ pub(crate) struct Scans {
     #[serde(skip, default = "assignment")]
     assignment: Assignment,
     #[serde(skip)]
-    assigned: Vec<Assigned>,
+    assigned: Vec<Placement>,
 }
 
 /// The part of one source's scan that waits.
@@ -56,7 +56,7 @@ impl Scan {
 
 /// A sensor track of a scan that has been assigned.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Assigned {
+pub(crate) struct Placement {
     pub(crate) sensor: SensorSlot,
     /// The system track, and d²; `None` if it fits none.
     pub(crate) best: Option<(SystemSlot, f64)>,
@@ -127,7 +127,7 @@ impl Scans {
         let scan = &mut self.scans[usize::from(source)];
         scan.first_ns = i64::MAX;
         self.assigned.clear();
-        let unassigned = |sensor: &SensorSlot| Assigned {
+        let unassigned = |sensor: &SensorSlot| Placement {
             sensor: *sensor,
             best: None,
         };
@@ -148,7 +148,7 @@ impl Scans {
     }
 
     /// The sensor track in one row of the scan that was assigned last.
-    pub(crate) fn assigned(&self, row: usize) -> Assigned {
+    pub(crate) fn assigned(&self, row: usize) -> Placement {
         self.assigned[row]
     }
 

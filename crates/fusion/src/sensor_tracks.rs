@@ -158,10 +158,10 @@ impl SensorEntry {
         for (component, shift) in state.mean.iter_mut().zip(self.correction.shift_m) {
             *component += shift;
         }
-        let inflation = self.correction.inflation;
-        if inflation != 1.0 {
+        let covariance_scale = self.correction.covariance_scale;
+        if covariance_scale != 1.0 {
             let upper = &mut state.covariance.upper;
-            upper.iter_mut().for_each(|value| *value /= inflation);
+            upper.iter_mut().for_each(|value| *value /= covariance_scale);
         }
         state
     }
@@ -169,16 +169,19 @@ impl SensorEntry {
     /// Takes the next report, of which `identity` is believed, as what the source would have said without its known
     /// errors.
     pub(crate) fn take(&mut self, report: &SensorTrack, identity: Identity, correction: &Correction) {
-        let Correction { shift_m, inflation } = *correction;
+        let Correction {
+            shift_m,
+            covariance_scale,
+        } = *correction;
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
             position_m: std::array::from_fn(|axis| report.position_m[axis] - shift_m[axis]),
             ..*report
         };
-        if inflation != 1.0 {
+        if covariance_scale != 1.0 {
             let upper = &mut self.latest.covariance.upper;
-            upper.iter_mut().for_each(|value| *value *= inflation);
+            upper.iter_mut().for_each(|value| *value *= covariance_scale);
         }
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;

@@ -32,11 +32,11 @@ const NOISE_SAMPLES_MIN: u32 = 8;
 const NOISE_SAMPLES_FIRST: u32 = 256;
 const NOISE_SAMPLE_EVERY: u32 = 64;
 /// Inflation below this is within what a consistent source shows by chance.
-const INFLATION_MIN: f64 = 1.3;
-/// `ln(INFLATION_MIN)`, rounded down.
-const LOG_INFLATION_MIN: f64 = 0.26;
+const COVARIANCE_SCALE_MIN: f64 = 1.3;
+/// `ln(COVARIANCE_SCALE_MIN)`, rounded down.
+const LOG_COVARIANCE_SCALE_MIN: f64 = 0.26;
 /// Largest inflation of a covariance.
-const INFLATION_MAX: f64 = 1000.0;
+const COVARIANCE_SCALE_MAX: f64 = 1000.0;
 /// Weight of a new sample in the mean over all sensor tracks.
 const COMMON_GAIN: f64 = 1.0 / 64.0;
 /// Samples of detection points before their spread is believed.
@@ -86,7 +86,7 @@ kept! {
         filtered_share: f64,
         looked_at: u32,
         process_noise: Option<NearlyConstantVelocity>,
-        inflation: Seeker,
+        covariance_scale: Seeker,
         /// Mean innovation over all sensor tracks: what is left of the source's own errors, metres.
         mean_offset_m: [f64; 2],
         /// Squared mean innovation over a sensor track, less that, relative to what noise explains.
@@ -110,7 +110,7 @@ impl Default for SourceModel {
             filtered_share: 0.5,
             looked_at: 0,
             process_noise: None,
-            inflation: Seeker::default(),
+            covariance_scale: Seeker::default(),
             mean_offset_m: [0.0; 2],
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
@@ -156,19 +156,23 @@ impl SourceModel {
     }
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
-    pub(crate) fn inflation(&self) -> f64 {
+    pub(crate) fn covariance_scale(&self) -> f64 {
         // Asked at every report: what is surely too small needs no exponential.
-        if self.inflation.logarithm() < LOG_INFLATION_MIN {
+        if self.covariance_scale.logarithm() < LOG_COVARIANCE_SCALE_MIN {
             return 1.0;
         }
-        let inflation = self.inflation.logarithm().exp();
-        if inflation < INFLATION_MIN { 1.0 } else { inflation }
+        let covariance_scale = self.covariance_scale.logarithm().exp();
+        if covariance_scale < COVARIANCE_SCALE_MIN {
+            1.0
+        } else {
+            covariance_scale
+        }
     }
 
     /// Learns from one normalised innovation squared of the horizontal position.
     pub(crate) fn learn_consistency(&mut self, normalised_squared: f64) {
-        self.inflation
-            .step(normalised_squared - CHI2_MEDIAN_2, 0.0, INFLATION_MAX.ln());
+        self.covariance_scale
+            .step(normalised_squared - CHI2_MEDIAN_2, 0.0, COVARIANCE_SCALE_MAX.ln());
     }
 
     /// Learns from the mean innovation over one sensor track, east and north, of which noise explains a variance of
@@ -251,9 +255,12 @@ mod tests {
         for (factor, least, most) in [(1.0, 1.0, 1.0), (0.25, 1.0, 1.0), (4.0, 2.5, 6.4), (100.0, 62.0, 160.0)] {
             let mut model = SourceModel::default();
             // What is inflated already is seen less.
-            innovations(factor).for_each(|squared| model.learn_consistency(squared / model.inflation()));
-            let inflation = model.inflation();
-            assert!((least..=most).contains(&inflation), "{factor}: {inflation}");
+            innovations(factor).for_each(|squared| model.learn_consistency(squared / model.covariance_scale()));
+            let covariance_scale = model.covariance_scale();
+            assert!(
+                (least..=most).contains(&covariance_scale),
+                "{factor}: {covariance_scale}"
+            );
         }
     }
 
@@ -261,9 +268,9 @@ mod tests {
     fn what_is_inflated_comes_down_again_and_stays_below_a_maximum() {
         let mut model = SourceModel::default();
         (0..100_000).for_each(|_| model.learn_consistency(1e12));
-        assert!((model.inflation() - INFLATION_MAX).abs() < 1e-6);
+        assert!((model.covariance_scale() - COVARIANCE_SCALE_MAX).abs() < 1e-6);
         (0..1000).for_each(|_| model.learn_consistency(0.0));
-        assert_eq!(model.inflation(), 1.0);
+        assert_eq!(model.covariance_scale(), 1.0);
     }
 
     #[test]

@@ -193,7 +193,7 @@ impl Sources {
             shift_m: self
                 .registration
                 .shift(report.source, report.position_m, report.velocity_mps, place_m),
-            inflation: self.models[usize::from(report.source)].inflation(),
+            covariance_scale: self.models[usize::from(report.source)].covariance_scale(),
         }
     }
 

@@ -3,7 +3,7 @@
 
 use fusion::settings::{AccuracyTable, Settings, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
-use messages::{GrossError, GrossKind, SensorTrack, SystemTrack, sensor_track_bits};
+use messages::{Bias, BiasKind, SensorTrack, SystemTrack, sensor_track_bits};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
 use test_support::S;
 
@@ -16,25 +16,25 @@ const ENOUGH_S: f64 = 60.0;
 
 #[derive(Clone, Copy)]
 struct Case {
-    kind: GrossKind,
+    kind: BiasKind,
     value: f64,
 }
 
 const CASES: [Case; 4] = [
     Case {
-        kind: GrossKind::Azimuth,
+        kind: BiasKind::Azimuth,
         value: 0.5 * std::f64::consts::PI / 180.0,
     },
     Case {
-        kind: GrossKind::Azimuth,
+        kind: BiasKind::Azimuth,
         value: 3.0 * std::f64::consts::PI / 180.0,
     },
     Case {
-        kind: GrossKind::Range,
+        kind: BiasKind::Range,
         value: 500.0,
     },
     Case {
-        kind: GrossKind::Time,
+        kind: BiasKind::Time,
         value: 30.0,
     },
 ];
@@ -61,18 +61,18 @@ fn reports(seed: u64, radars: usize, seconds: f64, case: Option<Case>) -> Vec<(i
         let error = case.filter(|_| number == ERRING);
         match error {
             Some(Case {
-                kind: GrossKind::Azimuth,
+                kind: BiasKind::Azimuth,
                 value,
             }) => settings.azimuth_bias_rad = Some(value),
             Some(Case {
-                kind: GrossKind::Range,
+                kind: BiasKind::Range,
                 value,
             }) => settings.range_bias_m = Some(value),
             _ => {}
         }
         let fast_ns = match error {
             Some(Case {
-                kind: GrossKind::Time,
+                kind: BiasKind::Time,
                 value,
             }) => (value * S as f64) as i64,
             _ => 0,
@@ -125,7 +125,7 @@ fn nobody() -> impl Sink {
     |_: &SystemTrack| {}
 }
 
-fn is_near(error: GrossError, case: Case) -> bool {
+fn is_near(error: Bias, case: Case) -> bool {
     error.kind == case.kind && (error.value[0] - case.value).abs() < 0.1 * case.value
 }
 
@@ -150,7 +150,7 @@ fn of_two_radars_nobody_knows_which_is_off_and_nothing_is_taken_off() {
     for (seed, case) in (11..).zip(CASES) {
         let reports = reports(seed, 2, ENOUGH_S, Some(case));
         let engine = run(settings(2, true), &reports, &mut nobody());
-        let told: Vec<GrossError> = (0..2).filter_map(|source| engine.gross_error(source)).collect();
+        let told: Vec<Bias> = (0..2).filter_map(|source| engine.gross_error(source)).collect();
         assert_eq!(told.len(), 1, "{told:?}");
         assert!(!told[0].is_certain && !told[0].is_removed, "{told:?}");
         // It may be that the other one is off the other way.
@@ -160,7 +160,7 @@ fn of_two_radars_nobody_knows_which_is_off_and_nothing_is_taken_off() {
             value: case.value,
             ..case
         };
-        let turned = GrossError {
+        let turned = Bias {
             value: told[0].value.map(|part| sign * part),
             ..told[0]
         };

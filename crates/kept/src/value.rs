@@ -1,7 +1,7 @@
 //! Values as words of eight bytes, and back.
 
 use messages::layout::Sample as _;
-use messages::{Covariance, GrossError, GrossKind, Identity, TargetType};
+use messages::{Bias, BiasKind, Covariance, Identity, TargetType};
 
 /// Value of a record.
 pub trait Kept: Sized {
@@ -109,7 +109,7 @@ number! {
     i32, value => u64::from(value.cast_unsigned()), word => Some(u32::try_from(word).ok()?.cast_signed());
     f64, value => value.to_bits(), word => Some(f64::from_bits(word));
     f32, value => u64::from(value.to_bits()), word => Some(f32::from_bits(u32::try_from(word).ok()?));
-    GrossKind, value => value as u64, word => GrossKind::from_code(word.try_into().ok()?);
+    BiasKind, value => value as u64, word => BiasKind::from_code(word.try_into().ok()?);
 }
 
 impl<T: Kept, const N: usize> Kept for [T; N] {
@@ -164,8 +164,8 @@ impl<T: Kept> Kept for Option<T> {
 }
 
 kept!(Covariance { upper: [f64; 21] });
-kept!(GrossError {
-    kind: GrossKind,
+kept!(Bias {
+    kind: BiasKind,
     value: [f64; 2],
     partner: u16,
     is_certain: bool,

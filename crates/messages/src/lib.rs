@@ -61,7 +61,7 @@ pub use level::{LEVEL_STEP_M, altitude_m, level_of};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use process_kind::ProcessKind;
-pub use registration::{ErrorModel, GrossError, GrossKind, Registration, registration_bits};
+pub use registration::{Bias, BiasKind, ErrorModel, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
 pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};

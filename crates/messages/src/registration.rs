@@ -27,7 +27,7 @@ bits! {
 codes! {
     /// Kind of bias of a source.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-    pub enum GrossKind: u8 {
+    pub enum BiasKind: u8 {
         /// Azimuths are too large, clockwise, radians: a north mark that is off.
         Azimuth = 1, "azimuth";
         /// Ranges are too large, metres.
@@ -58,9 +58,9 @@ codes! {
 /// Bias of a source relative to the tracks of another source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct GrossError {
+pub struct Bias {
     /// Kind.
-    pub kind: GrossKind,
+    pub kind: BiasKind,
     /// Amount, in the unit of the kind: one component; two for a position, east and north.
     pub value: [f64; 2],
     /// Number of the source that reveals the bias.
@@ -72,14 +72,14 @@ pub struct GrossError {
 }
 
 /// Writes kind and amount.
-impl fmt::Display for GrossError {
+impl fmt::Display for Bias {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [value, north] = self.value;
         match self.kind {
-            GrossKind::Azimuth => write!(f, "{:+.2}° in azimuth", value.to_degrees()),
-            GrossKind::Range => write!(f, "{value:+.0} m in range"),
-            GrossKind::Time => write!(f, "{value:+.1} s in time"),
-            GrossKind::Position => write!(f, "{value:+.0} m east and {north:+.0} m north"),
+            BiasKind::Azimuth => write!(f, "{:+.2}° in azimuth", value.to_degrees()),
+            BiasKind::Range => write!(f, "{value:+.0} m in range"),
+            BiasKind::Time => write!(f, "{value:+.1} s in time"),
+            BiasKind::Position => write!(f, "{value:+.0} m east and {north:+.0} m north"),
         }
     }
 }
@@ -152,7 +152,7 @@ impl Registration {
     }
 
     /// Sets the bias; `None`: there is none.
-    pub fn set_gross_error(&mut self, error: Option<GrossError>) {
+    pub fn set_gross_error(&mut self, error: Option<Bias>) {
         self.gross_value = error.map_or([0.0; 2], |error| error.value);
         self.gross = error.map_or(0, |error| {
             let says = u8::from(error.is_certain) | u8::from(error.is_removed) << 1;
@@ -162,10 +162,10 @@ impl Registration {
     }
 
     /// Returns the bias; `None` if there is none, or if its kind is of a later version.
-    pub fn gross_error(&self) -> Option<GrossError> {
+    pub fn gross_error(&self) -> Option<Bias> {
         let [kind, says, low, high] = self.gross.to_le_bytes();
-        Some(GrossError {
-            kind: GrossKind::from_code(kind)?,
+        Some(Bias {
+            kind: BiasKind::from_code(kind)?,
             value: self.gross_value,
             partner: u16::from_le_bytes([low, high]),
             is_certain: says & 1 != 0,
@@ -240,8 +240,8 @@ mod tests {
 
     #[test]
     fn a_gross_error_comes_back_as_it_was() {
-        let error = GrossError {
-            kind: GrossKind::Azimuth,
+        let error = Bias {
+            kind: BiasKind::Azimuth,
             value: [-0.00925, 0.0],
             partner: 513,
             is_certain: true,

@@ -7,7 +7,7 @@ use bus::{Bus, Transport, Waiter};
 use configuration::{Config, Order, Source};
 use fusion::checkpoint::Position;
 use fusion::suspects::Verdict;
-use fusion::{Engine, Merger, Pushed};
+use fusion::{Engine, Merger, PushOutcome};
 use messages::{
     BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Restored, SensorTrack, Stream, StreamId,
     TrackState,
@@ -19,7 +19,7 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::clocks::Clocks;
 use crate::continuity::{Keeping, Start, TakeOver};
-use crate::inputs::{Input, Taken};
+use crate::inputs::{Input, InputReport};
 use crate::order::{Numbered, OrderOfWork};
 use crate::output::Output;
 use crate::source_time::{Common, SourceTime};
@@ -332,7 +332,7 @@ impl<S: Transport> FusionAgent<S> {
 
     /// Works off the next report of one source.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
-        let Some(Taken { report, number, last }) = self.inputs[index].next_report(now, self.common) else {
+        let Some(InputReport { report, number, last }) = self.inputs[index].next_report(now, self.common) else {
             return Ok(());
         };
         let passed_ns = self.passed_ns(now);
@@ -439,9 +439,9 @@ impl<S: Transport> FusionAgent<S> {
             let took = input.take_slice(
                 mono_ns,
                 |report| match merger.push(index, report) {
-                    Pushed::Waiting | Pushed::Repeated => {}
-                    Pushed::DroppedOldest => counts.add(source, Counter::DroppedQueue),
-                    Pushed::OutOfOrder => counts.add(source, Counter::RejectedOutOfOrder),
+                    PushOutcome::Waiting | PushOutcome::Repeated => {}
+                    PushOutcome::DroppedOldest => counts.add(source, Counter::DroppedQueue),
+                    PushOutcome::OutOfOrder => counts.add(source, Counter::RejectedOutOfOrder),
                 },
                 |header, _| taken_header = Some(*header),
             )?;
@@ -578,7 +578,7 @@ fn errors(engine: &Engine, source: u16) -> Registration {
         range_bias_sigma_m: sigma[4],
         azimuth_bias_rad: azimuth,
         azimuth_bias_sigma_rad: sigma[5],
-        covariance_inflation: engine.inflation(source).unwrap_or(1.0),
+        covariance_inflation: engine.covariance_scale(source).unwrap_or(1.0),
         removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
         ..Registration::default()
     }

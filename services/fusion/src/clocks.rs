@@ -28,7 +28,7 @@ const NS_PER_S: i64 = 1_000_000_000;
 
 /// Clock of one source that has been heard lately.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Known {
+pub(crate) struct ClockReading {
     /// Offset against the engine's time, seconds.
     pub(crate) offset_s: f64,
     /// Greatest distance from a clock that it agrees with, seconds.
@@ -83,7 +83,7 @@ impl Clocks {
     }
 
     /// Looks at the clocks of the sources; the host offset, if it has changed, in nanoseconds.
-    pub(crate) fn look(&mut self, sources: impl Iterator<Item = Known> + Clone, now: Now) -> Option<i64> {
+    pub(crate) fn look(&mut self, sources: impl Iterator<Item = ClockReading> + Clone, now: Now) -> Option<i64> {
         self.looked_ns = Some(now.mono_ns);
         let machine_s = -(self.ahead_ns(now) as f64) / messages::NS_PER_S;
         let votes = |of_s: f64| {
@@ -121,17 +121,17 @@ impl Clocks {
 }
 
 /// Whether a source's clock is near one with this offset, seconds.
-pub(crate) fn agrees(known: &Known, of_s: f64) -> bool {
+pub(crate) fn agrees(known: &ClockReading, of_s: f64) -> bool {
     (known.offset_s - of_s).abs() <= known.step_s
 }
 
-fn least_step_s(sources: impl Iterator<Item = Known>) -> f64 {
+fn least_step_s(sources: impl Iterator<Item = ClockReading>) -> f64 {
     sources.map(|known| known.step_s).fold(f64::MAX, f64::min)
 }
 
 /// The host offset of clocks that agree with `of_s`: none where the machine's is one of them and has not been set, else
 /// their mean in whole seconds.
-fn shared_ns(of_s: f64, machine_s: f64, sources: impl Iterator<Item = Known> + Clone) -> i64 {
+fn shared_ns(of_s: f64, machine_s: f64, sources: impl Iterator<Item = ClockReading> + Clone) -> i64 {
     let zero_is_among = machine_s == 0.0 && of_s.abs() <= least_step_s(sources.clone());
     if zero_is_among {
         return 0;
@@ -155,8 +155,8 @@ mod tests {
         }
     }
 
-    fn known(offset_s: f64) -> Known {
-        Known { offset_s, step_s: 5.0 }
+    fn known(offset_s: f64) -> ClockReading {
+        ClockReading { offset_s, step_s: 5.0 }
     }
 
     fn begun() -> Clocks {

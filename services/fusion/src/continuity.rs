@@ -47,11 +47,11 @@ pub(crate) struct Start {
     pub(crate) epoch: u64,
     root: Root,
     layout: Layout,
-    found: Found,
+    found: Predecessor,
 }
 
 #[derive(Debug)]
-enum Found {
+enum Predecessor {
     /// There was no fusion before.
     Nothing,
     /// Tracks to go on with, or to be told ended.
@@ -73,7 +73,7 @@ impl Start {
         let layout = engine.checkpoint_layout();
         let found = find(root, settings, &layout, now);
         let last = match &found {
-            Found::Tracks { snapshot, .. } => snapshot.clock().map_or(0, |clock| clock.epoch),
+            Predecessor::Tracks { snapshot, .. } => snapshot.clock().map_or(0, |clock| clock.epoch),
             _ => 0,
         };
         Self {
@@ -89,7 +89,7 @@ impl Start {
     /// How far the engine's time was ahead of the machine's UTC, and the sources' time of the engine's, nanoseconds.
     pub(crate) fn clocks(&self) -> (i64, i64) {
         match &self.found {
-            Found::Tracks { snapshot, .. } => snapshot
+            Predecessor::Tracks { snapshot, .. } => snapshot
                 .clock()
                 .map_or((0, 0), |clock| (clock.ahead_ns, clock.host_offset_ns)),
             _ => (0, 0),
@@ -99,19 +99,19 @@ impl Start {
     /// Reports in which fusion has died.
     fn suspects(&self) -> Suspects {
         match self.found {
-            Found::Tracks { suspects, .. } => suspects,
+            Predecessor::Tracks { suspects, .. } => suspects,
             _ => Suspects::default(),
         }
     }
 
     /// Whether anything is known of the tracks before.
     pub(crate) fn goes_on(&self) -> bool {
-        matches!(self.found, Found::Tracks { .. })
+        matches!(self.found, Predecessor::Tracks { .. })
     }
 
     /// What is started from, for the topic `system/restored`; `None` if there is nothing.
     pub(crate) fn whole(&self, now: Now) -> Option<Whole> {
-        let Found::Tracks { snapshot, ends, .. } = &self.found else {
+        let Predecessor::Tracks { snapshot, ends, .. } = &self.found else {
             return None;
         };
         Some(Whole {
@@ -135,8 +135,8 @@ impl Start {
         now: Now,
     ) -> anyhow::Result<Option<Keeping>> {
         match &self.found {
-            Found::Nothing => {}
-            Found::Tracks {
+            Predecessor::Nothing => {}
+            Predecessor::Tracks {
                 snapshot,
                 ends,
                 is_revived,
@@ -154,7 +154,7 @@ impl Start {
                     }
                 }
             }
-            Found::Refused => begin_anew(engine, order, now),
+            Predecessor::Refused => begin_anew(engine, order, now),
         }
         let kept = self
             .root
@@ -186,15 +186,15 @@ fn begin_anew(engine: &mut Engine, order: &mut OrderOfWork, now: Now) {
     engine.start_numbers_at(number);
 }
 
-fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
+fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predecessor {
     let refused = |reason: String| {
         let aside = root.put_outlasting_aside(CHECKPOINT);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
         runtime::notice(format_args!("warning: the checkpoint is not used: {reason}{aside}"));
-        Found::Refused
+        Predecessor::Refused
     };
     match root.outlasting(CHECKPOINT) {
-        Ok(None) => Found::Nothing,
+        Ok(None) => Predecessor::Nothing,
         Ok(Some(memory)) => match Snapshot::read(memory.words(), layout) {
             Ok(snapshot) => {
                 let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
@@ -204,7 +204,7 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Found {
                     // The state before the report, to reproduce the fault with.
                     root.copy_outlasting_aside(CHECKPOINT, QUARANTINED);
                 }
-                Found::Tracks {
+                Predecessor::Tracks {
                     suspects,
                     snapshot: Box::new(snapshot),
                     ends,

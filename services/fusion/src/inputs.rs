@@ -8,7 +8,7 @@ use fusion::checkpoint::Position;
 use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
 use runtime::{Now, Speed};
 
-use crate::clocks::Known;
+use crate::clocks::ClockReading;
 use crate::order::Numbered;
 use crate::source_time::{Common, SourceTime};
 
@@ -58,7 +58,7 @@ struct InHand<S: Transport> {
 
 /// A report out of the slice in hand.
 #[derive(Debug)]
-pub(crate) struct Taken {
+pub(crate) struct InputReport {
     pub(crate) report: SensorTrack,
     pub(crate) number: Numbered,
     /// Whether it was the slice's last one.
@@ -174,14 +174,14 @@ impl<S: Transport> Input<S> {
     }
 
     /// The source's clock, if it has been heard lately; the engine's time is `ahead_s` ahead of the machine's UTC.
-    pub(crate) fn known_clock(&self, now: Now, ahead_s: f64) -> Option<Known> {
+    pub(crate) fn known_clock(&self, now: Now, ahead_s: f64) -> Option<ClockReading> {
         let is_heard = now.mono_ns.saturating_sub(self.heard_ns) <= HEARD_NS;
         self.time.known(ahead_s).filter(|_| is_heard)
     }
 
     /// The next report of the slice in hand, stamped, and marked if its time is not believed; `now` has the engine's
     /// time. With the last one the slice is given back, and its mark holds.
-    pub(crate) fn next_report(&mut self, now: Now, clocks: Common) -> Option<Taken> {
+    pub(crate) fn next_report(&mut self, now: Now, clocks: Common) -> Option<InputReport> {
         let hand = self.in_hand.as_mut()?;
         let (header, reports) = (hand.slice.header(), hand.slice.samples());
         let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
@@ -205,7 +205,7 @@ impl<S: Transport> Input<S> {
             sequence,
             is_wild,
         };
-        Some(Taken { report, number, last })
+        Some(InputReport { report, number, last })
     }
 
     /// Order `time`: a slice of `publisher` was taken, whose reports are new from number `first` on.

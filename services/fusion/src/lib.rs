@@ -34,7 +34,7 @@ use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
 
-use crate::part::Part;
+use crate::part::FusionPart;
 use crate::standby::LeadLock;
 
 /// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
@@ -66,7 +66,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     };
     // Before this thread takes its place: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
-    let mut part = Part::new(process, lock, queues, Now::read())?;
+    let mut part = FusionPart::new(process, lock, queues, Now::read())?;
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

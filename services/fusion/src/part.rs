@@ -16,7 +16,7 @@ use crate::standby::{self, Lead, LeadLock, Standby};
 
 /// The process of fusion.
 #[derive(Debug)]
-pub(crate) struct Part<'a> {
+pub(crate) struct FusionPart<'a> {
     process: &'a Process,
     queues: Arc<Queues>,
     state: State,
@@ -34,7 +34,7 @@ enum State {
     },
 }
 
-impl<'a> Part<'a> {
+impl<'a> FusionPart<'a> {
     /// Opens what fusion reads. Where another fusion stands by, or leads, it stands by at first; else it leads.
     ///
     /// # Errors
@@ -102,7 +102,7 @@ impl<'a> Part<'a> {
     }
 }
 
-impl Part<'_> {
+impl FusionPart<'_> {
     /// Moves from the core of the fusion that stands by to that of the one that leads.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ impl Part<'_> {
     }
 }
 
-impl Agent for Part<'_> {
+impl Agent for FusionPart<'_> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let standby = match &mut self.state {
             State::Leads { agent, .. } => return agent.turn(now),

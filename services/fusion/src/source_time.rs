@@ -11,7 +11,7 @@ use configuration::{Input, Source};
 use estimation::SourceClock;
 use runtime::{Now, Speed};
 
-use crate::clocks::{Known, agrees};
+use crate::clocks::{ClockReading, agrees};
 
 /// A slice that claims to be older was not sent when it says, nanoseconds.
 const UNDERWAY_MAX_NS: i64 = 10_000_000_000;
@@ -84,13 +84,13 @@ impl SourceTime {
 
     /// The source's clock against the engine's time, which is `ahead_s` ahead of the machine's UTC; `None` while it is
     /// not known, and of recordings.
-    pub(crate) fn known(&self, ahead_s: f64) -> Option<Known> {
+    pub(crate) fn known(&self, ahead_s: f64) -> Option<ClockReading> {
         let (offset_s, step_s) = match self {
             Self::Stated { offset_s, step_s } => (offset_s.map(|offset_s| offset_s - ahead_s), *step_s),
             Self::Received { clock, step_s } => (clock.offset().map(|(offset_s, _)| offset_s), *step_s),
             Self::Paced { .. } | Self::Unpaced => return None,
         };
-        offset_s.map(|offset_s| Known { offset_s, step_s })
+        offset_s.map(|offset_s| ClockReading { offset_s, step_s })
     }
 
     /// Whether it is that of a recording, which waits for its readers.
@@ -112,7 +112,7 @@ impl SourceTime {
             Self::Unpaced => return true,
             Self::Stated { step_s, .. } => {
                 // A clock that is not known yet is taken for a sound one.
-                let sound = Known {
+                let sound = ClockReading {
                     offset_s: clocks.host_offset_s,
                     step_s: *step_s,
                 };

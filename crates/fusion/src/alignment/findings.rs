@@ -5,27 +5,27 @@
 //! one side is enough.
 
 use kept::kept;
-use messages::GrossKind;
+use messages::BiasKind;
 use serde::{Deserialize, Serialize};
 
 /// Collections that must confirm a bias.
 pub(super) const WINDOWS_MIN: u32 = 2;
 /// Hypotheses: the erring source of the two, and the kind of its bias.
-pub(super) const HYPOTHESES: [(Side, GrossKind); 6] = [
-    (Side::First, GrossKind::Azimuth),
-    (Side::First, GrossKind::Range),
-    (Side::First, GrossKind::Time),
-    (Side::First, GrossKind::Position),
-    (Side::Second, GrossKind::Azimuth),
-    (Side::Second, GrossKind::Range),
+pub(super) const HYPOTHESES: [(Side, BiasKind); 6] = [
+    (Side::First, BiasKind::Azimuth),
+    (Side::First, BiasKind::Range),
+    (Side::First, BiasKind::Time),
+    (Side::First, BiasKind::Position),
+    (Side::Second, BiasKind::Azimuth),
+    (Side::Second, BiasKind::Range),
 ];
 /// Width of a bin of each kind, in its unit; twice that is the difference up to which two values are the same.
-pub(super) const fn bin(kind: GrossKind) -> f64 {
+pub(super) const fn bin(kind: BiasKind) -> f64 {
     match kind {
-        GrossKind::Azimuth => 0.0025,
-        GrossKind::Range => 100.0,
-        GrossKind::Time => 1.0,
-        GrossKind::Position => 200.0,
+        BiasKind::Azimuth => 0.0025,
+        BiasKind::Range => 100.0,
+        BiasKind::Time => 1.0,
+        BiasKind::Position => 200.0,
     }
 }
 

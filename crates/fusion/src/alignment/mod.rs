@@ -14,7 +14,7 @@ mod removal;
 mod search;
 mod verdict;
 
-use messages::{GrossError, SensorTrack};
+use messages::{Bias, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use crate::alignment::findings::PairFindings;
@@ -51,17 +51,17 @@ impl Alignment {
     }
 
     /// Believed bias and correction of a source.
-    pub(crate) fn bias_of(&self, source: usize) -> (Option<GrossError>, Option<Correction>) {
+    pub(crate) fn bias_of(&self, source: usize) -> (Option<Bias>, Option<Correction>) {
         self.removal.of(source)
     }
 
     /// Continues with a [bias](Self::bias_of) of a former process; corrections need the present settings' consent.
-    pub(crate) fn resume(&mut self, source: usize, bias: (Option<GrossError>, Option<Correction>)) {
+    pub(crate) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<Correction>)) {
         self.removal.resume(source, bias, self.removes);
     }
 
     /// Believed bias of a source.
-    pub(crate) fn error_of(&self, source: u16) -> Option<GrossError> {
+    pub(crate) fn error_of(&self, source: u16) -> Option<Bias> {
         self.removal.of(usize::from(source)).0
     }
 

@@ -8,7 +8,7 @@
 //! Each change of a correction begins an epoch of the source: its tracks from before are not comparable with its later
 //! reports.
 
-use messages::{GrossError, GrossKind, SensorTrack};
+use messages::{Bias, BiasKind, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::findings::bin;
@@ -16,13 +16,13 @@ use crate::alignment::verdict::Verdict;
 use crate::gross;
 
 /// Kind and value of a bias that is subtracted from reports.
-pub(crate) type Correction = (GrossKind, [f64; 2]);
+pub(crate) type Correction = (BiasKind, [f64; 2]);
 
 /// Biases and corrections of all sources.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Removal {
     /// Believed bias of each source.
-    errors: Vec<Option<GrossError>>,
+    errors: Vec<Option<Bias>>,
     removed: Vec<Option<Correction>>,
     /// Changes of each source's correction, modulo 256.
     epochs: Vec<u8>,
@@ -38,15 +38,15 @@ impl Removal {
     }
 
     /// Believed bias and correction of a source.
-    pub(super) fn of(&self, source: usize) -> (Option<GrossError>, Option<Correction>) {
+    pub(super) fn of(&self, source: usize) -> (Option<Bias>, Option<Correction>) {
         (self.errors[source], self.removed[source])
     }
 
     /// Continues with the bias and the correction of a former process, or without correction unless `removes`.
-    pub(super) fn resume(&mut self, source: usize, bias: (Option<GrossError>, Option<Correction>), removes: bool) {
+    pub(super) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<Correction>), removes: bool) {
         let (error, removed) = bias;
         self.removed[source] = removed.filter(|_| removes);
-        self.errors[source] = error.map(|error| GrossError {
+        self.errors[source] = error.map(|error| Bias {
             is_removed: error.is_removed && removes,
             ..error
         });
@@ -87,7 +87,7 @@ impl Removal {
             is_certain,
             ..
         } = *verdict;
-        let is_more_certain = |error: GrossError| error.is_certain && !is_certain;
+        let is_more_certain = |error: Bias| error.is_certain && !is_certain;
         if self.errors[culprit].is_some_and(is_more_certain) {
             return false;
         }
@@ -103,7 +103,7 @@ impl Removal {
             self.removed[culprit] = (!is_gone).then_some((kind, total));
             self.begin_epoch(culprit);
         }
-        self.errors[culprit] = Some(GrossError {
+        self.errors[culprit] = Some(Bias {
             kind,
             value: total,
             partner: verdict.partner as u16,

@@ -18,7 +18,7 @@
 //!
 //! Source: D. H. Ballard, *Generalizing the Hough transform to detect arbitrary shapes*, Pattern Recognition 13 (1981).
 
-use messages::{GrossKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+use messages::{BiasKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, bin};
@@ -136,7 +136,7 @@ impl Default for Votes {
 
 impl Votes {
     /// Adds a vote; values beyond the histogram have none.
-    fn add(&mut self, hypothesis: usize, kind: GrossKind, value: [f64; 2]) {
+    fn add(&mut self, hypothesis: usize, kind: BiasKind, value: [f64; 2]) {
         let place = |part: f64| {
             let bins = (part / bin(kind)).round() + BINS as f64;
             (0.0..ROW as f64).contains(&bins).then_some(bins as usize)
@@ -146,7 +146,7 @@ impl Votes {
         };
         let near = |at: usize| at.saturating_sub(1)..(at + 2).min(ROW);
         let sum = |line: &Line| line.0[near(column)].iter().map(|votes| u32::from(*votes)).sum::<u32>();
-        let votes = if kind == GrossKind::Position {
+        let votes = if kind == BiasKind::Position {
             self.plane[row].0[column] += 1;
             self.plane[near(row)].iter().map(sum).sum()
         } else {
@@ -376,7 +376,7 @@ impl Search {
                 Job::AsTheyAre | Job::Refine(_) | Job::Try(_) => {
                     let (side, kind, value) = match self.job {
                         Job::Refine(h) | Job::Try(h) => (HYPOTHESES[h].0, HYPOTHESES[h].1, self.values[h]),
-                        _ => (Side::First, GrossKind::Position, [0.0; 2]),
+                        _ => (Side::First, BiasKind::Position, [0.0; 2]),
                     };
                     let (erring, true_one) = sides(side, &own.motion, &motion);
                     // The bin is coarse.
@@ -389,11 +389,11 @@ impl Search {
                     {
                         let weight = match (kind, erring.place_m) {
                             // An arc of so many metres is a smaller angle farther away.
-                            (GrossKind::Azimuth, Some([east, north])) => {
+                            (BiasKind::Azimuth, Some([east, north])) => {
                                 let range_m = (erring.position_m[0] - east).hypot(erring.position_m[1] - north);
                                 range_m * range_m
                             }
-                            (GrossKind::Time, _) => {
+                            (BiasKind::Time, _) => {
                                 let [vx, vy] = erring.velocity_mps;
                                 vx * vx + vy * vy
                             }

@@ -13,7 +13,7 @@
 //! Otherwise the side of the hypothesis with the highest score is suspected, and the verdict is not certain. Only
 //! certain verdicts lead to a removal.
 
-use messages::GrossKind;
+use messages::BiasKind;
 
 use crate::alignment::findings::{HYPOTHESES, PairFindings, Side, WINDOWS_MIN};
 use crate::registration::ClockError;
@@ -28,7 +28,7 @@ const ADDRESSES_MIN: u32 = 3;
 pub(super) struct Verdict {
     pub(super) culprit: usize,
     pub(super) partner: usize,
-    pub(super) kind: GrossKind,
+    pub(super) kind: BiasKind,
     /// Radians, metres or seconds, by the kind.
     pub(super) value: [f64; 2],
     pub(super) is_certain: bool,
@@ -73,7 +73,7 @@ impl Evidence<'_> {
     fn culprit(
         &self,
         (first, second): (usize, usize),
-        (side, kind): (Side, GrossKind),
+        (side, kind): (Side, BiasKind),
         addresses: u32,
     ) -> (usize, bool) {
         if self.reference == Some(first) {
@@ -82,7 +82,7 @@ impl Evidence<'_> {
         if self.reference == Some(second) {
             return (first, true);
         }
-        if let (GrossKind::Time, Some(worse)) = (kind, self.worse_clock(first, second)) {
+        if let (BiasKind::Time, Some(worse)) = (kind, self.worse_clock(first, second)) {
             return (worse, true);
         }
         let [of_first, of_second] = [first, second].map(|source| self.disagreements(source));
@@ -97,7 +97,7 @@ impl Evidence<'_> {
             Side::First => (first, second),
             Side::Second => (second, first),
         };
-        let needs_place = matches!(kind, GrossKind::Azimuth | GrossKind::Range);
+        let needs_place = matches!(kind, BiasKind::Azimuth | BiasKind::Range);
         let is_certain = addresses >= ADDRESSES_MIN && needs_place && self.places_m[other].is_none();
         (culprit, is_certain)
     }
@@ -125,12 +125,12 @@ impl Evidence<'_> {
     }
 
     /// Confirmed bias of `culprit` with the highest score, and its value.
-    fn bias_of(&self, culprit: usize, first: usize, second: usize) -> Option<(GrossKind, [f64; 2])> {
+    fn bias_of(&self, culprit: usize, first: usize, second: usize) -> Option<(BiasKind, [f64; 2])> {
         let side = if culprit == first { Side::First } else { Side::Second };
         let pair = &self.pairs[first * self.places_m.len() + second];
         let candidates = HYPOTHESES.iter().enumerate().filter_map(|(hypothesis, (of, kind))| {
             // Time and place biases are differences: the sign depends on the erring side.
-            let turns = matches!(kind, GrossKind::Time | GrossKind::Position) && side == Side::Second;
+            let turns = matches!(kind, BiasKind::Time | BiasKind::Position) && side == Side::Second;
             let estimate = &pair.estimates[hypothesis];
             let is_usable = estimate.windows >= WINDOWS_MIN && (*of == side || turns);
             let value = if turns {

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicU64;
 use std::sync::atomic::Ordering::Relaxed;
 
 use messages::layout::Sample as _;
-use messages::{GrossError, GrossKind};
+use messages::{Bias, BiasKind};
 
 use super::*;
 use crate::checkpoint::{Clock, Memory, Refused, Snapshot};
@@ -262,8 +262,8 @@ fn how_targets_turn_which_sources_copy_and_gross_errors_are_still_known() {
     let mut settings = test_settings(usize::from(SOURCES));
     settings.registration.gross = true;
     let mut harness = Harness::new(settings);
-    let error = GrossError {
-        kind: GrossKind::Azimuth,
+    let error = Bias {
+        kind: BiasKind::Azimuth,
         value: [0.01, 0.0],
         partner: 0,
         is_certain: true,

@@ -3,8 +3,8 @@
 use alarms::AlarmKind;
 use bus::{InProcess, Subscriber};
 use messages::{
-    Alarm, AlarmEvent, Counter, GrossError, GrossKind, Health, LifeState, NO_SOURCE, ProcessKind, Registration,
-    SystemTrack, TrackState,
+    Alarm, AlarmEvent, Bias, BiasKind, Counter, Health, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack,
+    TrackState,
 };
 
 use crate::watched::{Bench, S};
@@ -387,8 +387,8 @@ fn an_offset_that_sources_share_is_the_machines() {
 
 #[test]
 fn a_gross_error_is_told_with_what_to_correct() {
-    let error = GrossError {
-        kind: GrossKind::Azimuth,
+    let error = Bias {
+        kind: BiasKind::Azimuth,
         value: [-0.00925, 0.0],
         partner: 3,
         is_certain: false,
@@ -400,7 +400,7 @@ fn a_gross_error_is_told_with_what_to_correct() {
             let said = site.say(ProcessKind::Fusion, "fusion", 0);
             said.registration.set_gross_error(error);
         };
-        let error = GrossError {
+        let error = Bias {
             is_certain,
             is_removed,
             ..error
