@@ -1,4 +1,4 @@
-//! When the monitor does what.
+//! Duty cycle of the monitor.
 
 use std::time::Duration;
 
@@ -15,49 +15,49 @@ use crate::report::AlarmReport;
 use crate::screen::Screen;
 use crate::survey::Survey;
 
-/// Slices taken in one turn: as many as can wait.
+/// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
-/// Turns in which what still waits is taken at the end, in case somebody goes on publishing.
+/// Turns at the end in which waiting slices are still taken, in case a publisher continues.
 const TURNS_AT_CLOSE: usize = 1000;
-/// How often the last words of the others are looked for at the end, and the pause between two looks.
+/// Number of looks for the other processes' last messages at the end, and the pause between two looks.
 const LOOKS_FOR_LAST_WORDS: usize = 50;
 const PAUSE_BETWEEN_LOOKS: Duration = Duration::from_millis(10);
-/// Longest sleep, so that no health message waits until its place is needed.
+/// Longest sleep: no health message may wait until its place in the queue is needed.
 const SLEEP_MAX_NS: i64 = 100_000_000;
 
-/// Time between two words on where the system frame lies, nanoseconds.
+/// Period of messages about the origin of the system frame, nanoseconds.
 const ORIGIN_PERIOD_NS: i64 = 200_000_000;
 
 /// Reads both clocks.
 pub type Clock = Box<dyn Fn() -> Now>;
 
-/// The monitor as an agent; generic over the transport, so that tests drive it in process.
+/// Monitor as an agent, generic over the transport: tests run it in process.
 pub struct MonitorAgent<S: Transport> {
     survey: Survey,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
-    /// Says `origin` to whoever looks on without the configuration.
+    /// Publisher of the origin of the system frame, for readers without the configuration.
     origins: Publisher<S, FrameOrigin>,
     origin: FrameOrigin,
-    /// When that is due again, monotonic, nanoseconds.
+    /// Time of the next message about the origin, monotonic, nanoseconds.
     origin_due_ns: i64,
     alarms: AlarmDesk<S>,
     waiting: Waiting<S>,
     clock: Clock,
     screen: Screen,
     files: Option<Files>,
-    /// Served, or why that cannot be.
+    /// Server of metrics, or the reason for its absence.
     metrics: Option<Result<Metrics, String>>,
-    /// When the interval at hand began.
+    /// Start of the present interval.
     begun: Now,
     interval_ns: i64,
 }
 
-/// How it waits for system tracks.
+/// Way of waiting for system tracks.
 enum Waiting<S: Transport> {
-    /// Until it is notified.
+    /// Sleep until a notification.
     Event(Waiter<S>),
-    /// For a while, whatever comes. It has no listener, so no publisher ever has to wake it.
+    /// Sleep for a fixed time. Without a listener, no publisher wakes the monitor.
     Poll(Duration),
 }
 
@@ -83,7 +83,7 @@ impl<S: Transport> Waiting<S> {
         Ok(())
     }
 
-    /// How long to sleep when nothing is due for `sleep`.
+    /// Returns the time to sleep if nothing is due for `sleep`.
     fn at_most(&self, sleep: Duration) -> Duration {
         match self {
             Self::Event(_) => sleep,
@@ -93,12 +93,13 @@ impl<S: Transport> Waiting<S> {
 }
 
 impl<S: Transport> MonitorAgent<S> {
-    /// A monitor called `name`, connected to `bus`.
+    /// Creates a monitor called `name` on `bus`.
     ///
-    /// The one called `monitor` writes its files into the deployment's folder; one that was started beside it, into a
+    /// The monitor called `monitor` writes its files to the deployment's folder; an additional monitor writes to a
     /// folder of its own name there.
     ///
     /// # Errors
+    /// If a topic cannot be opened or a file cannot be created.
     /// If a topic cannot be opened or a file not be made.
     pub fn new(
         config: &Config,
@@ -149,13 +150,13 @@ impl<S: Transport> MonitorAgent<S> {
         })
     }
 
-    /// Where metrics are served, or why they cannot be; `None` if they shall not.
+    /// Returns the address of the metrics, or the reason for their absence; `None` if no metrics are configured.
     pub fn metrics(&self) -> Option<Result<String, &str>> {
         let metrics = self.metrics.as_ref()?;
         Some(metrics.as_ref().map(Metrics::url).map_err(String::as_str))
     }
 
-    /// Says where the system frame lies, if it is time to.
+    /// Publishes the origin of the system frame, if it is due.
     fn say_origin(&mut self, now: Now) -> anyhow::Result<()> {
         if now.mono_ns < self.origin_due_ns {
             return Ok(());
@@ -171,7 +172,7 @@ impl<S: Transport> MonitorAgent<S> {
         Ok(())
     }
 
-    /// Takes what has arrived; whether more may be waiting.
+    /// Takes waiting slices. Returns whether more may be waiting.
     fn take(&mut self) -> anyhow::Result<bool> {
         let (survey, alarms, clock) = (&mut self.survey, &mut self.alarms, &self.clock);
         let slices = self.states.take(SLICES_PER_TURN, |header, tracks| {
@@ -194,10 +195,10 @@ impl<S: Transport> MonitorAgent<S> {
         Ok(())
     }
 
-    /// Ends the interval at hand; returns how long it was, nanoseconds.
+    /// Closes the present interval. Returns its length, nanoseconds.
     ///
-    /// With many sources this takes longer than the queue of system tracks can hold what comes, so it is done in parts,
-    /// and what has come is taken in between.
+    /// With many sources this takes longer than the queue of system tracks lasts. The interval is therefore closed in
+    /// parts, and waiting slices are taken in between.
     fn close_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         while self.survey.close_next_source() {
             self.take()?;
@@ -205,7 +206,7 @@ impl<S: Transport> MonitorAgent<S> {
         self.log_interval(now)
     }
 
-    /// Writes the interval that was closed down, and begins the next; returns how long it was, nanoseconds.
+    /// Writes the closed interval and begins the next. Returns its length, nanoseconds.
     fn log_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         let length_ns = now.mono_ns - self.begun.mono_ns;
         if self.files.is_some() {
@@ -233,7 +234,7 @@ impl<S: Transport> MonitorAgent<S> {
         self.alarms.turn(now, &mut self.survey, &mut |line| screen.say(line))
     }
 
-    /// Alarms that were raised so far.
+    /// Returns the alarms raised so far.
     fn alarm_reports(&self) -> Vec<AlarmReport> {
         let name = |number| self.survey.name_of(number);
         self.alarms
@@ -242,7 +243,7 @@ impl<S: Transport> MonitorAgent<S> {
             .collect()
     }
 
-    /// Trouble in a few words; empty if there is none.
+    /// Returns the monitor's fault in a few words; empty without one.
     fn note(&self) -> String {
         let of_files = self.files.as_ref().map(Files::note).filter(|note| !note.is_empty());
         let of_metrics = || match &self.metrics {
@@ -252,7 +253,7 @@ impl<S: Transport> MonitorAgent<S> {
         of_files.or_else(of_metrics).unwrap_or_default()
     }
 
-    /// Wait for the processes that end together with the monitor: they may need a moment more than it does.
+    /// Waits for the processes that end together with the monitor: they may need a moment longer.
     fn wait_for_last_words(&mut self) -> anyhow::Result<()> {
         for _ in 0..LOOKS_FOR_LAST_WORDS {
             self.take_all()?;
@@ -267,7 +268,7 @@ impl<S: Transport> MonitorAgent<S> {
 
 impl<S: Transport> Agent for MonitorAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        // First the whole second that has passed, then what came after it.
+        // The complete second first, then the rest.
         self.survey.pass(now);
         self.say_origin(now)?;
         let more = self.take()?;
@@ -312,7 +313,7 @@ impl<S: Transport> Agent for MonitorAgent<S> {
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
         let looked = self.look_at_alarms(now);
         let taken = self.wait_for_last_words().and(looked);
-        // In one go: what came now would not be in the report.
+        // Without pause: later slices would be missing from the report.
         self.survey.close_interval();
         let taken = taken.and(self.log_interval((self.clock)()).map(drop));
         let report = self.survey.report(now, self.states.counts(), self.alarm_reports());

@@ -1,4 +1,4 @@
-//! Where alarms are raised, cleared and told.
+//! Evaluation, publication and log of alarms.
 
 use std::path::Path;
 
@@ -12,14 +12,14 @@ use crate::conditions::{Conditions, Sight};
 use crate::machine::{Machine, Room, is_gone};
 use crate::survey::Survey;
 
-/// Time between two rounds, each of which is published, nanoseconds.
+/// Period of evaluation and publication, nanoseconds.
 const ROUND_NS: i64 = 500_000_000;
-/// Rounds between two looks at the machine.
+/// Evaluations between two looks at the machine.
 const ROUNDS_PER_LOOK: u32 = 4;
-/// Name of the monitor that publishes; others that were started beside it find the same, and keep it to themselves.
+/// Name of the monitor that publishes alarms; additional monitors evaluate the same conditions and publish nothing.
 const PUBLISHING: &str = "monitor";
 
-/// Desk of the alarms.
+/// Evaluation of alarms.
 pub(crate) struct AlarmDesk<S: Transport> {
     board: Board,
     conditions: Conditions,
@@ -33,7 +33,7 @@ pub(crate) struct AlarmDesk<S: Transport> {
 }
 
 impl<S: Transport> AlarmDesk<S> {
-    /// Desk of the monitor called `name`, which writes its files into `folder`.
+    /// Creates the alarms of the monitor called `name`, with files in `folder`.
     ///
     /// # Errors
     /// If the topic cannot be opened.
@@ -60,8 +60,8 @@ impl<S: Transport> AlarmDesk<S> {
         self.conditions.receive(header, tracks, now);
     }
 
-    /// Looks at all conditions, if it is time to, and publishes what stands; `say` is told a line for each change.
-    /// While the deployment is being stopped nothing is raised or cleared: processes that end are no fault.
+    /// Evaluates all conditions if due, and publishes the standing alarms; `say` receives a line for each change.
+    /// While the deployment is being stopped, no alarm is raised or cleared: ends of processes are no faults then.
     ///
     /// # Errors
     /// If shared memory fails.
@@ -111,18 +111,18 @@ impl<S: Transport> AlarmDesk<S> {
         Ok(())
     }
 
-    /// Alarms that stand, the worst first.
+    /// Returns the standing alarms, the worst first.
     pub(crate) fn standing(&self) -> &[Alarm] {
         &self.standing
     }
 
-    /// Every alarm that was ever raised.
+    /// Returns every alarm since the start.
     pub(crate) fn history(&self) -> impl Iterator<Item = History> + '_ {
         self.board.history()
     }
 }
 
-/// Line for a change; `None` if there is none.
+/// Returns the line for a change; `None` without a change.
 fn line(alarm: &Alarm) -> Option<String> {
     let kind = AlarmKind::from_code(alarm.code)?;
     match alarm.event()? {

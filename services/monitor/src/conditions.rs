@@ -1,7 +1,7 @@
-//! Conditions that are alarms, as the monitor finds them in what the processes say and in the room that is left.
+//! Conditions of alarms, evaluated on health messages and on the room left on the machine.
 //!
-//! Each function here looks at one kind of thing (a source's silence, counters that should not grow, the processes, …)
-//! and tells the round what it found; when an alarm is raised and cleared, the board decides.
+//! Each function evaluates one kind of condition (a source's silence, counters that should not grow, the processes,
+//! …) and reports its findings for the round. The board decides on raising and clearing.
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, Usual, above, below};
 use configuration::{Config, Input};
@@ -13,22 +13,23 @@ use crate::shares::Shares;
 use crate::text::{elapsed, several};
 use telemetry::{DataOffset, HealthBook, Process, State, process_title as title};
 
-/// A process that started at most so long before the monitor has counted from 0 in its sight, nanoseconds.
+/// Maximum lead of a process's start over the monitor's start, nanoseconds, so that the process's counters began at 0
+/// within sight of the monitor.
 const TOGETHER_NS: i64 = 5_000_000_000;
 const MB: f64 = 1e6;
-/// Time between two looks for sources that never join, nanoseconds.
+/// Period of the search for sources that never join, nanoseconds.
 const COMPANIONS_NS: i64 = 5_000_000_000;
-/// Clocks of sources that are no farther apart agree, besides what their data are late, seconds.
+/// Difference of clocks that counts as agreement, besides the latency of the data, seconds.
 const CLOCKS_AGREE_S: f64 = 1.0;
-/// Comparisons after which an estimate of a source's errors is believed to have settled.
+/// Number of comparisons after which an estimate of a source's errors counts as settled.
 const COMPARISONS_MIN: f64 = 500.0;
-/// Change of an estimate that is no chance, standard deviations.
+/// Change of an estimate that exceeds chance, standard deviations.
 const CHANGE_SIGMAS: f64 = 5.0;
-/// Reports of a source after which its probability of detection is known, and how much of it may be lost.
+/// Number of reports after which a source's probability of detection is known, and the loss that raises an alarm.
 const DETECTION_REPORTS: u64 = 2_000;
 const DETECTION_LOSS: f64 = 0.15;
 
-/// Counters that should not grow: the alarm, the counters, the things that they count, and who counts them.
+/// Counters that should not grow: alarm, counters, counted objects, and the process that counts.
 type Growing = (AlarmKind, &'static [Counter], &'static str, &'static [ProcessKind]);
 const GROWING: &[Growing] = {
     use ProcessKind::{Adapter, Fusion, Gateway, Link, Recorder, Simulator};
@@ -90,21 +91,21 @@ const GROWING: &[Growing] = {
     ]
 };
 
-/// Sight of a deployment in one round.
+/// View of a deployment in one round.
 #[derive(Clone, Copy)]
 pub(crate) struct Sight<'a> {
     pub(crate) book: &'a HealthBook,
-    /// The processes of the deployment, and others that were heard from.
+    /// Processes of the deployment, and others with health messages.
     pub(crate) processes: &'a [Process],
     pub(crate) room: Room,
     pub(crate) now: Now,
 }
 
-/// All conditions, with the memory that finding them takes.
+/// All conditions, with their memory.
 #[derive(Debug)]
 pub(crate) struct Conditions {
     limits: Limits,
-    /// Name of the monitor itself.
+    /// Name of the monitor.
     own_name: String,
     folder: String,
     begun_ns: i64,
@@ -115,11 +116,11 @@ pub(crate) struct Conditions {
     companions: Companions,
     apart: Vec<Apart>,
     apart_due_ns: i64,
-    /// Offset of the states from the clock; `None` where they are of recordings.
+    /// Offset of the states from the clock; `None` for recorded data.
     data_offset: Option<DataOffset>,
 }
 
-/// A source, as far as its alarms need to know it.
+/// Source, as far as its alarms need.
 #[derive(Debug)]
 struct Watched {
     number: u16,
@@ -130,12 +131,13 @@ struct Watched {
     period_ns: i64,
     usual: [Usual; ERRORS.len()],
     usual_detection: Usual,
-    /// Fusion process that learns of it, and how many reports that process's predecessors had taken.
+    /// Fusion process of the estimates, and the number of reports taken by its predecessors.
     learner: (u64, u64),
 }
 
 impl Watched {
-    /// Part of a clock's offset, seconds, that the way of the data does not explain: a sensor may take one of its
+    /// Part of a clock's offset that the latency of the data does not explain, seconds: a sensor may take one of its
+    /// periods to send a measurement.
     /// periods to send what it has measured.
     fn clock_excess_s(&self, offset_s: f64) -> f64 {
         match offset_s < 0.0 {
@@ -145,7 +147,7 @@ impl Watched {
     }
 }
 
-/// A systematic error: its name, unit and change that matters, and its estimate with standard deviation.
+/// Systematic error: name, unit, relevant change, and estimate with standard deviation.
 type SourceError = (&'static str, &'static str, f64, fn(&Registration) -> (f64, f64));
 const ERRORS: [SourceError; 5] = [
     ("offset east", "m", 30.0, |known| {
@@ -169,7 +171,7 @@ const ERRORS: [SourceError; 5] = [
 ];
 
 impl Conditions {
-    /// Of the deployment of `config`, whose files are in `folder`.
+    /// Creates the conditions of the deployment of `config`, with files in `folder`.
     pub(crate) fn new(config: &Config, own_name: &str, folder: String, begun: Now) -> Self {
         let sources: Vec<Watched> = config
             .sources
@@ -212,7 +214,7 @@ impl Conditions {
         }
     }
 
-    /// Looks at all of them.
+    /// Evaluates all conditions.
     pub(crate) fn look(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         let awake_ns = self.silence.look(sight.now.mono_ns);
         self.silent_sources(sight, round);
@@ -228,7 +230,7 @@ impl Conditions {
         self.room(sight.room, round);
     }
 
-    /// What links say of other hosts.
+    /// Conditions of links to other hosts.
     fn links(&self, sight: Sight<'_>, round: &mut Round<'_>) {
         for link in sight
             .processes
@@ -292,7 +294,8 @@ impl Conditions {
         }
     }
 
-    /// Finds whose clock is wrong where the sources' and the machine's differ: the offset of sound clocks against the
+    /// Finds the wrong clock where sources' clocks and the machine's differ, by the offset of sound clocks against
+    /// the machine's, seconds.
     /// machine's, seconds.
     fn machine_clock(&self, sight: Sight<'_>, round: &mut Round<'_>) -> f64 {
         let known = |source: &&Watched| sight.book.registration(source.number).clock_offset_sigma_s > 0.0;
@@ -301,7 +304,8 @@ impl Conditions {
         let agreeing = |of_s: f64| sources().filter(move |source| (offset_s(source) - of_s).abs() <= CLOCKS_AGREE_S);
         let limit_s = self.limits.clock_off_s.s();
         let found_s = sight.book.host_offset_ns() as f64 / messages::NS_PER_S;
-        // Below the limit on time steps fusion leaves all times as they are; most of the sources show it all the same.
+        // Below the limit on time steps, fusion leaves all times unchanged; most sources show the offset all the
+        // same.
         let is_off = |source: &&Watched| source.clock_excess_s(offset_s(source)) - CLOCKS_AGREE_S > limit_s;
         let most = sources().filter(is_off).map(offset_s).find(|of_s| {
             let count = agreeing(*of_s).count();
@@ -329,7 +333,7 @@ impl Conditions {
         common_s
     }
 
-    /// What fusion has learned of the sources.
+    /// Conditions of fusion's estimates of the sources.
     fn source_errors(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         let common_s = self.machine_clock(sight, round);
         for source in &self.sources {
@@ -343,7 +347,7 @@ impl Conditions {
                 0.0
             };
             let excess_s = source.clock_excess_s(offset_s);
-            // Two standard deviations: what may be chance is no alarm.
+            // Two standard deviations: a difference within chance raises no alarm.
             let certain_s = if sigma_s > 0.0 { excess_s - 2.0 * sigma_s } else { 0.0 };
             if let Some(finding) = above(certain_s, self.limits.clock_off_s.s()) {
                 let values = [name(), ("offset", format!("{offset_s:+.2} s"))];
@@ -375,7 +379,7 @@ impl Conditions {
         }
     }
 
-    /// What has been otherwise so far: biases, and how often a source sees its targets.
+    /// Conditions of changes: of biases, and of the sources' probabilities of detection.
     fn changed(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         let now_ns = sight.now.mono_ns;
         for source in &mut self.sources {
@@ -408,7 +412,7 @@ impl Conditions {
             let counters = said.counters();
             let taken = counters[Counter::Taken];
             if source.learner.0 != said.incarnation() {
-                // One that was restarted learns anew.
+                // A restarted process learns from the beginning.
                 source.learner = (said.incarnation(), taken);
             }
             let settled = taken - source.learner.1 > DETECTION_REPORTS;
@@ -451,7 +455,7 @@ impl Conditions {
 
     fn growing_counters(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         for (kind, source, said) in sight.book.all_said() {
-            // As a whole, a process repeats what it says of its sources.
+            // A process's message as a whole repeats the counts of its sources.
             let counters = match source {
                 NO_SOURCE => sight
                     .book
@@ -481,12 +485,12 @@ impl Conditions {
         }
     }
 
-    /// States whose time is not that of the machine.
+    /// Conditions of states whose time differs from the machine's.
     fn data_off(&self, now: Now, round: &mut Round<'_>) {
         let Some(offset_ns) = self.data_offset.and_then(|offset| offset.ns(now.mono_ns)) else {
             return;
         };
-        // The quickest source may take one of its periods to send what it has measured.
+        // The fastest source may take one of its periods to send a measurement.
         let period_ns = self.sources.iter().map(|source| source.period_ns).min();
         let excess_ns = match offset_ns < 0 {
             true => -offset_ns - period_ns.unwrap_or_default(),
@@ -499,7 +503,7 @@ impl Conditions {
         }
     }
 
-    /// What was heard and fits nothing that is configured.
+    /// Conditions of received data outside the configuration.
     fn misfits(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         for (kind, source, said) in sight.book.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter) {
             let counters = said.counters();
@@ -507,7 +511,7 @@ impl Conditions {
             let subject = Subject::process(said.name()).of_source(source);
             let senders = of(Counter::UnknownSenders);
             let rejected = of(Counter::RejectedSource);
-            // What was heard before a monitor that was restarted goes on being heard, if it matters.
+            // Data received before a restart of the monitor continue if they matter.
             if senders > 0 && self.growth.has_grown(AlarmKind::SenderUnknown, subject, rejected, 0) {
                 let [sac, sic] = (of(Counter::UnknownSender) as u16).to_be_bytes();
                 let others = match senders - 1 {
@@ -545,7 +549,7 @@ impl Conditions {
 
     fn processes(&mut self, sight: Sight<'_>, awake_ns: i64, round: &mut Round<'_>) {
         let own_restarts = sight.book.children().find(|child| child.name == self.own_name);
-        // One that was restarted itself does not know when the others were.
+        // A monitor restarted itself has no record of the other processes' starts.
         let seen_from_start = own_restarts.is_none_or(|own| own.restarts == 0);
         if let Some(launcher) = sight.book.whole(ProcessKind::Launcher, ProcessKind::Launcher.word()) {
             let rebuilds = launcher.counters()[Counter::Rebuilds];

@@ -1,20 +1,20 @@
-//! The counters of one process or source, and how reports show them.
+//! Counters of one process or source, in reports.
 
 use messages::{Counter, CounterClass, Counters};
 use serde::Serializer;
 
-/// Counters that show how a process as a whole did, and that nothing else shows.
+/// Counters of a process as a whole that no other part of a report contains.
 pub(crate) fn process_remarks() -> impl Iterator<Item = Counter> {
     Counter::of(CounterClass::Process).chain([Counter::WaitedForConsumers, Counter::WideAreaLost])
 }
 
-/// Counters that an operator of a network should look into.
+/// Counters that need the attention of a network's operator.
 pub(crate) fn network_trouble() -> impl Iterator<Item = Counter> {
     let records = [Counter::RejectedSource, Counter::BlocksRejected, Counter::BytesRejected];
     Counter::of(CounterClass::NetworkTrouble).chain(records)
 }
 
-/// Writes an object with one member per counter, by label, in the order of their codes.
+/// Writes an object with one member per counter, by label, in the order of the codes.
 pub(crate) fn serialize<S: Serializer>(counters: &Counters, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(Counter::ALL.iter().map(|counter| (counter.label(), counters[*counter])))
 }

@@ -1,10 +1,10 @@
-//! Metrics in the OpenMetrics text format, which Prometheus collects.
+//! Metrics in the OpenMetrics text format, for Prometheus.
 //!
-//! Latencies are histograms, not summaries: quantiles that each process has worked out for itself cannot be combined
-//! over sources, instances or longer stretches of time, counts in common buckets can (`histogram_quantile` does it).
+//! Latencies are histograms, not summaries. Quantiles of each process cannot be combined over sources, instances or
+//! times; counts in common buckets can (`histogram_quantile`).
 //!
-//! All begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, so that its sentence is its
-//! help text; the label `source` is empty where a process counts for none of its sources, so sums have everything once.
+//! All names begin with `koseki_`. Every counter of `messages::Counter` is a family of its own, with the counter's
+//! sentence as help text. The label `source` is empty for counts of no source, so that sums contain every count once.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 use crate::report::{AlarmReport, Picture, RunSettings};
 use telemetry::{Process, State};
 
-/// Media type of what is served.
+/// Media type of the metrics.
 pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 const NS_PER_S: f64 = 1e9;
@@ -47,11 +47,11 @@ pub(crate) struct StageSample {
     pub(crate) stage: Stage,
     pub(crate) source: String,
     pub(crate) buckets: Buckets,
-    /// How often the stage took longer than its deadline, if it has one.
+    /// Number of missed deadlines of the stage, if it has a deadline.
     pub(crate) late: Option<u64>,
 }
 
-/// Counts of one process, for a source or, where that is empty, for none of its sources.
+/// Counts of one process for a source; with an empty source, for none.
 #[derive(Clone, Debug)]
 pub(crate) struct Counted {
     pub(crate) kind: ProcessKind,
@@ -61,12 +61,12 @@ pub(crate) struct Counted {
 }
 
 impl Snapshot {
-    /// The text.
+    /// Returns the text.
     pub(crate) fn text(self) -> String {
         let mut registry = Registry::with_prefix("koseki");
         registry.register_collector(Box::new(self));
         let mut text = String::new();
-        // Writing to a string fails only if an encoder does, and none of these can.
+        // Writing to a string fails only with an encoder, and no encoder here fails.
         let _ = encode(&mut text, &registry);
         text
     }
@@ -245,7 +245,7 @@ impl Snapshot {
         )
     }
 
-    /// Estimates of the sources' errors; one that is not known is left out.
+    /// Writes estimates of the sources' errors; unknown estimates are left out.
     fn registrations(&self, families: &mut Families<'_>) -> fmt::Result {
         let estimates = self.registrations.iter().flat_map(|(source, known)| {
             let [east, north, up] = known.offset_m;
@@ -303,7 +303,7 @@ impl Snapshot {
     }
 }
 
-/// Writes whole families.
+/// Writer of complete families.
 struct Families<'a>(DescriptorEncoder<'a>);
 
 impl Families<'_> {

@@ -1,11 +1,11 @@
-//! The monitor's files, in one folder:
+//! Files of the monitor, in one folder:
 //!
 //! - `latency.hlog`: every interval's latencies, per stage and source, in the standard HdrHistogram log format;
 //! - `latency_<stage>.hgrm` and `latency_<stage>_<source>.hgrm`: at the end, the distribution of each stage, of all
-//!   sources together and of each that has reported, in microseconds, as HdrHistogram's plotter reads it;
+//!   sources together and of each source with reports, in microseconds, for HdrHistogram's plotter;
 //! - `report.json`: at the end, the report.
 //!
-//! A log that cannot be written any more (a full disk) is given up; watching goes on, and the error is told at the end.
+//! After a failed write (a full disk) the log ends; the monitor continues and reports the error at its end.
 
 use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};
@@ -26,10 +26,10 @@ pub(crate) struct Files {
 }
 
 impl Files {
-    /// Makes the folder and begins the log; its times count from `begun_utc_ns`.
+    /// Creates the folder and begins the log; its times count from `begun_utc_ns`.
     ///
     /// # Errors
-    /// If the folder or the log cannot be made.
+    /// If the folder or the log cannot be created.
     pub(crate) fn create(folder: &Path, begun_utc_ns: i64) -> anyhow::Result<Self> {
         fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let path = folder.join("latency.hlog");
@@ -42,8 +42,8 @@ impl Files {
         })
     }
 
-    /// Logs the interval that was closed last, of one source or (`None`) of all together. What is logged reaches the
-    /// disk now: the process may be killed.
+    /// Logs the latest closed interval of one source, or of all together (`None`). The lines are flushed at once: the
+    /// process may be killed.
     pub(crate) fn log_interval<N: AsRef<str>>(
         &mut self,
         stages: &Stages,
@@ -61,16 +61,16 @@ impl Files {
         }
     }
 
-    /// Trouble in a few words; empty if there is none.
+    /// Returns the fault in a few words; empty without one.
     pub(crate) fn note(&self) -> String {
         let error = self.log.as_ref().err();
         error.map_or_else(String::new, |error| format!("{error:#}"))
     }
 
-    /// Writes what is written at the end.
+    /// Writes the files of the end.
     ///
     /// # Errors
-    /// If that fails, or the log had to be given up.
+    /// If a file cannot be written, or the log has failed before.
     pub(crate) fn finish<N: AsRef<str>>(
         self,
         stages: &Stages,

@@ -1,4 +1,4 @@
-//! Texts as they should be, in `tests/golden`.
+//! Golden texts in `tests/golden`.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Room that the machine has left, on disk and in memory.
+//! Room left on the machine, on disk and in memory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,29 +10,29 @@ use rustix::process::{Pid, test_kill_process};
 const SHARED_MEMORY: &str = "/dev/shm";
 const KIB: u64 = 1024;
 
-/// Room left, octets; `None` where the machine does not say.
+/// Room left, bytes; `None` if the machine does not state it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Room {
-    /// On the disk that files are written to.
+    /// On the disk of the files.
     pub(crate) disk: Option<u64>,
-    /// Of memory that programs can still get.
+    /// Of memory available to programs.
     pub(crate) memory: Option<u64>,
     /// Of shared memory.
     pub(crate) shared: Option<u64>,
 }
 
-/// Machine that the deployment runs on.
+/// Machine of the deployment.
 #[derive(Debug)]
 pub(crate) struct Machine {
-    /// Folder that files are written to, if any are.
+    /// Folder of the files, if files are written.
     pub(crate) folder: Option<PathBuf>,
 }
 
 impl Machine {
-    /// Asks it for the room that is left.
+    /// Returns the room left.
     pub(crate) fn room(&self) -> Room {
         Room {
-            // A folder that is still to be made lies on its parent's disk.
+            // A folder that does not exist yet is on its parent's disk.
             disk: self
                 .folder
                 .as_deref()
@@ -45,14 +45,14 @@ impl Machine {
     }
 }
 
-/// Whether no process has this number any more.
+/// Whether no process has this number.
 pub(crate) fn is_gone(pid: u32) -> bool {
     let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
     pid.is_some_and(|pid| test_kill_process(pid) == Err(rustix::io::Errno::SRCH))
 }
 
 fn free(folder: &Path) -> Option<u64> {
-    // The parent of a relative path of one part is empty, and stands for the folder at hand.
+    // The parent of a relative path of one part is empty and means the present folder.
     let folder = if folder == Path::new("") {
         Path::new(".")
     } else {

@@ -1,8 +1,7 @@
-//! Serves the metrics, on a thread of its own.
+//! Server of metrics on a thread of its own.
 //!
-//! The monitor hands over what it knows at the end of each interval; whoever asks gets the latest of that. So however
-//! often, slowly or wrongly somebody asks, the monitor's own work is not touched: the two share a pointer, which is
-//! held for as long as it takes to copy it.
+//! At the end of each interval, the monitor hands over a page; the server returns the latest page. Frequent, slow or
+//! malformed requests therefore do not affect the monitor: both share a pointer, locked only for a copy.
 
 use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -29,7 +28,7 @@ struct Latest(Mutex<Arc<Snapshot>>);
 
 impl Latest {
     fn lock(&self) -> MutexGuard<'_, Arc<Snapshot>> {
-        // Nothing that is done while it is held can panic.
+        // No code under the lock can panic.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -40,10 +39,10 @@ impl Latest {
 }
 
 impl Metrics {
-    /// Serves at `address`, which may also be asked for as one of `hosts`, at first what is in `begin`.
+    /// Serves at `address`, which requests may also name as one of `hosts`; the first page is `begin`.
     ///
     /// # Errors
-    /// If the address cannot be listened at: it is taken, say, by another monitor.
+    /// If the address cannot be opened, for example because another monitor uses it.
     pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: Snapshot) -> anyhow::Result<Self> {
         let latest = Arc::new(Latest(Mutex::new(Arc::new(begin))));
         let of_server = Arc::clone(&latest);
@@ -59,16 +58,16 @@ impl Metrics {
         Ok(Self { server, latest })
     }
 
-    /// Where they are.
+    /// Returns the address of the server.
     pub(crate) fn url(&self) -> String {
         format!("http://{}{PATH}", self.server.address())
     }
 
-    /// From now on, this is served.
+    /// Replaces the page.
     pub(crate) fn hand_over(&self, snapshot: Snapshot) {
         let snapshot = Arc::new(snapshot);
         let before = std::mem::replace(&mut *self.latest.lock(), snapshot);
-        // Not while it is held.
+        // Not under the lock.
         drop(before);
     }
 }

@@ -1,7 +1,7 @@
-//! The final report: what ran, what arrived, how long it took, and how good the picture was.
+//! Final report: processes, arrivals, latencies, and quality of the picture.
 //!
-//! The same structure is printed for people (`report_text`) and written as JSON. All members are always there: a run
-//! in which nothing happened has zeros and empty lists, so that a program that reads the file needs no special cases.
+//! The same structure is printed for people (`report_text`) and written as JSON. All members are always present: a
+//! run without data has zeros and empty lists, so that programs need no special cases.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Process, Span, Stage, Stages, Summary};
 
-/// Why a stage has no figures.
+/// Reason for a stage without figures.
 pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so \
      end to end and age end where fusion has published; `koseki bench` or a monitor with wait = \"event\" measures it";
 
@@ -20,34 +20,34 @@ pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monito
 pub struct Report {
     /// Settings of the run.
     pub settings: RunSettings,
-    /// When the monitor began, UTC, nanoseconds.
+    /// Start of the monitor, UTC, nanoseconds.
     pub begun_utc_ns: i64,
-    /// How long it watched, seconds.
+    /// Length of the observation, seconds.
     pub duration_s: f64,
-    /// How far fusion got in a recording's time, UTC, nanoseconds.
+    /// Progress of fusion in a recording's time, UTC, nanoseconds.
     pub recording_reached_utc_ns: Option<i64>,
-    /// Whether there is something to worry about.
+    /// Verdict.
     pub verdict: Verdict,
-    /// In the order of the configuration.
+    /// Sources in the order of the configuration.
     pub sources: Vec<SourceReport>,
-    /// Whether every sample arrived.
+    /// Arrival of the samples.
     pub losses: Losses,
-    /// Remark on the latencies, if there is one: on a stage which is not measured.
+    /// Remark on a stage that is not measured, if there is one.
     pub latency_remark: Option<String>,
     /// Latencies of all sources together, by stage.
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, StageReport)>,
-    /// The system tracks.
+    /// System tracks.
     pub picture: Picture,
-    /// Against the truth, where that is known.
+    /// Comparison with the truth, if it is known.
     pub accuracy: Option<AccuracyReport>,
-    /// How often processes were started again.
+    /// Number of restarts.
     pub restarts: Restarts,
-    /// Alarms that were raised, in the order of the registry.
+    /// Raised alarms, in the order of the registry.
     pub alarms: Vec<AlarmReport>,
-    /// How the processes are at the end.
+    /// States of the processes at the end.
     pub processes: Vec<Process>,
-    /// Counters of fusion altogether.
+    /// Counters of fusion in total.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
     /// Counters of each other process (recorder, gateways, simulator, adapters) for none of its sources.
@@ -55,22 +55,22 @@ pub struct Report {
     /// Counters of the monitor itself for the system tracks it read.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub monitor: Counters,
-    /// Counters of the processes that have a socket.
+    /// Counters of the processes with a socket.
     pub network: Vec<ProcessCounters>,
-    /// Health messages that could not be understood.
+    /// Health messages with an unknown code or source.
     pub health_rejected: u64,
 }
 
 /// Verdict on a run.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Verdict {
-    /// Whether there is nothing to worry about.
+    /// Whether nothing needs attention.
     pub fine: bool,
-    /// One sentence: what there is to worry about, or that there is nothing.
+    /// One sentence: the first matter that needs attention, or that none does.
     pub sentence: String,
 }
 
-/// Alarm that was raised.
+/// Raised alarm.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct AlarmReport {
     /// Word for the kind of the alarm.
@@ -83,20 +83,20 @@ pub struct AlarmReport {
     pub partner: String,
     /// Process concerned; empty for none.
     pub process: String,
-    /// The sentence, as it was last.
+    /// Latest sentence.
     pub text: String,
-    /// Advice.
+    /// Remedy.
     pub remedy: &'static str,
-    /// Times that it was raised.
+    /// Number of times that the alarm was raised.
     pub times: u32,
-    /// When it was raised last, UTC, nanoseconds.
+    /// Time at which it was raised last, UTC, nanoseconds.
     pub raised_utc_ns: i64,
-    /// When it was cleared, UTC, nanoseconds; `None` if it stands.
+    /// Time at which it was cleared, UTC, nanoseconds; `None` if it stands.
     pub cleared_utc_ns: Option<i64>,
 }
 
 impl AlarmReport {
-    /// Report on an alarm, whose sources have the names that `name` gives them.
+    /// Creates the report on an alarm; `name` returns the names of its sources.
     pub(crate) fn new(alarm: History, name: impl Fn(u16) -> String) -> Self {
         let (kind, subject) = (alarm.kind, alarm.subject);
         let name = |source| match source {
@@ -124,19 +124,19 @@ impl AlarmReport {
 /// Counters of a process for none of its sources.
 #[derive(Clone, Debug, Serialize)]
 pub struct ProcessCounters {
-    /// The process, as it is called in text.
+    /// Process, as named in text.
     pub process: String,
     /// Values of the counters.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub counters: Counters,
 }
 
-/// Settings of the run, as far as a reader of the report needs to know.
+/// Settings of the run, for readers of the report.
 #[derive(Clone, Debug, Serialize)]
 pub struct RunSettings {
     /// Name of the deployment.
     pub deployment: String,
-    /// Name under which it ran.
+    /// Instance name.
     pub instance: String,
     /// Fusion rule.
     pub rule: String,
