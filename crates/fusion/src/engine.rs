@@ -1,10 +1,15 @@
-//! The engine: one report in, the states of the system tracks it changes out.
+//! The engine: processes one report at a time and hands out the states of the system tracks that change.
 //!
-//! A report goes through the parts in this order: [`inlet`] checks it, [`Sources`] takes its source's known errors off
-//! and finds the measurement behind it, [`Linking`] and [`Scans`] associate its sensor track with a system track, whose
-//! filter is updated here, [`Life`] confirms it, and [`Publisher`] weighs it and says so. The parts own what they
-//! learn;
-//! [`Tracks`] are what they share.
+//! A report passes these steps in this order:
+//!
+//! 1. [`inlet`] validates and completes the report.
+//! 2. [`Sources`] removes the known errors of the source and recovers the measurement behind the report.
+//! 3. [`Linking`] and [`Scans`] associate the sensor track with a system track (module `association_step` holds the
+//!    gate). The engine then updates the filter of the system track.
+//! 4. [`Life`] confirms, coasts and terminates system tracks.
+//! 5. [`Publisher`] weighs the contributions and publishes the state.
+//!
+//! Each part owns its learned state; [`Tracks`] is shared by all.
 
 use messages::{Bias, Counter, DecisionKind, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
@@ -36,14 +41,14 @@ use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 use crate::tracks::Tracks;
 
-/// No report is of a time farther ahead of the present, nanoseconds, however little is known of its source's clock: so
-/// no track lives long beyond it, and steps through time are few.
+/// Largest time of a report ahead of the engine's time, nanoseconds. The limit holds even if the clock of the source
+/// is unknown: it bounds the lifetime of tracks and the number of steps through time.
 const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
-/// A filter that is so far ahead of all reports was led there by a wrong clock, nanoseconds.
+/// Lead of a filter over all reports, nanoseconds, from which a wrong clock is taken as the cause.
 const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
-/// Below this speed a course says nothing, m/s.
+/// Speed below which the course is meaningless, m/s.
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
-/// Distance of a report from the estimate, in standard deviations of both, beyond which one of the two is wrong.
+/// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Fusion of sensor tracks into system tracks.
@@ -62,15 +67,15 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// An engine with all tables allocated.
+    /// Creates an engine with all tables allocated.
     ///
     /// # Errors
-    /// If a setting cannot work.
+    /// If a setting is invalid or contradicts another.
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings.check()?;
         let capacity = settings.capacity;
         let sources = settings.sources.len();
-        // Rules that take their state from the filter do not look back, and remember nothing.
+        // A rule that takes its state from the filter needs neither history nor memory.
         let rule = rules::entry(settings.rule.name.0);
         let remembers = !rule.is_from_filter();
         let histories = (remembers || settings.accuracy_values()).then(|| {
@@ -101,45 +106,46 @@ impl Engine {
         })
     }
 
-    /// The counters so far.
+    /// Returns the counters since the start.
     pub fn counts(&self) -> &EngineCounters {
         &self.outbox.counts
     }
 
-    /// The number of system tracks that are in `state` now.
+    /// Returns the number of system tracks in `state`.
     pub fn count_in_state(&self, state: TrackState) -> usize {
         self.tracks.systems.count_in_state(state)
     }
 
-    /// The counters, for what the caller counts on the engine's behalf: losses and queues lie before it.
+    /// Returns the counters for update by the caller, which counts losses and queues before the engine.
     pub fn counts_mut(&mut self) -> &mut EngineCounters {
         &mut self.outbox.counts
     }
 
-    /// Time up to which time has passed, the engine's, nanoseconds; `i64::MIN` at the start.
+    /// Returns the engine's time, up to which time has passed, nanoseconds; `i64::MIN` at the start.
     pub fn now_ns(&self) -> i64 {
         self.schedule.now_ns()
     }
 
-    /// The settings it runs with.
+    /// Returns the settings in force.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// The systematic errors of `source`, as far as they are known (BF-3); `None` if there is no such source.
+    /// Returns the estimated systematic errors of `source` (BF-3); `None` if the source does not exist.
     pub fn source_errors(&self, source: u16) -> Option<&SourceErrors> {
         (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
     }
 
-    /// The gross error of `source`, if tracks that did not join show one; `None` too if there is no such source.
+    /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
+    /// source.
     pub fn gross_error(&self, source: u16) -> Option<Bias> {
         (usize::from(source) < self.settings.sources.len())
             .then(|| self.sources.alignment.error_of(source))
             .flatten()
     }
 
-    /// The first of the sources with which `source` counts as one, since they are known or found to say the same;
-    /// `None` if it is the first itself, counts by itself, or does not exist.
+    /// Returns the first source of the group on which `source` depends (configured or learned). Returns `None` if
+    /// `source` is the first of its group, independent, or does not exist.
     pub fn counts_with(&self, source: u16) -> Option<u16> {
         let is_known = usize::from(source) < self.settings.sources.len();
         is_known
@@ -147,8 +153,8 @@ impl Engine {
             .filter(|first| *first != source)
     }
 
-    /// Factor by which the covariances of `source` are being inflated, since they claim too much (BF-5): 1 if they do
-    /// not, `None` if there is no such source.
+    /// Returns the factor of covariance scaling of `source`, whose covariances are too small (BF-5). The factor is 1
+    /// if the covariances are consistent; `None` if the source does not exist.
     pub fn covariance_scale(&self, source: u16) -> Option<f64> {
         self.sources
             .models
@@ -156,7 +162,8 @@ impl Engine {
             .map(SourceModel::covariance_scale)
     }
 
-    /// Probability that a scan of `source` sees a target that it tracks, as learned; `None` if there is no such source.
+    /// Returns the learned probability that a scan of `source` detects a target it tracks; `None` if the source does
+    /// not exist.
     pub fn detection_probability(&self, source: u16) -> Option<f64> {
         self.sources
             .models
@@ -164,30 +171,30 @@ impl Engine {
             .map(|model| model.detection)
     }
 
-    /// Lets the named condition (weather) hold from now on (TI-7); "normal" does at the start. `false`, and no change,
-    /// if no source names it.
+    /// Activates the named condition (weather) from now on (TI-7); "normal" is active at the start. Returns `false`
+    /// and changes nothing if no source lists the condition.
     pub fn set_condition(&mut self, name: &str) -> bool {
         self.publisher.accuracies.set_condition(&self.settings, name)
     }
 
-    /// Sets the host offset: how far the sources' time is ahead of the engine's from now on, nanoseconds; 0 at the
-    /// start. It is taken off the times of reports, and put on those of states and decisions.
+    /// Sets the host offset, the lead of the sources' time over the engine's time, nanoseconds; 0 at the start. The
+    /// engine subtracts the offset from the times of reports and adds it to the times of states and decisions.
     pub fn set_host_offset(&mut self, offset_ns: i64) {
         self.host_clock.offset_ns = offset_ns;
     }
 
-    /// Sets the offset of the clock of `source` against sound clocks, as times of receipt show it, seconds; `None` if
-    /// it is not known.
+    /// Sets the clock offset of `source` against sound clocks, in seconds, as derived from times of receipt; `None`
+    /// if unknown.
     pub fn set_source_clock(&mut self, source: u16, offset_s: Option<f64>) {
         self.sources.set_clock(&self.settings.sources, source, offset_s);
     }
 
-    /// Lets time pass up to `now_ns` (the engine's time): no report measured before that will follow. System tracks
-    /// whose contributions have become too old coast, then end; each such change is handed to `sink`. With a refresh
-    /// time set, so is the state of every system track at each whole multiple of it.
+    /// Advances the engine's time to `now_ns`; no report measured earlier may follow. System tracks whose
+    /// contributions are too old coast, then terminate; each change is handed to `sink`. If a refresh time is set,
+    /// the state of every system track is also handed out at each whole multiple of it.
     ///
-    /// What happens, happens at times that reports have set, in the order of these times; how often and in how large
-    /// steps time passes changes nothing.
+    /// All events take place at times that reports have set, in the order of these times. The number and size of the
+    /// steps therefore does not change the result.
     pub fn advance(&mut self, now_ns: i64, sink: &mut impl Sink) {
         self.pass_time(now_ns, &mut self.host_clock.outward(sink));
     }
@@ -213,8 +220,7 @@ impl Engine {
         self.schedule.pass(now_ns);
     }
 
-    /// Hands out the state of every system track at the refresh time that is due at `due_ns`. What was reported up to
-    /// that time shall be in it.
+    /// Hands out the state of every system track at the refresh time `due_ns`, including all reports up to that time.
     fn refresh_all(&mut self, due_ns: i64, sink: &mut impl Sink) {
         self.finish_scans(i64::MAX, sink);
         while self.run_timer_before(due_ns, sink) {}
@@ -235,17 +241,17 @@ impl Engine {
             .run_timer_before(&self.settings, &mut self.tracks, time_ns, out)
     }
 
-    /// Takes one report of those that come in the order of their times: time passes with them. Every system-track state
-    /// that it changes is handed to `sink`.
+    /// Processes one report of a time-ordered sequence; the engine's time advances with the reports. Every changed
+    /// system-track state is handed to `sink`.
     pub fn take(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         self.take_at(report, report.time_of_measurement_ns, sink);
     }
 
-    /// Takes one report, come at `now_ns` (the engine's time), up to which time passes: not by what the report claims.
-    /// Every system-track state that it changes is handed to `sink`.
+    /// Processes one report received at `now_ns` (the engine's time). Time passes up to `now_ns`, independent of the
+    /// time in the report. Every changed system-track state is handed to `sink`.
     ///
-    /// One older than its own sensor track's latest is rejected; one whose time nobody should believe is kept out of
-    /// the tracks.
+    /// A report older than the latest report of its sensor track is rejected. A report with an implausible time is
+    /// kept out of the tracks.
     pub fn take_at(&mut self, report: &SensorTrack, now_ns: i64, sink: &mut impl Sink) {
         let sink = &mut self.host_clock.outward(sink);
         let inward = self.host_clock.inward(report);
@@ -257,7 +263,7 @@ impl Engine {
             return;
         }
         self.pass_time(now_ns, sink);
-        // While no time has passed, nothing is known of the present.
+        // Before the first step of time the present is undefined.
         let now_ns = self.schedule.now_ns();
         let aligned = self.sources.align(&self.settings, report, now_ns);
         let report = aligned.as_ref().unwrap_or(report);
@@ -268,8 +274,8 @@ impl Engine {
         }
         self.learn_of_sources();
         if report.state == TrackState::Coasted as u8 {
-            // The source has seen nothing. Its extrapolation agrees with itself perfectly, which says nothing about the
-            // target: scored like an observation, it would win. So it is a missing report (TI-4).
+            // An extrapolated report contains no observation. Its extrapolation agrees perfectly with itself, so a
+            // score as observation would favour it. It therefore counts as a missing report (TI-4).
             self.outbox.counts.add(report.source, Counter::RejectedExtrapolated);
             self.miss(report, sink);
             return;
@@ -278,7 +284,7 @@ impl Engine {
         if !is_foreign {
             self.tracks.dependence.learn(report);
         }
-        // Looked up early, so that the cache miss overlaps with the checks that follow.
+        // Early look-up: the cache miss overlaps with the checks below.
         let known = self.tracks.sensors.find(report.source, report.track_number);
         let known = self.without_outdated(report, known, sink);
         let is_usable = inlet::is_usable(&report.covariance);
@@ -299,8 +305,8 @@ impl Engine {
         }
     }
 
-    /// The entry of the report's sensor track, unless it is one of before a gross error was taken off: that has ended,
-    /// and the target is somewhere else.
+    /// Returns the entry of the report's sensor track, unless the entry precedes the removal of a gross error. Such a
+    /// track is terminated here, since the corrected target lies elsewhere.
     fn without_outdated(
         &mut self,
         report: &SensorTrack,
@@ -315,8 +321,8 @@ impl Engine {
         None
     }
 
-    /// Stores a report as the latest of its sensor track, without its source's known errors: the sensor track, and the
-    /// measurement that is new in the report. `None` if it is out of order or the table is full.
+    /// Stores a report, free of its source's known errors, as the latest of its sensor track. Returns the sensor
+    /// track and the new measurement in the report; `None` if the report is out of order or the table is full.
     fn store(
         &mut self,
         report: &SensorTrack,
@@ -335,7 +341,7 @@ impl Engine {
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
         let (mut measurement, correction) = if is_foreign {
-            // A state is all that it says, and the newest replaces the one before.
+            // The state is the only content of a centre's report, and the newest state replaces the previous state.
             (None, Correction::NONE)
         } else {
             let measurement = self.sources.measurement_behind(report, before, repaired);
@@ -359,8 +365,8 @@ impl Engine {
         Some((sensor, measurement))
     }
 
-    /// The entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there is no
-    /// entry yet; `None` if the report is older.
+    /// Returns the entry of the report's sensor track and the seconds since its latest report; `Some(None)` if there
+    /// is no entry yet; `None` if the report is older.
     fn earlier(&mut self, report: &SensorTrack, known: Option<SensorSlot>) -> Option<Option<(SensorSlot, f64)>> {
         let time_ns = report.time_of_measurement_ns;
         let Some(sensor) = known else {
@@ -374,7 +380,7 @@ impl Engine {
             return None;
         }
         if age_ns > self.tracks.lifetimes.terminate_ns {
-            // The source has used the number again for something else.
+            // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
@@ -382,7 +388,7 @@ impl Engine {
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
-    /// Lets the report that was stored for a sensor track have its effect.
+    /// Applies a stored report: terminates, associates, checks, then updates the system track.
     fn work_off(
         &mut self,
         sensor: SensorSlot,
@@ -423,7 +429,8 @@ impl Engine {
         }
     }
 
-    /// Lets a sensor track that others contradict contribute nothing. What it reports is still compared with theirs.
+    /// Excludes a sensor track that other sources contradict from the estimate. Its reports are still compared with
+    /// theirs.
     #[cold]
     fn set_aside(&mut self, sensor: SensorSlot) {
         let entry = self.tracks.sensors.get_mut(sensor);
@@ -433,7 +440,7 @@ impl Engine {
         self.sources.compare(&self.settings, &self.tracks, sensor);
     }
 
-    /// Associates a sensor track, of which `report` has just been stored, with a system track.
+    /// Associates a sensor track, whose `report` has just been stored, with a system track.
     fn associate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
         let out = &mut self.outbox.to(sink);
         let mut linking = Linking {
@@ -445,7 +452,8 @@ impl Engine {
         self.follow_up(sensor, next, sink);
     }
 
-    /// Does what linking has left to be done for a sensor track.
+    /// Executes the step that linking leaves to the engine: nothing, a wait for the scan, or the end of a merged
+    /// track.
     fn follow_up(&mut self, sensor: SensorSlot, next: Next, sink: &mut impl Sink) {
         match next {
             Next::Done => {}
@@ -458,10 +466,10 @@ impl Engine {
         }
     }
 
-    /// Lets a sensor track wait for the end of its scan.
+    /// Queues a sensor track until its scan is complete.
     fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        // A clock that is ahead shall not keep a scan waiting.
+        // A clock that is ahead must not delay the scan.
         let (source, time_ns) = (entry.source, entry.time_ns.min(self.schedule.now_ns()));
         if std::mem::replace(&mut entry.waits, true) {
             return;
@@ -485,17 +493,17 @@ impl Engine {
             .assign(source, &self.settings, &mut self.tracks, &self.sources);
         for row in 0..rows {
             let assigned = self.scans.assigned(row);
-            // It may have ended meanwhile.
+            // The sensor track may have ended since it was queued.
             if std::mem::take(&mut self.tracks.sensors.get_mut(assigned.sensor).waits) {
                 self.place_assigned(assigned, sink);
             }
         }
     }
 
-    /// Puts a sensor track where the assignment of its scan says.
+    /// Places a sensor track as the assignment of its scan decides.
     fn place_assigned(&mut self, Placement { sensor, best }: Placement, sink: &mut impl Sink) {
         let is_unlinked = self.tracks.sensors.get(sensor).system == NO_SYSTEM;
-        // It may have ended meanwhile, merged by another sensor track of this scan.
+        // The system track may have ended since, merged by another sensor track of this scan.
         let lives = |system: SystemSlot| self.tracks.systems.get(system).life != TrackState::Terminated;
         match best.filter(|(system, _)| lives(*system)) {
             Some((system, d2)) if is_unlinked => self.join_assigned(sensor, system, d2, sink),
@@ -530,8 +538,8 @@ impl Engine {
         }
     }
 
-    /// Places a sensor track that fits no system track that could take it: another part of a target that its source
-    /// already follows, or the first sight of a new one.
+    /// Places a sensor track that fits no available system track. The track is either a further part of a target that
+    /// its source already tracks, or a new target.
     fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let search = Search {
             settings: &self.settings,
@@ -559,8 +567,8 @@ impl Engine {
         }
     }
 
-    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is what is
-    /// new in it.
+    /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is the
+    /// new information in the report.
     fn update(
         &mut self,
         sensor: SensorSlot,
@@ -573,7 +581,7 @@ impl Engine {
         if self.tracks.sensors.get(sensor).is_foreign {
             self.follow_centre(sensor);
         } else if self.tracks.systems.get(system).is_foreign {
-            // What the filter knows is another centre's: this is the first that it learns here.
+            // The filter repeats another centre's estimate; this is the first local measurement.
             self.tracks.restart_filter(sensor);
             self.tracks.sensors.get_mut(sensor).share = 1.0;
         } else if self.sources.credibility.is_misled(&self.tracks, sensor) || self.is_ahead(sensor) {
@@ -591,8 +599,8 @@ impl Engine {
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
     }
 
-    /// Whether the filter of a sensor track's system track is of a time to come, to which a clock that has been
-    /// corrected since had led it.
+    /// Returns whether the filter of the system track lies ahead of all reports, led there by a clock that has since
+    /// been corrected.
     #[inline]
     fn is_ahead(&self, sensor: SensorSlot) -> bool {
         self.sources.corrects_clocks() && {
@@ -602,8 +610,8 @@ impl Engine {
         }
     }
 
-    /// Lets the filter repeat what another centre says, where no source here follows the target. Where one does, it
-    /// learns nothing of other centres: what is told to them must not come back to them.
+    /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
+    /// filter ignores other centres: information sent to them must not return from them.
     fn follow_centre(&mut self, sensor: SensorSlot) {
         let entry = self.tracks.sensors.get(sensor);
         let is_followed = self
@@ -616,7 +624,7 @@ impl Engine {
         }
     }
 
-    /// Updates the system filter with a measurement, and learns from what was not expected of it.
+    /// Updates the system filter with a measurement, and learns from the innovation.
     fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
         let out = &mut self.outbox.to(sink);
         let referred = self
@@ -633,7 +641,7 @@ impl Engine {
         let filter = &mut self.tracks.systems.get_mut(system).filter;
         let motion = self.sources.motion_of(filter);
         let innovation = filter.take(&relative, time_ns, motion, referred.is_usable);
-        // What is not finite shows in the gain.
+        // A non-finite value shows in the gain.
         let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
             if !filter.is_sound() {
                 self.restart(sensor);
@@ -659,7 +667,7 @@ impl Engine {
             let velocity_mps = [velocity[0], velocity[1], 0.0];
             self.sources.manoeuvres.learn(velocity_mps, &innovation);
         }
-        // Every source's share of the estimate decays as this one contributes.
+        // The shares of all sources in the estimate decay with this contribution.
         self.tracks
             .for_members(system, |member| member.share *= 1.0 - innovation.gain);
         self.tracks.sensors.get_mut(sensor).share += innovation.gain;
@@ -670,8 +678,9 @@ impl Engine {
             .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
     }
 
-    /// Whether so many reports in a row lie far off the estimate, whichever source they are of, that the estimate is
-    /// wrong: covariance scaling and the learned noise of the sources would defend it against them all.
+    /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is
+    /// wrong. Covariance scaling and the learned noise of the sources would otherwise defend the estimate against all
+    /// of them.
     fn is_astray(&mut self, sensor: SensorSlot, innovation: &crate::filter::Innovation) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let (system, claimed) = (entry.system, &entry.latest.covariance);
@@ -684,8 +693,7 @@ impl Engine {
         entry.astray >= self.settings.association.split_reports
     }
 
-    /// Lets the filter of a sensor track's system track, which is of no use any more, begin anew with what the sensor
-    /// track says.
+    /// Restarts the unusable filter of a system track from the latest report of the sensor track.
     #[cold]
     fn restart(&mut self, sensor: SensorSlot) {
         self.tracks.restart_filter(sensor);
@@ -696,7 +704,7 @@ impl Engine {
         self.outbox.counts.add(source, Counter::EstimatesRestarted);
     }
 
-    /// Notes that the system track has a fresh report.
+    /// Records a fresh report of the system track.
     fn keep_alive(&mut self, sensor: SensorSlot, system: SystemSlot, report: &SensorTrack) {
         let fresh_until_ns = self.tracks.fresh_until(system);
         let systems = &mut self.tracks.systems;
@@ -714,7 +722,7 @@ impl Engine {
         systems.identify(system, &self.tracks.sensors.get(sensor).latest.identity);
     }
 
-    /// Notes that the source has seen nothing where it expected a target.
+    /// Counts a scan without detection of an expected target.
     fn miss(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         let Some(sensor) = self.tracks.sensors.find(report.source, report.track_number) else {
             return;
@@ -732,7 +740,7 @@ impl Engine {
         }
     }
 
-    /// Drops a sensor track that has ended, as its source says.
+    /// Drops a sensor track that its source has terminated.
     fn end_sensor_track(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.drop_sensor_track(sensor);
@@ -742,8 +750,8 @@ impl Engine {
         }
     }
 
-    /// Looks, once a second, at what was learned of the sources as a whole. What takes long is spread over the reports
-    /// that follow: a report at a time, so that the result depends on reports alone.
+    /// Evaluates the learned properties of the sources once a second. Long computations are spread over the following
+    /// reports, a step per report, so the result depends on the reports alone.
     fn learn_of_sources(&mut self) {
         let due = self.schedule.tick();
         if due {

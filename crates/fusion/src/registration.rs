@@ -1,38 +1,41 @@
-//! Registration: systematic errors of the sources, from targets that several of them see (BF-3).
+//! Registration: estimates the systematic errors of the sources from targets that several sources observe (BF-3).
 //!
-//! A radar whose north mark is a tenth of a degree off puts every target at 60 km 100 m aside; a source whose clock is
-//! late drags every target behind itself. Such errors do not average out, but they show: two sources that see the same
-//! target differ by the difference of their errors. With θ = (offset east, north, up; time offset; range bias; azimuth
-//! bias) of a source, and H(target) how they move its report, a pair of reports of one target at one time gives
+//! A north mark that is off by a tenth of a degree moves every target at 60 km range aside by 100 m. A source whose
+//! clock is late drags every target behind. Such errors do not average out, but they are observable: two sources that
+//! observe the same target differ by the difference of their errors. Let θ = (offset east, north, up; time offset;
+//! range bias; azimuth bias) be the errors of a source, and H(target) their effect on its report. A pair of reports
+//! of one target at one time gives
 //!
 //! Δ = x_j − x_k = H_j·θ_j − H_k·θ_k + noise.
 //!
-//! For every pair of sources the normal equations of this are summed up, with slow forgetting; at every tick a few
-//! sweeps of block Gauss–Seidel solve them for all sources together. Only differences can be seen: either a named
-//! reference source is taken as true, or the middle of all sources is. That is their geometric median: of three of
-//! which two agree it is the third that is off.
+//! The normal equations of this model are summed for every pair of sources, with slow forgetting. At every tick a few
+//! sweeps of block Gauss–Seidel solve the equations for all sources together. Only differences are observable, so a
+//! reference is needed: either a configured reference source is taken as true, or the geometric median of all sources
+//! is. If two of three sources agree, the median attributes the error to the third.
 //!
-//! Where targets all fly one way, a time offset cannot be told from a place, nor is it known of two sources which is
-//! late. The times of receipt tell: a clock that is off by them has its offset as prior, and the middle is a median in
-//! which such a source weighs less.
+//! If all targets move in one direction, a time offset is indistinguishable from a position offset. With two sources
+//! the late clock is undetermined as well. Times of receipt resolve both cases: a clock that deviates from them gets
+//! its offset as prior, and its source weighs less in the median.
 //!
-//! Errors may change. Where the latest differences show that the estimate lags behind, those of the last seconds alone
-//! count, until it has caught up. What they still leave over goes into the published covariances, as do offsets that
-//! are not removed, and the error of the middle itself, which nobody can see.
+//! Errors may change. If the latest differences show that the estimate lags, only the differences of the last seconds
+//! count until the estimate has caught up. The published covariances include the remaining differences, the offsets
+//! that are not removed, and the unobservable error of the median itself.
 //!
-//! Sixty-four sources that all see the same targets make four thousand pairs, a millisecond's work, and no report shall
-//! wait that long. So a solution is worked out in steps of bounded work, and what is known of the sources changes when
-//! it is complete. For four sources one step is enough.
+//! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report
+//! may wait that long, so a solution proceeds in steps of bounded work, and the estimates change once it is complete.
+//! Four sources need a single step.
 //!
-//! The tracks' errors are correlated in time, and targets do not show the same point to all sources: both make the
-//! estimate less certain than the formula says. A sample counts for a quarter, and the spread of the detection points,
-//! divided by the number of targets, is added. An error is removed when it is significant, until it no longer is.
+//! Two effects make the estimate less certain than the formula: the errors of a track are correlated in time, and the
+//! sources detect different points of a target. Therefore a sample counts for a quarter, and the variance of the
+//! detection points, divided by the number of targets, is added. An error is removed from the reports once it is
+//! significant, until it becomes insignificant.
 //!
-//! One source's absurd reports must not spoil what is known of the others. Reports whose velocities are far apart are
-//! not compared, and an estimate beyond reason, or one that most differences contradict, is dropped with all that it
-//! rests on.
+//! Absurd reports of one source must not spoil the estimates of the others. Reports with widely different velocities
+//! are not compared. An estimate that is out of bounds, or that most differences contradict, is dropped together with
+//! the sums behind it.
 //!
-//! Limits: range and azimuth biases need the sensor's place; over a small area they cannot be told from an offset.
+//! Limits: range and azimuth biases need the position of the sensor; over a small area they are indistinguishable
+//! from an offset.
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
@@ -61,12 +64,12 @@ const VELOCITY_GATE_MPS: f64 = 300.0;
 const SAMPLE_WEIGHT: f64 = 0.25;
 /// Sweeps of Gauss–Seidel per tick.
 const SWEEPS: usize = 4;
-/// Work of one step of a solution, in visits to pairs: some ten microseconds. The source begun last is finished.
+/// Work of one step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
 const STEP_WORK: usize = 192;
-/// Work of factoring the equations of a source, and of solving them, in such visits.
+/// Work of factoring the equations of a source, and of solving them, in visits to pairs.
 const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
-/// Chi-square with two degrees of freedom beyond which a horizontal offset is removed, and below which it is no longer.
+/// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
 const SIGNIFICANT_2: f64 = 13.8;
 const INSIGNIFICANT_2: f64 = 2.8;
 /// Chi-square with one degree of freedom, likewise, for the other errors.
@@ -76,16 +79,15 @@ const INSIGNIFICANT_1: f64 = 1.6;
 const SAMPLES_MIN: f64 = 20.0;
 /// Largest squared statistical length of a difference that is used.
 const DIFFERENCE_GATE: f64 = 25.0;
-/// Largest variance per axis by which different points of one target explain a difference, m², when it is asked whether
-/// an estimate is wrong: so that it cannot hide behind targets that seem ever larger.
+/// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
+/// estimate. The bound prevents a wrong estimate from passing as ever larger targets.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
-/// Share of the latest differences beyond either at which it is the estimate that is wrong, and the weight of one of
-/// them.
+/// Share of contradicting differences at which the estimate is dropped, and the weight of one difference.
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
 kept! {
-    /// Sums over one ordered pair of sources, seen from the first.
+    /// Sums over one ordered pair of sources, from the view of the first.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub(crate) struct Pair {
         /// Σ HⱼᵀWHⱼ.
@@ -113,14 +115,14 @@ kept! {
     }
 }
 
-/// Registration of all sources with each other.
+/// Registration of all sources against each other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
     pairs: Vec<Pair>,
-    /// Sources with which each source was compared, as bits.
+    /// Sources with which each source has been compared, as bits.
     partners: Vec<u64>,
-    /// Share of each source's latest differences that its estimate does not explain.
+    /// Share of each source's latest differences that contradict its estimate.
     contradicted: Vec<f64>,
     reference: Option<u16>,
     /// Latest differences of each source that the estimates leave over.
@@ -131,19 +133,19 @@ pub(crate) struct Registration {
     solution: Solution,
 }
 
-/// A solution that is being worked out.
+/// A solution in progress.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Solution {
-    /// Sweep and source that come next; `None` if nothing is being worked out.
+    /// Next sweep and source; `None` if no solution is in progress.
     next: Option<(usize, usize)>,
     sources: Vec<SourceErrors>,
-    /// Factored normal equations of each source, from the first sweep on.
+    /// Factored normal equations of each source, set in the first sweep.
     factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
 }
 
 impl Registration {
-    /// Of `sources` sources; `reference` is taken as true. Sums are forgotten with time constant `memory_s`; a tick is
-    /// `tick_s` seconds.
+    /// Creates the registration of `sources` sources; `reference` is taken as true. Sums decay with time constant
+    /// `memory_s`; a tick is `tick_s` seconds.
     pub(crate) fn new(sources: usize, reference: Option<u16>, memory_s: f64, tick_s: f64) -> Self {
         let unknown = SourceErrors::unknown();
         Self {
@@ -163,7 +165,7 @@ impl Registration {
         }
     }
 
-    /// Part that a checkpoint keeps, of the source with this number.
+    /// Returns the part of a source's state for the checkpoint.
     pub(crate) fn kept(&self, source: usize) -> KeptErrors {
         KeptErrors {
             known: self.sources[source],
@@ -172,29 +174,29 @@ impl Registration {
         }
     }
 
-    /// Goes on with what was kept of a source.
+    /// Resumes from the stored state of a source.
     pub(crate) fn resume(&mut self, source: usize, kept: &KeptErrors) {
         self.sources[source] = kept.known;
         self.partners[source] = kept.partners;
         self.contradicted[source] = kept.contradicted;
     }
 
-    /// The sums over each ordered pair of sources.
+    /// Returns the sums over each ordered pair of sources.
     pub(crate) fn pairs(&self) -> &[Pair] {
         &self.pairs
     }
 
-    /// Goes on with the sums that were kept of the pair at this place.
+    /// Resumes from the stored sums of the pair at this index.
     pub(crate) fn resume_pair(&mut self, place: usize, kept: Pair) {
         self.pairs[place] = kept;
     }
 
-    /// Errors of `source`, as far as they are known.
+    /// Returns the estimated errors of `source`.
     pub(crate) fn of(&self, source: u16) -> &SourceErrors {
         &self.sources[usize::from(source)]
     }
 
-    /// By how much the errors that are being removed have moved a report of `source`, metres.
+    /// Returns the displacement of a report of `source` that the removed errors cause, metres.
     pub(crate) fn shift(
         &self,
         source: u16,
@@ -210,22 +212,22 @@ impl Registration {
         (sensitivity(position_m, velocity_mps, place_m) * removed).into()
     }
 
-    /// By how much, as far as is known, the errors that are *not* being removed move a report: estimated, not yet
-    /// significant.
+    /// Returns the estimated horizontal displacement by errors that are *not* removed, as they are not significant
+    /// yet, metres.
     pub(crate) fn suspected_shift(&self, source: u16) -> [f64; 2] {
         let known = self.of(source);
         std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
     }
 
-    /// Variance per axis of what systematic errors do to a state that all sources contribute to, m²: of what their
-    /// horizontal offsets have in common, and of what is not removed.
+    /// Returns the variance per axis of the systematic error of a state to which all sources contribute, m². The sum
+    /// contains the common part of the horizontal offsets and the part that is not removed.
     pub(crate) fn common_error_m2(&self) -> f64 {
         self.common_offset_m2() + self.left_over_m2()
     }
 
-    /// Variance per axis of what the horizontal offsets of all sources have in common, m²: it shows in no difference,
-    /// but where the offsets lie far apart their middle is hardly 0. None where a source is taken as true. Few offsets
-    /// tell badly how far they lie apart: beforehand, as much is known of it as two more would tell.
+    /// Returns the variance per axis of the common part of the horizontal offsets, m²; 0 if a reference source is
+    /// taken as true. The common part shows in no difference, but if the offsets lie far apart, their median is
+    /// hardly 0. Few offsets determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`.
     fn common_offset_m2(&self) -> f64 {
         let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
         for known in self.sources.iter().filter(|known| known.samples >= SAMPLES_MIN) {
@@ -241,8 +243,8 @@ impl Registration {
         (few * sum / (total * total)).max(0.0)
     }
 
-    /// Mean square per axis of what is not removed of the sources' horizontal offsets, m²: it is not significant yet,
-    /// or has drifted away from the estimate.
+    /// Returns the mean square per axis of the horizontal offsets that are not removed, m²: not significant yet, or
+    /// drifted away from the estimate.
     fn left_over_m2(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (known, rest) in self.sources.iter().zip(&self.rests) {
@@ -254,12 +256,12 @@ impl Registration {
         if count < 2.0 { 0.0 } else { (sum / count).max(0.0) }
     }
 
-    /// Learns from two views of one target at one time, of which the sources see points that lie apart with this
-    /// variance per axis, m².
+    /// Learns from two views of one target at one time; `points_m2` is the variance per axis between the detected
+    /// points, m².
     pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64) {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
-        // Written so that NaN is refused.
+        // Written so that NaN is rejected.
         let may_be_one = apart_mps(0).hypot(apart_mps(1)) <= VELOCITY_GATE_MPS
             && apart_m(0).hypot(apart_m(1)) <= ERROR_MAX_SIGMA * PRIOR_SIGMA[0];
         if !may_be_one {
@@ -286,8 +288,8 @@ impl Registration {
             }
             weight[(2, 2)] = 1e12;
         }
-        // One target has one velocity. So what all clocks have in common shows in no difference, and the solution does
-        // not run away when it is taken off.
+        // One velocity for both views: a common part of all clock errors then shows in no difference, and the
+        // solution does not run away when the part is subtracted.
         let velocity_mps = std::array::from_fn(|axis| 0.5 * (a.velocity_mps[axis] + b.velocity_mps[axis]));
         let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
         let explained = of_a * self.of(a.source).errors - of_b * self.of(b.source).errors;
@@ -296,7 +298,7 @@ impl Registration {
         };
         let rest = difference - explained;
         let squared = (rest.transpose() * weight * rest)[0];
-        // While little is known, large errors must be let in.
+        // Before enough samples exist, large errors must pass.
         let settled = self.of(a.source).samples > SAMPLES_MIN && self.of(b.source).samples > SAMPLES_MIN;
         if !squared.is_finite() {
             return;
@@ -350,7 +352,7 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Begins to solve for all sources, once per tick; does nothing while that is still being done.
+    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress.
     pub(crate) fn begin(&mut self) {
         if self.is_solving() {
             return;
@@ -368,14 +370,14 @@ impl Registration {
         self.solution.next = Some((0, 0));
     }
 
-    /// Whether a solution has begun and not been completed.
+    /// Returns whether a solution is in progress.
     pub(crate) fn is_solving(&self) -> bool {
         self.solution.next.is_some()
     }
 
-    /// Goes on with the solution; whether that has completed it. Then [`Self::decide`] is due. What was learned of a
-    /// source whose errors are beyond reason is dropped, and the source given to `restarted`. `clocks` are the errors
-    /// of the sources' clocks by the times of receipt.
+    /// Performs one step of the solution and returns whether the solution is now complete; then [`Self::decide`] is
+    /// due. The estimate of a source with impossible or contradicted errors is dropped, and the source is passed to
+    /// `restarted`. `clocks` are the clock errors of the sources from the times of receipt.
     pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
         let Some((mut sweep, mut own)) = self.solution.next.take() else {
             return false;
@@ -410,7 +412,7 @@ impl Registration {
         true
     }
 
-    /// Drops all that was learned of a source.
+    /// Drops the estimate of a source and all sums behind it.
     pub(crate) fn forget(&mut self, own: usize) {
         let count = self.sources.len();
         for other in partners(self.partners[own]) {
@@ -424,7 +426,7 @@ impl Registration {
         self.sources[own] = SourceErrors::unknown();
     }
 
-    /// Lets the sums of one source fade by one tick, and factors the normal equations they make.
+    /// Decays the sums of one source by one tick, and factors its normal equations.
     fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
         let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
@@ -446,7 +448,7 @@ impl Registration {
         self.solution.factors[own] = factor;
     }
 
-    /// Solves for the errors of one source, those of the others given.
+    /// Solves for the errors of one source, with the errors of the others fixed.
     fn solve(&mut self, own: usize, clock: ClockError) {
         let Some(factor) = &self.solution.factors[own] else {
             return;
@@ -462,14 +464,14 @@ impl Registration {
         self.solution.sources[own].errors = factor.solve(&right);
     }
 
-    /// Without a reference the middle of all sources that are compared is taken as true: their geometric median, which
-    /// a single one that is far off hardly moves. A step towards it (Weiszfeld) is made at every sweep.
+    /// Without a reference, takes the geometric median of all compared sources as true: a single outlier hardly moves
+    /// it. Every sweep makes one step towards the median (Weiszfeld).
     fn fix_gauge(&mut self, clocks: &[ClockError]) {
         if self.reference.is_some() {
             return;
         }
         let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
-        // Range and azimuth biases are seen absolutely, from different places.
+        // Range and azimuth biases are observable in absolute terms, from different positions.
         for rows in [0..2, 2..3, TIME..TIME + 1] {
             let middle = match is_any_off {
                 true => self.median_by_clocks(rows.clone(), clocks),
@@ -483,7 +485,7 @@ impl Registration {
         }
     }
 
-    /// A step from 0 towards the geometric median of the sources that are compared.
+    /// Returns a step from 0 towards the geometric median of the compared sources.
     fn step_to_median(&self, rows: Range<usize>) -> Errors {
         let mut total = 0.0;
         let mut middle = Errors::zeros();
@@ -495,7 +497,7 @@ impl Registration {
         if total > 0.0 { middle / total } else { Errors::zeros() }
     }
 
-    /// The median of each error over the sources that are compared, in which those whose clocks are off weigh less.
+    /// Returns the median of each error over the compared sources; sources with wrong clocks weigh less.
     fn median_by_clocks(&self, rows: Range<usize>, clocks: &[ClockError]) -> Errors {
         let mut middle = Errors::zeros();
         for row in rows {
@@ -515,9 +517,10 @@ impl Registration {
         middle
     }
 
-    /// Decides which errors are significant, once a solution is complete. `known` says for which sources the spread is
-    /// known, so that one can decide; `spread_m2` is the variance of the detection points on the targets, `targets` how
-    /// many targets several sources see; `points` whether the detection points are known to lie far apart.
+    /// Decides the significance of the errors once a solution is complete. `known` returns whether the spread of a
+    /// source is known, a precondition of the decision. `spread_m2` is the variance of the detection points,
+    /// `targets` the number of targets that several sources observe. `points` is true if the detection points are
+    /// known to lie far apart.
     pub(crate) fn decide(
         &mut self,
         clocks: &[ClockError],
@@ -534,11 +537,11 @@ impl Registration {
         }
     }
 
-    /// Which errors of a source are significant: the horizontal offset as one, the others each for itself. `spread_m2`
-    /// is the variance that the detection points add to a mean over all targets.
+    /// Decides the significance of the errors of one source: the horizontal offset jointly, the others separately.
+    /// `spread_m2` is the variance that the detection points add to a mean over all targets.
     ///
-    /// Where detection points are far apart, one that lies ahead of the others looks like a clock that is fast: then
-    /// time offsets are left alone, unless the times of receipt show the same.
+    /// If detection points lie far apart, a point ahead of the others looks like a fast clock. Time offsets are then
+    /// left alone, unless the times of receipt confirm them.
     fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
         let known = &mut self.sources[own];
         let enough = known.samples >= SAMPLES_MIN;
@@ -565,8 +568,8 @@ impl Registration {
     }
 }
 
-/// The median of values with weights, of this total, in rising order: between two where it lies between them; 0 of
-/// none.
+/// Returns the weighted median of `values` in rising order, with weights that add up to `total`: the mean of the two
+/// middle values if the half lies between them; 0 if there are no values.
 fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
     let mut before = 0.0;
     let reaches_half = |(_, weight): &(f64, f64)| {
@@ -581,7 +584,7 @@ fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
     0.5 * (value(lower) + value(upper))
 }
 
-/// The sources that `bits` names, in the order of their numbers.
+/// Returns the sources in the bit set `bits`, in rising order.
 fn partners(mut bits: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let source = bits.trailing_zeros() as usize;
