@@ -1,4 +1,4 @@
-//! The duty cycle of fusion.
+//! Duty cycle of fusion.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,18 +24,18 @@ use crate::order::{Numbered, OrderOfWork};
 use crate::output::Output;
 use crate::source_time::{Common, SourceTime};
 
-/// Reports worked off in one turn, so that a flood does not delay everything else.
+/// Maximum number of reports in one turn: a flood does not delay other work.
 const REPORTS_PER_TURN: usize = 256;
-/// Order `arrival`: sources that are looked at after each round. Looking costs some forty nanoseconds.
+/// Order `arrival`: number of sources searched after each round. A look costs some forty nanoseconds.
 const LOOKS_PER_ROUND: usize = 2;
-/// Order `arrival`: system-track states that are published together while a slice of many reports is worked off.
+/// Order `arrival`: maximum number of states published together while a slice of several reports is processed.
 const SENT_TOGETHER: usize = 16;
-/// Order `time`: slices taken from one source before the next one's turn.
+/// Order `time`: slices taken from one source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
-/// Change of a source's clock offset of which the engine is told, milliseconds.
+/// Change of a source's clock offset that is passed to the engine, milliseconds.
 const CLOCK_CHANGES_MS: u32 = 100;
 
-/// Fusion as an agent; generic over the transport, so that tests drive it in process.
+/// Fusion as an agent, generic over the transport: tests run it in process.
 #[derive(Debug)]
 pub struct FusionAgent<S: Transport> {
     engine: Engine,
@@ -44,27 +44,27 @@ pub struct FusionAgent<S: Transport> {
     order: OrderOfWork,
     queues: Arc<Queues>,
     waiter: Waiter<S>,
-    /// Order `arrival`: the sources whose turn comes in the round at hand.
+    /// Order `arrival`: sources of the present round.
     round: Vec<usize>,
-    /// The source that is looked at next.
+    /// Next source to look at.
     look_at: usize,
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
-    /// Recordings: says how far fusion has got, so that nothing is lost.
+    /// Recordings: publishes fusion's progress, so that no sample is lost.
     reached: Option<Reached<S>>,
     end_sent: bool,
     progress_ns: i64,
-    /// Keeps what must outlast the process.
+    /// Writer of the checkpoint.
     keeping: Option<Keeping>,
     take_over: TakeOver,
-    /// Order `arrival`: whose clock is right.
+    /// Order `arrival`: estimates of the sources' clocks.
     clocks: Clocks,
     common: Common,
-    /// What the engine was told of each source's clock, milliseconds.
+    /// Clock offset of each source as passed to the engine, milliseconds.
     told_ms: Vec<Option<i32>>,
 }
 
-/// Fusion that has everything to begin, and publishes nothing yet.
+/// Fusion that is ready to begin, and publishes nothing yet.
 #[derive(Debug)]
 pub(crate) struct Ready<S: Transport> {
     pub(crate) engine: Engine,
@@ -73,11 +73,11 @@ pub(crate) struct Ready<S: Transport> {
 }
 
 impl<S: Transport> Ready<S> {
-    /// Allocates all tables of fusion of `config`, whose thread may have a `core` for itself, and opens the topics that
-    /// it reads.
+    /// Allocates all tables of fusion of `config`, whose thread may have a `core` of its own, and opens the input
+    /// topics.
     ///
     /// # Errors
-    /// If a setting cannot work or a topic cannot be opened.
+    /// If a setting is invalid or a topic cannot be opened.
     pub(crate) fn new(
         config: &Config,
         speed: Speed,
@@ -102,11 +102,11 @@ impl<S: Transport> Ready<S> {
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Fusion of `config`, whose recordings are replayed at `speed`, connected to `bus`; `incarnation` is the process's
-    /// monotonic start time. It obeys the orders in `queues`, and puts its decisions there.
+    /// Creates fusion of `config` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
+    /// monotonic start time. Orders come from `queues`, and decisions go there.
     ///
     /// # Errors
-    /// If a setting cannot work or a topic cannot be opened.
+    /// If a setting is invalid or a topic cannot be opened.
     pub fn new(
         config: &Config,
         speed: Speed,
@@ -118,7 +118,7 @@ impl<S: Transport> FusionAgent<S> {
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
-    /// Begins to fuse, with the start-up number `epoch`.
+    /// Begins to fuse, as `epoch`.
     ///
     /// # Errors
     /// If a topic cannot be opened.
@@ -161,11 +161,11 @@ impl<S: Transport> FusionAgent<S> {
         })
     }
 
-    /// Goes on from where the fusion before this one was killed, if there was one, and keeps what its own successor
-    /// needs. What is told ended, is published.
+    /// Continues from the checkpoint of the previous fusion, if there was one, and writes a checkpoint for a
+    /// successor. Terminated tracks are published.
     ///
     /// # Errors
-    /// If it cannot be published.
+    /// If a state cannot be published.
     pub(crate) fn resume(&mut self, start: Start, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
         self.take_over = take_over;
         let (ahead_ns, host_offset_ns) = start.clocks();
@@ -202,10 +202,10 @@ impl<S: Transport> FusionAgent<S> {
         number.is_some()
     }
 
-    /// Has an image of the engine said, for a recorder that has not been there from the beginning. It is the one thing
-    /// in the loop that takes long, and allocates.
+    /// Publishes a snapshot of the engine, for a recorder that has not run from the beginning. The only work of the
+    /// loop that takes long and allocates.
     fn say_image(&mut self, now: Now) -> bool {
-        // All states so far are sent, and what comes of an earlier order has been taken.
+        // All states so far are sent, and the result of an earlier order has been taken.
         if self.output.waiting() > 0 || self.queues.restored.is_full() {
             return false;
         }
@@ -224,7 +224,7 @@ impl<S: Transport> FusionAgent<S> {
         self.queues.restored.push(whole).is_ok()
     }
 
-    /// Order `arrival`: looks whose clock is right, and tells the engine what has changed.
+    /// Order `arrival`: estimates the clocks, and passes changes to the engine.
     #[cold]
     fn look_at_clocks(&mut self, now: Now) {
         let ahead_ns = self.clocks.ahead_ns(now);
@@ -252,9 +252,9 @@ impl<S: Transport> FusionAgent<S> {
         }
     }
 
-    /// Order `arrival`: reports are worked off as they come, in rounds. A round takes one report of each source that
-    /// has some, the source first whose slice was sent first. So a source that floods costs each of the others one
-    /// report's time, and what it has no turn for waits in its own queue.
+    /// Order `arrival`: processes reports as they arrive, in rounds. A round takes one report of each source with
+    /// waiting reports; the source whose slice was sent first comes first. A flood of one source therefore costs each
+    /// other source the time of one report, and the rest of the flood waits in its own queue.
     fn work_on_arrival(&mut self, now: Now) -> anyhow::Result<bool> {
         let machine = now;
         let now = self.clocks.engine_time(machine);
@@ -267,7 +267,7 @@ impl<S: Transport> FusionAgent<S> {
             for place in 0..self.round.len() {
                 self.work_off_one(self.round[place], now)?;
             }
-            // After the work, so that a lone report does not wait for it.
+            // After the work, so that a single report does not wait.
             for _ in 0..LOOKS_PER_ROUND {
                 self.look_at_next()?;
             }
@@ -277,12 +277,12 @@ impl<S: Transport> FusionAgent<S> {
         Ok(worked > 0)
     }
 
-    /// Order `arrival`: time up to which time has passed; `now` has the engine's.
+    /// Order `arrival`: returns the time up to which time has passed; `now` contains the engine's time.
     fn passed_ns(&self, now: Now) -> i64 {
         if self.reached.is_none() {
             return now.utc_ns;
         }
-        // Replayed: as far as the slowest of those that still have something.
+        // In a replay: the progress of the slowest source with data.
         let running = self.inputs.iter().filter(|input| !input.has_ended);
         let reached = running.map(|input| match input.time {
             SourceTime::Unpaced => input.progress_ns,
@@ -291,7 +291,8 @@ impl<S: Transport> FusionAgent<S> {
         reached.min().unwrap_or(i64::MIN)
     }
 
-    /// Lists the sources that have something; whether any has. While none is known, all are looked at until one has.
+    /// Lists the sources with waiting reports. Returns whether there are any. While no such source is known, all
+    /// sources are searched until one is found.
     fn begin_round(&mut self) -> anyhow::Result<bool> {
         self.list_round();
         if self.round.is_empty() {
@@ -304,14 +305,14 @@ impl<S: Transport> FusionAgent<S> {
         }
         if self.round.len() > 1 {
             let inputs = &self.inputs;
-            // By number where sent at the same time: the order must not depend on where the looks began.
+            // By number for equal times of sending: the order must not depend on the start of the search.
             self.round
                 .sort_unstable_by_key(|index| (inputs[*index].sent_ns(), *index));
         }
         Ok(!self.round.is_empty())
     }
 
-    /// Looks at the next source; whether it has something in hand.
+    /// Looks at the next source. Returns whether it has a waiting report.
     fn look_at_next(&mut self) -> anyhow::Result<bool> {
         let input = &mut self.inputs[self.look_at];
         input.reach(mono_ns)?;
@@ -330,7 +331,7 @@ impl<S: Transport> FusionAgent<S> {
         self.round.extend(has_some.map(|(index, _)| index));
     }
 
-    /// Works off the next report of one source.
+    /// Processes the next report of one source.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
         let Some(InputReport { report, number, last }) = self.inputs[index].next_report(now, self.common) else {
             return Ok(());
@@ -352,14 +353,14 @@ impl<S: Transport> FusionAgent<S> {
             self.output.send(self.progress_ns, false)?;
         }
         if last {
-            // A source that has more keeps its place in the rounds.
+            // A source with further reports keeps its place in the rounds.
             self.inputs[index].reach(mono_ns)?;
         }
         Ok(())
     }
 
-    /// Stores that a report has been worked off: after the work, so that a successor works a report off again in which
-    /// this process dies, and before the event log has the report, so that no report is in the log twice.
+    /// Stores that a report is finished. After the work: a successor repeats the report in which this process dies.
+    /// Before the event log contains the report: no report is in the log twice.
     #[inline]
     fn keep_position(&mut self, source: u16, number: Numbered) {
         let position = Position {
@@ -369,7 +370,8 @@ impl<S: Transport> FusionAgent<S> {
         self.engine.keep_position(source, position);
     }
 
-    /// Goes past a report in which fusion has died. A report in quarantine has no effect but a count, and is kept.
+    /// Skips a report in which fusion has died. A report in quarantine has no effect except for a count, and is
+    /// stored.
     #[cold]
     fn pass_suspect(&mut self, report: &SensorTrack, number: Numbered, verdict: Verdict) {
         let source = report.source;
@@ -377,7 +379,7 @@ impl<S: Transport> FusionAgent<S> {
             self.order.quarantine(source, number, self.engine.now_ns());
             self.keep_position(source, number);
             self.engine.counts_mut().add(source, Counter::Quarantined);
-            // Further reports are counted, and not kept.
+            // Further such reports are counted, and not stored.
             let _ = self.queues.quarantined.push(*report);
         }
         if let Some(keeping) = &mut self.keeping {
@@ -385,7 +387,7 @@ impl<S: Transport> FusionAgent<S> {
         }
     }
 
-    /// Order `time`: reports wait until their turn has come.
+    /// Order `time`: reports wait for their turn.
     fn work_by_time(&mut self, merger: &mut Merger) -> anyhow::Result<bool> {
         let mut worked = false;
         for index in 0..self.inputs.len() {
@@ -425,8 +427,8 @@ impl<S: Transport> FusionAgent<S> {
         }
     }
 
-    /// Takes slices of one source while its queue has room for a whole one; what it has no room for stays in shared
-    /// memory, and its producer waits.
+    /// Takes slices of one source while its queue has room for a whole slice; further slices stay in shared memory,
+    /// and their producer waits.
     fn queue_reports(&mut self, index: usize, merger: &mut Merger) -> anyhow::Result<bool> {
         let input = &mut self.inputs[index];
         let mut worked = false;
@@ -498,7 +500,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         let (inputs, by_time) = (&mut self.inputs, self.merger.is_some());
-        // Taken in hand at once; what goes wrong then goes wrong in the next turn again, which says so.
+        // The slice counts as taken at once; a fault recurs in the next turn, which reports it.
         let has_some = |input: &mut Input<S>| match by_time {
             true => input.has_slices(),
             false => input.reach(mono_ns).unwrap_or(true),
@@ -524,7 +526,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
         whole.set(Counter::TakeOvers, u64::from(self.take_over.from_another));
         whole.set(Counter::TakeOversFromStill, u64::from(self.take_over.stood_still));
         if self.merger.is_none() && self.reached.is_none() {
-            // Of no source: that of sound clocks against the machine's.
+            // Without a source: the offset of sound clocks against the machine's.
             let host_offset_s = self.common.host_offset_s + self.common.ahead_s;
             whole.registration.set_clock_offset(Some((host_offset_s, 0.0)));
         }
@@ -553,7 +555,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
     }
 }
 
-/// Knowledge of a source's systematic errors, as health messages carry it.
+/// Returns the systematic errors of a source for health messages.
 fn registration<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> Registration {
     let mut registration = errors(engine, input.source);
     registration.set_gross_error(engine.gross_error(input.source));

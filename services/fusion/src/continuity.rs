@@ -1,12 +1,12 @@
-//! Going on where another fusion was killed.
+//! Continuation after the end of another fusion process.
 //!
-//! The engine keeps what its successor needs in memory that outlasts the process and the launcher
-//! ([`fusion::checkpoint`], [`bus::Outlasting`]). A fusion that starts looks there first. What it finds it says on the
-//! topic `system/restored`, for recordings; then it goes on with the same tracks, under the same numbers, as another
-//! epoch; and it keeps all that in memory of its own before anybody can find it.
+//! The engine stores the state for its successor in memory that outlives the process and the launcher
+//! ([`fusion::checkpoint`], [`bus::Outlasting`]). A fusion that starts looks for this checkpoint and publishes it on
+//! the topic `system/restored`, for recordings. It then continues the same tracks under the same numbers as a new
+//! epoch, with a checkpoint of its own that is complete before other processes can find it.
 //!
-//! What cannot be used is put aside, said, and not used. Then nobody knows which numbers were given: numbering begins
-//! at a place that depends on the time of day, so that no number comes again within a day.
+//! An unusable checkpoint is put aside and reported. The given track numbers are then unknown: numbering begins at a
+//! place that depends on the time of day, so that no number is repeated within a day.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -25,19 +25,19 @@ use runtime::instance::{CHECKPOINT, QUARANTINED};
 use crate::inputs::Input;
 use crate::order::{Numbered, OrderOfWork};
 
-/// Time between two notes that the process lives, nanoseconds.
+/// Time between two signs of life, nanoseconds.
 const NOTE_NS: i64 = 1_000_000;
-/// Time within which everything that was learned is written once, nanoseconds: half of what is promised.
+/// Time within which everything learned is written once, nanoseconds: half of the guaranteed time.
 const ROUND_NS: i64 = 5_000_000_000;
-/// Most records of what was learned that are written in a turn.
+/// Maximum number of learned records written in a turn.
 const RECORDS_PER_TURN: usize = 64;
 
-/// How the lead was come by.
+/// Way in which the lead was obtained.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TakeOver {
-    /// Another fusion had led before.
+    /// Whether another fusion had led before.
     pub(crate) from_another: bool,
-    /// The other one stood still.
+    /// Whether the other fusion hung.
     pub(crate) stood_still: bool,
 }
 
@@ -54,21 +54,21 @@ pub(crate) struct Start {
 enum Predecessor {
     /// There was no fusion before.
     Nothing,
-    /// Tracks to go on with, or to be told ended.
+    /// Tracks to continue, or to report as terminated.
     Tracks {
         snapshot: Box<Snapshot>,
         ends: bool,
-        /// Whether it is a copy, from before the machine died.
+        /// Whether the tracks are a copy from before a fault of the machine.
         is_revived: bool,
         /// Reports in which fusion has died.
         suspects: Suspects,
     },
-    /// There was one, and nothing is known of it.
+    /// A previous fusion existed, but its checkpoint is unusable.
     Refused,
 }
 
 impl Start {
-    /// Looks for what the fusion before this one has left, while it writes no more.
+    /// Looks for the checkpoint of the previous fusion, which no longer writes.
     pub(crate) fn look(root: &Root, settings: Checkpoint, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
         let found = find(root, settings, &layout, now);
@@ -77,8 +77,8 @@ impl Start {
             _ => 0,
         };
         Self {
-            // Of the time at which it leads, not of its start: the one before may have started later than one that has
-            // stood by since, and what that one's epoch was may be lost. Of UTC, which goes on across a reboot.
+            // Time of the lead, not of the start of the process: the previous leader may have started later than this
+            // standby, and its epoch may be lost. UTC continues across a reboot.
             epoch: now.utc_ns.max(1).cast_unsigned().max(last.saturating_add(1)),
             root: root.clone(),
             layout,
@@ -86,7 +86,7 @@ impl Start {
         }
     }
 
-    /// How far the engine's time was ahead of the machine's UTC, and the sources' time of the engine's, nanoseconds.
+    /// Lead of the engine's time over the machine's UTC, and of the sources' time over the engine's, nanoseconds.
     pub(crate) fn clocks(&self) -> (i64, i64) {
         match &self.found {
             Predecessor::Tracks { snapshot, .. } => snapshot
@@ -96,7 +96,7 @@ impl Start {
         }
     }
 
-    /// Reports in which fusion has died.
+    /// Returns the reports in which fusion has died.
     fn suspects(&self) -> Suspects {
         match self.found {
             Predecessor::Tracks { suspects, .. } => suspects,
@@ -104,12 +104,12 @@ impl Start {
         }
     }
 
-    /// Whether anything is known of the tracks before.
+    /// Whether tracks of a predecessor are known.
     pub(crate) fn goes_on(&self) -> bool {
         matches!(self.found, Predecessor::Tracks { .. })
     }
 
-    /// What is started from, for the topic `system/restored`; `None` if there is nothing.
+    /// Returns the snapshot for the topic `system/restored`; `None` without a predecessor.
     pub(crate) fn whole(&self, now: Now) -> Option<Whole> {
         let Predecessor::Tracks { snapshot, ends, .. } = &self.found else {
             return None;
@@ -122,7 +122,8 @@ impl Start {
         })
     }
 
-    /// Has the engine go on, tells `sink` what has ended, and keeps it all anew. `None` if there is no memory for that.
+    /// Restores the engine, passes terminated tracks to `sink`, and writes a new checkpoint. `None` if there is no
+    /// memory for a checkpoint.
     ///
     /// # Errors
     /// If a source's topic fails.
@@ -145,7 +146,7 @@ impl Start {
                 order.restored();
                 engine.resume(snapshot, *ends, sink);
                 if *is_revived {
-                    // How many were given after the copy was made, nobody knows.
+                    // The number of tracks started after the copy is unknown.
                     begin_anew(engine, order, now);
                 }
                 for (source, position) in snapshot.positions() {
@@ -179,7 +180,7 @@ impl Start {
     }
 }
 
-/// Begins numbering anew, since nobody knows which numbers were given.
+/// Begins a new range of numbers, since the given numbers are unknown.
 fn begin_anew(engine: &mut Engine, order: &mut OrderOfWork, now: Now) {
     let number = anew(now.utc_ns);
     order.numbers(number);
@@ -201,7 +202,7 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predece
                 let ends = age_ns.is_none_or(|age_ns| age_ns > settings.max_age_ns);
                 let suspects = Suspects::found(memory.words(), &snapshot);
                 if suspects.has_quarantined() {
-                    // The state before the report, to reproduce the fault with.
+                    // The state before the report, to reproduce the fault.
                     root.copy_outlasting_aside(CHECKPOINT, QUARANTINED);
                 }
                 Predecessor::Tracks {
@@ -217,14 +218,14 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predece
     }
 }
 
-/// Keeps what changes without a report, and names the report in work.
+/// Checkpoint apart from reports: changes without a report, and the report in work.
 #[derive(Debug)]
 pub(crate) struct Keeping {
     memory: Arc<Outlasting>,
     suspects: Suspects,
     clock: Clock,
     noted_ns: i64,
-    /// When the present round over what was learned began, and how many of its records are written.
+    /// Start of the present round over learned records, and the number of records written.
     round_ns: i64,
     written: usize,
 }
@@ -245,7 +246,7 @@ impl Keeping {
         }
     }
 
-    /// Names the report that is about to be worked off. Returns whether the report is in quarantine.
+    /// Notes the report in work. Returns whether the report is in quarantine.
     #[inline]
     pub(crate) fn begin_report(&self, source: u16, report: Numbered) -> Verdict {
         let key = report_key(source, report.publisher, report.sequence);
@@ -256,7 +257,7 @@ impl Keeping {
         }
     }
 
-    /// Fusion is past a suspect, and lives.
+    /// Notes that fusion has survived a suspect report.
     #[cold]
     pub(crate) fn clear(&mut self, engine: &mut Engine, source: u16, report: Numbered) {
         self.suspects
@@ -264,7 +265,7 @@ impl Keeping {
         engine.keep_suspects(&self.suspects);
     }
 
-    /// Does what is due.
+    /// Writes what is due.
     #[inline]
     pub(crate) fn tend(&mut self, engine: &mut Engine, now: Now, ahead_ns: i64) {
         if now.mono_ns.saturating_sub(self.noted_ns) >= NOTE_NS {

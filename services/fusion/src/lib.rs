@@ -1,16 +1,16 @@
-//! The fusion process: takes sensor tracks from shared memory, lets the engine fuse them, publishes system tracks.
+//! Fusion process: takes sensor tracks from shared memory, runs the engine, and publishes system tracks.
 //!
-//! This crate decides *when* and *which*: which source is read next, when a report's turn has come, when time has
-//! passed.
-//! *How* reports become system tracks is the `fusion` crate's business.
+//! This crate decides *when* and *which*: the source to read next, the time of a report's turn, the passage of time.
+//! *How* reports become system tracks is the subject of the crate `fusion`.
 
 #![forbid(unsafe_code)]
 
 //! # The loop
-//! Fusion answers within microseconds, so its thread does nothing else: what it counts is published, and orders are
-//! read, by a second thread (`runtime::housekeeping`). Turn after turn it takes one report of each source that has
-//! some, fuses it, publishes what came of it, and asks again. With `wait = "spin"` on a core of its own, a turn makes
-//! no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
+//!
+//! Fusion responds within microseconds, so that its thread does nothing else: a second thread publishes counters and
+//! receives orders (`runtime::housekeeping`). Each turn takes one report of each source with waiting reports, fuses
+//! it, and publishes the result. With `wait = "spin"` on a core of its own, a turn makes no system call, takes no
+//! lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
 
 mod agent;
 mod clocks;
@@ -37,26 +37,25 @@ use runtime::{Now, Rest, cores};
 use crate::part::FusionPart;
 use crate::standby::LeadLock;
 
-/// How a loop rests that would otherwise never sleep: six hundredths of the time, more than the kernel would take by
-/// force.
+/// Pauses of a loop that would otherwise never sleep: 6 % of the time, more than the kernel would take by force.
 const REST: Rest = Rest {
     every_ns: 1_000_000,
     for_ns: 60_000,
 };
 
-/// Runs fusion until every source has ended or the process is told to stop.
+/// Runs fusion until every source has ended or a stop is requested.
 ///
 /// # Errors
-/// If the machine refuses what the configuration requires of it, or shared memory fails.
+/// If the machine refuses a required setting, or shared memory fails.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let config = &process.config;
     let fusion = &config.fusion;
     let queues = Queues::new(fusion.decisions);
-    // The process as a whole, and each source.
+    // One entry for the process as a whole, and one for each source.
     let entries_max = 1 + config.sources.len();
     let standby = config.standby();
     let lock = standby.map(|_| LeadLock::open(process)).transpose()?;
-    // With a standby, each fusion stands by at first: `fusion.core` belongs to the one that leads.
+    // With a standby, each fusion starts as a standby: `fusion.core` belongs to the leader.
     let placement = match standby {
         Some(standby) => Placement {
             core: standby.core,
@@ -64,7 +63,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         },
         None => fusion.placement,
     };
-    // Before this thread takes its place: threads inherit core and priority.
+    // Before this thread takes its core: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
     let mut part = FusionPart::new(process, lock, queues, Now::read())?;
     let refused = cores::take_place(placement).join("; ");

@@ -1,4 +1,4 @@
-//! The part that the process plays: it leads, or stands by for the one that does.
+//! Role of the process: leader or standby.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,7 +14,7 @@ use crate::agent::{FusionAgent, Ready};
 use crate::continuity::{Start, TakeOver};
 use crate::standby::{self, Lead, LeadLock, Standby};
 
-/// The process of fusion.
+/// Fusion process.
 #[derive(Debug)]
 pub(crate) struct FusionPart<'a> {
     process: &'a Process,
@@ -24,21 +24,21 @@ pub(crate) struct FusionPart<'a> {
 
 #[derive(Debug)]
 enum State {
-    /// For as long as it takes to come to lead.
+    /// Until the process leads.
     Changes,
     StandsBy(Box<Standby>),
     Leads {
         agent: Box<FusionAgent<SharedMemory>>,
-        /// Held as long as this process lives.
+        /// Held as long as the process lives.
         _lead: Option<Lead>,
     },
 }
 
 impl<'a> FusionPart<'a> {
-    /// Opens what fusion reads. Where another fusion stands by, or leads, it stands by at first; else it leads.
+    /// Opens the inputs of fusion. With a configured standby, the process starts as standby; else it leads.
     ///
     /// # Errors
-    /// If a setting cannot work, or a topic cannot be opened.
+    /// If a setting is invalid, or a topic cannot be opened.
     pub(crate) fn new(
         process: &'a Process,
         lock: Option<LeadLock>,
@@ -65,7 +65,7 @@ impl<'a> FusionPart<'a> {
     }
 
     fn call(&self, name: &'static str) {
-        // Where the queue is full, the process goes by an older name for a moment.
+        // With a full queue, the process keeps an older name for a moment.
         let _ = self.queues.names.force_push(name);
     }
 
@@ -78,7 +78,7 @@ impl<'a> FusionPart<'a> {
     ) -> anyhow::Result<()> {
         let Process { config, bus, .. } = self.process;
         let incarnation = self.process.incarnation;
-        // Recordings come again.
+        // Recorded samples are sent again.
         let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
         let start = kept.map(|settings| Start::look(bus.root(), settings, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
@@ -103,10 +103,10 @@ impl<'a> FusionPart<'a> {
 }
 
 impl FusionPart<'_> {
-    /// Moves from the core of the fusion that stands by to that of the one that leads.
+    /// Moves from the standby's core to the leader's core.
     ///
     /// # Errors
-    /// If the core is required and refused. A fusion that takes over goes on without it.
+    /// If the core is required and refused. A fusion that takes over continues without the core.
     fn take_core(&self, take_over: TakeOver) -> anyhow::Result<()> {
         let fusion = &self.process.config.fusion;
         let refused = match (fusion.placement.core, fusion.standby.and_then(|standby| standby.core)) {

@@ -1,25 +1,27 @@
-//! The fusion that stands by, and how it takes over.
+//! Standby of fusion, and take-over.
 //!
-//! Of two fusion processes one *leads*: it holds a lock, fuses and publishes. The other one stands by: it has all its
-//! tables allocated and its topics open, follows in the leader's checkpoint how far each source's reports have been
-//! worked off, and keeps in its own queues what has not. It publishes no track and never spins.
+//! Of two fusion processes one *leads*: it holds the leader lock, fuses and publishes. The other is the *standby*:
+//! its tables are allocated and its topics are open. It reads from the leader's checkpoint how many reports of each
+//! source are finished, and keeps the others in its queues. It publishes no track and never spins.
 //!
 //! ```text
-//!  leader  ──▶ checkpoint: tracks, numbers, positions, a note each millisecond
-//!     │             │
-//!     │ lock        ▼ every 5 ms
-//!  standby: passes over what the leader has worked off; is the leader's process gone? its note old?
-//!     │
-//!     └─ gone: the lock is free      old: SIGKILL, then the lock is free
-//!                └──────────┬─────────┘
-//!                           ▼
-//!        goes on from the checkpoint, as a new epoch, with the reports that are left
+//!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond
+//!      │             │
+//!      │ lock        ▼ every 5 ms
+//!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
+//!      │
+//!      └─ gone: the lock is free      old: SIGKILL, then the lock is free
+//!                 └──────────┬─────────┘
+//!                            ▼
+//!         resumes from the checkpoint, as a new epoch, with the remaining reports
 //! ```
 //!
-//! There are never two leaders: the lock is the system's, which gives it back when the process is gone, however it
-//! ends. A leader that only stood still is killed before it can go on; what it had in its hands is fenced by its epoch.
+//! There are never two leaders: the kernel releases the lock at the end of the process, however it ends. A hung
+//! leader is killed before it can continue, and its epoch separates any late state from those of the successor. A
+//! former leader that is restarted becomes the standby; the lead does not return to it.
 //!
-//! A machine that stalls as a whole stalls both. So the leader's note is old only if this process has seen it so while
+//! A stall of the whole machine stops both processes. The leader's sign of life therefore counts as old only if this
+//! process ran during that time: a late look counts as one pause.
 //! it ran itself: a look that comes late counts as one pause.
 
 use std::fs::{File, OpenOptions, TryLockError};
@@ -43,32 +45,32 @@ use crate::continuity::TakeOver;
 
 /// Time between two looks at the leader.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
-/// The same while there is no leader, or it is about to be gone.
+/// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
-/// Time for which a process that is to stand by at its start leaves the lead to another.
+/// Time for which a process that starts as standby leaves the lead to another process.
 const COURTESY: Duration = Duration::from_secs(3);
-/// A leader that has just begun may stand still for so long: it has its tables to fill, beside all others that start.
+/// Permitted silence of a leader that has just begun: it fills its tables while other processes start.
 const BEGINS: Duration = Duration::from_secs(1);
-/// Time in which a leader has taken what was sent to it, nanoseconds: far longer than it takes.
+/// Time in which a leader has taken the reports sent to it, nanoseconds: far longer than needed.
 const TAKEN_NS: i64 = 1_000_000_000;
-/// Name of the process that stands by.
+/// Name of the standby process.
 pub(crate) const NAME: &str = "standby";
 
-/// Lock that the fusion that leads holds.
+/// Leader lock file.
 #[derive(Debug)]
 pub(crate) struct LeadLock(File);
 
-/// The right to lead, of which the system makes sure that one process at a time has it.
+/// Leader lock, which the kernel gives to one process at a time.
 #[derive(Debug)]
 pub(crate) struct Lead {
     _lock: File,
 }
 
 impl LeadLock {
-    /// The lock of the process's instance.
+    /// Creates the lock of the process's instance.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// If the lock file cannot be created.
     pub(crate) fn open(process: &Process) -> anyhow::Result<Self> {
         let path = process.bus.root().path().join(FUSION_LEADS);
         let mut options = OpenOptions::new();
@@ -77,7 +79,7 @@ impl LeadLock {
     }
 }
 
-/// A fusion that stands by.
+/// Standby fusion.
 #[derive(Debug)]
 pub(crate) struct Standby {
     settings: Settings,
@@ -85,16 +87,16 @@ pub(crate) struct Standby {
     ready: Ready<SharedMemory>,
     layout: Layout,
     leader: Option<Leader>,
-    /// How long the leader's note has not changed, as far as this process ran.
+    /// Time for which the leader's sign of life has not changed, as far as this process ran.
     still_ns: i64,
     looked_ns: i64,
-    /// Until when the lead is left to another.
+    /// Time until which the lead is left to another process.
     courteous_until_ns: i64,
-    /// Whether a leader was seen.
+    /// Whether a leader was observed.
     has_followed: bool,
-    /// The last order that was obeyed: a leader may die before it has kept what came of it.
+    /// Latest obeyed order: a leader may die before it has stored the effect of the order.
     order: Option<Control>,
-    /// Whether the leader was killed because it stood still.
+    /// Whether the leader was killed after a hang.
     killed: bool,
 }
 
@@ -103,12 +105,12 @@ struct Leader {
     memory: Outlasting,
     clock: Clock,
     process: OwnedFd,
-    /// Monotonic time at which it was first seen to lead, nanoseconds.
+    /// Time at which the process was first observed as leader, monotonic, nanoseconds.
     since_ns: i64,
 }
 
 impl Leader {
-    /// Waits until the process is gone, or so long; what goes wrong shows in the next look.
+    /// Waits for the end of the process, at most for `at_most`; the next look reports faults.
     fn wait(&self, time: Duration) -> bool {
         let timeout = Timespec {
             tv_sec: 0,
@@ -123,7 +125,7 @@ impl Leader {
 }
 
 impl Standby {
-    /// Stands by, with all that is `ready`, for whoever leads.
+    /// Creates the standby with all that is `ready`.
     pub(crate) fn new(
         process: &Process,
         settings: Settings,
@@ -151,12 +153,13 @@ impl Standby {
         }
     }
 
-    /// Engine and ports, ready to lead with.
+    /// Engine and ports, ready to lead.
     pub(crate) fn into_ready(self) -> Ready<SharedMemory> {
         self.ready
     }
 
-    /// Looks at the leader. The lead, if it is this process's now, and how it was come by.
+    /// Looks at the leader. Returns the lead, if it belongs to this process now, and the way in which it was
+    /// obtained.
     ///
     /// # Errors
     /// If the lock or a topic fails.
@@ -176,7 +179,7 @@ impl Standby {
             Ok(()) if now.mono_ns < self.courteous_until_ns && !self.has_followed => lock.unlock()?,
             Ok(()) => {
                 if let Some(order) = self.order.take() {
-                    // There is room: they were all taken.
+                    // There is room: all slices were taken.
                     let _ = queues.orders.push(order);
                 }
                 let how = TakeOver {
@@ -218,27 +221,27 @@ impl Standby {
         let least_ns = if begins { BEGINS.as_nanos() as i64 } else { 0 };
         if self.still_ns >= self.settings.takeover_ns.max(least_ns) && !self.killed {
             self.killed = true;
-            // It fails only if the process has ended, which is what is wanted.
+            // Fails only if the process has ended, as intended.
             let _ = pidfd_send_signal(&leader.process, Signal::KILL);
         }
         Ok(())
     }
 
-    /// Finds the process that leads, once it has said who it is.
+    /// Returns the leading process, once it has written its number.
     fn find(&mut self, process: &Process) {
         self.leader = None;
         let Ok(Some(memory)) = process.bus.root().outlasting(CHECKPOINT) else {
             return;
         };
-        // Another one's, or that of a leader that is gone.
+        // The entry is of another process, or of a leader that is gone.
         let Some(clock) = clock_of(memory.words(), &self.layout) else {
             return;
         };
         let pid = i32::try_from(clock.process_id).ok().and_then(Pid::from_raw);
         let opened = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
-        // The number may be another process's by now, unless that one still makes notes in the checkpoint: then it is
-        // the leader, since it holds the lock. One that stood still before it was ever seen makes none: then the system
-        // says who holds the lock.
+        // The number may belong to another process by now. A process that still writes signs of life to the
+        // checkpoint is the leader, since it holds the lock. A leader that hung before it was ever observed writes
+        // none: then the kernel's list of locks decides.
         let lives = |memory: &Outlasting| {
             let noted = clock_of(memory.words(), &self.layout).map_or(0, |clock| clock.turn_ns);
             mono_ns().saturating_sub(noted) < self.settings.takeover_ns
@@ -255,7 +258,7 @@ impl Standby {
         }
     }
 
-    /// Waits until the leader's process is gone, or `at_most` so long.
+    /// Waits for the end of the leader's process, at most for `at_most`.
     pub(crate) fn wait(&self, at_most: Duration) {
         let time = at_most.min(LOOK);
         match &self.leader {
