@@ -5,10 +5,21 @@
 //! tracks to the bit, as if it had been there from the beginning. What follows from the settings alone is not in it,
 //! nor are counters. Making one takes as long as there are tracks, and allocates: it is for a recorder that starts.
 
+use kept::mixed;
+
 use crate::checkpoint::Refused;
 use crate::engine::Engine;
 
+/// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
+/// the fingerprint of the checkpoint covers other types.
+const FORMAT: u64 = 2;
+
 impl Engine {
+    /// Returns the fingerprint of images of this build with these settings.
+    fn image_fingerprint(&self) -> u64 {
+        mixed(self.checkpoint_layout().fingerprint() ^ FORMAT)
+    }
+
     /// All that reports and time have changed so far.
     pub fn image(&self) -> Vec<u8> {
         let Self {
@@ -28,7 +39,7 @@ impl Engine {
             .iter()
             .map(|source| (source.period_ns, source.fresh_ns))
             .collect();
-        let of = self.checkpoint_layout().fingerprint();
+        let of = self.image_fingerprint();
         let parts = (
             of, periods, tracks, sources, points, scans, life, publisher, schedule, host_clock,
         );
@@ -42,7 +53,7 @@ impl Engine {
     /// If it is one of other settings or of another build.
     pub fn resume_image(&mut self, image: &[u8]) -> Result<(), Refused> {
         let (of, rest) = postcard::take_from_bytes::<u64>(image).map_err(|_| Refused::Damaged(1))?;
-        if of != self.checkpoint_layout().fingerprint() {
+        if of != self.image_fingerprint() {
             return Err(Refused::Foreign);
         }
         let parts = postcard::take_from_bytes(rest).map_err(|_| Refused::Damaged(1))?.0;

@@ -711,8 +711,8 @@ typedef struct KosekiRegistration {
     float false_track_life_s; /* Learned mean life of a false track, seconds; 0: not learned. */
     float detection_probability; /* Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned. */
     uint32_t error_model; /* Model of the source's error with the best evidence: an `ErrorModel` code. */
-    uint16_t dependent_sources[4]; /* Sources whose errors depend on those of this source; 65535 beyond the last. */
-    float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in [0, 1]. */
+    uint16_t dependent_sources[4]; /* Sources whose errors depend on those of this source, where `dependence` is not 0. */
+    float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none. */
 } KosekiRegistration;
 static_assert(sizeof(KosekiRegistration) == 208, "size");
 static_assert(offsetof(KosekiRegistration, comparisons) == 0, "offset");

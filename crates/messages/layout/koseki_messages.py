@@ -859,8 +859,8 @@ class Registration(ctypes.Structure):
         ("false_track_life_s", ctypes.c_float),  # Learned mean life of a false track, seconds; 0: not learned.
         ("detection_probability", ctypes.c_float),  # Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
         ("error_model", ctypes.c_uint32),  # Model of the source's error with the best evidence: an `ErrorModel` code.
-        ("dependent_sources", ctypes.c_uint16 * 4),  # Sources whose errors depend on those of this source; 65535 beyond the last.
-        ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in [0, 1].
+        ("dependent_sources", ctypes.c_uint16 * 4),  # Sources whose errors depend on those of this source, where `dependence` is not 0.
+        ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
     ]
 
     @staticmethod

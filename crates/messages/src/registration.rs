@@ -135,9 +135,9 @@ sample! {
         detection_probability: f32,
         /// Model of the source's error with the best evidence: an `ErrorModel` code.
         error_model: u32,
-        /// Sources whose errors depend on those of this source; 65535 beyond the last.
-        dependent_sources: [u16; 4] = [crate::NO_SOURCE; 4],
-        /// Correlation of the errors of this source and of `dependent_sources`, in [0, 1].
+        /// Sources whose errors depend on those of this source, where `dependence` is not 0.
+        dependent_sources: [u16; 4],
+        /// Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
         dependence: [f32; 4],
     }
 }
