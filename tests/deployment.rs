@@ -442,14 +442,14 @@ fn a_condition_is_ordered_while_running_and_a_slip_of_the_pen_is_refused() {
     assert!(normal.status.success(), "{}", String::from_utf8_lossy(&normal.stderr));
     assert_eq!(
         String::from_utf8(normal.stdout).unwrap(),
-        "demo: condition normal holds\n"
+        "demo: order 1, condition name=normal: done\n"
     );
     let unknown = order("hailstorm");
     assert_eq!(unknown.status.code(), Some(2));
     assert!(
         String::from_utf8(unknown.stderr)
             .unwrap()
-            .contains("no source of instance demo")
+            .contains("no source has an accuracy for the condition")
     );
     demo.stop();
     home.assert_nothing_is_left("demo");

@@ -135,3 +135,12 @@ fn what_documents_link_to_is_there() {
         }
     }
 }
+
+#[test]
+fn the_kinds_of_orders_are_those_of_the_registry() {
+    let document = std::fs::read_to_string(repository("docs/orders.md")).unwrap();
+    for kind in messages::OrderKind::ALL {
+        let row = format!("| `{}` | {} |\n", kind.usage(), kind.summary());
+        assert!(document.contains(&row), "docs/orders.md lacks: {row}");
+    }
+}

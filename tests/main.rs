@@ -39,6 +39,7 @@ mod live_bearings;
 mod live_centres;
 mod live_counts;
 mod live_plots;
+mod orders;
 mod recording;
 mod replay;
 mod supervision;

@@ -283,7 +283,7 @@ fn bytes_of(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
         .filter(|path| path.extension().is_some_and(|extension| extension == "csv"))
         // Alarms speak of the machine and of its time, which differ from run to run.
-        .filter(|path| !path.ends_with("alarms.csv"))
+        .filter(|path| !path.ends_with("alarms.csv") && !path.ends_with("orders.csv"))
         .map(|path| {
             (
                 path.file_name().unwrap().to_str().unwrap().to_owned(),

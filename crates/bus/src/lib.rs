@@ -2,7 +2,7 @@
 //!
 //! Processes of one deployment exchange slices of fixed-layout samples (see the `messages` crate) without copying
 //! them: a publisher writes them where its subscribers read them. This crate turns iceoryx2's building blocks into
-//! the six things that the rest of Koseki needs:
+//! the seven things that the rest of Koseki needs:
 //!
 //! | type | what it is |
 //! |---|---|
@@ -11,6 +11,7 @@
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
 //! | [`Subscriber`] | takes slices and counts, per publisher, what it missed |
 //! | [`LogWriter`], [`LogReader`] | write down, at the cost of a few stores, what readers follow at their own pace |
+//! | [`OrderPort`] | gives orders to fusion and receives their states |
 //! | [`Waiter`] | waits for work on several topics: spinning, blocked, or first one, then the other |
 //!
 //! All of them are generic over a [`Transport`]. [`SharedMemory`] connects processes; [`InProcess`] is its twin that
@@ -30,7 +31,7 @@
 //!
 //! # fn main() -> Result<(), bus::BusError> {
 //! let root = Root::new("example")?;
-//! let topic = messages::control();
+//! let topic = messages::progress();
 //!
 //! // The keeper's part. Over `SharedMemory`, the launcher would first call `root.claim()`.
 //! let keeper = Bus::<InProcess>::open(&root, "keeper")?;
@@ -45,11 +46,11 @@
 //! // A sender's part; it started at 10.
 //! let mut publisher = keeper.publisher(&topic, 10)?;
 //! let mark = Mark { progress_ns: i64::MIN, sent_ns: 11, end: false };
-//! publisher.send(mark, 1, |_, _| messages::Control::condition("fog").unwrap_or_default())?;
+//! publisher.send(mark, 1, |_, _| messages::Progress { done_sequence: 7, ..Default::default() })?;
 //!
 //! let woken = waiter.wait(std::time::Duration::from_secs(1), || subscriber.has_slices())?;
 //! assert_eq!(woken, Woken::Work);
-//! subscriber.take(16, |_, orders| assert_eq!(orders[0].name(), "fog"))?;
+//! subscriber.take(16, |_, progress| assert_eq!(progress[0].done_sequence, 7))?;
 //! assert_eq!(subscriber.counts().lost, 0);
 //! # drop(held);
 //! # Ok(())
@@ -67,6 +68,7 @@ mod line;
 mod log;
 mod mapping;
 mod membership;
+mod order_port;
 mod outlasting;
 mod ports;
 mod process;
@@ -87,6 +89,7 @@ pub use bus::Bus;
 pub use error::{BusError, Role};
 pub use line::{Life, PublisherLine};
 pub use log::{LogReader, LogWriter};
+pub use order_port::OrderPort;
 pub use outlasting::Outlasting;
 pub use ports::Transport;
 pub use process::Process;

@@ -213,7 +213,7 @@ mod tests {
     /// Writer and reader of one ring of so many places.
     fn pair(places: usize) -> (LogWriter<WorkStep>, LogReader<WorkStep>, tempfile::TempDir) {
         let folder = tempfile::tempdir().unwrap();
-        let mut topic = messages::order();
+        let mut topic = messages::event_log();
         topic.capacity.depth = places;
         let mapping = || Mapping::create(&folder.path().join("log"), log_bytes(&topic)).unwrap();
         let ring = || Ring::of(&topic, mapping()).unwrap();

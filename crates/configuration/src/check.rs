@@ -26,7 +26,7 @@ use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
 use super::{
-    Checkpoint, Config, Durable, Fusion, Input, Instrument, Links, Order, Recorded, RecordedFormat, Recording,
+    Checkpoint, Config, Durable, Fusion, Input, Instrument, Links, Recorded, RecordedFormat, Recording, ReportOrder,
     Segments, Source, Standby,
 };
 use runtime::cores::Placement;
@@ -101,7 +101,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     };
     let is_live = |source: &Source| matches!(source.input, Input::External) && !is_linked(source);
     let external = sources.iter().any(is_live);
-    if (external || !receivers.is_empty()) && raw.time.order == Order::Time {
+    if (external || !receivers.is_empty()) && raw.time.order == ReportOrder::Time {
         return Err(SettingsError::new(
             "time.order",
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",

@@ -10,7 +10,7 @@ use super::check::Checked;
 use super::tables::DisplayTable;
 
 /// Fewest characters of a token: it is to be guessed by nobody.
-const TOKEN_MIN: usize = 16;
+pub(super) const TOKEN_MIN: usize = 16;
 
 pub(super) fn check_display(raw: &DisplayTable) -> Checked<Option<Display>> {
     let Some(listen) = &raw.listen else { return Ok(None) };
@@ -21,22 +21,48 @@ pub(super) fn check_display(raw: &DisplayTable) -> Checked<Option<Display>> {
     if !listen.ip().is_loopback() {
         public(raw, listen)?;
     }
-    if let Some(token) = &raw.token {
+    let tokens = [
+        ("display.token", &raw.token),
+        ("display.operator_token", &raw.operator_token),
+    ];
+    for (key, token) in tokens {
         let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
-        if token.len() < TOKEN_MIN || !token.chars().all(allowed) {
+        if let Some(token) = token
+            && (token.len() < TOKEN_MIN || !token.chars().all(allowed))
+        {
             let what = format!("needs {TOKEN_MIN} letters, digits, - or _, or more; `openssl rand -hex 16` makes one");
-            return Err(SettingsError::new("display.token", what));
+            return Err(SettingsError::new(key, what));
         }
+    }
+    if raw.operator_token.is_some() {
+        check_operators(raw, listen)?;
     }
     Ok(Some(Display {
         listen,
         more_ports: raw.more_ports,
         hosts: hosts("display.hosts", &raw.hosts)?,
         token: raw.token.clone(),
+        operator_token: raw.operator_token.clone(),
         history_s: i64::from(raw.history_s),
         history_octets: raw.history_mb as usize * 1_000_000,
         overlays: raw.overlays.iter().map(PathBuf::from).collect(),
     }))
+}
+
+/// Needs of a display that accepts orders.
+fn check_operators(raw: &DisplayTable, listen: SocketAddr) -> Checked<()> {
+    if !listen.ip().is_loopback() {
+        let what = format!(
+            "orders need a loopback address, and {listen} can be reached from other machines without encryption; use \
+             127.0.0.1 behind a proxy that ends TLS"
+        );
+        return Err(SettingsError::new("display.operator_token", what));
+    }
+    if raw.operator_token == raw.token {
+        let what = "is the token of all viewers; give operators another one";
+        return Err(SettingsError::new("display.operator_token", what));
+    }
+    Ok(())
 }
 
 /// Needs of an address that other machines can reach.

@@ -28,6 +28,7 @@ impl Deployment for Config {
                 Stream::SystemTracks => visit.visit(&messages::system_tracks(), publishers)?,
                 Stream::Alarms => visit.visit(&messages::alarms(), publishers)?,
                 Stream::Decisions => visit.visit(&messages::decisions(), publishers)?,
+                Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
         match self.fusion.settings.exchange {
@@ -59,7 +60,8 @@ impl Config {
         let sensors = self.wide_area_sensors.iter();
         let of_sensors = sensors.map(|sensor| (Stream::WideArea, sensor.number, sensor.name.as_str()));
         let decisions = self.fusion.decisions.then_some(StreamId::DECISIONS);
-        let of_system = [StreamId::SYSTEM_TRACKS, StreamId::ALARMS].into_iter().chain(decisions);
+        let of_system = [StreamId::SYSTEM_TRACKS, StreamId::ALARMS, StreamId::ORDERS];
+        let of_system = of_system.into_iter().chain(decisions);
         of_sources
             .chain(of_sensors)
             .map(|(stream, number, name)| (StreamId { stream, number }, name))

@@ -34,6 +34,7 @@ use outgoing::Technology;
 use reception::SourceModel;
 use telemetry::Deadlines;
 
+use check_display::TOKEN_MIN;
 use runtime::cores::Placement;
 use settings::{Document, SettingsError, Table, Value};
 use sources::{Processing, TrackerSettings};
@@ -54,6 +55,15 @@ pub type Process = runtime::Process<Config>;
 /// Stands for the configuration of the demonstration, which is part of the executable.
 pub const BUILT_IN_DEMO: &str = "built-in:demo";
 
+/// Beginning of the lines at the end of [`Config::text`] that state replaced values.
+const OVERRIDE: &str = "# --set ";
+
+/// File in the folder of a running instance that contains its [`Config::text`].
+const IN_INSTANCE: &str = "configuration.toml";
+
+/// File in the folder of a running instance with the names of its sources, a line each.
+const SOURCES_IN_INSTANCE: &str = "sources";
+
 /// The configuration of the demonstration, as text.
 pub const DEMO: &str = include_str!("../../../config/demo.toml");
 
@@ -71,7 +81,7 @@ pub struct Config {
     /// The system frame.
     pub frame: SystemFrame,
     /// Order in which fusion works (PL-12).
-    pub order: Order,
+    pub order: ReportOrder,
     /// Midnight of the recordings' first day, UTC, nanoseconds; `None` without recordings.
     pub first_day_ns: Option<i64>,
     /// The sources, in the order of their numbers.
@@ -128,7 +138,7 @@ pub struct Segments {
 
 settings::words! {
     /// Order in which fusion takes reports.
-    pub enum Order {
+    pub enum ReportOrder {
         /// As they arrive: lowest latency.
         Arrival = "arrival",
         /// By time of measurement, merged with each source's progress: the result does not depend on scheduling.
@@ -351,6 +361,8 @@ pub struct Display {
     pub hosts: Vec<String>,
     /// Token that every browser has to show.
     pub token: Option<String>,
+    /// Token of the operators, who give orders; `None`: no orders.
+    pub operator_token: Option<String>,
     /// Time for which the past is kept, seconds.
     pub history_s: i64,
     /// Most memory that it takes, octets.
@@ -432,8 +444,57 @@ impl Config {
         config.text = text.to_owned();
         config
             .text
-            .extend(overrides.iter().map(|each| format!("\n# --set {each}")));
+            .extend(overrides.iter().map(|each| format!("\n{OVERRIDE}{each}")));
         Ok(config)
+    }
+
+    /// As [`Config::parse`], from a [`Config::text`], which ends with the replaced values: that of a recording, or of
+    /// a running instance.
+    ///
+    /// # Errors
+    /// As [`Config::read`].
+    pub fn parse_whole(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        let overrides = text.lines().rev().map_while(|line| line.strip_prefix(OVERRIDE));
+        let mut overrides: Vec<String> = overrides.map(str::to_owned).collect();
+        overrides.reverse();
+        Self::parse(path, text, &overrides)
+    }
+
+    /// Reads the configuration of the running instance in the folder `instance`.
+    ///
+    /// # Errors
+    /// As [`Config::read`].
+    pub fn of_running(instance: &Path) -> Result<Self, ConfigError> {
+        let path = instance.join(IN_INSTANCE);
+        let text = std::fs::read_to_string(&path)
+            .map_err(|error| in_file(&path, SettingsError::new("", format!("cannot be read: {error}"))))?;
+        Self::parse_whole(&path, &text)
+    }
+
+    /// The whole text without secrets, for recordings.
+    pub fn text_without_secrets(&self) -> String {
+        let display = self.display.iter();
+        let secrets = display.flat_map(|display| {
+            [
+                (&display.token, "hidden-token-"),
+                (&display.operator_token, "hidden-order-token-"),
+            ]
+        });
+        secrets.fold(self.text.clone(), |text, (secret, placeholder)| match secret {
+            Some(secret) => text.replace(secret.as_str(), &format!("{placeholder}{}", "x".repeat(TOKEN_MIN))),
+            None => text,
+        })
+    }
+
+    /// Writes the whole text into the folder of the running instance, for [`Config::of_running`], and beside it the
+    /// names of the sources, for programs without the configuration.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write_into(&self, instance: &Path) -> std::io::Result<()> {
+        let names: String = self.sources.iter().map(|source| format!("{}\n", source.name)).collect();
+        std::fs::write(instance.join(SOURCES_IN_INSTANCE), names)?;
+        std::fs::write(instance.join(IN_INSTANCE), &self.text)
     }
 
     /// Whether a file's text describes a deployment, rightly or wrongly; else it may be an [`Offline`] configuration.
@@ -503,7 +564,7 @@ impl Config {
         self.sources.iter().all(|source| match source.input {
             Input::Recorded(_) => true,
             // In order `time` it is what a link brings.
-            Input::External => self.order == Order::Time,
+            Input::External => self.order == ReportOrder::Time,
             Input::Live(_) | Input::Simulated(_) => false,
         })
     }

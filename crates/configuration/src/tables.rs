@@ -11,7 +11,7 @@ use settings::{Degrees, Seconds, SettingsError};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use super::{Order, RecordedFormat, Truncated};
+use super::{RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -78,7 +78,7 @@ settings::settings! {
     pub struct TimeTable {
         /// Order in which fusion takes reports: `arrival`, lowest latency; `time`, by time of measurement, merged with
         /// each source's progress, so that the result does not depend on scheduling. For recordings only.
-        order: Order = Order::Arrival;
+        order: ReportOrder = ReportOrder::Arrival;
         /// First day of the recordings (UTC), as in `"2016-05-10"`: they carry the time of day only.
         date: Option<String> = None, usually "must be given with recordings";
     }
@@ -457,6 +457,9 @@ settings::settings! {
         insecure: bool = false;
         /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
         token: Option<String> = None;
+        /// Token of the operators, who give orders. The display must listen on a loopback address; other machines reach
+        /// it through a proxy that ends TLS.
+        operator_token: Option<String> = None, usually "none: no orders";
         /// Names of this machine, besides its address and localhost, by which it is asked for.
         hosts: Vec<String> = Vec::new(), usually "none";
         /// Time for which the past of the picture is kept.

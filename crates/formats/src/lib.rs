@@ -13,7 +13,7 @@
 //! - [`rows`]: tables of values, a row each, whatever their kind;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as
 //!   rows of text;
-//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`]: what is written only;
+//! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`]: what is written only;
 //! - [`tracks_csv`]: sensor tracks and system tracks as output.
 
 #![forbid(unsafe_code)]
@@ -26,6 +26,7 @@ pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
 pub mod foreign;
+pub mod orders_csv;
 pub mod platform_states_csv;
 pub mod recording;
 pub mod rows;

@@ -26,18 +26,13 @@ impl Accuracies {
         &mut self.mean_squares[source]
     }
 
-    /// Factor of the present condition for the source with this number.
-    pub(crate) fn factor_mut(&mut self, source: usize) -> &mut f64 {
-        &mut self.factors[source]
-    }
-
-    /// From now on condition `name` holds; sources that do not name it have factor 1. `false` if it is not one of
-    /// [`Settings::conditions`]: then nothing changes.
-    pub(crate) fn set_condition(&mut self, settings: &Settings, name: &str) -> bool {
-        if !settings.conditions().any(|condition| condition == name) {
-            return false;
-        }
-        for (factor, source) in self.factors.iter_mut().zip(&settings.sources) {
+    /// Sets the condition `name` for one source, or for all sources (TI-7). Sources that do not name the condition have
+    /// factor 1.
+    pub(crate) fn set_condition(&mut self, sources: &[SourceSettings], name: &str, only: Option<u16>) {
+        for (index, (factor, source)) in self.factors.iter_mut().zip(sources).enumerate() {
+            if only.is_some_and(|only| usize::from(only) != index) {
+                continue;
+            }
             let named = source
                 .accuracy
                 .conditions
@@ -45,7 +40,6 @@ impl Accuracies {
                 .find(|(condition, _)| condition == name);
             *factor = named.map_or(1.0, |(_, factor)| *factor);
         }
-        true
     }
 
     /// Learns from a residual of `source` (horizontal, metres) where its accuracy is to be estimated.
@@ -145,7 +139,7 @@ mod tests {
         let mut accuracies = Accuracies::new(2);
         let here = ([0.0; 3], [0.0; 3]);
         assert_eq!(accuracies.alpha(&settings, 0, here, &STATED), 1.0);
-        assert!(accuracies.set_condition(&settings, "calm"));
+        accuracies.set_condition(&settings.sources, "calm", None);
         let alphas = [0, 1].map(|source| accuracies.alpha(&settings, source, here, &STATED));
         assert_eq!(alphas, [10.0, 0.0]);
     }
@@ -157,18 +151,13 @@ mod tests {
         settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 3.0)];
         let mut accuracies = Accuracies::new(2);
         assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 15.0).abs() < 1e-9);
-        assert!(accuracies.set_condition(&settings, "rain"));
+        accuracies.set_condition(&settings.sources, "rain", None);
         assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 45.0).abs() < 1e-9);
         assert!(
             (accuracies.alpha(&settings, 1, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 10.0).abs() < 1e-9,
             "not named: factor 1"
         );
-        assert!(
-            !accuracies.set_condition(&settings, "ran"),
-            "a slip of the pen changes nothing"
-        );
-        assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 45.0).abs() < 1e-9);
-        assert!(accuracies.set_condition(&settings, "normal"));
+        accuracies.set_condition(&settings.sources, "normal", None);
         assert!((accuracies.alpha(&settings, 0, ([0.0; 3], [50.0, 0.0, 0.0]), &STATED) - 15.0).abs() < 1e-9);
     }
 

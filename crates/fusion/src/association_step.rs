@@ -18,7 +18,7 @@ use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
 use crate::settings::Settings;
 use crate::sources::Sources;
-use crate::system_tracks::SystemSlot;
+use crate::system_tracks::{Bond, SystemSlot};
 use crate::tracks::Tracks;
 
 /// Most cells of the grid along one side of a search.
@@ -50,6 +50,7 @@ impl Search<'_> {
         let state = gaussian_of(report);
         self.near(report, &state, |system| {
             if system == entry.system
+                || self.are_kept_apart(entry.system, system)
                 || self
                     .tracks
                     .primary_of(system, report.source, own, report.time_of_measurement_ns)
@@ -140,6 +141,9 @@ impl Search<'_> {
                     return;
                 }
                 let other = self.tracks.systems.get(system);
+                if entry.bond == Bond::Apart(other.number) {
+                    return;
+                }
                 if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
                     return;
                 }
@@ -232,6 +236,12 @@ impl Search<'_> {
         // Written so that NaN is refused.
         let inside = height <= settings.join_gate() && both + height <= settings.scan_gate();
         inside.then_some(both + height)
+    }
+
+    /// Returns whether an order keeps a system track, if it is one, and another system track apart.
+    fn are_kept_apart(&self, own: SystemSlot, system: SystemSlot) -> bool {
+        let number = self.tracks.systems.get(system).number;
+        own != NO_SYSTEM && self.tracks.systems.get(own).bond == Bond::Apart(number)
     }
 
     /// Whether the sensor track in `own` has to stay for `system` to come to it: between two system tracks with one

@@ -17,6 +17,7 @@
 //! | pairs | of each pair of sources: sums of registration, gross errors, dependence | in turn |
 //! | classes | how hard each class of targets turns | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
+//! | orders | each order in force, and orders that ended recently | when it changes |
 //!
 //! How a record is written so that a kill costs one at most, the crate [`kept`](mod@kept) tells. Its writing takes no
 //! system call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
@@ -37,7 +38,7 @@ pub use kept::{Memory, Refused};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 6;
+const FORMAT: u64 = 7;
 /// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.
@@ -59,9 +60,10 @@ pub(crate) enum Kind {
     Pairs,
     Classes,
     Cells,
+    Orders,
 }
 
-const KINDS: [Kind; 11] = [
+const KINDS: [Kind; 12] = [
     Kind::Numbers,
     Kind::Clock,
     Kind::Suspects,
@@ -73,6 +75,7 @@ const KINDS: [Kind; 11] = [
     Kind::Pairs,
     Kind::Classes,
     Kind::Cells,
+    Kind::Orders,
 ];
 
 kept! {
@@ -124,6 +127,7 @@ pub(crate) struct Sizes {
     pub(crate) pairs: usize,
     pub(crate) classes: (usize, usize),
     pub(crate) cells: (usize, usize),
+    pub(crate) orders: (usize, usize),
 }
 
 impl Layout {
@@ -143,6 +147,7 @@ impl Layout {
                 Kind::Pairs => (sources * sources, sizes.pairs),
                 Kind::Classes => sizes.classes,
                 Kind::Cells => sizes.cells,
+                Kind::Orders => sizes.orders,
             };
             debug_assert!(words <= RECORD_MAX);
             let area = Area { first, places, words };

@@ -76,6 +76,12 @@ impl Credibility {
         }
     }
 
+    /// Forgets the standing of a source.
+    pub(crate) fn reset(&mut self, source: u16) {
+        self.sources[usize::from(source)] = Record::default();
+        self.set_aside &= !(1 << source);
+    }
+
     /// Whether a source is set aside.
     pub(crate) fn is_set_aside(&self, source: u16) -> bool {
         self.set_aside & (1 << source) != 0

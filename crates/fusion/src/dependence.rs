@@ -108,6 +108,18 @@ impl Dependence {
         self.regroup();
     }
 
+    /// Forgets the findings on a source and each other source.
+    pub(crate) fn forget(&mut self, source: u16) {
+        let (own, count) = (usize::from(source), self.groups.len());
+        for other in 0..count {
+            for index in [own * count + other, other * count + own] {
+                (self.copies[index], self.differences[index], self.learned[index]) = (0.0, [1.0; 2], false);
+            }
+        }
+        self.innovations[own] = 1.0;
+        self.regroup();
+    }
+
     /// The group of a source: the number of its first one.
     pub(crate) fn group_of(&self, source: u16) -> u16 {
         self.groups[usize::from(source)]

@@ -27,6 +27,7 @@ use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
 use crate::measurement::{Correction, Measurement, whole_report};
+use crate::order_table::{Configured, IN_FORCE_MAX, Orders};
 use crate::outlet::Outbox;
 use crate::publishing::Publisher;
 use crate::reference_point::ReferencePoints;
@@ -63,6 +64,7 @@ pub struct Engine {
     pub(crate) publisher: Publisher,
     pub(crate) schedule: Schedule,
     pub(crate) host_clock: HostClock,
+    pub(crate) orders: Orders,
     pub(crate) outbox: Outbox,
 }
 
@@ -77,8 +79,10 @@ impl Engine {
         let sources = settings.sources.len();
         // A rule that takes its state from the filter needs neither history nor memory.
         let rule = rules::entry(settings.rule.name.0);
-        let remembers = !rule.is_from_filter();
-        let histories = (remembers || settings.accuracy_values()).then(|| {
+        let mut settings = settings;
+        let remembers = !rule.is_from_filter() || settings.accuracy_values();
+        settings.rule.hand_over.ordered.reserve_exact(IN_FORCE_MAX);
+        let histories = remembers.then(|| {
             let length = capacity.stored_reports + 1;
             Histories::new(capacity.sensor_tracks(), length, settings.rule.recency)
         });
@@ -101,6 +105,7 @@ impl Engine {
             publisher: Publisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
             host_clock: HostClock::default(),
+            orders: Orders::new(Configured::of(&settings)),
             outbox: Outbox::new(sources),
             settings,
         })
@@ -171,12 +176,6 @@ impl Engine {
             .map(|model| model.detection)
     }
 
-    /// Activates the named condition (weather) from now on (TI-7); "normal" is active at the start. Returns `false`
-    /// and changes nothing if no source lists the condition.
-    pub fn set_condition(&mut self, name: &str) -> bool {
-        self.publisher.accuracies.set_condition(&self.settings, name)
-    }
-
     /// Sets the host offset, the lead of the sources' time over the engine's time, nanoseconds; 0 at the start. The
     /// engine subtracts the offset from the times of reports and adds it to the times of states and decisions.
     pub fn set_host_offset(&mut self, offset_ns: i64) {
@@ -203,7 +202,8 @@ impl Engine {
         loop {
             let refresh_ns = self.schedule.next_refresh(|| self.tracks.systems.is_empty());
             let scan_ns = self.scans.due_ns();
-            let other_ns = scan_ns.min(refresh_ns);
+            let order_ns = self.orders.due_ns();
+            let other_ns = scan_ns.min(refresh_ns).min(order_ns);
             if self.run_timer_before(now_ns.min(other_ns), sink) {
                 continue;
             }
@@ -211,7 +211,9 @@ impl Engine {
                 break;
             }
             self.schedule.pass(other_ns);
-            if scan_ns == other_ns {
+            if order_ns == other_ns {
+                self.expire_orders(order_ns, sink);
+            } else if scan_ns == other_ns {
                 self.finish_scans(scan_ns, sink);
             } else {
                 self.refresh_all(refresh_ns, sink);
@@ -262,6 +264,10 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedInvalid);
             return;
         }
+        if self.settings.sources[usize::from(report.source)].is_out {
+            self.outbox.counts.add(report.source, Counter::RejectedByOrder);
+            return;
+        }
         self.pass_time(now_ns, sink);
         // Before the first step of time the present is undefined.
         let now_ns = self.schedule.now_ns();
@@ -272,7 +278,7 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
             return;
         }
-        self.learn_of_sources();
+        self.learn_of_sources(sink);
         if report.state == TrackState::Coasted as u8 {
             // An extrapolated report contains no observation. Its extrapolation agrees perfectly with itself, so a
             // score as observation would favour it. It therefore counts as a missing report (TI-4).
@@ -361,7 +367,11 @@ impl Engine {
         entry.repaired = repaired;
         entry.is_foreign = is_foreign;
         entry.epoch = self.sources.alignment.epoch_of(report.source);
+        let is_new = entry.reports == 1;
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
+        if is_new {
+            self.block(sensor);
+        }
         Some((sensor, measurement))
     }
 
@@ -411,6 +421,7 @@ impl Engine {
         }
         let system = self.tracks.sensors.get(sensor).system;
         if system == NO_SYSTEM {
+            self.block(sensor);
             return;
         }
         let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
@@ -569,7 +580,7 @@ impl Engine {
 
     /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is the
     /// new information in the report.
-    fn update(
+    pub(crate) fn update(
         &mut self,
         sensor: SensorSlot,
         report: &SensorTrack,
@@ -752,9 +763,10 @@ impl Engine {
 
     /// Evaluates the learned properties of the sources once a second. Long computations are spread over the following
     /// reports, a step per report, so the result depends on the reports alone.
-    fn learn_of_sources(&mut self) {
+    fn learn_of_sources(&mut self, sink: &mut impl Sink) {
         let due = self.schedule.tick();
         if due {
+            self.watch_tracks(sink);
             self.tracks.sensors.begin_part();
         }
         let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);

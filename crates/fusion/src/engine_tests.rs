@@ -13,6 +13,7 @@ mod image;
 mod innovations;
 mod large_targets;
 mod levels;
+mod orders;
 mod passing_time;
 mod resumption;
 mod slow_sources;

@@ -141,11 +141,22 @@ impl Coverage {
         &mut self.general[source]
     }
 
-    /// Learns from a confirmed track at (x, y): `follows(source)` says whether the source contributes.
-    pub(crate) fn learn(&mut self, x: f64, y: f64, is_detected: impl Fn(u16) -> bool) {
+    /// Forgets where a source detects targets.
+    pub(crate) fn forget(&mut self, source: usize) {
+        self.general[source] = Tally::default();
+        for tally in self.tallies.iter_mut().skip(source).step_by(self.sources) {
+            *tally = Tally::default();
+        }
+    }
+
+    /// Learns from a confirmed track at (x, y): `is_detected` states whether a source contributes; `None`: the source
+    /// is not asked.
+    pub(crate) fn learn(&mut self, x: f64, y: f64, is_detected: impl Fn(u16) -> Option<bool>) {
         let place = self.claim(x, y);
         for source in 0..self.sources {
-            let hit = is_detected(source as u16);
+            let Some(hit) = is_detected(source as u16) else {
+                continue;
+            };
             self.general[source].add(hit, GENERAL_MEMORY);
             if let Some(place) = place {
                 self.tallies[place * self.sources + source].add(hit, CELL_MEMORY);
@@ -238,8 +249,8 @@ mod tests {
     fn silence_of_sources_that_cover_the_place_is_telling() {
         let mut coverage = Coverage::new(vec![None; 3], 64, 1000.0);
         for _ in 0..100 {
-            coverage.learn(500.0, 500.0, |source| source != 2);
-            coverage.learn(5500.0, 500.0, |source| source == 0);
+            coverage.learn(500.0, 500.0, |source| Some(source != 2));
+            coverage.learn(5500.0, 500.0, |source| Some(source == 0));
         }
         let here = coverage.detection_probability(1, [500.0, 500.0, 0.0]);
         let there = coverage.detection_probability(1, [5500.0, 500.0, 0.0]);
@@ -254,7 +265,7 @@ mod tests {
         let mut coverage = Coverage::new(vec![None; 1], 64, 1000.0);
         assert_eq!(coverage.detection_probability(0, [0.0; 3]), DETECTION_PRIOR);
         for _ in 0..100 {
-            coverage.learn(0.0, 0.0, |_| true);
+            coverage.learn(0.0, 0.0, |_| Some(true));
         }
         assert!(coverage.detection_probability(0, [50e3, 0.0, 0.0]) > 0.9);
     }
@@ -277,7 +288,7 @@ mod tests {
     fn a_full_table_falls_back_to_the_source_in_general() {
         let mut coverage = Coverage::new(vec![None; 1], 8, 10.0);
         for column in 0..100 {
-            coverage.learn(f64::from(column) * 10.0, 0.0, |_| true);
+            coverage.learn(f64::from(column) * 10.0, 0.0, |_| Some(true));
         }
         assert!(coverage.detection_probability(0, [995.0, 0.0, 0.0]) > 0.9);
     }

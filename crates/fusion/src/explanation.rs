@@ -3,7 +3,7 @@
 //! Each new state of a system track, and each decision on the way to it, is handed out as one record to whoever wants
 //! it.
 
-use messages::{Decision, SystemTrack};
+use messages::{Decision, OrderState, SystemTrack};
 
 /// Takes what the engine hands out. Every closure that takes a system track is one, and leaves decisions alone.
 pub trait Sink {
@@ -14,6 +14,11 @@ pub trait Sink {
     /// what they say has gone into, and only where [`exchange`](crate::Settings::exchange) asks for it.
     fn own_track(&mut self, track: &SystemTrack) {
         let _ = track;
+    }
+
+    /// The state of an order has changed.
+    fn order(&mut self, state: &OrderState) {
+        let _ = state;
     }
 
     /// Something was decided. The sequence number and the epoch are the publisher's, and 0 here.

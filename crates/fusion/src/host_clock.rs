@@ -4,7 +4,7 @@
 //! is wrong (or all of theirs are): then that *host offset* is taken off the times of reports, and put on the times of
 //! all that the engine hands out. The offset may change while tracks live, and disturbs none of them.
 
-use messages::{Decision, SensorTrack, SystemTrack};
+use messages::{Decision, OrderState, SensorTrack, SystemTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
@@ -64,6 +64,10 @@ impl<S: Sink> Sink for Outward<'_, S> {
             0 => self.sink.own_track(track),
             _ => self.sink.own_track(&self.clock.in_source_time(track)),
         }
+    }
+
+    fn order(&mut self, state: &OrderState) {
+        self.sink.order(state);
     }
 
     fn decision(&mut self, decision: &Decision) {

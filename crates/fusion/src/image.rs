@@ -9,10 +9,11 @@ use kept::mixed;
 
 use crate::checkpoint::Refused;
 use crate::engine::Engine;
+use crate::order_table::Orders;
 
 /// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
 /// the fingerprint of the checkpoint covers other types.
-const FORMAT: u64 = 2;
+const FORMAT: u64 = 3;
 
 impl Engine {
     /// Returns the fingerprint of images of this build with these settings.
@@ -32,6 +33,7 @@ impl Engine {
             publisher,
             schedule,
             host_clock,
+            orders,
             outbox: _,
         } = self;
         let periods: Vec<_> = settings
@@ -41,7 +43,7 @@ impl Engine {
             .collect();
         let of = self.image_fingerprint();
         let parts = (
-            of, periods, tracks, sources, points, scans, life, publisher, schedule, host_clock,
+            of, periods, tracks, sources, points, scans, life, publisher, schedule, host_clock, orders,
         );
         // Into memory, where there is always room, and all of it is of a known length.
         postcard::to_stdvec(&parts).unwrap_or_default()
@@ -58,7 +60,7 @@ impl Engine {
         }
         let parts = postcard::take_from_bytes(rest).map_err(|_| Refused::Damaged(1))?.0;
         let checkpoint = self.tracks.checkpoint.take();
-        let periods: Vec<(i64, i64)>;
+        let (periods, orders): (Vec<(i64, i64)>, Orders);
         (
             periods,
             self.tracks,
@@ -69,8 +71,10 @@ impl Engine {
             self.publisher,
             self.schedule,
             self.host_clock,
+            orders,
         ) = parts;
         self.tracks.checkpoint = checkpoint;
+        self.resume_order_table(orders);
         for (source, period) in self.settings.sources.iter_mut().zip(periods) {
             (source.period_ns, source.fresh_ns) = period;
         }

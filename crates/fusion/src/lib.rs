@@ -48,6 +48,8 @@ mod message;
 mod motion;
 mod number_hasher;
 pub mod numbering;
+mod order_table;
+mod orders;
 mod outlet;
 mod places;
 mod publishing;

@@ -78,7 +78,9 @@ impl Life {
                     out.decision(&tracks.decision_on(system, DecisionKind::Confirmed, now_ns, log_ratio));
                 }
             }
-            TrackState::Confirmed if now_ns >= entry.coverage_due_ns => self.learn_coverage(tracks, system, now_ns),
+            TrackState::Confirmed if now_ns >= entry.coverage_due_ns => {
+                self.learn_coverage(&settings.sources, tracks, system, now_ns);
+            }
             TrackState::Confirmed | TrackState::Suspended | TrackState::Terminated => {}
         }
     }
@@ -111,7 +113,7 @@ impl Life {
         let (mut silence, mut had_their_chance) = (0.0, true);
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
-            let may_see = !filter.has_height || filter.estimate.mean[2] <= source.ceiling_m;
+            let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
             if groups(0, index as u16) & heard == 0 && may_see && !source.is_centre {
                 let detection = self
                     .coverage
@@ -136,12 +138,15 @@ impl Life {
     }
 
     /// Notes which sources follow a confirmed track here.
-    fn learn_coverage(&mut self, tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
+    fn learn_coverage(&mut self, settings: &[SourceSettings], tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
         let sources = tracks.sources_of(system, now_ns);
         let entry = tracks.systems.get_mut(system);
         entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
         let [x, y, _] = entry.filter.estimate.position_m();
-        self.coverage.learn(x, y, |source| sources & (1 << source) != 0);
+        self.coverage.learn(x, y, |source| {
+            let is_out = settings[usize::from(source)].is_out;
+            (!is_out).then_some(sources & (1 << source) != 0)
+        });
     }
 
     /// Works off the earliest deadline before `time_ns`, up to which nothing else happens; `false` if there is none.
@@ -281,6 +286,12 @@ pub(crate) fn suppress<S: Sink>(
     tracks.systems.set_life(system, TrackState::Tentative);
     out.decision(&tracks.decision_on(system, DecisionKind::Withheld, now_ns, absence));
     publish_change(settings, tracks, system, now_ns, out);
+}
+
+/// Publishes the present state of a system track.
+pub(crate) fn publish<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, out: &mut Outlet<'_, S>) {
+    let time_ns = tracks.systems.get(slot).state.time_ns;
+    publish_change(settings, tracks, slot, time_ns, out);
 }
 
 /// Ends a system track; its remaining sensor tracks, all stale, go with it.

@@ -20,7 +20,7 @@ use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
 use crate::settings::Settings;
 use crate::sources::Sources;
-use crate::system_tracks::{SystemEntry, SystemSlot};
+use crate::system_tracks::{Bond, SystemEntry, SystemSlot};
 use crate::tracks::Tracks;
 
 /// Time between two looks for a duplicate of one system track, nanoseconds.
@@ -80,7 +80,11 @@ impl Linking<'_> {
     /// Associates a sensor track that belongs nowhere: an address says at once where; the others wait until their scan
     /// is complete.
     fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
-        let address = self.tracks.sensors.get(sensor).latest.identity.unique_number();
+        let entry = self.tracks.sensors.get(sensor);
+        if entry.blocked {
+            return Next::Done;
+        }
+        let address = entry.latest.identity.unique_number();
         let known = address
             .filter(|_| self.settings.association.use_identity)
             .and_then(|address| self.tracks.systems.with_address(address));
@@ -132,6 +136,10 @@ impl Linking<'_> {
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
+        let bond = self.tracks.systems.get(system).bond;
+        if bond != Bond::Free {
+            return self.reassociate_bound(sensor, report, bond, out);
+        }
         let mine = identity
             .unique_number()
             .filter(|_| self.settings.association.use_identity);
@@ -157,6 +165,30 @@ impl Linking<'_> {
             return Next::Done;
         }
         if mine.is_none() && self.has_split(sensor, out) {
+            out.count(report.source, Counter::ContributionsSplit);
+            return self.leave(sensor, out);
+        }
+        self.look_for_duplicate(system, now_ns, out)
+    }
+
+    /// Decides the same for a sensor track whose system track an order binds: identities decide nothing.
+    #[cold]
+    fn reassociate_bound<S: Sink>(
+        &mut self,
+        sensor: SensorSlot,
+        report: &SensorTrack,
+        bond: Bond,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
+        let system = self.tracks.sensors.get(sensor).system;
+        let now_ns = report.time_of_measurement_ns;
+        if self.tracks.is_alone(sensor, now_ns) {
+            return Next::Wait;
+        }
+        if bond == Bond::Joined {
+            return Next::Done;
+        }
+        if self.has_split(sensor, out) {
             out.count(report.source, Counter::ContributionsSplit);
             return self.leave(sensor, out);
         }
@@ -300,7 +332,14 @@ impl Linking<'_> {
     }
 
     /// Makes one system track of two. The one that is shown lives on, of two that are the older one.
-    fn merge<S: Sink>(&mut self, a: SystemSlot, b: SystemSlot, now_ns: i64, d2: f64, out: &mut Outlet<'_, S>) -> Next {
+    pub(crate) fn merge<S: Sink>(
+        &mut self,
+        a: SystemSlot,
+        b: SystemSlot,
+        now_ns: i64,
+        d2: f64,
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
         let rank = |slot: SystemSlot| {
             let entry = self.tracks.systems.get(slot);
             (entry.life == TrackState::Tentative, entry.number)

@@ -47,6 +47,11 @@ impl Publisher {
         }
     }
 
+    /// Weighs by another rule from now on.
+    pub(crate) fn set_rule(&mut self, rule: &'static RuleEntry) {
+        self.rule = rule;
+    }
+
     /// The rule that weighs.
     pub(crate) fn rule(&self) -> &'static RuleEntry {
         self.rule

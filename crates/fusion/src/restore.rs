@@ -14,6 +14,7 @@ use crate::explanation::Sink;
 use crate::life;
 use crate::manoeuvres::{CLASSES, Class};
 use crate::numbering;
+use crate::order_table::{PLACES, Record};
 use crate::registration::{KeptErrors, Pair};
 use crate::source_model::SourceModel;
 use crate::suspects::Suspects;
@@ -32,8 +33,6 @@ kept! {
         errors: KeptErrors,
         detection: Tally,
         mean_square: Option<f64>,
-        /// Factor of the present condition (weather).
-        factor: f64,
         /// Gross error that is believed, and what is taken off.
         gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
     }
@@ -61,6 +60,7 @@ impl Engine {
             pairs: PairEstimates::WORDS,
             classes: (CLASSES, Class::WORDS),
             cells: (coverage.places(), coverage.cell_words()),
+            orders: (PLACES, Record::WORDS),
         };
         Layout::new(&self.settings.capacity, &self.settings.sources, sizes)
     }
@@ -69,6 +69,7 @@ impl Engine {
     pub fn keep_checkpoint(&mut self, memory: Box<dyn Memory>) {
         let checkpoint = Checkpoint::begin(memory, self.checkpoint_layout());
         self.tracks.keep_in(checkpoint);
+        self.keep_orders();
         self.keep_learned(self.learned_records());
     }
 
@@ -117,6 +118,7 @@ impl Engine {
         let reserved = snapshot.all::<u32>(Kind::Numbers).map(|(_, number)| number).next();
         let least = numbers.last().map_or(1, |(number, _)| numbering::following(*number));
         self.start_numbers_at(reserved.unwrap_or(least));
+        self.resume_orders(snapshot.all::<Record>(Kind::Orders), sink);
     }
 
     /// The next system track that starts has this number.
@@ -130,7 +132,6 @@ impl Engine {
             self.sources.registration.resume(source, &learned.errors);
             *self.life.coverage.general_mut(source) = learned.detection;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
-            *self.publisher.accuracies.factor_mut(source) = learned.factor;
             self.sources.alignment.resume(source, learned.gross);
         }
         for (place, pair) in snapshot.all::<PairEstimates>(Kind::Pairs) {
@@ -203,7 +204,6 @@ impl Engine {
                     errors: self.sources.registration.kept(place),
                     detection: *self.life.coverage.general_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
-                    factor: *self.publisher.accuracies.factor_mut(place),
                     gross: self.sources.alignment.bias_of(place),
                 };
                 checkpoint.write(kind, place, &learned);

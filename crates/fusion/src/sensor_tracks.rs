@@ -92,6 +92,8 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether it waits for the end of its scan.
     pub(crate) waits: bool,
+    /// Whether an order keeps it from starting or joining a system track.
+    pub(crate) blocked: bool,
     /// Correction that was made to `latest`.
     correction: Correction,
     /// Reports so far.
@@ -138,6 +140,7 @@ impl Default for SensorEntry {
             epoch: 0,
             live: false,
             waits: false,
+            blocked: false,
             correction: Correction::NONE,
             reports: 0,
             misses: 0,
@@ -334,6 +337,12 @@ impl SensorTracks {
     pub(crate) fn is_silent(&self, slot: SensorSlot, since_ns: i64) -> bool {
         let entry = self.get(slot);
         entry.live && entry.time_ns < since_ns
+    }
+
+    /// Whether `slot` is taken by a sensor track of `source`.
+    pub(crate) fn is_of(&self, slot: SensorSlot, source: u16) -> bool {
+        let entry = self.get(slot);
+        entry.live && entry.source == source
     }
 
     pub(crate) fn get(&self, slot: SensorSlot) -> &SensorEntry {

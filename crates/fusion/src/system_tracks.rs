@@ -23,6 +23,18 @@ use crate::state::State;
 /// Place of a system track in its table.
 pub(crate) type SystemSlot = u32;
 
+/// Effect of an order on a system track.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Bond {
+    /// No order binds the track.
+    #[default]
+    Free,
+    /// The sensor tracks stay together.
+    Joined,
+    /// The track does not merge with the track of this number.
+    Apart(u32),
+}
+
 /// One system track.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct SystemEntry {
@@ -31,6 +43,7 @@ pub(crate) struct SystemEntry {
     /// Source that started it: the place in the table is of its quota.
     owner: u16,
     pub(crate) life: TrackState,
+    pub(crate) bond: Bond,
     pub(crate) identity: Identity,
     /// State as last weighed.
     pub(crate) state: State,
@@ -189,6 +202,7 @@ impl SystemEntry {
             number,
             owner,
             life,
+            bond: Bond::Free,
             identity: Identity::default(),
             state: filter.state(),
             course: [0.0, 1.0],
@@ -299,6 +313,18 @@ impl SystemTracks {
             self.by_address.entry(address).or_insert(slot);
         }
         Some(slot)
+    }
+
+    /// Takes the next number, for a track that changes its number.
+    pub(crate) fn take_number(&mut self) -> u32 {
+        let number = self.next_number;
+        self.next_number = numbering::following(number);
+        number
+    }
+
+    /// Whether rules remember something of each track.
+    pub(crate) fn remembers(&self) -> bool {
+        !self.memories.is_empty()
     }
 
     /// Number of the next system track.

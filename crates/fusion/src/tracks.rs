@@ -139,6 +139,30 @@ impl Tracks {
         }
     }
 
+    /// Takes the next number of a system track, reserved like all numbers.
+    pub(crate) fn take_number(&mut self) -> u32 {
+        let number = self.systems.take_number();
+        self.reserve_numbers();
+        number
+    }
+
+    /// Gives a system track another number, which its members follow.
+    pub(crate) fn renumber(&mut self, system: SystemSlot, number: u32) {
+        let entry = self.systems.get_mut(system);
+        (entry.number, entry.kept_ns) = (number, i64::MIN);
+        let mut next = entry.members;
+        while let Some(member) = next {
+            self.keep_member(member);
+            next = self.sensors.get(member).next.get();
+        }
+        self.keep(system);
+    }
+
+    /// Whether rules can look back at earlier reports.
+    pub(crate) fn looks_back(&self) -> bool {
+        self.systems.remembers()
+    }
+
     /// Begins to keep what there is in `checkpoint`.
     pub(crate) fn keep_in(&mut self, mut checkpoint: Checkpoint) {
         checkpoint.write(Kind::Numbers, 0, &numbering::reserved(self.systems.next_number()));

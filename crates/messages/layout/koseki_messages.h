@@ -17,7 +17,7 @@
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdf6f0619ef7a0a99) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
-#define KOSEKI_CONTROL_SCHEMA UINT64_C(0x4ed91c35735096bb) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x9558591322968f72) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x44541240a46ea825) /* BatchHeader.schema of its slices. */
 #define KOSEKI_RESTORED_SCHEMA UINT64_C(0xb57ebe5154fb4a98) /* BatchHeader.schema of its slices. */
@@ -135,17 +135,20 @@
 #define KOSEKI_STREAM_SYSTEM_TRACKS UINT64_C(0x7) /* System tracks. */
 #define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
 #define KOSEKI_STREAM_DECISIONS UINT64_C(0x9) /* Decisions of fusion. */
+#define KOSEKI_STREAM_ORDERS UINT64_C(0xa) /* States of orders. */
 #define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`). */
 #define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` are those of the publisher whose incarnation is `time_ns`. */
 #define KOSEKI_STEP_TIME UINT64_C(0x4) /* Time has passed up to `time_ns` without a report. */
-#define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. */
+#define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by */
 #define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says. */
 #define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`: nobody knows which were given before. */
 #define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`. */
 #define KOSEKI_STEP_HOST_OFFSET UINT64_C(0x9) /* The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset. */
 #define KOSEKI_STEP_SOURCE_CLOCK UINT64_C(0xa) /* The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it. */
 #define KOSEKI_STEP_QUARANTINE UINT64_C(0xb) /* The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the */
+#define KOSEKI_STEP_ORDER_PART UINT64_C(0xc) /* Bytes 8·`sequence` to 8·`sequence` + 7 of the order that the next step of kind `Order` completes are */
+#define KOSEKI_STEP_ORDER UINT64_C(0xd) /* The order of the preceding parts has its effect now, when time has passed up to `time_ns`. */
 #define KOSEKI_PROCESS_ADAPTER UINT64_C(0x0) /* Turns one sensor's data into sensor tracks. */
 #define KOSEKI_PROCESS_FUSION UINT64_C(0x1) /* Fuses sensor tracks into system tracks. */
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
@@ -180,6 +183,49 @@
 #define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new one's accuracy value, limit the old one's. */
 #define KOSEKI_DECISION_KIND_REFERENCE_POINT UINT64_C(0xd) /* The target's reference point is now that of this source. */
 #define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios. */
+#define KOSEKI_DECISION_KIND_ORDERED UINT64_C(0xf) /* An order of an operator has changed a system track: value the number of the order. */
+#define KOSEKI_DECISION_KIND_ORDER_ENDED UINT64_C(0x10) /* An order on system tracks has ended, since they are farther apart than it permits: value the distance in */
+#define KOSEKI_ORDER_CONDITION UINT64_C(0x1) /* A weather condition holds for the accuracy of a source, or of all sources (TI-7). */
+#define KOSEKI_ORDER_SNAPSHOT UINT64_C(0x2) /* Fusion publishes a snapshot of the engine, for a recorder. */
+#define KOSEKI_ORDER_OUT UINT64_C(0x3) /* The reports of a source are counted and not used. */
+#define KOSEKI_ORDER_IN UINT64_C(0x4) /* The reports of a source that is out are used again. */
+#define KOSEKI_ORDER_ETA UINT64_C(0x5) /* First weight eta_0 of a hand-over to a source, from another source or from any (TI-13). */
+#define KOSEKI_ORDER_K UINT64_C(0x6) /* Adjustment coefficient k of a source: smaller values are preferred (TI-8). */
+#define KOSEKI_ORDER_RULE UINT64_C(0x7) /* A rule weighs the sources of all system tracks. */
+#define KOSEKI_ORDER_DROP UINT64_C(0x8) /* A system track ends, and its sensor tracks start no other. */
+#define KOSEKI_ORDER_JOIN UINT64_C(0x9) /* Two system tracks are one target: the older number remains. */
+#define KOSEKI_ORDER_SPLIT UINT64_C(0xa) /* A sensor track leaves its system track and gets a system track of its own. */
+#define KOSEKI_ORDER_RENUMBER UINT64_C(0xb) /* A system track gets a new number, and the old number ends. */
+#define KOSEKI_ORDER_RESET UINT64_C(0xc) /* Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence. */
+#define KOSEKI_ORDER_CANCEL UINT64_C(0xd) /* An order in force ends. */
+#define KOSEKI_ORDER_STATUS_IN_FORCE UINT64_C(0x1) /* The order has an effect that lasts. */
+#define KOSEKI_ORDER_STATUS_DONE UINT64_C(0x2) /* The effect has taken place, and nothing of it lasts. */
+#define KOSEKI_ORDER_STATUS_CANCELLED UINT64_C(0x3) /* Another order has cancelled this order. */
+#define KOSEKI_ORDER_STATUS_EXPIRED UINT64_C(0x4) /* The time of the order is over. */
+#define KOSEKI_ORDER_STATUS_REPLACED UINT64_C(0x5) /* A newer order of this kind holds for the same subject. */
+#define KOSEKI_ORDER_STATUS_ENDED UINT64_C(0x6) /* The tracks no longer permit the effect: a track has ended, or the distance exceeded its limit. */
+#define KOSEKI_ORDER_STATUS_REFUSED UINT64_C(0x7) /* The order has no effect: see `refusal`. */
+#define KOSEKI_REFUSAL_UNKNOWN_KIND UINT64_C(0x1) /* No such kind. */
+#define KOSEKI_REFUSAL_MALFORMED UINT64_C(0x2) /* A text is not UTF-8, the token is 0, or the expiry lies before 1970. */
+#define KOSEKI_REFUSAL_MISSING_PARAMETER UINT64_C(0x3) /* A parameter of the kind is missing. */
+#define KOSEKI_REFUSAL_FOREIGN_PARAMETER UINT64_C(0x4) /* A parameter does not belong to the kind. */
+#define KOSEKI_REFUSAL_OUT_OF_RANGE UINT64_C(0x5) /* The value lies outside its range. */
+#define KOSEKI_REFUSAL_EXPIRED UINT64_C(0x6) /* The order was sent too long ago, or its expiry has passed. */
+#define KOSEKI_REFUSAL_TOO_MANY UINT64_C(0x7) /* Too many orders in a short time. */
+#define KOSEKI_REFUSAL_TABLE_FULL UINT64_C(0x8) /* The table of orders in force is full. */
+#define KOSEKI_REFUSAL_UNKNOWN_SOURCE UINT64_C(0x9) /* No such source. */
+#define KOSEKI_REFUSAL_UNKNOWN_CONDITION UINT64_C(0xa) /* No source states a factor for the condition. */
+#define KOSEKI_REFUSAL_UNKNOWN_RULE UINT64_C(0xb) /* No such rule. */
+#define KOSEKI_REFUSAL_RULE_WITHOUT_REPORTS UINT64_C(0xc) /* The rule needs stored reports, which this deployment does not keep. */
+#define KOSEKI_REFUSAL_UNKNOWN_TRACK UINT64_C(0xd) /* No system track with this number is alive. */
+#define KOSEKI_REFUSAL_SAME_TRACK UINT64_C(0xe) /* Both parameters name the same system track. */
+#define KOSEKI_REFUSAL_TWO_ADDRESSES UINT64_C(0xf) /* The two system tracks have different addresses. */
+#define KOSEKI_REFUSAL_UNKNOWN_SENSOR_TRACK UINT64_C(0x10) /* The sensor track is no member of the system track. */
+#define KOSEKI_REFUSAL_ONLY_MEMBER UINT64_C(0x11) /* The sensor track is the only member of its system track. */
+#define KOSEKI_REFUSAL_BOUND_TRACK UINT64_C(0x12) /* Another order in force already binds the system track. */
+#define KOSEKI_REFUSAL_UNKNOWN_ORDER UINT64_C(0x13) /* No order in force has this number. */
+#define KOSEKI_REFUSAL_NOT_OUT UINT64_C(0x14) /* The source is not out. */
+#define KOSEKI_REFUSAL_BUSY UINT64_C(0x15) /* Fusion still publishes the previous snapshot or states. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -801,15 +847,59 @@ static_assert(offsetof(KosekiProgress, consumer) == 43, "offset");
 static_assert(offsetof(KosekiProgress, reserved) == 44, "offset");
 static_assert(offsetof(KosekiProgress, said_ns) == 48, "offset");
 
-typedef struct KosekiControl {
-    uint32_t kind; /* Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole */
-    uint32_t reserved; /* Reserved, 0. */
-    uint8_t name[32]; /* Name that the order speaks of, UTF-8, padded with zeros. */
-} KosekiControl;
-static_assert(sizeof(KosekiControl) == 40, "size");
-static_assert(offsetof(KosekiControl, kind) == 0, "offset");
-static_assert(offsetof(KosekiControl, reserved) == 4, "offset");
-static_assert(offsetof(KosekiControl, name) == 8, "offset");
+typedef struct KosekiOrder {
+    uint64_t token; /* Number chosen by the sender, not 0: a repeated order with the same token has no further effect. */
+    int64_t sent_ns; /* Time of sending, UTC, nanoseconds since 1970. */
+    int64_t ends_ns; /* Time at which the order expires, UTC, nanoseconds since 1970; i64::MAX: never. In the event log and in */
+    double value; /* Number that the kind needs; NaN: none. */
+    uint32_t track; /* Number of a system track; 0: none. */
+    uint32_t other_track; /* Number of a second system track, or of a sensor track at its source; 4294967295: none. */
+    uint32_t number; /* Number of another order; 0: none. */
+    uint16_t kind; /* Kind of order: an `OrderKind` code. */
+    uint16_t source; /* Source: its number in the configuration; 65535: none, or all. */
+    uint16_t other_source; /* Second source; 65535: none, or any. */
+    uint8_t reserved[6]; /* Reserved, 0. */
+    uint8_t name[32]; /* Word that the kind needs, UTF-8, padded with zeros. */
+    uint8_t operator[32]; /* Name of the operator, UTF-8, padded with zeros. */
+} KosekiOrder;
+static_assert(sizeof(KosekiOrder) == 120, "size");
+static_assert(offsetof(KosekiOrder, token) == 0, "offset");
+static_assert(offsetof(KosekiOrder, sent_ns) == 8, "offset");
+static_assert(offsetof(KosekiOrder, ends_ns) == 16, "offset");
+static_assert(offsetof(KosekiOrder, value) == 24, "offset");
+static_assert(offsetof(KosekiOrder, track) == 32, "offset");
+static_assert(offsetof(KosekiOrder, other_track) == 36, "offset");
+static_assert(offsetof(KosekiOrder, number) == 40, "offset");
+static_assert(offsetof(KosekiOrder, kind) == 44, "offset");
+static_assert(offsetof(KosekiOrder, source) == 46, "offset");
+static_assert(offsetof(KosekiOrder, other_source) == 48, "offset");
+static_assert(offsetof(KosekiOrder, reserved) == 50, "offset");
+static_assert(offsetof(KosekiOrder, name) == 56, "offset");
+static_assert(offsetof(KosekiOrder, operator) == 88, "offset");
+
+typedef struct KosekiOrderState {
+    KosekiOrder order; /* The order. */
+    int64_t changed_ns; /* Time of the latest change of state, on the engine's clock, nanoseconds since 1970. */
+    int64_t time_ns; /* Time of publication, UTC, nanoseconds since 1970. */
+    uint64_t sequence; /* Sequence number at its publisher. */
+    uint32_t number; /* Number given by fusion, ascending; 0: refused before fusion. */
+    uint8_t status; /* State: an `OrderStatus` code. */
+    uint8_t refusal; /* Reason of a refusal: a `Refusal` code; 0: none. */
+    uint8_t has_changed; /* 1: the state has changed since the previous slice; 0: it is repeated. */
+    uint8_t reserved; /* Reserved, 0. */
+    uint8_t text[168]; /* The state in one sentence, UTF-8, padded with zeros. */
+} KosekiOrderState;
+static_assert(sizeof(KosekiOrderState) == 320, "size");
+static_assert(offsetof(KosekiOrderState, order) == 0, "offset");
+static_assert(offsetof(KosekiOrderState, changed_ns) == 120, "offset");
+static_assert(offsetof(KosekiOrderState, time_ns) == 128, "offset");
+static_assert(offsetof(KosekiOrderState, sequence) == 136, "offset");
+static_assert(offsetof(KosekiOrderState, number) == 144, "offset");
+static_assert(offsetof(KosekiOrderState, status) == 148, "offset");
+static_assert(offsetof(KosekiOrderState, refusal) == 149, "offset");
+static_assert(offsetof(KosekiOrderState, has_changed) == 150, "offset");
+static_assert(offsetof(KosekiOrderState, reserved) == 151, "offset");
+static_assert(offsetof(KosekiOrderState, text) == 152, "offset");
 
 typedef struct KosekiFrameOrigin {
     double latitude_deg; /* Latitude on the WGS-84 ellipsoid, degrees, north positive. */

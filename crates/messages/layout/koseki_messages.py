@@ -19,7 +19,7 @@ ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xdf6f0619ef7a0a99  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
-CONTROL_SCHEMA = 0x4ed91c35735096bb  # BatchHeader.schema of its slices.
+ORDER_STATE_SCHEMA = 0x9558591322968f72  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
 WORK_STEP_SCHEMA = 0x44541240a46ea825  # BatchHeader.schema of its slices.
 RESTORED_SCHEMA = 0xb57ebe5154fb4a98  # BatchHeader.schema of its slices.
@@ -137,17 +137,20 @@ STREAM_WIDE_AREA = 0x6  # Reports of a wide-area sensor.
 STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
 STREAM_ALARMS = 0x8  # Alarms.
 STREAM_DECISIONS = 0x9  # Decisions of fusion.
+STREAM_ORDERS = 0xa  # States of orders.
 STEP_BEGIN = 0x1  # Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
 STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
 STEP_PUBLISHER = 0x3  # The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
 STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
-STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
+STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by
 STEP_RESTORED = 0x6  # Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
 STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows which were given before.
 STEP_IMAGE = 0x8  # An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
 STEP_HOST_OFFSET = 0x9  # The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
 STEP_SOURCE_CLOCK = 0xa  # The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
 STEP_QUARANTINE = 0xb  # The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the
+STEP_ORDER_PART = 0xc  # Bytes 8·`sequence` to 8·`sequence` + 7 of the order that the next step of kind `Order` completes are
+STEP_ORDER = 0xd  # The order of the preceding parts has its effect now, when time has passed up to `time_ns`.
 PROCESS_ADAPTER = 0x0  # Turns one sensor's data into sensor tracks.
 PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
@@ -182,6 +185,49 @@ DECISION_KIND_ENDED = 0xb  # A system track has ended.
 DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new one's accuracy value, limit the old one's.
 DECISION_KIND_REFERENCE_POINT = 0xd  # The target's reference point is now that of this source.
 DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
+DECISION_KIND_ORDERED = 0xf  # An order of an operator has changed a system track: value the number of the order.
+DECISION_KIND_ORDER_ENDED = 0x10  # An order on system tracks has ended, since they are farther apart than it permits: value the distance in
+ORDER_CONDITION = 0x1  # A weather condition holds for the accuracy of a source, or of all sources (TI-7).
+ORDER_SNAPSHOT = 0x2  # Fusion publishes a snapshot of the engine, for a recorder.
+ORDER_OUT = 0x3  # The reports of a source are counted and not used.
+ORDER_IN = 0x4  # The reports of a source that is out are used again.
+ORDER_ETA = 0x5  # First weight eta_0 of a hand-over to a source, from another source or from any (TI-13).
+ORDER_K = 0x6  # Adjustment coefficient k of a source: smaller values are preferred (TI-8).
+ORDER_RULE = 0x7  # A rule weighs the sources of all system tracks.
+ORDER_DROP = 0x8  # A system track ends, and its sensor tracks start no other.
+ORDER_JOIN = 0x9  # Two system tracks are one target: the older number remains.
+ORDER_SPLIT = 0xa  # A sensor track leaves its system track and gets a system track of its own.
+ORDER_RENUMBER = 0xb  # A system track gets a new number, and the old number ends.
+ORDER_RESET = 0xc  # Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence.
+ORDER_CANCEL = 0xd  # An order in force ends.
+ORDER_STATUS_IN_FORCE = 0x1  # The order has an effect that lasts.
+ORDER_STATUS_DONE = 0x2  # The effect has taken place, and nothing of it lasts.
+ORDER_STATUS_CANCELLED = 0x3  # Another order has cancelled this order.
+ORDER_STATUS_EXPIRED = 0x4  # The time of the order is over.
+ORDER_STATUS_REPLACED = 0x5  # A newer order of this kind holds for the same subject.
+ORDER_STATUS_ENDED = 0x6  # The tracks no longer permit the effect: a track has ended, or the distance exceeded its limit.
+ORDER_STATUS_REFUSED = 0x7  # The order has no effect: see `refusal`.
+REFUSAL_UNKNOWN_KIND = 0x1  # No such kind.
+REFUSAL_MALFORMED = 0x2  # A text is not UTF-8, the token is 0, or the expiry lies before 1970.
+REFUSAL_MISSING_PARAMETER = 0x3  # A parameter of the kind is missing.
+REFUSAL_FOREIGN_PARAMETER = 0x4  # A parameter does not belong to the kind.
+REFUSAL_OUT_OF_RANGE = 0x5  # The value lies outside its range.
+REFUSAL_EXPIRED = 0x6  # The order was sent too long ago, or its expiry has passed.
+REFUSAL_TOO_MANY = 0x7  # Too many orders in a short time.
+REFUSAL_TABLE_FULL = 0x8  # The table of orders in force is full.
+REFUSAL_UNKNOWN_SOURCE = 0x9  # No such source.
+REFUSAL_UNKNOWN_CONDITION = 0xa  # No source states a factor for the condition.
+REFUSAL_UNKNOWN_RULE = 0xb  # No such rule.
+REFUSAL_RULE_WITHOUT_REPORTS = 0xc  # The rule needs stored reports, which this deployment does not keep.
+REFUSAL_UNKNOWN_TRACK = 0xd  # No system track with this number is alive.
+REFUSAL_SAME_TRACK = 0xe  # Both parameters name the same system track.
+REFUSAL_TWO_ADDRESSES = 0xf  # The two system tracks have different addresses.
+REFUSAL_UNKNOWN_SENSOR_TRACK = 0x10  # The sensor track is no member of the system track.
+REFUSAL_ONLY_MEMBER = 0x11  # The sensor track is the only member of its system track.
+REFUSAL_BOUND_TRACK = 0x12  # Another order in force already binds the system track.
+REFUSAL_UNKNOWN_ORDER = 0x13  # No order in force has this number.
+REFUSAL_NOT_OUT = 0x14  # The source is not out.
+REFUSAL_BUSY = 0x15  # Fusion still publishes the previous snapshot or states.
 
 
 class StageTimes(ctypes.Structure):
@@ -980,22 +1026,74 @@ assert Progress.reserved.offset == 44
 assert Progress.said_ns.offset == 48
 
 
-class Control(ctypes.Structure):
+class Order(ctypes.Structure):
     _fields_ = [
-        ("kind", ctypes.c_uint32),  # Kind of order; 1: the condition (weather) named in `name` holds from now on (TI-7); 2: an image of the whole
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
-        ("name", ctypes.c_uint8 * 32),  # Name that the order speaks of, UTF-8, padded with zeros.
+        ("token", ctypes.c_uint64),  # Number chosen by the sender, not 0: a repeated order with the same token has no further effect.
+        ("sent_ns", ctypes.c_int64),  # Time of sending, UTC, nanoseconds since 1970.
+        ("ends_ns", ctypes.c_int64),  # Time at which the order expires, UTC, nanoseconds since 1970; i64::MAX: never. In the event log and in
+        ("value", ctypes.c_double),  # Number that the kind needs; NaN: none.
+        ("track", ctypes.c_uint32),  # Number of a system track; 0: none.
+        ("other_track", ctypes.c_uint32),  # Number of a second system track, or of a sensor track at its source; 4294967295: none.
+        ("number", ctypes.c_uint32),  # Number of another order; 0: none.
+        ("kind", ctypes.c_uint16),  # Kind of order: an `OrderKind` code.
+        ("source", ctypes.c_uint16),  # Source: its number in the configuration; 65535: none, or all.
+        ("other_source", ctypes.c_uint16),  # Second source; 65535: none, or any.
+        ("reserved", ctypes.c_uint8 * 6),  # Reserved, 0.
+        ("name", ctypes.c_uint8 * 32),  # Word that the kind needs, UTF-8, padded with zeros.
+        ("operator", ctypes.c_uint8 * 32),  # Name of the operator, UTF-8, padded with zeros.
     ]
 
     @staticmethod
     def type_name() -> str:
-        return "Control"
+        return "Order"
 
 
-assert ctypes.sizeof(Control) == 40
-assert Control.kind.offset == 0
-assert Control.reserved.offset == 4
-assert Control.name.offset == 8
+assert ctypes.sizeof(Order) == 120
+assert Order.token.offset == 0
+assert Order.sent_ns.offset == 8
+assert Order.ends_ns.offset == 16
+assert Order.value.offset == 24
+assert Order.track.offset == 32
+assert Order.other_track.offset == 36
+assert Order.number.offset == 40
+assert Order.kind.offset == 44
+assert Order.source.offset == 46
+assert Order.other_source.offset == 48
+assert Order.reserved.offset == 50
+assert Order.name.offset == 56
+assert Order.operator.offset == 88
+
+
+class OrderState(ctypes.Structure):
+    _fields_ = [
+        ("order", Order),  # The order.
+        ("changed_ns", ctypes.c_int64),  # Time of the latest change of state, on the engine's clock, nanoseconds since 1970.
+        ("time_ns", ctypes.c_int64),  # Time of publication, UTC, nanoseconds since 1970.
+        ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
+        ("number", ctypes.c_uint32),  # Number given by fusion, ascending; 0: refused before fusion.
+        ("status", ctypes.c_uint8),  # State: an `OrderStatus` code.
+        ("refusal", ctypes.c_uint8),  # Reason of a refusal: a `Refusal` code; 0: none.
+        ("has_changed", ctypes.c_uint8),  # 1: the state has changed since the previous slice; 0: it is repeated.
+        ("reserved", ctypes.c_uint8),  # Reserved, 0.
+        ("text", ctypes.c_uint8 * 168),  # The state in one sentence, UTF-8, padded with zeros.
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "OrderState"
+
+
+assert ctypes.sizeof(OrderState) == 320
+assert OrderState.order.offset == 0
+assert OrderState.changed_ns.offset == 120
+assert OrderState.time_ns.offset == 128
+assert OrderState.sequence.offset == 136
+assert OrderState.number.offset == 144
+assert OrderState.status.offset == 148
+assert OrderState.refusal.offset == 149
+assert OrderState.has_changed.offset == 150
+assert OrderState.reserved.offset == 151
+assert OrderState.text.offset == 152
 
 
 class FrameOrigin(ctypes.Structure):

@@ -373,6 +373,8 @@ counters! {
         "Level: milliseconds that a turn takes, by which an adapter cuts detections into scans; 0 until it is known.";
     Quarantined = "quarantined", FusionRejection by [Fusion],
         "Reports passed over because fusion had died twice while it worked them off.";
+    RejectedByOrder = "rejected_by_order", FusionRejection by [Fusion],
+        "Reports of sources that an order keeps out.";
 }
 
 #[cfg(test)]

@@ -39,6 +39,11 @@ codes! {
         ReferencePoint = 13, "reference_point";
         /// A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
         Uncrossed = 14, "uncrossed";
+        /// An order of an operator has changed a system track: value the number of the order.
+        Ordered = 15, "ordered";
+        /// An order on system tracks has ended, since they are farther apart than it permits: value the distance in
+        /// standard deviations.
+        OrderEnded = 16, "order_ended";
     }
 }
 

@@ -174,7 +174,8 @@ pub const ALL: &[Layout] = &[
     crate::Counters::LAYOUT,
     crate::Health::LAYOUT,
     crate::Progress::LAYOUT,
-    crate::Control::LAYOUT,
+    crate::Order::LAYOUT,
+    crate::OrderState::LAYOUT,
     crate::FrameOrigin::LAYOUT,
     crate::WorkStep::LAYOUT,
     crate::Restored::LAYOUT,
@@ -376,6 +377,9 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("ALARM_SEVERITY", crate::AlarmSeverity::constants()),
         ("ALARM_EVENT", crate::AlarmEvent::constants()),
         ("DECISION_KIND", crate::DecisionKind::constants()),
+        ("ORDER", crate::OrderKind::constants()),
+        ("ORDER_STATUS", crate::OrderStatus::constants()),
+        ("REFUSAL", crate::Refusal::constants()),
     ];
     let schema = |layout: &Layout| {
         (

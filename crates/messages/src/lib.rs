@@ -17,7 +17,6 @@
 mod alarm;
 mod batch;
 mod codes;
-mod control;
 mod conversion;
 mod counters;
 mod covariance;
@@ -29,9 +28,14 @@ mod identity;
 pub mod layout;
 mod level;
 mod movement;
+mod order;
+mod order_check;
+mod order_kind;
+mod order_text;
 pub mod picture;
 mod platform_state;
 mod process_kind;
+mod progress;
 mod registration;
 mod restored;
 mod sensor_bearing;
@@ -48,7 +52,6 @@ mod work_step;
 pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
 pub use batch::{BatchHeader, Epochs};
 pub use codes::Constant;
-pub use control::{Control, Progress};
 pub use conversion::Conversion;
 pub use counters::{COUNTERS_MAX, Counter, CounterClass, Counters};
 pub use covariance::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN};
@@ -59,8 +62,12 @@ pub use health::{Health, HealthName, LifeState, NO_SOURCE};
 pub use identity::{Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, identity_bits};
 pub use level::{LEVEL_STEP_M, altitude_m, level_of};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
+pub use order::{NO_TRACK, ORDER_TEXT_MAX, ORDER_WORDS, Order, OrderState, OrderStatus, Refusal};
+pub use order_check::check as check_order;
+pub use order_kind::{OrderKind, Parameter};
 pub use platform_state::{PlatformState, platform_state_bits};
 pub use process_kind::ProcessKind;
+pub use progress::Progress;
 pub use registration::{Bias, BiasKind, ErrorModel, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
@@ -71,9 +78,9 @@ pub use stages::StageTimes;
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, control, cues, decisions,
-    frame_origin, health, order, own_tracks, platform_states, progress, restored, sensor_bearings, sensor_detections,
-    sensor_tracks, system_tracks, visit, wide_area,
+    Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, cues, decisions, event_log,
+    frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_bearings,
+    sensor_detections, sensor_tracks, system_tracks, visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

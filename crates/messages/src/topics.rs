@@ -10,7 +10,7 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 use crate::codes;
 use crate::layout::Sample;
 use crate::{
-    Alarm, Control, Cue, Decision, FrameOrigin, Health, PlatformState, Progress, Restored, SensorBearing,
+    Alarm, Cue, Decision, FrameOrigin, Health, Order, OrderState, PlatformState, Progress, Restored, SensorBearing,
     SensorDetection, SensorTrack, SystemTrack, WideArea, WorkStep,
 };
 
@@ -65,6 +65,8 @@ codes! {
         Alarms = 8, "alarms";
         /// Decisions of fusion.
         Decisions = 9, "decisions";
+        /// States of orders.
+        Orders = 10, "orders";
     }
 }
 
@@ -99,6 +101,11 @@ impl StreamId {
     /// Decisions of fusion.
     pub const DECISIONS: Self = Self {
         stream: Stream::Decisions,
+        number: 0,
+    };
+    /// States of orders.
+    pub const ORDERS: Self = Self {
+        stream: Stream::Orders,
         number: 0,
     };
 }
@@ -168,6 +175,7 @@ streamed! {
     SystemTrack: SystemTracks, |_| system_tracks(), reference_time_ns;
     Alarm: Alarms, |_| alarms(), time_ns;
     Decision: Decisions, |_| decisions(), time_ns;
+    OrderState: Orders, |_| order_states(), time_ns;
 }
 
 /// Operation on a topic of any sample type: see [`visit`].
@@ -313,9 +321,13 @@ topics! {
     /// Initial state of a fusion with a predecessor: bit by bit, in the first moments.
     restored() -> Restored: "system/restored", 64 slices of 32, 4 to 4;
 
-    /// Commands to fusion.
-    control() -> Control: "control", 16 slices of 1, 8 to 8;
+    /// Orders of operators and of the recorder to fusion.
+    orders() -> Order: "orders", 16 slices of 1, 16 to 4;
+
+    /// Orders in force, and orders that ended recently. Each slice replaces the previous slice; fusion sends a slice
+    /// after each change, and twice a second while the list is not empty.
+    order_states() -> OrderState: "system/order-states", 16 slices of 128, 2 to 32;
 
     /// Event log of fusion, which outlives fusion. The capacity covers thirteen seconds at 20,000 reports a second.
-    order() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
+    event_log() -> WorkStep: "system/order", 262144 slices of 1, 1 to 16;
 }

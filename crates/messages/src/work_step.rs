@@ -15,7 +15,8 @@ codes! {
         Publisher = 3, "publisher";
         /// Time has passed up to `time_ns` without a report.
         Time = 4, "time";
-        /// Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`.
+        /// Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by
+        /// builds before the kind `Order`.
         Condition = 5, "condition";
         /// Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
         Restored = 6, "restored";
@@ -30,6 +31,11 @@ codes! {
         /// The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the
         /// report twice.
         Quarantine = 11, "quarantine";
+        /// Bytes 8·`sequence` to 8·`sequence` + 7 of the order that the next step of kind `Order` completes are
+        /// `time_ns`, low byte first.
+        OrderPart = 12, "order_part";
+        /// The order of the preceding parts has its effect now, when time has passed up to `time_ns`.
+        Order = 13, "order";
     }
 }
 

@@ -8,15 +8,16 @@
 //! ```text
 //!   loop ── counters, five times a second ─────────▶ housekeeper ──▶ topic `health`
 //!   loop ◀── emptied buffers ────────────────────── housekeeper
-//!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `control`
+//!   loop ◀── orders ─────────────────────────────── housekeeper ◀── topic `orders`
+//!   loop ── states of orders ──────────────────────▶ housekeeper ──▶ topic `system/order-states`
 //!   loop ── decisions, on request ─────────────────▶ housekeeper ──▶ topic `system/decisions`
 //!   loop ── snapshots of the engine ───────────────▶ housekeeper ──▶ topic `system/restored`
 //!   loop ── reports in quarantine ─────────────────▶ housekeeper ──▶ a file in the base folder
 //! ```
 //!
 //! The loop allocates nothing: two buffers go back and forth. If the housekeeper does not run for a while, the loop
-//! continues, and the next message contains all counts, since counters only grow. Orders wait in their topic while
-//! the queue is full.
+//! continues, and the next message contains all counts, since counters only grow. An order that finds the queue full
+//! is refused.
 //!
 //! The housekeeper starts before the loop takes its core and priority, which threads inherit, and stays off that
 //! core.
@@ -29,26 +30,20 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, Mark, Publisher, Root, SharedMemory, Subscriber};
+use bus::{Bus, Mark, Publisher, Root, SharedMemory};
 use crossbeam_queue::ArrayQueue;
 use messages::layout::Sample as _;
-use messages::{Control, Decision, Health, LifeState, RESTORED_WORDS, Restored, SensorTrack};
+use messages::{Decision, Health, LifeState, Restored, SensorTrack};
 
 use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
 use crate::cores;
 use crate::health::{HealthEntry, Reporter};
 use crate::instance::{Deployment, QUARANTINED};
+use crate::order_desk::OrderDesk;
 use crate::process::Process;
+pub use crate::queues::{Queues, Whole};
 
-/// Maximum number of orders that wait for the loop.
-const ORDERS_MAX: usize = 16;
-/// Maximum number of decisions that wait for publication: more than a loop makes in many pauses of the housekeeper.
-const DECISIONS_MAX: usize = 8192;
-/// Maximum number of changes of role that wait for publication.
-const NAMES_MAX: usize = 4;
-/// Maximum number of reports in quarantine that wait to be written.
-const QUARANTINED_MAX: usize = 4;
 /// Number of buffers for health entries.
 const BUFFERS: usize = 2;
 /// Slices of a snapshot that are published at a time. A reader that takes slices once in several pauses loses none,
@@ -56,75 +51,6 @@ const BUFFERS: usize = 2;
 const RESTORED_SLICES: usize = 4;
 /// Period of the housekeeper.
 const PAUSE: Duration = Duration::from_millis(10);
-
-/// Queues to a loop and from it.
-#[derive(Debug)]
-pub struct Queues {
-    /// Orders to the loop.
-    pub orders: ArrayQueue<Control>,
-    /// Decisions of the loop, for publication; `None` without a request.
-    pub decisions: Option<ArrayQueue<Decision>>,
-    /// Snapshots of the engine.
-    pub restored: ArrayQueue<Whole>,
-    /// Reports in quarantine, for a file.
-    pub quarantined: ArrayQueue<SensorTrack>,
-    /// Names of the process after changes of its role.
-    pub names: ArrayQueue<&'static str>,
-}
-
-/// Snapshot in parts on `system/restored`.
-#[derive(Clone, Debug, Default)]
-pub struct Whole {
-    /// Epoch of the loop.
-    pub epoch: u64,
-    /// UTC, nanoseconds since 1970: see [`Restored::time_ns`].
-    pub time_ns: i64,
-    /// Kind of snapshot: see [`Restored::ends`].
-    pub ends: u32,
-    /// Words of all parts, as bytes; the last part is filled with zeros.
-    pub octets: Vec<u8>,
-}
-
-/// Bytes of a part.
-const PART: usize = RESTORED_WORDS * size_of::<u64>();
-
-impl Whole {
-    fn parts(&self) -> usize {
-        self.octets.len().div_ceil(PART)
-    }
-
-    fn part(&self, part: usize) -> Restored {
-        let octets = self.octets.chunks(PART).nth(part).unwrap_or_default();
-        let mut restored = Restored {
-            epoch: self.epoch,
-            time_ns: self.time_ns,
-            part: part as u32,
-            parts: self.parts() as u32,
-            ends: self.ends,
-            ..Restored::default()
-        };
-        for (word, octets) in restored.words.iter_mut().zip(octets.chunks(size_of::<u64>())) {
-            let mut whole = [0; size_of::<u64>()];
-            whole[..octets.len()].copy_from_slice(octets);
-            *word = u64::from_le_bytes(whole);
-            restored.count += 1;
-        }
-        restored
-    }
-}
-
-impl Queues {
-    /// Creates empty queues, with a queue of decisions on request.
-    pub fn new(decisions: bool) -> Arc<Self> {
-        Arc::new(Self {
-            orders: ArrayQueue::new(ORDERS_MAX),
-            decisions: decisions.then(|| ArrayQueue::new(DECISIONS_MAX)),
-            restored: ArrayQueue::new(1),
-            quarantined: ArrayQueue::new(QUARANTINED_MAX),
-            names: ArrayQueue::new(NAMES_MAX),
-        })
-    }
-}
 
 /// Loop's side of a housekeeper.
 #[derive(Debug)]
@@ -269,7 +195,7 @@ impl House {
     fn keep(self, desk: &Desk, ready: &mpsc::Sender<()>) -> anyhow::Result<()> {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, &self.name)?;
         let reporter = Reporter::new(&bus, self.incarnation, self.blank)?;
-        let control = bus.subscriber(&messages::control(), || mono_ns() as u64)?;
+        let order_desk = OrderDesk::open(&bus, self.incarnation)?;
         let publish = |_: &_| bus.publisher(&messages::decisions(), self.incarnation);
         let decisions = desk.queues.decisions.as_ref().map(publish).transpose()?;
         let whole = WholeSaid {
@@ -281,7 +207,7 @@ impl House {
         };
         // The starter of this thread waits for the signal.
         let _ = ready.send(());
-        keep_house(desk, reporter, control, decisions, whole)
+        keep_house(desk, reporter, order_desk, decisions, whole)
     }
 }
 
@@ -331,7 +257,7 @@ impl WholeSaid<'_> {
 fn keep_house(
     desk: &Desk,
     mut reporter: Reporter,
-    mut control: Subscriber<SharedMemory, Control>,
+    mut order_desk: OrderDesk,
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
     mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
@@ -358,14 +284,7 @@ fn keep_house(
         while let Some(report) = desk.queues.quarantined.pop() {
             write_quarantined(whole.bus.root(), &report);
         }
-        let orders = &desk.queues.orders;
-        let room = orders.capacity() - orders.len();
-        control.take(room, |_, slice| {
-            for order in slice {
-                // A slice of orders is one order.
-                let _ = orders.push(*order);
-            }
-        })?;
+        order_desk.turn(&desk.queues, Now::read())?;
         if closing {
             return Ok(());
         }

@@ -160,13 +160,13 @@ pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Res
     let mut hold = Hold { bus, held: Vec::new() };
     // Only the required space depends on the number of processes.
     each_topic(deployment, 0, &mut hold)?;
-    bus.hold_log(&messages::order(), clock::mono_ns() as u64)?;
+    bus.hold_log(&messages::event_log(), clock::mono_ns() as u64)?;
     Ok(hold.held)
 }
 
 /// Returns the maximum size in shared memory of a deployment of `processes` processes, bytes.
 pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
-    let mut need = Need(bus::needed_log_bytes(&messages::order()));
+    let mut need = Need(bus::needed_log_bytes(&messages::event_log()));
     // The sum cannot fail.
     let _ = each_topic(deployment, processes, &mut need);
     need.0
@@ -187,6 +187,9 @@ pub trait Deployment {
     fn each_stream(&self, publishers: usize, visit: &mut impl Visit) -> Result<(), BusError>;
 }
 
+/// Maximum number of processes that give orders at a time.
+const ORDERS_PUBLISHERS: usize = 16;
+
 /// Operation on every topic of a deployment.
 pub trait Visit {
     /// Executes the operation on `topic`, which may have so many publishers at a time.
@@ -203,8 +206,8 @@ fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl V
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
     visit.visit(&messages::progress(), PROGRESS_PUBLISHERS)?;
     visit.visit(&messages::restored(), ONE_AND_ITS_SUCCESSOR)?;
-    // Publishers: operators and the recorder.
-    visit.visit(&messages::control(), 2 * ONE_AND_ITS_SUCCESSOR)
+    // Publishers: operators, displays, and the recorder.
+    visit.visit(&messages::orders(), ORDERS_PUBLISHERS)
 }
 
 struct Need(u64);

@@ -16,7 +16,9 @@ pub mod instance;
 mod loopback;
 mod notice;
 mod numbered_files;
+mod order_desk;
 mod process;
+mod queues;
 pub mod service;
 pub mod signals;
 

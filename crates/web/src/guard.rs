@@ -9,6 +9,8 @@ use axum::http::{Method, Request, Response, StatusCode, Version};
 
 /// Name of the cookie that holds the token.
 const COOKIE: &str = "koseki_token";
+/// Name of the cookie that holds the token of those who may write.
+const WRITER_COOKIE: &str = "koseki_operator";
 /// Headers of every answer: only content of this server is loaded, framing and type guessing are forbidden.
 const HEADERS: [(HeaderName, &str); 4] = [
     (
@@ -67,6 +69,45 @@ pub struct Guard {
     pub hosts: Vec<String>,
     /// Token required of every client; `None`: none.
     pub token: Option<String>,
+    /// Clients that may write; `None`: no client.
+    pub writer: Option<Writer>,
+}
+
+/// Clients that may write to one path.
+#[derive(Clone, Debug)]
+pub struct Writer {
+    /// Token that these clients show: in `Authorization: Bearer …`, or in a cookie after a login.
+    pub token: String,
+    /// Path of `POST` requests.
+    pub path: &'static str,
+    /// Path at which a `POST` request with the token in `Authorization` gets the cookie.
+    pub login: &'static str,
+}
+
+impl Writer {
+    /// Returns the answer to a request to one of the two paths that is not to be passed on: a refusal, or the cookie.
+    ///
+    /// A browser attaches the cookie to requests of other sites too, unless `SameSite` is obeyed; a request with the
+    /// cookie therefore needs the `Origin` of this host. A page of another site cannot set `Authorization`.
+    fn stop<T>(&self, request: &Request<T>) -> Result<Option<Response<Body>>, Refusal> {
+        let headers = request.headers();
+        let bearer = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
+        let shown = bearer.and_then(|value| value.strip_prefix("Bearer "));
+        if !is_same_origin(headers) || (shown.is_none() && !headers.contains_key(header::ORIGIN)) {
+            return Err(Refusal::Origin);
+        }
+        let is_shown = shown.is_some_and(|shown| is_equal(shown, &self.token));
+        if request.uri().path() == self.login {
+            let cookie = format!(
+                "{WRITER_COOKIE}={}; Path={}; HttpOnly; SameSite=Strict",
+                self.token, self.path
+            );
+            let answer = with(plain(StatusCode::NO_CONTENT, ""), header::SET_COOKIE, &cookie);
+            return is_shown.then_some(Some(answer)).ok_or(Refusal::Token);
+        }
+        let has_cookie = shown.is_none() && has_cookie(headers, WRITER_COOKIE, &self.token);
+        (is_shown || has_cookie).then_some(None).ok_or(Refusal::Token)
+    }
 }
 
 impl Guard {
@@ -94,6 +135,19 @@ impl Guard {
                 );
             }
         }
+        let is_written = |writer: &&Writer| [writer.path, writer.login].contains(&request.uri().path());
+        if let Some(writer) = self.writer.as_ref().filter(is_written)
+            && *request.method() == Method::POST
+        {
+            return match writer.stop(request) {
+                Ok(answer) => answer,
+                Err(Refusal::Origin) => {
+                    let text = "A page of another site may not write.\n";
+                    refuse(Refusal::Origin, StatusCode::FORBIDDEN, text)
+                }
+                Err(refusal) => refuse(refusal, StatusCode::FORBIDDEN, "The operator's token is needed.\n"),
+            };
+        }
         if !matches!(*request.method(), Method::GET | Method::HEAD) {
             let refused = refuse(
                 Refusal::Method,
@@ -117,9 +171,7 @@ impl Guard {
             let answer = with(plain(StatusCode::SEE_OTHER, ""), header::LOCATION, request.uri().path());
             return Some(with(answer, header::SET_COOKIE, &cookie));
         }
-        let cookies = request.headers().get_all(header::COOKIE).iter();
-        let mut cookies = cookies.filter_map(|cookies| cookies.to_str().ok());
-        if cookies.any(|cookies| value_of(cookies, ';', COOKIE).is_some_and(|known| is_equal(known, token))) {
+        if has_cookie(request.headers(), COOKIE, token) {
             return None;
         }
         let text = "A token is needed: /?token=…, once.\n";
@@ -152,6 +204,15 @@ fn is_same_origin(headers: &HeaderMap) -> bool {
     let host = headers.get(header::HOST).and_then(|host| host.to_str().ok());
     site.zip(host)
         .is_some_and(|((scheme, site), host)| matches!(scheme, "http" | "https") && site.eq_ignore_ascii_case(host))
+}
+
+/// Returns whether the cookie `name` holds the token.
+fn has_cookie(headers: &HeaderMap, name: &str, token: &str) -> bool {
+    let mut cookies = headers.get_all(header::COOKIE).iter();
+    cookies.any(|cookies| {
+        let cookies = cookies.to_str().unwrap_or_default();
+        value_of(cookies, ';', name).is_some_and(|known| is_equal(known, token))
+    })
 }
 
 /// Value of `key` in a list of `key=value`.
@@ -242,6 +303,64 @@ mod tests {
         assert_eq!(status(&guard, "/ws", &twice), Some(StatusCode::FORBIDDEN));
         let script = [("host", "localhost"), ("upgrade", "websocket")];
         assert_eq!(status(&guard, "/ws", &script), None, "no page");
+    }
+
+    #[test]
+    fn only_operators_write_and_no_page_of_another_site() {
+        let guard = Guard {
+            token: Some("viewer".to_owned()),
+            writer: Some(Writer {
+                token: "0perator".to_owned(),
+                path: "/api/order",
+                login: "/api/operator",
+            }),
+            ..Guard::default()
+        };
+        let post = |guard: &Guard, path: &str, headers: &[(&str, &str)]| {
+            let request = Request::builder().method("POST").uri(path).header("host", "localhost");
+            let request = headers
+                .iter()
+                .fold(request, |request, (name, value)| request.header(*name, *value));
+            let answer = guard.stop(&request.body(()).unwrap(), LOCAL, &Counts::default());
+            answer.map(|answer| (answer.status(), answer.headers().get(header::SET_COOKIE).cloned()))
+        };
+        let (own, other) = (("origin", "http://localhost"), ("origin", "http://evil.example"));
+        let bearer = ("authorization", "Bearer 0perator");
+        let cookie = ("cookie", "koseki_operator=0perator; koseki_token=viewer");
+        let forbidden = Some((StatusCode::FORBIDDEN, None));
+        for passed in [&[bearer][..], &[bearer, own], &[cookie, own]] {
+            assert_eq!(post(&guard, "/api/order", passed), None, "{passed:?}");
+        }
+        for refused in [
+            &[][..],
+            &[own],
+            &[cookie],
+            &[cookie, other],
+            &[bearer, other],
+            &[cookie, ("origin", "null")],
+            &[("authorization", "Bearer viewer")],
+            &[("authorization", "Basic 0perator"), own],
+            &[("cookie", "koseki_token=viewer"), own],
+            &[("cookie", "koseki_token=0perator"), own],
+        ] {
+            assert_eq!(post(&guard, "/api/order", refused), forbidden, "{refused:?}");
+        }
+        let (status, set) = post(&guard, "/api/operator", &[bearer, own]).unwrap();
+        let set = set.unwrap();
+        assert_eq!(status, StatusCode::NO_CONTENT);
+        for part in [
+            "koseki_operator=0perator;",
+            "Path=/api/order;",
+            "HttpOnly",
+            "SameSite=Strict",
+        ] {
+            assert!(set.to_str().unwrap().contains(part), "{set:?}");
+        }
+        assert_eq!(post(&guard, "/api/operator", &[cookie, own]), forbidden);
+        let nowhere = post(&guard, "/api/tracks.json", &[bearer, own]).unwrap().0;
+        assert_eq!(nowhere, StatusCode::METHOD_NOT_ALLOWED);
+        let nobody = post(&Guard::default(), "/api/order", &[bearer, own]).unwrap().0;
+        assert_eq!(nobody, StatusCode::METHOD_NOT_ALLOWED, "no operators are configured");
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Serves pages and pictures to browsers and scripts, read only, on a thread of its own.
+//! Serves pages and pictures to browsers and scripts on a thread of its own. Clients read; only those that a [`Writer`]
+//! names write, to one path.
 //!
 //! HTTP and WebSockets are axum's, on a runtime of one thread. All services pass the same [`Guard`] and have the
 //! same limits, so that access is decided in a single place:
@@ -25,5 +26,5 @@ mod server;
 pub use axum;
 pub use tokio;
 
-pub use guard::{Counts, Guard, Refusal};
+pub use guard::{Counts, Guard, Refusal, Writer};
 pub use server::{CONNECTIONS_MAX, PATIENCE, Server, listen};

@@ -13,7 +13,7 @@ fn server() -> Server {
     let page = get(|| async { ([(CONTENT_TYPE, Served::CONTENT_TYPE)], Served::TEXT) });
     let guard = Guard {
         hosts: vec![Served::HOST.to_owned()],
-        token: None,
+        ..Guard::default()
     };
     let router = Router::new().route(Served::PATH, page);
     Server::start("page", "127.0.0.1:0".parse().unwrap(), guard, router).unwrap()
@@ -61,6 +61,7 @@ fn a_browser_shows_the_token_once_and_is_sent_on() {
     let guard = Guard {
         hosts: Vec::new(),
         token: Some("0123456789abcdef".to_owned()),
+        ..Guard::default()
     };
     let router = Router::new().route("/", get(|| async { "the picture" }));
     let server = Server::start("page", "127.0.0.1:0".parse().unwrap(), guard, router).unwrap();

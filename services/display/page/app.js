@@ -67,6 +67,7 @@ export class App {
       origin: { latitude_deg: 0, longitude_deg: 0, height_m: 0 },
       sources: [],
       alarms: [],
+      orders: [],
       stages: [],
       processes: [],
       system: [],
@@ -700,7 +701,7 @@ export class App {
     else if (settings.tab === "sources") panel.replaceChildren(sourcesPanel(known.sources, known.time));
     else if (settings.tab === "alarms") panel.replaceChildren(alarmsPanel(known.alarms, known.time));
     else if (settings.tab === "latency") panel.replaceChildren(latencyPanel(known.stages));
-    else if (settings.tab === "system") panel.replaceChildren(systemPanel(known.processes, known.system, known.time));
+    else if (settings.tab === "system") panel.replaceChildren(systemPanel(known.processes, known.orders, known.system, known.time));
     else if (settings.tab === "view") panel.replaceChildren(viewPanel(settings, (patch) => this.set(patch)));
     if (settings.tab !== "tracks") panel.scrollTop = scroll;
   }

@@ -255,6 +255,15 @@ export class Connection {
         times: alarm.times,
         cleared: alarm.event === "cleared",
       })),
+      orders: (status.orders ?? []).map((/** @type {any} */ order) => ({
+        number: order.number,
+        state: order.state,
+        text: order.text,
+        order: order.order,
+        operator: order.operator,
+        changed: order.changed_s,
+        ends: order.ends_s ?? 0,
+      })),
       stages: status.latency.map((/** @type {any} */ stage) => ({
         name: stage.stage,
         count: stage.count,

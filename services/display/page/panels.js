@@ -41,6 +41,13 @@ import { CHOICES } from "./settings.js";
  */
 
 /**
+ * @typedef {object} Order
+ * @property {number} number 0: refused before fusion gave a number.
+ * @property {string} state @property {string} text @property {string} order @property {string} operator
+ * @property {number} changed Seconds UTC. @property {number} ends Seconds UTC; 0: never.
+ */
+
+/**
  * @typedef {object} Process
  * @property {string} name @property {string} kind @property {string} state @property {number} pid
  * @property {number} restarts @property {number} heard Seconds UTC; 0: never.
@@ -58,7 +65,8 @@ import { CHOICES } from "./settings.js";
  * What the panels show.
  * @typedef {object} Known
  * @property {import("./geodesy.js").Place} origin
- * @property {Source[]} sources @property {Alarm[]} alarms @property {Stage[]} stages @property {Process[]} processes
+ * @property {Source[]} sources @property {Alarm[]} alarms @property {Order[]} orders @property {Stage[]} stages
+ * @property {Process[]} processes
  * @property {[string, string][]} system Figures of the instance as a whole.
  * @property {number} time When this was said, seconds UTC.
  */
@@ -298,8 +306,42 @@ export function latencyPanel(stages) {
   return panel;
 }
 
-/** @param {Process[]} processes @param {[string, string][]} system @param {number} now seconds UTC */
-export function systemPanel(processes, system, now) {
+/** @param {Order[]} orders */
+function ordersOf(orders) {
+  if (orders.length === 0) return [];
+  const rows = orders.map((order) =>
+    h(
+      "tr",
+      {},
+      h("td.num", {}, order.number || "–"),
+      h(order.state === "in-force" ? "td" : "td.soft", {}, order.state === "refused" ? "refused" : order.text),
+      h(
+        "td",
+        {},
+        order.order,
+        h(
+          "div.soft",
+          {},
+          [
+            order.operator,
+            `since ${clock(order.changed)}`,
+            order.ends > 0 ? `until ${clock(order.ends)}` : "",
+            order.state === "refused" ? order.text : "",
+          ]
+            .filter((word) => word !== "")
+            .join(" · "),
+        ),
+      ),
+    ),
+  );
+  return [h("h2", {}, "Orders"), tableOf([">number", "state", "order"], rows)];
+}
+
+/**
+ * @param {Process[]} processes @param {Order[]} orders @param {[string, string][]} system
+ * @param {number} now seconds UTC
+ */
+export function systemPanel(processes, orders, system, now) {
   const rows = processes.flatMap((process) => {
     const bad = !/^(running|ok|alive|healthy|ready)$/i.test(process.state);
     return [
@@ -339,6 +381,7 @@ export function systemPanel(processes, system, now) {
     {},
     h("h2", {}, "Processes"),
     tableOf(["Process", "State", ">restarts", ">heard"], rows),
+    ...ordersOf(orders),
     h("h2", {}, "System"),
     h("div.grid", {}, ...system.map(([label, value]) => figure(label, value))),
   );

@@ -10,13 +10,14 @@ use std::time::Duration;
 use bus::{Bus, Payload, Subscriber, Transport};
 use configuration::Config;
 use messages::{
-    Alarm, Counter, Cue, Decision, FrameOrigin, Health, SensorBearing, SensorDetection, SensorTrack, Stream,
-    Streamed as _, SystemTrack, WideArea,
+    Alarm, Counter, Cue, Decision, FrameOrigin, Health, OrderState, SensorBearing, SensorDetection, SensorTrack,
+    Stream, Streamed as _, SystemTrack, WideArea,
 };
 use runtime::{Agent, HealthEntry, Now, Turn};
 use web::Counts;
 
-use crate::pages::Shared;
+use crate::orders::Orders;
+use crate::shared::Shared;
 
 /// Slices taken from one topic in one turn: the capacity of its queue.
 const SLICES_PER_TURN: usize = 256;
@@ -33,11 +34,14 @@ pub(crate) struct DisplayAgent<S: Transport> {
     origins: Subscriber<S, FrameOrigin>,
     alarms: Subscriber<S, Alarm>,
     decisions: Option<Subscriber<S, Decision>>,
+    orders: Option<Subscriber<S, OrderState>>,
     sensor_tracks: Vec<Subscriber<S, SensorTrack>>,
     detections: Vec<Subscriber<S, SensorDetection>>,
     bearings: Vec<Subscriber<S, SensorBearing>>,
     counts: Vec<Subscriber<S, WideArea>>,
     cues: Vec<Subscriber<S, Cue>>,
+    /// Port for orders, if operators are configured.
+    operators: Option<Orders<S>>,
 }
 
 impl<S: Transport> DisplayAgent<S> {
@@ -53,6 +57,8 @@ impl<S: Transport> DisplayAgent<S> {
         refused: Arc<Counts>,
     ) -> anyhow::Result<Self> {
         let now_ns = || incarnation;
+        let display = config.display.as_ref();
+        let has_operators = display.is_some_and(|display| display.operator_token.is_some());
         let mut agent = Self {
             shared,
             refused,
@@ -61,11 +67,13 @@ impl<S: Transport> DisplayAgent<S> {
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
             alarms: bus.subscriber(&messages::alarms(), now_ns)?,
             decisions: None,
+            orders: None,
             sensor_tracks: Vec::new(),
             detections: Vec::new(),
             bearings: Vec::new(),
             counts: Vec::new(),
             cues: Vec::new(),
+            operators: has_operators.then(|| Orders::open(bus, incarnation)).transpose()?,
         };
         for (id, name) in config.streams() {
             match id.stream {
@@ -81,6 +89,7 @@ impl<S: Transport> DisplayAgent<S> {
                 Stream::WideArea => agent.counts.push(bus.subscriber(&WideArea::topic(name), now_ns)?),
                 Stream::Cues => agent.cues.push(bus.subscriber(&Cue::topic(name), now_ns)?),
                 Stream::Decisions => agent.decisions = Some(bus.subscriber(&Decision::topic(name), now_ns)?),
+                Stream::Orders => agent.orders = Some(bus.subscriber(&messages::order_states(), now_ns)?),
                 Stream::PlatformStates | Stream::SystemTracks | Stream::Alarms => {}
             }
         }
@@ -101,6 +110,9 @@ fn take<S: Transport, T: Payload>(
 
 impl<S: Transport> Agent for DisplayAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
+        if let Some(operators) = &mut self.operators {
+            operators.turn(&self.shared.orders, now)?;
+        }
         let mut world = self.shared.world();
         let world = &mut *world;
         self.origins.take(SLICES_PER_TURN, |_, said| {
@@ -122,6 +134,7 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         take(self.decisions.as_mut_slice(), |decisions| {
             world.hear_decisions(decisions)
         })?;
+        take(self.orders.as_mut_slice(), |orders| world.hear_orders(orders))?;
         self.states
             .take(SLICES_PER_TURN, |header, tracks| world.receive(header, tracks, now))?;
         world.clean_up(now);

@@ -25,9 +25,12 @@ mod clock;
 mod details;
 mod ground;
 mod history;
+mod operator;
+mod orders;
 mod pages;
 mod records;
 mod reports;
+mod shared;
 mod status;
 mod tape;
 mod vertical;
@@ -45,10 +48,10 @@ use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
 use runtime::signals::Stop;
-use web::{Guard, Server};
+use web::{Guard, Server, Writer};
 
 use crate::clock::PictureClock;
-use crate::pages::Shared;
+use crate::shared::Shared;
 use crate::tape::Tape;
 use crate::wire::Past;
 use crate::world::{Recording, SourceFact, World};
@@ -113,6 +116,7 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
         more_ports: 100,
         hosts: Vec::new(),
         token: None,
+        operator_token: None,
         history_s: 600,
         history_octets: 256_000_000,
         overlays: Vec::new(),
@@ -157,6 +161,11 @@ fn serve(display: &Display, shared: &std::sync::Arc<Shared>) -> anyhow::Result<S
     let guard = Guard {
         hosts: display.hosts.clone(),
         token: display.token.clone(),
+        writer: display.operator_token.clone().map(|token| Writer {
+            token,
+            path: operator::ORDER,
+            login: operator::LOGIN,
+        }),
     };
     let listener = listen(display)?;
     Server::start_on("pages", listener, guard, pages::router(shared.clone())).context("serving pages")

@@ -1,8 +1,7 @@
 //! HTTP server of the display: the picture, its socket, and JSON for scripts.
 
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use frames::SystemFrame;
@@ -13,13 +12,16 @@ use web::axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, c
 use web::axum::extract::{Path, State};
 use web::axum::http::{StatusCode, header};
 use web::axum::response::{IntoResponse, Response};
-use web::axum::routing::get;
+use web::axum::routing::{get, post};
 use web::tokio::time::{MissedTickBehavior, interval, timeout};
 
 use crate::assets::asset;
 use crate::details;
 use crate::ground;
-use crate::status::{self, Audience};
+use crate::operator;
+use crate::orders;
+use crate::shared::Shared;
+use crate::status;
 use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
 use crate::world::World;
@@ -32,51 +34,6 @@ const PATIENCE: Duration = Duration::from_secs(30);
 const WAITING_MAX: usize = 16 << 20;
 /// Time between two status messages, nanoseconds.
 const STATUS_NS: i64 = 1_000_000_000;
-
-/// State shared by the agent and the server.
-#[derive(Debug)]
-pub(crate) struct Shared {
-    world: Mutex<World>,
-    overlays: Vec<PathBuf>,
-    /// Reads the clocks.
-    pub(crate) clock: fn() -> Now,
-    pub(crate) traffic: Traffic,
-}
-
-/// Counts of pages and pictures.
-#[derive(Debug, Default)]
-pub(crate) struct Traffic {
-    pub(crate) pages: AtomicU64,
-    pub(crate) sent: AtomicU64,
-    pub(crate) skipped: AtomicU64,
-    /// Pages refused or closed: too many, malformed, too slow.
-    pub(crate) refused: AtomicU64,
-}
-
-impl Shared {
-    /// Creates the shared state of a world and the files of its overlays.
-    pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
-        Arc::new(Self {
-            world: Mutex::new(world),
-            overlays,
-            clock,
-            traffic: Traffic::default(),
-        })
-    }
-
-    /// Locks the world.
-    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
-        // A page whose task panicked has changed nothing.
-        self.world.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn audience(&self) -> Audience {
-        Audience {
-            clients: self.traffic.pages.load(Ordering::Relaxed),
-            skipped: self.traffic.skipped.load(Ordering::Relaxed),
-        }
-    }
-}
 
 /// Seat of a connected page; its drop frees the seat.
 struct Seat(Arc<Shared>);
@@ -114,6 +71,11 @@ pub(crate) fn router(shared: Arc<Shared>) -> Router {
         .route("/api/overlays.json", get(overlays))
         .route("/api/tracks.json", get(text(details::tracks)))
         .route("/api/sources.json", get(text(status::sources)))
+        .route(
+            "/api/orders.json",
+            get(text(|world, _| json!({"orders": orders::list(world)}))),
+        )
+        .route(operator::ORDER, post(operator::order))
         .route("/api/history/{file}", get(history))
         .route("/data/aircraft.json", get(text(details::aircraft)))
         .route("/data/receiver.json", get(text(|world, _| details::receiver(world))))

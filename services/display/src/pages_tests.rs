@@ -164,10 +164,10 @@ fn the_clock_is_the_machines_and_an_offset_of_the_data_is_told() {
     };
     world.receive(&header(1), &[ahead], now());
     assert_eq!(world.time_ns(later(1)), later(1).utc_ns);
-    let told = status::status(&world, Audience::default(), later(1));
+    let told = status::status(&world, status::Audience::default(), later(1));
     assert_eq!(told["data_offset_s"], json!(7.0));
     world.receive(&header(1), &[track(9, 0.0)], later(20));
-    let told = status::status(&world, Audience::default(), later(20));
+    let told = status::status(&world, status::Audience::default(), later(20));
     assert_eq!(told["data_offset_s"], json!(-20.0), "and when it is gone, it is gone");
     // With recorded inputs, the picture has data time.
     world.set_clock(crate::clock::PictureClock::of(true));

@@ -5,6 +5,7 @@
 //!   `azimuth_bias_deg`, `removed`}, `inflation`, `clock_offset_s`
 //! - `alarms`: `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`, `process`,
 //!   `source`
+//! - `orders`: see [`orders::list`]
 //! - `latency`: `stage`, `count`, `p50_us`, `p99_us`, `p999_us`, `max_us`, `buckets` [[upper bound in µs, count]]:
 //!   since the start of the display
 //! - `processes`: `kind`, `name`, `state`, `pid`, `restarts`, `heard_s`, `note`, `figures` [[name, value]]
@@ -18,6 +19,7 @@ use serde_json::{Value, json};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
 
 use crate::details::seconds;
+use crate::orders;
 use crate::world::{SourceFact, World};
 
 /// Connected pages.
@@ -50,6 +52,7 @@ pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
         "skipped": audience.skipped,
         "sources": sources,
         "alarms": alarms(world, now),
+        "orders": orders::list(world),
         "latency": latency(world),
         "processes": processes(world, now),
         "system": system(world, audience),

@@ -263,6 +263,7 @@ fn topics(config: &Config) -> BTreeMap<String, Kind> {
             Stream::WideArea => WideArea::topic(name).name,
             Stream::Cues => Cue::topic(name).name,
             Stream::Decisions => Decision::topic(name).name,
+            Stream::Orders => messages::order_states().name,
             Stream::SystemTracks => messages::system_tracks().name,
             Stream::Alarms => messages::alarms().name,
             Stream::PlatformStates => return None,
@@ -293,6 +294,7 @@ fn put(world: &mut World, slice: &Slice) {
             Stream::WideArea => world.hear_counts(&samples(slice)),
             Stream::Cues => world.hear_cues(&samples(slice)),
             Stream::Decisions => world.hear_decisions(&samples(slice)),
+            Stream::Orders => world.hear_orders(&samples(slice)),
             Stream::PlatformStates => {}
         },
     }

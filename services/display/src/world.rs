@@ -11,7 +11,7 @@ use messages::picture::{
     PictureArea, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack, PictureTrack,
 };
 use messages::{
-    Alarm, BatchHeader, Counter, Cue, Decision, FrameOrigin, Health, LifeState, ProcessKind, SensorBearing,
+    Alarm, BatchHeader, Counter, Cue, Decision, FrameOrigin, Health, LifeState, OrderState, ProcessKind, SensorBearing,
     SensorDetection, SensorTrack, SystemTrack, TrackState, WideArea,
 };
 use runtime::Now;
@@ -106,6 +106,8 @@ pub(crate) struct World {
     pub(crate) bearings: VecDeque<Heard<PictureBearing>>,
     pub(crate) areas: VecDeque<Heard<PictureArea>>,
     pub(crate) decisions: VecDeque<Decision>,
+    /// Orders in force, and orders that ended recently.
+    pub(crate) orders: Vec<OrderState>,
     pub(crate) history: History,
     pub(crate) reports: Reports,
     pub(crate) history_s: i64,
@@ -171,6 +173,7 @@ impl World {
             bearings: VecDeque::new(),
             areas: VecDeque::new(),
             decisions: VecDeque::new(),
+            orders: Vec::new(),
             // A quarter of the memory is for the sensor tracks.
             history: History::new(history_s * NS_PER_S, history_octets / 4 * 3),
             reports: Reports::new(history_s * NS_PER_S, LAYER_AGE_S * NS_PER_S, history_octets / 4),
@@ -377,6 +380,11 @@ impl World {
         for cue in cues {
             add(&mut self.stamp, &mut self.areas, cue.time_ns, records::cue(cue));
         }
+    }
+
+    /// Receives the list of orders, which replaces the former list.
+    pub(crate) fn hear_orders(&mut self, orders: &[OrderState]) {
+        self.orders = orders.to_vec();
     }
 
     /// Receives the decisions of fusion.

@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
-use configuration::{Config, Order, Source};
+use configuration::{Config, ReportOrder, Source};
 use fusion::checkpoint::Position;
 use fusion::suspects::Verdict;
-use fusion::{Engine, Merger, PushOutcome};
+use fusion::{Engine, Merger, PushOutcome, Sink as _};
 use messages::{
-    BatchHeader, Control, Counter, NO_SOURCE, ProcessKind, Registration, Restored, SensorTrack, Stream, StreamId,
-    TrackState,
+    BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Registration,
+    Restored, SensorTrack, Stream, StreamId, TrackState,
 };
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
@@ -32,6 +32,8 @@ const LOOKS_PER_ROUND: usize = 2;
 const SENT_TOGETHER: usize = 16;
 /// Order `time`: slices taken from one source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
+/// Age beyond which an order is refused, nanoseconds: the sender has given up.
+const ORDER_AGE_MAX_NS: i64 = 30_000_000_000;
 /// Change of a source's clock offset that is passed to the engine, milliseconds.
 const CLOCK_CHANGES_MS: u32 = 100;
 
@@ -153,7 +155,7 @@ impl<S: Transport> FusionAgent<S> {
             waiter,
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
-            merger: (config.order == Order::Time).then(|| Merger::new(streams.len(), config.fusion.queue)),
+            merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.fusion.queue)),
             reached: recorded.then(reached).transpose()?,
             inputs,
             end_sent: false,
@@ -180,26 +182,53 @@ impl<S: Transport> FusionAgent<S> {
 
     fn obey(&mut self, now: Now) {
         while let Some(order) = self.queues.orders.pop() {
-            let is_obeyed = match order.kind {
-                Control::CONDITION => self.set_condition(order.name()),
-                Control::IMAGE => self.say_image(now),
-                _ => false,
-            };
-            let counter = match is_obeyed {
-                true => Counter::OrdersObeyed,
-                false => Counter::OrdersRejected,
+            if let Some(state) = self.engine.order_of_token(order.token) {
+                // A repetition: the sender has missed the answer.
+                self.output.order(&state);
+                continue;
+            }
+            let counter = match self.obey_one(&order, now) {
+                Ok(()) => Counter::OrdersObeyed,
+                Err(refusal) => {
+                    self.output
+                        .order(&OrderState::refused(&order, refusal, self.engine.now_ns()));
+                    Counter::OrdersRejected
+                }
             };
             self.engine.counts_mut().add(NO_SOURCE, counter);
         }
     }
 
-    fn set_condition(&mut self, name: &str) -> bool {
-        let number = self.engine.settings().conditions().position(|known| known == name);
-        if let Some(number) = number {
-            self.order.condition(number as u32, self.engine.now_ns());
-            self.engine.set_condition(name);
+    /// Obeys an order. The event log contains the whole order before the effect.
+    #[cold]
+    fn obey_one(&mut self, order: &Order, now: Now) -> Result<(), Refusal> {
+        let is_late = now.utc_ns.saturating_sub(order.sent_ns) > ORDER_AGE_MAX_NS;
+        if is_late || order.ends_ns <= now.utc_ns {
+            return Err(Refusal::Expired);
         }
-        number.is_some()
+        if order.kind() == Some(OrderKind::Snapshot) {
+            let state = OrderState {
+                order: *order,
+                changed_ns: now.utc_ns,
+                status: OrderStatus::Done.code(),
+                ..OrderState::default()
+            };
+            return match self.say_image(now) {
+                true => {
+                    self.output.order(&state);
+                    Ok(())
+                }
+                false => Err(Refusal::Busy),
+            };
+        }
+        let passed_ns = self.engine.now_ns();
+        let mut order = *order;
+        if order.ends_ns != i64::MAX && passed_ns != i64::MIN {
+            order.ends_ns = passed_ns.saturating_add(order.ends_ns - now.utc_ns);
+        }
+        self.engine.examine(&order)?;
+        self.order.order(&order, passed_ns);
+        self.engine.obey(&order, &mut self.output)
     }
 
     /// Publishes a snapshot of the engine, for a recorder that has not run from the beginning. The only work of the
@@ -530,6 +559,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
             let host_offset_s = self.common.host_offset_s + self.common.ahead_s;
             whole.registration.set_clock_offset(Some((host_offset_s, 0.0)));
         }
+        whole.counters.add(Counter::OrdersRejected, self.queues.refused());
         self.output.count(&mut whole.counters);
         for input in &self.inputs {
             input.count(&mut whole.counters);

@@ -2,7 +2,7 @@
 //! reproduce the same system tracks.
 
 use bus::{Bus, BusError, LogWriter, Transport};
-use messages::{NO_SOURCE, StepKind, WorkStep, work_step_bits};
+use messages::{NO_SOURCE, Order, StepKind, WorkStep, work_step_bits};
 
 /// Writer of the event log.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ impl OrderOfWork {
     /// If there is no log.
     pub(crate) fn begin<S: Transport>(bus: &Bus<S>, epoch: u64, sources: usize) -> Result<Self, BusError> {
         let mut order = Self {
-            log: bus.log_writer(&messages::order())?,
+            log: bus.log_writer(&messages::event_log())?,
             publishers: vec![None; sources],
         };
         order.write(StepKind::Begin, NO_SOURCE, 0, epoch.cast_signed());
@@ -71,9 +71,12 @@ impl OrderOfWork {
         self.write(StepKind::Time, NO_SOURCE, 0, passed_ns);
     }
 
-    /// Logs that the condition of this number holds from `passed_ns` on.
-    pub(crate) fn condition(&mut self, number: u32, passed_ns: i64) {
-        self.write(StepKind::Condition, NO_SOURCE, number, passed_ns);
+    /// Logs the whole order, whose effect takes place at `passed_ns`.
+    #[cold]
+    pub(crate) fn order(&mut self, order: &Order, passed_ns: i64) {
+        for step in order.steps(passed_ns) {
+            self.log.write(&step);
+        }
     }
 
     /// Logs the lead of the sources' time over the engine's, `offset_ns`, from now on.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::{Config, Order};
+use configuration::{Config, ReportOrder};
 use fusion::Sink;
-use messages::{Counter, Decision, ProcessKind, StreamId, SystemTrack};
+use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::{boot_identity, mono_ns};
 use runtime::flow::Flow;
 use runtime::housekeeping::Queues;
@@ -44,6 +44,11 @@ impl<S: Transport> Sink for Output<S> {
         if let Some(own) = &mut self.own {
             own.waiting.push(*track);
         }
+    }
+
+    fn order(&mut self, state: &OrderState) {
+        // With a full queue, the oldest state gives way: a newer state of the same order follows or is repeated.
+        let _ = self.queues.order_states.force_push(*state);
     }
 
     fn decision(&mut self, decision: &Decision) {
@@ -92,9 +97,9 @@ impl<S: Transport> Output<S> {
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: match config.order {
-                Order::Arrival => config.fusion.deadline_ns,
+                ReportOrder::Arrival => config.fusion.deadline_ns,
                 // Reports wait for each other by intention: none is late.
-                Order::Time => i64::MAX,
+                ReportOrder::Time => i64::MAX,
             },
             deadline_misses: 0,
             queues,

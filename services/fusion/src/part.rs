@@ -90,6 +90,7 @@ impl<'a> FusionPart<'a> {
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
         }
+        self.queues.lead();
         if lead.is_some() {
             self.take_core(take_over)?;
             self.call(ProcessKind::Fusion.word());
@@ -129,7 +130,7 @@ impl Agent for FusionPart<'_> {
             State::StandsBy(standby) => standby,
             State::Changes => anyhow::bail!("could not come to lead"),
         };
-        let Some((lead, take_over)) = standby.look(self.process, &self.queues, now)? else {
+        let Some((lead, take_over)) = standby.look(self.process, now)? else {
             return Ok(Turn::Idle(standby::LOOK));
         };
         if let State::StandsBy(standby) = std::mem::replace(&mut self.state, State::Changes) {

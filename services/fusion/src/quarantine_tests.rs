@@ -55,14 +55,14 @@ fn with_site(test: impl FnOnce(&mut Site)) {
 impl Site {
     fn new(root: &Root) -> Self {
         let bus: Bus<SharedMemory> = Bus::open(root, "test").unwrap();
-        bus.hold_log(&messages::order(), 1).unwrap();
+        bus.hold_log(&messages::event_log(), 1).unwrap();
         let topic = messages::sensor_tracks("a");
         Self {
             config: config(),
             _held: [bus.hold(&topic).unwrap(), bus.hold(&messages::system_tracks()).unwrap()],
             source: bus.publisher(&topic, PUBLISHER).unwrap(),
             system: bus.subscriber(&messages::system_tracks(), || 1).unwrap(),
-            log: bus.log_reader(&messages::order()).unwrap(),
+            log: bus.log_reader(&messages::event_log()).unwrap(),
             queues: Queues::new(false),
             now: Now {
                 mono_ns: 1,

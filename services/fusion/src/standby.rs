@@ -31,10 +31,8 @@ use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
 use configuration::{Process, Standby as Settings};
 use fusion::checkpoint::{Clock, Layout, clock_of, position_of};
-use messages::Control;
 use runtime::Now;
 use runtime::clock::mono_ns;
-use runtime::housekeeping::Queues;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fd::OwnedFd;
@@ -94,8 +92,6 @@ pub(crate) struct Standby {
     courteous_until_ns: i64,
     /// Whether a leader was observed.
     has_followed: bool,
-    /// Latest obeyed order: a leader may die before it has stored the effect of the order.
-    order: Option<Control>,
     /// Whether the leader was killed after a hang.
     killed: bool,
 }
@@ -148,7 +144,6 @@ impl Standby {
             looked_ns: now.mono_ns,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
             has_followed: false,
-            order: None,
             killed: false,
         }
     }
@@ -163,25 +158,11 @@ impl Standby {
     ///
     /// # Errors
     /// If the lock or a topic fails.
-    pub(crate) fn look(
-        &mut self,
-        process: &Process,
-        queues: &Queues,
-        now: Now,
-    ) -> anyhow::Result<Option<(Lead, TakeOver)>> {
-        while let Some(order) = queues.orders.pop() {
-            if order.kind == Control::CONDITION {
-                self.order = Some(order);
-            }
-        }
+    pub(crate) fn look(&mut self, process: &Process, now: Now) -> anyhow::Result<Option<(Lead, TakeOver)>> {
         let lock = &self.lock.0;
         match lock.try_lock() {
             Ok(()) if now.mono_ns < self.courteous_until_ns && !self.has_followed => lock.unlock()?,
             Ok(()) => {
-                if let Some(order) = self.order.take() {
-                    // There is room: all slices were taken.
-                    let _ = queues.orders.push(order);
-                }
                 let how = TakeOver {
                     from_another: self.has_followed,
                     stood_still: self.killed,

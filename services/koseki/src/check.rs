@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::{Config, Input, Monitor, MonitorWait, Order, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use configuration::{
+    Config, Input, Monitor, MonitorWait, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor,
+};
 use offline::Usage;
 use scenario::ScenarioSettings;
 use serde_json::{Value, json};
@@ -81,8 +83,8 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
         "deployment": config.name,
         "rule": settings.rule.name.0.word(),
         "order": match config.order {
-            Order::Arrival => "arrival",
-            Order::Time => "time",
+            ReportOrder::Arrival => "arrival",
+            ReportOrder::Time => "time",
         },
         "wait": wait(config.fusion.wait),
         "place": place(config),
@@ -171,8 +173,8 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         let _ = writeln!(text, "{title:<12} {content}");
     };
     let order = match config.order {
-        Order::Arrival => "in order of arrival (live)",
-        Order::Time => "in order of time (the result does not depend on speed)",
+        ReportOrder::Arrival => "in order of arrival (live)",
+        ReportOrder::Time => "in order of time (the result does not depend on speed)",
     };
     let settings = &config.fusion.settings;
     row("deployment", config.name.clone());
@@ -195,8 +197,8 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         format!("a table every {seconds} s, {files}; {}", watching(monitor)),
     );
     let late = match config.order {
-        Order::Arrival => format!("late is what takes longer than: {}", deadlines(monitor)),
-        Order::Time => "nothing is late: reports wait for each other by intention".to_owned(),
+        ReportOrder::Arrival => format!("late is what takes longer than: {}", deadlines(monitor)),
+        ReportOrder::Time => "nothing is late: reports wait for each other by intention".to_owned(),
     };
     row("", late);
     if let Some(address) = monitor.metrics {

@@ -3,7 +3,7 @@
 //! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
 //! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
 //! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), cause faults
-//! ([`mod@torture`]), give orders ([`condition`]), make files for the machine ([`mod@generate`]) or work on files
+//! ([`mod@torture`]), give orders ([`order`]), make files for the machine ([`mod@generate`]) or work on files
 //! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]); those on tables are in [`offline`].
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
@@ -16,13 +16,13 @@ mod args;
 mod bearings;
 mod bench;
 mod check;
-mod condition;
 mod decode;
 mod doctor;
 mod encode;
 mod generate;
 mod instances;
 mod link;
+mod order;
 mod recording_copy;
 mod recording_export;
 mod recording_foxglove;
@@ -126,7 +126,8 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Recording(args::Recording::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
         Command::Tap(tap) => tap::run(&tap),
-        Command::Condition(condition) => condition::run(&condition),
+        Command::Order(order) => order::run(&order),
+        Command::Condition(condition) => order::condition(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),
         Command::OnTables(command) => command.run(&Terminal::default()),

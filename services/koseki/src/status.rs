@@ -10,13 +10,14 @@ use std::time::Duration;
 
 use alarms::{AlarmKind, Present};
 use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
-use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, ProcessKind, Registration};
+use configuration::Config;
+use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, OrderState, OrderStatus, ProcessKind, Registration};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 use telemetry::table::{Align, Table};
 
 use crate::args::Status;
-use crate::instances;
+use crate::{instances, order};
 
 /// How long to listen: health messages come five times a second.
 const LISTEN: Duration = Duration::from_millis(700);
@@ -64,6 +65,15 @@ struct InstanceStatus {
     processes: Vec<Row>,
     registrations: Vec<RegistrationStatus>,
     alarms: Vec<AlarmStatus>,
+    orders: Vec<OrderStatusLine>,
+}
+
+/// An order in force.
+#[derive(Debug, Serialize)]
+struct OrderStatusLine {
+    number: u32,
+    order: String,
+    operator: String,
 }
 
 /// How an instance is.
@@ -107,6 +117,7 @@ impl InstanceStatus {
             processes: Vec::new(),
             registrations: Vec::new(),
             alarms: Vec::new(),
+            orders: Vec::new(),
         };
         if !instance.runs {
             // A start that is refused leaves its lock at most, a run its folder.
@@ -133,6 +144,13 @@ impl InstanceStatus {
                     })
                     .collect();
                 status.alarms = heard.alarms.iter().map(AlarmStatus::of).collect();
+                let config = Config::of_running(instance.root.path()).ok();
+                let line = |state: &OrderState| OrderStatusLine {
+                    number: state.number,
+                    order: order::words(&state.order, config.as_ref()),
+                    operator: state.order.operator().to_owned(),
+                };
+                status.orders = heard.orders.iter().map(line).collect();
             }
             Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
                 status.state = InstanceState::StartsOrStops;
@@ -168,6 +186,14 @@ impl InstanceStatus {
                 severity, text: what, ..
             } = alarm;
             text.push_str(&format!("  alarm, {severity}: {what}\n    {}\n", alarm.remedy));
+        }
+        for OrderStatusLine {
+            number,
+            order,
+            operator,
+        } in &self.orders
+        {
+            text.push_str(&format!("  order {number} of {operator}: {order}\n"));
         }
         text
     }
@@ -212,6 +238,8 @@ struct Listened {
     processes: Vec<Process>,
     /// Alarms that stand, the worst first.
     alarms: Vec<Alarm>,
+    /// Orders in force.
+    orders: Vec<OrderState>,
 }
 
 /// Result of `work`; `Err` if it panicked, which nobody is told of.
@@ -227,6 +255,8 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
     let mut subscriber = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
     let mut of_alarms = bus.subscriber(&messages::alarms(), || mono_ns() as u64)?;
+    let mut of_orders = bus.subscriber(&messages::order_states(), || mono_ns() as u64)?;
+    let mut orders = Vec::new();
     let mut present = Present::default();
     let mut speakers: Vec<Heard> = Vec::new();
     let mut registrations = BTreeMap::new();
@@ -243,15 +273,18 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
             }
         })?;
         of_alarms.take(usize::MAX, |header, slice| present.hear(header, slice))?;
+        of_orders.take(usize::MAX, |_, slice| orders = slice.to_vec())?;
         std::thread::sleep(PAUSE);
     }
     let mut processes = root.processes()?;
     processes.retain(|process| process.pid != std::process::id());
+    orders.retain(|state| state.status() == Some(OrderStatus::InForce));
     Ok(Listened {
         speakers,
         registrations,
         processes,
         alarms: present.at(mono_ns()).unwrap_or_default().to_vec(),
+        orders,
     })
 }
 
@@ -513,6 +546,7 @@ mod tests {
                 text: "-1.5 m east".to_owned(),
             }],
             alarms: vec![AlarmStatus::of(&alarm.with_text("12 MB are left."))],
+            orders: Vec::new(),
         };
         let text = status.text();
         assert!(

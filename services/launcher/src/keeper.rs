@@ -39,6 +39,9 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let link =
         Link::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
     let _held = hold_topics(&process.config, &process.bus)?;
+    let folder = process.bus.root().path();
+    let written = process.config.write_into(folder);
+    written.with_context(|| format!("writing the configuration into {}", folder.display()))?;
     let durable = process.config.durable.clone();
     let copying = durable.map(|durable| Copying::start(process.bus.root().clone(), durable));
     let _copying = copying.transpose()?;

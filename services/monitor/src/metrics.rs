@@ -51,7 +51,7 @@ impl Metrics {
         let elsewhere = || async { (web::axum::http::StatusCode::NOT_FOUND, elsewhere) };
         let guard = Guard {
             hosts: hosts.to_vec(),
-            token: None,
+            ..Guard::default()
         };
         let router = Router::new().route(PATH, page).fallback(elsewhere);
         let server = Server::start("metrics", address, guard, router).context("monitor.prometheus")?;

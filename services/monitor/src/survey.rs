@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
-use configuration::{Config, Input, MonitorWait, Order};
+use configuration::{Config, Input, MonitorWait, ReportOrder};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
 use runtime::{Now, Options, Speed};
 use telemetry::{
@@ -455,9 +455,9 @@ fn journey(config: &Config) -> Journey {
             MonitorWait::Poll { .. } => JourneyEnd::Published,
         },
         deadlines: match config.order {
-            Order::Arrival => config.monitor.deadlines,
+            ReportOrder::Arrival => config.monitor.deadlines,
             // Reports wait for each other by intention: nobody is late.
-            Order::Time => Deadlines::default(),
+            ReportOrder::Time => Deadlines::default(),
         },
         ..Journey::default()
     }
@@ -507,8 +507,8 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
         instance: options.instance.clone(),
         rule: config.fusion.settings.rule.name.0.word().to_owned(),
         order: match config.order {
-            Order::Arrival => "arrival",
-            Order::Time => "time",
+            ReportOrder::Arrival => "arrival",
+            ReportOrder::Time => "time",
         },
         wait: match config.fusion.wait {
             WaitMode::Spin => "spin",

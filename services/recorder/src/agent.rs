@@ -176,7 +176,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
             }
             let is_of_process = matches!(
                 id.stream,
-                Stream::SystemTracks | Stream::WideArea | Stream::Alarms | Stream::Decisions
+                Stream::SystemTracks | Stream::WideArea | Stream::Alarms | Stream::Decisions | Stream::Orders
             );
             let place = if is_of_process { first } else { entries.len() - 1 };
             let entry = &mut entries[place];

@@ -206,17 +206,17 @@ impl<S: Transport> AllTopics<S> {
         // Messages between processes can wait for the next poll.
         opening.waiter = None;
         opening.open(&messages::health())?;
-        opening.open(&messages::control())?;
+        opening.open(&messages::orders())?;
         opening.open(&messages::progress())?;
         opening.open(&messages::frame_origin())?;
         opening.open(&messages::restored())?;
         // Last, so that the event log contains every system track taken in the same turn.
-        opening.open_log(&messages::order())?;
+        opening.open_log(&messages::event_log())?;
         let facts = Facts::from([
             ("run".to_owned(), start.run.trim().to_owned()),
             ("version".to_owned(), start.version.to_owned()),
             ("first_day_ns".to_owned(), start.first_day_ns.to_string()),
-            ("configuration".to_owned(), config.text.clone()),
+            ("configuration".to_owned(), config.text_without_secrets()),
         ]);
         // Slices sent before all topics were open do not count as lost.
         let since_ns = Now::read().mono_ns;

@@ -7,7 +7,7 @@
 
 use bus::{Bus, Mark, Publisher, Transport};
 use configuration::Segments as Settings;
-use messages::Control;
+use messages::{Order, OrderKind};
 use runtime::Now;
 
 /// Minimum time between two snapshots, nanoseconds.
@@ -16,7 +16,7 @@ const PAUSE_NS: i64 = 60_000_000_000;
 /// Requester of snapshots.
 #[derive(Debug)]
 pub(crate) struct Images<S: Transport> {
-    publisher: Publisher<S, Control>,
+    publisher: Publisher<S, Order>,
     /// Whether replay needs a snapshot to continue.
     is_missed: bool,
     /// Number of lost samples at the last request.
@@ -43,7 +43,7 @@ impl<S: Transport> Images<S> {
         is_late: bool,
     ) -> anyhow::Result<Self> {
         Ok(Self {
-            publisher: bus.publisher(&messages::control(), incarnation)?,
+            publisher: bus.publisher(&messages::orders(), incarnation)?,
             is_missed: is_late,
             lost: 0,
             asked_ns: earliest_ns,
@@ -70,7 +70,12 @@ impl<S: Transport> Images<S> {
             sent_ns: now.mono_ns,
             end: false,
         };
-        self.publisher.send(mark, 1, |_, _| Control::image())?;
+        let order = Order {
+            token: now.mono_ns.cast_unsigned(),
+            sent_ns: now.utc_ns,
+            ..Order::new(OrderKind::Snapshot).with_operator("recorder")
+        };
+        self.publisher.send(mark, 1, |_, _| order)?;
         Ok(())
     }
 }

@@ -13,8 +13,8 @@ use formats::rows::Row;
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
-    Alarm, AlarmEvent, Cue, Decision, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed,
-    SystemTrack, WideArea,
+    Alarm, AlarmEvent, Cue, Decision, OrderState, PlatformState, SensorBearing, SensorDetection, SensorTrack, Stream,
+    Streamed, SystemTrack, WideArea,
 };
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
@@ -47,6 +47,7 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
         Stream::SystemTracks => task.of::<SystemTrack>("system_tracks"),
         Stream::Alarms => task.of::<Alarm>("alarms"),
         Stream::Decisions => task.of::<Decision>("decisions"),
+        Stream::Orders => task.of::<OrderState>("orders"),
     }
 }
 
@@ -106,6 +107,15 @@ impl Recorded for Decision {
 
     fn row(&self, _: u16, _: &SystemFrame) -> Option<Self> {
         self.kind().map(|_| *self)
+    }
+}
+
+impl Recorded for OrderState {
+    type Row = Self;
+
+    /// A repeated state makes no row.
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<Self> {
+        (self.has_changed != 0).then_some(*self)
     }
 }
 

@@ -46,6 +46,7 @@ impl Bench {
             bus.hold(&topic).unwrap(),
             bus.hold(&messages::system_tracks()).unwrap(),
             bus.hold(&messages::alarms()).unwrap(),
+            bus.hold(&messages::order_states()).unwrap(),
             bus.hold(&messages::progress()).unwrap(),
         ];
         let (source, system) = (
@@ -213,7 +214,7 @@ mod all_topics {
     fn bench() -> Bench {
         let mut bench = Bench::new();
         bench._held.push(bench.bus.hold(&messages::health()).unwrap());
-        bench._held.push(bench.bus.hold(&messages::control()).unwrap());
+        bench._held.push(bench.bus.hold(&messages::orders()).unwrap());
         bench._held.push(bench.bus.hold(&messages::frame_origin()).unwrap());
         bench._held.push(bench.bus.hold(&messages::restored()).unwrap());
         bench

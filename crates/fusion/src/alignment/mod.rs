@@ -82,6 +82,12 @@ impl Alignment {
         self.removal.corrected(report, place_m, now_ns)
     }
 
+    /// Forgets the findings and the correction of a source.
+    pub(crate) fn reset(&mut self, source: u16) {
+        self.removal.resume(usize::from(source), (None, None), self.removes);
+        self.begin_epoch(source);
+    }
+
     /// Continues the search with a valid report at `now_ns`; `clocks` are the errors of the sources' clocks by the
     /// times of receipt. Returns the source whose correction has changed.
     pub(crate) fn take(

@@ -93,7 +93,7 @@ impl HandOver {
         let dropped_out = previous.is_none_or(|previous| previous.overdue || previous.stale);
         if from == NO_SOURCE || (dropped_out && settings.drop_out == DropOut::Switch) {
             self.outgoing = NOTHING;
-        } else if settings.by_traces {
+        } else if settings.by_traces && settings.ordered(from, best).is_none() {
             let trace = |candidate: Option<&Candidate>| candidate.and_then(Candidate::usable_trace_m2);
             let next = candidates.iter().position(|candidate| candidate.source == best);
             match (trace(previous), trace(next.map(|index| &candidates[index]))) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use messages::FusionRule;
+use messages::{FusionRule, NO_SOURCE};
 use settings::SettingsError;
 
 use crate::quality::SCANS_MAX;
@@ -52,7 +52,7 @@ settings::settings! {
     }
 
     /// Passing of the output from one source to another (TI-13 … TI-16).
-    pub struct HandOverSettings {
+    pub struct HandOverSettings beside [ordered: Vec<OrderedEta>] {
         check HandOverSettings::check;
         /// Coefficients eta_0 of the new source at the first refresh and those that follow, rising; after the last it
         /// is 1. Empty: at once.
@@ -98,6 +98,17 @@ settings::settings! {
         /// Names of sources, the most wanted first. Those left out are not used there.
         sources: Vec<SourceRef>;
     }
+}
+
+/// Coefficient eta_0 that an order sets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrderedEta {
+    /// Source that is left; 65535: any.
+    pub from: u16,
+    /// Source that takes over; 65535: any.
+    pub to: u16,
+    /// eta_0 at the first refresh.
+    pub eta: [f64; 1],
 }
 
 settings::words! {
@@ -189,8 +200,20 @@ impl HandOverSettings {
         Ok(())
     }
 
+    /// The coefficient that an order in force sets for hand-overs from source `from` to source `to`: the newest.
+    pub(crate) fn ordered(&self, from: u16, to: u16) -> Option<&[f64]> {
+        let holds = |ordered: &&OrderedEta| {
+            let is_meant = |named: u16, source: u16| named == NO_SOURCE || named == source;
+            is_meant(ordered.from, from) && is_meant(ordered.to, to)
+        };
+        self.ordered.iter().rev().find(holds).map(|ordered| &ordered.eta[..])
+    }
+
     /// The ramp from source `from` to source `to`.
     pub(crate) fn ramp(&self, from: u16, to: u16) -> &[f64] {
+        if let Some(ordered) = self.ordered(from, to) {
+            return ordered;
+        }
         let pair = self
             .pairs
             .iter()

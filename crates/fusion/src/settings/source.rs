@@ -138,6 +138,8 @@ pub struct SourceSettings {
     pub accuracy: Accuracy,
     /// Adjustment coefficient k (TI-8).
     pub adjustment: f64,
+    /// Whether an order keeps its reports out.
+    pub is_out: bool,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
     /// Sources whose measurements are in its tracks too.
@@ -222,6 +224,7 @@ impl SourceSettings {
             fresh_ns: Seconds::of(FRESH_PERIODS * period_s).ns(),
             accuracy,
             adjustment: 1.0,
+            is_out: false,
             priority: 0,
             shares: Vec::new(),
             is_centre: false,

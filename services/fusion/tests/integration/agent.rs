@@ -7,8 +7,8 @@ use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{
-    BatchHeader, Control, Counter, Covariance, Decision, DecisionKind, FusionRule, NO_SOURCE, SensorTrack, SystemTrack,
-    TrackState, sensor_track_bits,
+    BatchHeader, Counter, Covariance, Decision, DecisionKind, FusionRule, NO_SOURCE, Order, OrderKind, SensorTrack,
+    SystemTrack, TrackState, sensor_track_bits,
 };
 use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
@@ -365,7 +365,11 @@ fn a_condition_ordered_while_running_changes_the_accuracy_values() {
     let value = |ordered: Option<&str>| {
         let mut bench = Bench::new(&config("arrival", "[fusion.rule]\nname = \"best-source\"\n"));
         if let Some(name) = ordered {
-            let order = Control::condition(name).unwrap();
+            let order = Order {
+                token: 1,
+                sent_ns: bench.now.utc_ns,
+                ..Order::new(OrderKind::Condition).with_name(name).unwrap()
+            };
             bench.queues.orders.push(order).unwrap();
         }
         for step in 0..3 {

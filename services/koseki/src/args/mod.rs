@@ -4,6 +4,7 @@ mod bearings;
 mod bench;
 mod decode;
 mod encode;
+mod order;
 mod replay;
 mod send;
 mod tap;
@@ -29,6 +30,7 @@ use decode::DECODE_EXAMPLES;
 pub(crate) use decode::Decode;
 use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::Encode;
+pub(crate) use order::GiveOrder;
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;
 use send::SEND_EXAMPLES;
@@ -101,7 +103,10 @@ pub(crate) enum Command {
     /// Look on at a running deployment: rates, losses, latencies, counters, processes
     #[command(after_help = TOP_EXAMPLES)]
     Top(Top),
-    /// Tell a running deployment which condition (weather) holds from now on
+    /// Give an order to a running deployment, or list the orders in force
+    #[command(after_help = order::help())]
+    Order(GiveOrder),
+    /// Order a weather condition: short for `koseki order condition name=NAME`
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
     /// Write what a deployment publishes as lines of text, or serve it at a socket
@@ -442,7 +447,7 @@ less accurate while it rains. \"normal\" holds at the start and has factor 1 eve
 pub(crate) struct Condition {
     /// The condition: a name that some source's accuracy has a factor for, or "normal"
     pub(crate) name: String,
-    /// The instance that is told
+    /// The instance that gets the order
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: String,
 }

@@ -7,10 +7,13 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use configuration::Order;
+use configuration::ReportOrder;
 use fusion::checkpoint::Snapshot;
 use fusion::{Engine, Settings};
-use messages::{Restored, SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits, work_step_bits};
+use messages::{
+    NO_SOURCE, Order, OrderKind, Restored, SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits,
+    work_step_bits,
+};
 
 /// A report that is not in the recording so long after its step is missing, nanoseconds.
 const PATIENCE_NS: u64 = 10_000_000_000;
@@ -33,7 +36,7 @@ pub(crate) struct Plan {
     /// Settings of the engine.
     pub(crate) settings: Settings,
     /// Order in which fusion had worked.
-    pub(crate) order: Order,
+    pub(crate) order: ReportOrder,
     /// Number of the deployment.
     pub(crate) origin: u32,
     /// Number in `settings` of each recorded source; `None` where its reports are left out.
@@ -65,6 +68,8 @@ pub(crate) struct Again {
     next_step: Option<(u64, u64)>,
     /// The publisher of each source's next report.
     publishers: Vec<u64>,
+    /// Parts of the next order.
+    order_parts: Vec<WorkStep>,
     run: Option<Run>,
     /// The fusion before that one.
     before: Option<Run>,
@@ -103,6 +108,7 @@ impl Again {
             plan,
             reports: BTreeMap::new(),
             work: VecDeque::new(),
+            order_parts: Vec::new(),
             next_step: None,
             run: None,
             before: None,
@@ -118,8 +124,8 @@ impl Again {
     /// Takes a report of `source`: the sample with this number of the publisher of this incarnation.
     pub(crate) fn report(&mut self, source: u16, publisher: u64, number: u64, report: &SensorTrack) {
         let number = match self.plan.order {
-            Order::Arrival => number,
-            Order::Time => report.sequence,
+            ReportOrder::Arrival => number,
+            ReportOrder::Time => report.sequence,
         };
         let waiting = self.reports.entry((source, publisher)).or_default();
         waiting.push_back((number as u32, *report));
@@ -193,9 +199,27 @@ impl Again {
                 Some(StepKind::Time) => self.advance(step.time_ns, out),
                 Some(StepKind::Condition) => {
                     self.advance(step.time_ns, out);
+                    // Of a former build: the condition alone.
                     let name = self.plan.conditions.get(step.sequence as usize);
-                    if let (Some(run), Some(name)) = (&mut self.run, name) {
-                        run.engine.set_condition(name);
+                    let order = Order {
+                        token: 1,
+                        ..Order::new(OrderKind::Condition)
+                    };
+                    if let Some(order) = name.and_then(|name| order.with_name(name)) {
+                        self.obey(&order, out);
+                    }
+                }
+                Some(StepKind::OrderPart) => {
+                    if step.sequence == 0 {
+                        self.order_parts.clear();
+                    }
+                    self.order_parts.push(step);
+                }
+                Some(StepKind::Order) => {
+                    self.advance(step.time_ns, out);
+                    match Order::of_parts(&std::mem::take(&mut self.order_parts)) {
+                        Some(order) => self.obey(&order, out),
+                        None => self.break_off(out),
                     }
                 }
                 Some(StepKind::Restored) => match self.restore(out) {
@@ -229,7 +253,7 @@ impl Again {
                 // A step of a later version.
                 None => self.break_off(out),
             }
-            let passes = [StepKind::Report, StepKind::Time, StepKind::Condition];
+            let passes = [StepKind::Report, StepKind::Time, StepKind::Condition, StepKind::Order];
             if passes.iter().any(|kind| kind.code() == step.kind) {
                 self.spans.pass(step.time_ns, self.run.is_some());
             }
@@ -331,6 +355,29 @@ impl Again {
         run.drive(origin, out, |engine, mut sink| {
             engine.take_at(&report, step.time_ns, &mut sink)
         });
+    }
+
+    /// Obeys an order, if its sources take part.
+    fn obey(&mut self, order: &Order, out: &mut impl FnMut(Outcome<'_>)) {
+        let number = |source: u16| match source {
+            NO_SOURCE => Some(NO_SOURCE),
+            source => self.plan.sources.get(usize::from(source)).copied().flatten(),
+        };
+        let (Some(source), Some(other_source)) = (number(order.source), number(order.other_source)) else {
+            return;
+        };
+        let order = Order {
+            source,
+            other_source,
+            ..*order
+        };
+        let origin = self.plan.origin;
+        if let Some(run) = &mut self.run {
+            run.drive(origin, out, |engine, mut sink| {
+                // Under other settings, an order may be refused.
+                let _ = engine.obey(&order, &mut sink);
+            });
+        }
     }
 
     fn advance(&mut self, time_ns: i64, out: &mut impl FnMut(Outcome<'_>)) {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use configuration::{Config, Order};
+use configuration::{Config, ReportOrder};
 use messages::{Covariance, SensorTrack, StepKind, TrackState, WorkStep};
 
 use super::again::{Again, Outcome, Plan};
@@ -15,7 +15,7 @@ fn again() -> Again {
     let config = Config::parse(Path::new("t.toml"), text, &[]).unwrap();
     Again::new(Plan {
         settings: config.fusion.settings,
-        order: Order::Arrival,
+        order: ReportOrder::Arrival,
         origin: 0,
         sources: vec![Some(0)],
         conditions: Vec::new(),

@@ -30,8 +30,6 @@ use verification::Verification;
 
 /// Fact: text of the configuration.
 const CONFIGURATION: &str = "configuration";
-/// Values that replace some of the configuration stand in lines that begin so at its end.
-const OVERRIDE: &str = "# --set ";
 
 /// Replays.
 ///
@@ -59,7 +57,7 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
         (topic.name.as_str().to_owned(), Topic::Reports(source.number))
     });
     let own = [
-        (messages::order().name, Topic::Steps),
+        (messages::event_log().name, Topic::Steps),
         (messages::system_tracks().name, Topic::States),
         (messages::restored().name, Topic::Restored),
     ];
@@ -326,10 +324,7 @@ pub(crate) fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config
         ))
         .into());
     };
-    let overrides = text.lines().rev().map_while(|line| line.strip_prefix(OVERRIDE));
-    let mut overrides: Vec<String> = overrides.map(str::to_owned).collect();
-    overrides.reverse();
-    Ok(Config::parse(path, text, &overrides)?)
+    Ok(Config::parse_whole(path, text)?)
 }
 
 fn check_sources(replay: &Replay, recorded: &Config) -> std::result::Result<(), Usage> {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bus::Mark;
-use messages::{Control, Covariance, SensorTrack, TrackState};
+use messages::{Covariance, Order, OrderKind, SensorTrack, TrackState};
 use rand::{Rng as _, RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use runtime::clock::{Now, mono_ns};
@@ -63,9 +63,14 @@ pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<bo
 }
 
 fn flood(deployment: &mut Deployment) -> anyhow::Result<()> {
-    let (_bus, mut publisher) = deployment.publisher(&messages::control())?;
+    let (_bus, mut publisher) = deployment.publisher(&messages::orders())?;
     for number in 0..2000 {
-        let order = Control::condition(&format!("none-{number}")).unwrap_or_default();
+        let order = Order::new(OrderKind::Condition).with_name(&format!("none-{number}"));
+        let order = Order {
+            token: number + 1,
+            sent_ns: runtime::Now::read().utc_ns,
+            ..order.unwrap_or_default()
+        };
         publisher.send(mark(), 1, |_, _| order)?;
     }
     Ok(())

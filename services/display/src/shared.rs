@@ -1,0 +1,59 @@
+//! State shared by the agent and the server.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use runtime::Now;
+
+use crate::orders::OrderQueue;
+use crate::status::Audience;
+use crate::world::World;
+
+/// State shared by the agent and the server.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    world: Mutex<World>,
+    pub(crate) overlays: Vec<PathBuf>,
+    /// Orders of operators.
+    pub(crate) orders: OrderQueue,
+    /// Reads the clocks.
+    pub(crate) clock: fn() -> Now,
+    pub(crate) traffic: Traffic,
+}
+
+/// Counts of pages and pictures.
+#[derive(Debug, Default)]
+pub(crate) struct Traffic {
+    pub(crate) pages: AtomicU64,
+    pub(crate) sent: AtomicU64,
+    pub(crate) skipped: AtomicU64,
+    /// Pages refused or closed: too many, malformed, too slow.
+    pub(crate) refused: AtomicU64,
+}
+
+impl Shared {
+    /// Creates the shared state of a world and the files of its overlays.
+    pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
+        Arc::new(Self {
+            world: Mutex::new(world),
+            overlays,
+            orders: OrderQueue::default(),
+            clock,
+            traffic: Traffic::default(),
+        })
+    }
+
+    /// Locks the world.
+    pub(crate) fn world(&self) -> MutexGuard<'_, World> {
+        // A page whose task panicked has changed nothing.
+        self.world.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn audience(&self) -> Audience {
+        Audience {
+            clients: self.traffic.pages.load(Ordering::Relaxed),
+            skipped: self.traffic.skipped.load(Ordering::Relaxed),
+        }
+    }
+}
