@@ -33,6 +33,10 @@ template <> struct Topic<KosekiAlarm> {
   static constexpr std::uint64_t schema = KOSEKI_ALARM_SCHEMA;
   static std::string name(const std::string &) { return "system/alarms"; }
 };
+template <> struct Topic<KosekiOrderState> {
+  static constexpr std::uint64_t schema = KOSEKI_ORDER_STATE_SCHEMA;
+  static std::string name(const std::string &) { return "system/order-states"; }
+};
 template <> struct Topic<KosekiSensorTrack> {
   static constexpr std::uint64_t schema = KOSEKI_SENSOR_TRACK_SCHEMA;
   static std::string name(const std::string &source) { return "sensor/" + source + "/tracks"; }
@@ -124,6 +128,17 @@ public:
 private:
   koseki_publisher *handle_ = nullptr;
 };
+
+// Gives an order, such as "out source=radar", and returns its state; see koseki_order. Throws if no answer comes in time.
+inline KosekiOrderState order(const std::string &instance, const std::string &words, const std::string &operator_name,
+                              std::chrono::duration<double> lasts = {},
+                              std::chrono::milliseconds timeout = std::chrono::seconds(10)) {
+  KosekiOrderState state = {};
+  if (const int code = koseki_order(instance.c_str(), words.c_str(), operator_name.c_str(), lasts.count(),
+                                    timeout.count(), &state))
+    throw Error(code);
+  return state;
+}
 
 } // namespace koseki
 #endif

@@ -10,9 +10,9 @@ use std::ptr;
 use std::time::Duration;
 
 use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
-use koseki_client::messages::BatchHeader;
+use koseki_client::messages::{BatchHeader, OrderState};
 use koseki_client::messages::layout::Layout;
-use koseki_client::{Error, ErrorKind, Root};
+use koseki_client::{Error, ErrorKind, Orders, Root};
 
 const OK: c_int = 0;
 /// Code of a wait that ended without a slice; the other codes are those of [`ErrorKind`].
@@ -294,6 +294,45 @@ pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut Publisher) {
     if !publisher.is_null() {
         // SAFETY: the header requires an open handle, which comes from `Box::into_raw`.
         drop(unsafe { Box::from_raw(publisher) });
+    }
+}
+
+/// See the header.
+///
+/// # Safety
+/// As documented in the header.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn koseki_order(
+    instance: *const c_char,
+    order: *const c_char,
+    operator_name: *const c_char,
+    lasts_s: f64,
+    timeout_ms: i64,
+    state: *mut OrderState,
+) -> c_int {
+    let given = || {
+        // SAFETY: the header requires texts that end with a zero.
+        let (instance, order) = unsafe { (word(instance, "instance")?, word(order, "order")?) };
+        // SAFETY: as above.
+        let operator = unsafe { word(operator_name, "operator_name")? };
+        let timeout = u64::try_from(timeout_ms).map_or(Duration::MAX, Duration::from_millis);
+        let lasts_s = (lasts_s > 0.0).then_some(lasts_s);
+        let answer = Orders::open(instance, operator).and_then(|mut orders| orders.give(order, lasts_s, timeout));
+        answer.map_err(|error| failed(error.kind(), error.to_string()))
+    };
+    match given() {
+        Ok(Some(answer)) => {
+            if !state.is_null() {
+                // SAFETY: the header requires null or a place that can be written to.
+                unsafe { state.write(answer) };
+            }
+            OK
+        }
+        Ok(None) => {
+            failed(ErrorKind::System, "fusion has not answered in time".to_owned());
+            NOTHING
+        }
+        Err(code) => code,
     }
 }
 

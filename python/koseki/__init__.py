@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
     "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns",
-    "describe", "fuse", "locate", "offline", "publish", "read", "score", "simulate", "subscribe", "track",
+    "describe", "fuse", "locate", "offline", "order", "publish", "read", "score", "simulate", "subscribe", "track",
 ]
 
 _NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}
@@ -267,6 +267,26 @@ class Publisher:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def order(instance: str, kind: str, *, operator: str | None = None, lasts_s: float | None = None,
+          timeout: float = 10.0, **parameters: object) -> np.void:
+    """Gives an order to fusion and returns its state: a record with `number`, `status`, `refusal`, `text` and `order`.
+
+        koseki.order("demo", "eta", value=0.3, source="radar-south", operator="anna", lasts_s=600)
+
+    Kinds and parameters are those of `koseki order --help`; `from` is given as `from_`. The order expires after `lasts_s`
+    seconds; None: never. A refused order raises ValueError with the reason; KosekiError is raised if no answer comes
+    within `timeout` seconds. The topic `system/order-states` lists the orders in force.
+    """
+    words = " ".join([kind, *(f"{name.rstrip('_')}={value}" for name, value in parameters.items())])
+    octets = _koseki.order(instance, words, operator or os.environ.get("USER") or "python", lasts_s, timeout)
+    if octets is None:
+        raise KosekiError(f"fusion of instance {instance} has not answered within {timeout} s")
+    state = np.frombuffer(octets, dtype=DTYPES["OrderState"])[0]
+    if state["refusal"] != 0:
+        raise ValueError(bytes(state["text"]).split(b"\0")[0].decode())
+    return state
 
 
 def publish(instance: str, source: str | None = None, *, topic: str | None = None) -> Publisher:

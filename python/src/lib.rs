@@ -16,8 +16,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
-use koseki_client::messages::layout::{ALL, Layout};
-use koseki_client::{Error, ErrorKind, Root};
+use koseki_client::messages::OrderState;
+use koseki_client::messages::layout::{ALL, Layout, Sample as _};
+use koseki_client::{Error, ErrorKind, Orders, Root};
 use pyo3::exceptions::{PyBufferError, PyValueError};
 use pyo3::ffi;
 use pyo3::prelude::*;
@@ -278,6 +279,22 @@ impl Publisher {
     }
 }
 
+/// Gives an order and returns the bytes of its state; `None` if no answer arrives in time.
+#[pyfunction]
+fn order(
+    py: Python<'_>,
+    instance: &str,
+    words: &str,
+    operator: &str,
+    lasts_s: Option<f64>,
+    timeout_s: f64,
+) -> PyResult<Option<Vec<u8>>> {
+    let timeout = Duration::try_from_secs_f64(timeout_s.max(0.0)).unwrap_or(Duration::MAX);
+    let give = || Orders::open(instance, operator)?.give(words, lasts_s, timeout);
+    let answer = py.detach(give).map_err(failed)?;
+    Ok(answer.map(|state| OrderState::octets(std::slice::from_ref(&state)).to_vec()))
+}
+
 #[pymodule]
 fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Subscription>()?;
@@ -287,6 +304,7 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
     module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
     module.add_function(wrap_pyfunction!(tables::run, module)?)?;
+    module.add_function(wrap_pyfunction!(order, module)?)?;
     module.add_function(wrap_pyfunction!(layouts, module)?)?;
     module.add_function(wrap_pyfunction!(read, module)?)
 }

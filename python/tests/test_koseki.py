@@ -162,6 +162,19 @@ def test_a_data_frame_has_a_column_a_number(demo):
     assert {"stages.fused_ns", "identity.callsign", "contributions_0.weight"} <= set(frame.columns)
 
 
+def test_orders_are_given_and_listed(demo):
+    state = koseki.order(demo, "k", source="radar-west", value=2.5, operator="anna", lasts_s=600)
+    assert (state["number"], state["order"]["value"]) == (1, 2.5)
+    for wrong, why in [({"value": -1, "source": "radar-west"}, "between"), ({"value": 1, "source": "x"}, "source of this name")]:
+        with pytest.raises(ValueError, match=why):
+            koseki.order(demo, "k", **wrong)
+    with pytest.raises(ValueError, match="no such system track"):
+        koseki.order(demo, "drop", track=4_000_000_000)
+    listed = koseki.subscribe(demo, topic="system/order-states").receive(10)
+    assert b"anna" in bytes(listed[listed["number"] == 1]["order"]["operator"][0])
+    koseki.order(demo, "cancel", number=1)
+
+
 def test_failures_are_told_apart(demo):
     for error, arguments in [
         (koseki.NotRunning, ["nobody"]),

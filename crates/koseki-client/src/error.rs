@@ -26,7 +26,7 @@ pub enum Error {
 
     /// No topic has such a name.
     #[error(
-        "\"{name}\" is no topic: the system's are system/tracks, system/alarms and system/decisions, a source's \
+        "\"{name}\" is no topic: the system's are system/tracks, system/alarms, system/decisions and system/order-states, a source's \
          sensor/NAME/tracks, …/detections, …/bearings and …/cues; also platform/NAME/state, wide-area/NAME/reports \
          and health"
     )]
@@ -42,6 +42,13 @@ pub enum Error {
     NotFed {
         /// The topic.
         topic: String,
+    },
+
+    /// Words are no order.
+    #[error("{text}")]
+    Order {
+        /// The wrong word and the remedy.
+        text: String,
     },
 
     /// Octets are no whole number of samples.
@@ -88,7 +95,9 @@ impl Error {
         match self {
             Self::Ended { .. } => ErrorKind::Ended,
             Self::Schema { .. } | Self::Bus(BusError::Incompatible { .. }) => ErrorKind::Schema,
-            Self::TopicName { .. } | Self::NotFed { .. } | Self::Octets { .. } => ErrorKind::Argument,
+            Self::TopicName { .. } | Self::NotFed { .. } | Self::Order { .. } | Self::Octets { .. } => {
+                ErrorKind::Argument
+            }
             Self::Bus(BusError::InstanceName { .. } | BusError::PathTooLong { .. }) => ErrorKind::Argument,
             Self::Bus(BusError::NotRunning { .. }) => ErrorKind::NotRunning,
             Self::Bus(BusError::NoSuchTopic { .. }) => ErrorKind::NoSuchTopic,

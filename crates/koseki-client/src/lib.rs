@@ -2,7 +2,7 @@
 //!
 //! A [`Subscription`] gives access to the samples published by the deployment's processes, without copying. A
 //! [`Publisher`] is the opposite direction: tracks of a source, counts of a wide-area sensor and positions of a
-//! platform that the configuration calls `external`. Both may move between threads.
+//! platform that the configuration calls `external`. [`Orders`] gives orders to fusion. All may move between threads.
 //!
 //! ```no_run
 //! use std::time::Duration;
@@ -35,6 +35,7 @@ pub mod by_name;
 mod clock;
 mod connection;
 mod error;
+mod orders;
 mod publisher;
 mod subscription;
 
@@ -42,5 +43,6 @@ pub use messages;
 
 pub use bus::{BORROWED_MAX, Root};
 pub use error::{Error, ErrorKind};
+pub use orders::Orders;
 pub use publisher::Publisher;
 pub use subscription::{Counts, Slice, Subscription};
