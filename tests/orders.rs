@@ -134,7 +134,22 @@ fn orders_of_every_kind_have_their_effects_and_are_fused_again_to_the_bit() {
         track.rule == best || track.state == TrackState::Terminated as u8
     });
     obeyed(&home, "eta value=0.25 --operator anna --for 3600");
-    obeyed(&home, "k source=radar-south value=100");
+    // A large k makes another source the best one of its targets: the first weight of the hand-over is eta_0 (TI-13).
+    let config = configuration::Config::of_running(home.root("demo").path()).unwrap();
+    let name = |source: u16| config.sources[usize::from(source)].name.clone();
+    let chosen = watcher.state("a track of two sources is shown", |track| {
+        confirmed(track) && track.contribution_count >= 2 && track.contributions().iter().any(|part| part.weight == 1.0)
+    });
+    obeyed(&home, &format!("k source={} value=1e9", name(chosen.selected_source)));
+    watcher.state("eta_0 is a weight", |track| {
+        let weights = |weight: f64| {
+            track
+                .contributions()
+                .iter()
+                .any(|part| (part.weight - weight).abs() < 1e-9)
+        };
+        weights(0.25) && weights(0.75)
+    });
     obeyed(&home, "reset source=radar-west");
 
     let dropped = watcher.state("a target is shown", confirmed).track_number;
@@ -151,11 +166,13 @@ fn orders_of_every_kind_have_their_effects_and_are_fused_again_to_the_bit() {
     });
     let part = split.contributions()[1];
     let number = split.track_number;
-    let config = configuration::Config::of_running(home.root("demo").path()).unwrap();
-    let name = &config.sources[usize::from(part.source)].name;
+    let source = name(part.source);
     obeyed(
         &home,
-        &format!("split track={number} source={name} sensor_track={}", part.track_number),
+        &format!(
+            "split track={number} source={source} sensor_track={}",
+            part.track_number
+        ),
     );
 
     // Kill and take-over: all orders that last are in force afterwards, under their numbers.
@@ -207,6 +224,47 @@ fn orders_of_every_kind_have_their_effects_and_are_fused_again_to_the_bit() {
         "{said}{}",
         String::from_utf8_lossy(&output.stderr)
     );
+}
+
+#[test]
+fn joined_targets_that_lie_far_apart_are_two_again_after_ten_seconds() {
+    let home = Home::new();
+    let more = [
+        "--set",
+        "fusion.association.use_identity=false",
+        "--set",
+        "fusion.decisions=true",
+    ];
+    let demo = home.demo_with(&[&RECORDED[..], &more].concat());
+    let mut watcher = Watcher::of(&home);
+    // Targets that no source mistakes for each other.
+    let one = watcher.state("a target is shown", confirmed);
+    let other = watcher.state("another one is shown far away", |track| {
+        let apart = |axis: usize| track.position_m[axis] - one.position_m[axis];
+        confirmed(track) && apart(0).hypot(apart(1)) > 20e3
+    });
+    obeyed(
+        &home,
+        &format!("join track={} with={}", one.track_number, other.track_number),
+    );
+    let left = one.track_number.min(other.track_number);
+    let ended = watcher.state("one of the numbers ends", |track| track.merged_into == left);
+    assert!([one.track_number, other.track_number].contains(&ended.track_number));
+    until("the order ends by itself", || in_force(&home).is_empty());
+    drop(watcher);
+    let (status, said) = demo.stop();
+    assert!(status.success(), "{said}");
+    let decisions = fs::read_to_string(home.path("out/latest/decisions.csv")).unwrap();
+    let ends: Vec<&str> = decisions.lines().filter(|row| row.contains(",order_ended,")).collect();
+    assert_eq!(ends.len(), 1, "{decisions}");
+    let time_s = |row: &str| row.split(',').next().unwrap().parse::<f64>().unwrap();
+    let given = decisions.lines().find(|row| row.contains(",ordered,")).unwrap();
+    let lasted_s = time_s(ends[0]) - time_s(given);
+    assert!((10.0..13.0).contains(&lasted_s), "{lasted_s} s");
+    let rows = fs::read_to_string(home.path("out/latest/orders.csv")).unwrap();
+    assert!(rows.contains(",ended,join,"), "{rows}");
+    let verified = home.run(&["replay", "out/latest", "--verify"]);
+    assert!(verified.status.success(), "{verified:?}");
 }
 
 #[test]

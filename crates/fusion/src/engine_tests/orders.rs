@@ -282,6 +282,22 @@ fn joined_tracks_stay_together_until_they_are_too_far_apart() {
 }
 
 #[test]
+fn a_join_of_two_targets_that_both_sources_see_ends_too() {
+    let mut desk = Desk::new(test_settings(2));
+    let places = [[0.0, 0.0], [0.0, 900.0]];
+    desk.scans(0..6, &places);
+    let numbers = desk.numbers();
+    desk.order(OrderKind::Join, |order| {
+        (order.track, order.other_track) = (numbers[0], numbers[1]);
+    })
+    .unwrap();
+    desk.scans(6..20, &places);
+    assert_eq!(desk.statuses().last(), Some(&OrderStatus::Ended));
+    desk.scans(20..40, &places);
+    assert_eq!(desk.numbers().len(), 2);
+}
+
+#[test]
 fn parts_of_a_split_track_stay_apart_until_the_order_is_cancelled() {
     let mut desk = Desk::new(test_settings(2));
     desk.scans(0..6, &[[0.0; 2]]);

@@ -40,7 +40,8 @@ impl Engine {
                 return Err(Refusal::BoundTrack);
             }
             let addresses = [entry, other].map(|entry| entry.identity.unique_number());
-            if matches!(addresses, [Some(one), Some(another)] if one != another) {
+            let uses_identity = self.settings.association.use_identity;
+            if uses_identity && matches!(addresses, [Some(one), Some(another)] if one != another) {
                 return Err(Refusal::TwoAddresses);
             }
         }
@@ -286,18 +287,24 @@ impl Engine {
         }
     }
 
-    /// Returns the largest d² between the contributions to a system track, in the plane.
+    /// Returns the largest d² between the fresh sensor tracks of a system track, in the plane. Second tracks of a source
+    /// count too: of two targets that all sources see, each source contributes one track.
     fn spread_d2(&self, system: SystemSlot) -> f64 {
         let now_ns = self.schedule.now_ns();
         let state = |member: SensorSlot| -> Gaussian {
             let filter = Filter::of_report(&self.tracks.sensors.get(member).latest);
             filter.at(now_ns, self.sources.motion_of(&filter))
         };
-        let contributing = || self.tracks.contributing(system, now_ns);
+        let fresh = || {
+            self.tracks.members(system).filter(|member| {
+                let entry = self.tracks.sensors.get(*member);
+                now_ns - entry.time_ns <= self.tracks.lifetimes.fresh_ns(entry.source)
+            })
+        };
         let mut largest = 0.0f64;
-        for (place, one) in contributing().enumerate() {
+        for (place, one) in fresh().enumerate() {
             let own = state(one);
-            for other in contributing().skip(place + 1) {
+            for other in fresh().skip(place + 1) {
                 let d2 = statistical_distance(&own, &state(other), ComparedComponents::HorizontalPosition);
                 largest = largest.max(d2);
             }
