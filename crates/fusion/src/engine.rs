@@ -200,10 +200,9 @@ impl Engine {
 
     fn pass_time(&mut self, now_ns: i64, sink: &mut impl Sink) {
         loop {
-            let refresh_ns = self.schedule.next_refresh(|| self.tracks.systems.is_empty());
+            let event_ns = self.schedule.next_event(|| self.tracks.systems.is_empty());
             let scan_ns = self.scans.due_ns();
-            let order_ns = self.orders.due_ns();
-            let other_ns = scan_ns.min(refresh_ns).min(order_ns);
+            let other_ns = scan_ns.min(event_ns);
             if self.run_timer_before(now_ns.min(other_ns), sink) {
                 continue;
             }
@@ -211,12 +210,12 @@ impl Engine {
                 break;
             }
             self.schedule.pass(other_ns);
-            if order_ns == other_ns {
-                self.expire_orders(order_ns, sink);
+            if self.orders.due_ns == other_ns {
+                self.look_at_orders(other_ns, sink);
             } else if scan_ns == other_ns {
                 self.finish_scans(scan_ns, sink);
             } else {
-                self.refresh_all(refresh_ns, sink);
+                self.refresh_all(event_ns, sink);
             }
         }
         self.schedule.pass(now_ns);
@@ -261,11 +260,8 @@ impl Engine {
         let completed = inlet::completed(report, &self.settings.sources);
         let report = completed.as_ref().unwrap_or(report);
         if !inlet::is_valid(report, &self.settings.sources) {
-            self.outbox.counts.add(report.source, Counter::RejectedInvalid);
-            return;
-        }
-        if self.settings.sources[usize::from(report.source)].is_out {
-            self.outbox.counts.add(report.source, Counter::RejectedByOrder);
+            let counter = inlet::rejection(report, &self.settings.sources);
+            self.outbox.counts.add(report.source, counter);
             return;
         }
         self.pass_time(now_ns, sink);
@@ -278,7 +274,7 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
             return;
         }
-        self.learn_of_sources(sink);
+        self.learn_of_sources();
         if report.state == TrackState::Coasted as u8 {
             // An extrapolated report contains no observation. Its extrapolation agrees perfectly with itself, so a
             // score as observation would favour it. It therefore counts as a missing report (TI-4).
@@ -367,11 +363,7 @@ impl Engine {
         entry.repaired = repaired;
         entry.is_foreign = is_foreign;
         entry.epoch = self.sources.alignment.epoch_of(report.source);
-        let is_new = entry.reports == 1;
         sensors.note(sensor, self.settings.sources[usize::from(report.source)].period_ns);
-        if is_new {
-            self.block(sensor);
-        }
         Some((sensor, measurement))
     }
 
@@ -412,6 +404,9 @@ impl Engine {
             return;
         }
         let before = self.tracks.sensors.get(sensor).system;
+        if before == NO_SYSTEM && self.orders.concerns_tracks {
+            self.block(sensor);
+        }
         self.associate(sensor, report, sink);
         if self.settings.association.scan_wait == 0.0 && self.tracks.sensors.get(sensor).waits {
             self.finish_scans(i64::MAX, sink);
@@ -421,7 +416,6 @@ impl Engine {
         }
         let system = self.tracks.sensors.get(sensor).system;
         if system == NO_SYSTEM {
-            self.block(sensor);
             return;
         }
         let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
@@ -763,10 +757,9 @@ impl Engine {
 
     /// Evaluates the learned properties of the sources once a second. Long computations are spread over the following
     /// reports, a step per report, so the result depends on the reports alone.
-    fn learn_of_sources(&mut self, sink: &mut impl Sink) {
+    fn learn_of_sources(&mut self) {
         let due = self.schedule.tick();
         if due {
-            self.watch_tracks(sink);
             self.tracks.sensors.begin_part();
         }
         let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);

@@ -21,7 +21,7 @@ const TIME_MAX_NS: i64 = 1 << 62;
 /// Farther apart than this, two reports of one address are not of one target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
-/// Whether a report can be one of these sources.
+/// Whether a report can be one of these sources, and no order keeps it out.
 pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
         return false;
@@ -36,6 +36,7 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool
     let is_in_reach = |[east, north]: [f64; 2], limit: f64| east * east + north * north <= limit * limit;
     let [[x, y, _], [vx, vy, _]] = [report.position_m, report.velocity_mps];
     (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
+        && !source.is_out
         && is_in_reach([x - place_m[0], y - place_m[1]], range_m)
         && is_in_reach([vx, vy], speed_mps)
         && TrackState::from_code(report.state).is_some()
@@ -44,6 +45,15 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool
         && within(&report.covariance.upper, COVARIANCE_MAX)
         && (0..STATE_LEN).all(|index| report.covariance.get(index, index) >= 0.0)
         && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
+}
+
+/// Counter of a report that is not valid.
+#[cold]
+pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Counter {
+    match sources.get(usize::from(report.source)) {
+        Some(source) if source.is_out => Counter::RejectedByOrder,
+        _ => Counter::RejectedInvalid,
+    }
 }
 
 /// A report that has the trace of its covariance in place of the covariance, with one: positions as uncertain on each

@@ -136,23 +136,19 @@ impl Linking<'_> {
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
-        let bond = self.tracks.systems.get(system).bond;
-        if bond != Bond::Free {
-            return self.reassociate_bound(sensor, report, bond, out);
-        }
         let mine = identity
             .unique_number()
             .filter(|_| self.settings.association.use_identity);
         if let Some(mine) = mine {
             let theirs = self.tracks.systems.get(system).identity.unique_number();
-            if theirs.is_some_and(|theirs| theirs != mine) {
+            if theirs.is_some_and(|theirs| theirs != mine) && self.is_free(system) {
                 out.count(report.source, Counter::IdentityConflicts);
                 let kind = DecisionKind::IdentityConflict;
                 out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
                 return self.leave(sensor, out);
             }
             let known = self.tracks.systems.with_address(mine);
-            if let Some(other) = known.filter(|other| *other != system) {
+            if let Some(other) = known.filter(|other| *other != system && self.is_free(system)) {
                 return self.move_to(sensor, other, f64::NAN, out);
             }
             self.tracks.systems.identify(system, &identity);
@@ -161,38 +157,20 @@ impl Linking<'_> {
         if self.tracks.is_alone(sensor, now_ns) {
             return Next::Wait;
         }
-        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.uncross(sensor, out) {
+        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.is_free(system) && self.uncross(sensor, out) {
             return Next::Done;
         }
-        if mine.is_none() && self.has_split(sensor, out) {
+        if mine.is_none() && self.tracks.systems.get(system).bond != Bond::Joined && self.has_split(sensor, out) {
             out.count(report.source, Counter::ContributionsSplit);
             return self.leave(sensor, out);
         }
         self.look_for_duplicate(system, now_ns, out)
     }
 
-    /// Decides the same for a sensor track whose system track an order binds: identities decide nothing.
+    /// Returns whether no order binds a system track. Identities and crossings decide nothing about a bound track.
     #[cold]
-    fn reassociate_bound<S: Sink>(
-        &mut self,
-        sensor: SensorSlot,
-        report: &SensorTrack,
-        bond: Bond,
-        out: &mut Outlet<'_, S>,
-    ) -> Next {
-        let system = self.tracks.sensors.get(sensor).system;
-        let now_ns = report.time_of_measurement_ns;
-        if self.tracks.is_alone(sensor, now_ns) {
-            return Next::Wait;
-        }
-        if bond == Bond::Joined {
-            return Next::Done;
-        }
-        if self.has_split(sensor, out) {
-            out.count(report.source, Counter::ContributionsSplit);
-            return self.leave(sensor, out);
-        }
-        self.look_for_duplicate(system, now_ns, out)
+    fn is_free(&self, system: SystemSlot) -> bool {
+        self.tracks.systems.get(system).bond == Bond::Free
     }
 
     /// Lets sensor tracks change places that keep looking crossed with those of another system track; whether any did.

@@ -10,6 +10,8 @@ use crate::settings::Settings;
 pub(crate) const IN_FORCE_MAX: usize = 64;
 /// Places of the table: orders in force, and orders that ended recently, for repetitions with the same token.
 pub(crate) const PLACES: usize = 2 * IN_FORCE_MAX;
+/// Time between two looks at the tracks of orders, nanoseconds.
+pub(crate) const WATCH_NS: i64 = 1_000_000_000;
 /// Maximum number of sensor tracks that one order keeps from starting a system track.
 const BLOCKED_MAX: usize = 16;
 
@@ -79,7 +81,9 @@ impl Record {
 pub(crate) struct Orders {
     pub(crate) records: Vec<Record>,
     pub(crate) next_number: u32,
-    /// Earliest expiry; never (`i64::MAX`) without orders that expire.
+    /// Time of the next look at the tracks of orders; `i64::MAX` without such orders.
+    pub(crate) watch_ns: i64,
+    /// Time of the next look or expiry, whichever is earlier; never (`i64::MAX`) without either.
     pub(crate) due_ns: i64,
     /// Whether an order in force concerns tracks.
     pub(crate) concerns_tracks: bool,
@@ -93,16 +97,11 @@ impl Orders {
         Self {
             records: vec![Record::FREE; PLACES],
             next_number: 1,
+            watch_ns: i64::MAX,
             due_ns: i64::MAX,
             concerns_tracks: false,
             configured,
         }
-    }
-
-    /// Returns the earliest expiry of an order in force; `i64::MAX` if none expires.
-    #[inline]
-    pub(crate) fn due_ns(&self) -> i64 {
-        self.due_ns
     }
 
     /// Returns the place of the order in force with this number.
@@ -128,16 +127,19 @@ impl Orders {
         places.min_by_key(|place| self.records[*place].number)
     }
 
-    /// Derives the values that the loop reads from the records.
-    pub(crate) fn index(&mut self) {
-        self.due_ns = self
-            .in_force()
-            .map(|record| record.order().ends_ns)
-            .min()
-            .unwrap_or(i64::MAX);
+    /// Derives the values that the loop reads from the records, at `now_ns`.
+    pub(crate) fn index(&mut self, now_ns: i64) {
         let binds = |kind| matches!(kind, OrderKind::Drop | OrderKind::Join | OrderKind::Split);
         let concerns_tracks = self.in_force().filter_map(Record::kind).any(binds);
         self.concerns_tracks = concerns_tracks;
+        let next_ns = now_ns.saturating_add(WATCH_NS);
+        self.watch_ns = if self.concerns_tracks {
+            self.watch_ns.min(next_ns)
+        } else {
+            i64::MAX
+        };
+        let ends_ns = self.in_force().map(|record| record.order().ends_ns).min();
+        self.due_ns = self.watch_ns.min(ends_ns.unwrap_or(i64::MAX));
         let last = self.records.iter().map(|record| record.number).max();
         self.next_number = self.next_number.max(last.unwrap_or(0).saturating_add(1));
     }

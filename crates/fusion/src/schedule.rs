@@ -12,6 +12,8 @@ pub(crate) struct Schedule {
     now_ns: i64,
     next_tick_ns: Option<i64>,
     refresh: Option<Refresh>,
+    /// Time at which orders must be looked at; never (`i64::MAX`) without orders.
+    orders_due_ns: i64,
 }
 
 /// States at uniform times.
@@ -35,7 +37,13 @@ impl Schedule {
                 delay_ns,
                 next_ns: None,
             }),
+            orders_due_ns: i64::MAX,
         }
+    }
+
+    /// Sets the time at which orders must be looked at.
+    pub(crate) fn set_orders_due(&mut self, due_ns: i64) {
+        self.orders_due_ns = due_ns;
     }
 
     /// The latest time that has passed.
@@ -48,14 +56,15 @@ impl Schedule {
         self.now_ns = self.now_ns.max(time_ns);
     }
 
-    /// The time at which the next refresh is due; never (`i64::MAX`) where states come with reports or nothing lives.
-    pub(crate) fn next_refresh(&mut self, nothing_lives: impl FnOnce() -> bool) -> i64 {
+    /// The time at which the next refresh is due, or orders must be looked at; never (`i64::MAX`) where states come with
+    /// reports or nothing lives, and no order is due.
+    pub(crate) fn next_event(&mut self, nothing_lives: impl FnOnce() -> bool) -> i64 {
         let Some(refresh) = &mut self.refresh else {
-            return i64::MAX;
+            return self.orders_due_ns;
         };
         if nothing_lives() {
             refresh.next_ns = None;
-            return i64::MAX;
+            return self.orders_due_ns;
         }
         let (period_ns, delay_ns) = (refresh.period_ns, refresh.delay_ns);
         let next_ns = *refresh.next_ns.get_or_insert_with(|| {
@@ -65,7 +74,7 @@ impl Schedule {
                 .saturating_add(1)
                 .saturating_mul(period_ns)
         });
-        next_ns.saturating_add(delay_ns)
+        next_ns.saturating_add(delay_ns).min(self.orders_due_ns)
     }
 
     /// The time of the refresh that is due, which is thereby done; `None` where there is none.

@@ -199,6 +199,7 @@ impl Sources {
 
     /// The measurement that led from a sensor track's latest report, `earlier`, that many seconds ago, to this one;
     /// `None` if none can have. Learns how the source filters, unless the report's covariance had to be repaired.
+    #[inline]
     pub(crate) fn measurement_behind(
         &mut self,
         report: &SensorTrack,

@@ -180,6 +180,7 @@ impl<S: Transport> FusionAgent<S> {
         self.output.send(self.progress_ns, false)
     }
 
+    #[cold]
     fn obey(&mut self, now: Now) {
         while let Some(order) = self.queues.orders.pop() {
             if let Some(state) = self.engine.order_of_token(order.token) {
@@ -497,7 +498,9 @@ impl<S: Transport> FusionAgent<S> {
 
 impl<S: Transport> Agent for FusionAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
-        self.obey(now);
+        if !self.queues.orders.is_empty() {
+            self.obey(now);
+        }
         if let Some(keeping) = &mut self.keeping {
             keeping.tend(&mut self.engine, now, self.clocks.ahead_ns(now));
         }

@@ -97,7 +97,7 @@ impl Engine {
             _ => {}
         }
         self.orders.records[place] = record;
-        self.orders.index();
+        self.index_orders();
         self.keep_order(place);
         self.apply_orders();
         sink.order(&record.state());
@@ -123,14 +123,14 @@ impl Engine {
         let record = &mut self.orders.records[place];
         (record.status, record.changed_ns) = (status.code(), changed_ns);
         sink.order(&record.state());
-        self.orders.index();
+        self.index_orders();
         self.keep_order(place);
         self.apply_orders();
     }
 
-    /// Ends the orders whose time is over at `time_ns`.
+    /// Ends the orders whose time is over at `time_ns`, and looks at the tracks of the others.
     #[cold]
-    pub(crate) fn expire_orders(&mut self, time_ns: i64, sink: &mut impl Sink) {
+    pub(crate) fn look_at_orders(&mut self, time_ns: i64, sink: &mut impl Sink) {
         while let Some(place) = self
             .orders
             .records
@@ -139,6 +139,16 @@ impl Engine {
         {
             self.end_order(place, OrderStatus::Expired, sink);
         }
+        if self.orders.watch_ns <= time_ns {
+            self.watch_tracks(sink);
+            self.orders.watch_ns = i64::MAX;
+        }
+        self.index_orders();
+    }
+
+    fn index_orders(&mut self) {
+        self.orders.index(self.schedule.now_ns());
+        self.schedule.set_orders_due(self.orders.due_ns);
     }
 
     /// Writes the record at `place` into the checkpoint.
@@ -173,7 +183,7 @@ impl Engine {
                 *to = record;
             }
         }
-        self.orders.index();
+        self.index_orders();
         self.apply_orders();
         self.bind_tracks();
         for state in self.orders_in_force() {

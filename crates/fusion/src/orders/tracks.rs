@@ -207,7 +207,6 @@ impl Engine {
     }
 
     /// Returns whether an order keeps a sensor track that reports at `time_ns` from starting a system track.
-    #[cold]
     fn is_blocked(&mut self, source: u16, number: u32, time_ns: i64) -> bool {
         let terminate_ns = self.tracks.lifetimes.terminate_ns;
         let mut is_blocked = false;
@@ -222,26 +221,16 @@ impl Engine {
         is_blocked
     }
 
-    /// Blocks a sensor track without system track if an order requires it.
-    #[inline]
-    pub(crate) fn block(&mut self, sensor: SensorSlot) {
-        if self.orders.concerns_tracks {
-            let entry = self.tracks.sensors.get(sensor);
-            let (source, number, time_ns) = (entry.source, entry.track_number, entry.time_ns);
-            self.tracks.sensors.get_mut(sensor).blocked = self.is_blocked(source, number, time_ns);
-        }
-    }
-
-    /// Ends the orders on tracks that no longer permit the effect. Called once a second.
-    #[inline]
-    pub(crate) fn watch_tracks(&mut self, sink: &mut impl Sink) {
-        if self.orders.concerns_tracks {
-            self.watch_each(sink);
-        }
-    }
-
+    /// Blocks a sensor track without system track if an order in force requires it.
     #[cold]
-    fn watch_each(&mut self, sink: &mut impl Sink) {
+    pub(crate) fn block(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get(sensor);
+        let (source, number, time_ns) = (entry.source, entry.track_number, entry.time_ns);
+        self.tracks.sensors.get_mut(sensor).blocked = self.is_blocked(source, number, time_ns);
+    }
+
+    /// Ends the orders on tracks that no longer permit the effect.
+    pub(super) fn watch_tracks(&mut self, sink: &mut impl Sink) {
         let now_ns = self.schedule.now_ns();
         for place in 0..self.orders.records.len() {
             let record = self.orders.records[place];
@@ -287,8 +276,8 @@ impl Engine {
         }
     }
 
-    /// Returns the largest d² between the fresh sensor tracks of a system track, in the plane. Second tracks of a source
-    /// count too: of two targets that all sources see, each source contributes one track.
+    /// Returns the largest d² between the fresh sensor tracks of a system track, in the plane. Second tracks of a
+    /// source count too: of two targets that all sources see, each source contributes one track.
     fn spread_d2(&self, system: SystemSlot) -> f64 {
         let now_ns = self.schedule.now_ns();
         let state = |member: SensorSlot| -> Gaussian {
