@@ -5,6 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::os::unix::process::CommandExt as _;
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use bus::{Bus, Mark, SharedMemory, Subscriber};
 use messages::layout::Sample as _;
@@ -513,4 +514,58 @@ fn the_display_takes_orders_of_operators_alone() {
     }
     let verified = home.run(&["replay", "out/latest", "--verify"]);
     assert!(verified.status.success(), "{verified:?}");
+}
+
+/// Campaign that prints the time of reports in fusion, with a flood of 10,000 orders a second and without, by turns:
+/// `cargo test --release -p koseki --test integration flood_beside -- --ignored --nocapture`.
+#[test]
+#[ignore = "a measurement"]
+fn time_in_fusion_with_a_flood_beside_and_without() {
+    const ROUND: Duration = Duration::from_secs(10);
+    let home = Home::new();
+    let demo = home.demo();
+    let bus = Bus::<SharedMemory>::open(&home.root("demo"), "watcher").unwrap();
+    let mut tracks = bus.subscriber(&messages::system_tracks(), || mono_ns() as u64).unwrap();
+    for round in 0..6 {
+        let floods = round % 2 == 1;
+        let (mut times_ns, start, mut sent) = (Vec::new(), Instant::now(), 0u64);
+        let mut orders = bus.publisher(&messages::orders(), mono_ns() as u64).unwrap();
+        while start.elapsed() < ROUND {
+            let due = (start.elapsed().as_secs_f64() * 10_000.0) as u64;
+            while floods && sent < due {
+                sent += 1;
+                let order = Order {
+                    token: sent,
+                    sent_ns: Now::read().utc_ns,
+                    track: 4_000_000_000,
+                    ..Order::new(OrderKind::Drop)
+                };
+                let mark = Mark {
+                    progress_ns: i64::MIN,
+                    sent_ns: mono_ns(),
+                    end: false,
+                };
+                orders.send(mark, 1, |_, _| order).unwrap();
+            }
+            let take = |tracks: &[SystemTrack]| {
+                let stages = tracks.iter().map(|track| track.stages);
+                let measured = stages.filter(|stages| stages.taken_ns > 0);
+                times_ns.extend(measured.map(|stages| stages.fused_ns - stages.taken_ns));
+            };
+            let mut take = take;
+            tracks.take(usize::MAX, |_, tracks| take(tracks)).unwrap();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        times_ns.sort_unstable();
+        let at = |share: f64| times_ns[(times_ns.len() as f64 * share) as usize] as f64 / 1e3;
+        println!(
+            "{sent:6} orders: {} reports, p50 {:.1} us, p90 {:.1} us, p99 {:.1} us",
+            times_ns.len(),
+            at(0.5),
+            at(0.9),
+            at(0.99)
+        );
+    }
+    drop((tracks, bus));
+    demo.stop();
 }

@@ -171,7 +171,7 @@ def test_orders_are_given_and_listed(demo):
     with pytest.raises(ValueError, match="no such system track"):
         koseki.order(demo, "drop", track=4_000_000_000)
     listed = koseki.subscribe(demo, topic="system/order-states").receive(10)
-    assert b"anna" in bytes(listed[listed["number"] == 1]["order"]["operator"][0])
+    assert b"anna" in bytes(listed[listed["number"] == 1]["order"]["operator_name"][0])
     koseki.order(demo, "cancel", number=1)
 
 

@@ -17,7 +17,7 @@
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdf6f0619ef7a0a99) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
-#define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x9558591322968f72) /* BatchHeader.schema of its slices. */
+#define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WORK_STEP_SCHEMA UINT64_C(0x44541240a46ea825) /* BatchHeader.schema of its slices. */
 #define KOSEKI_RESTORED_SCHEMA UINT64_C(0xb57ebe5154fb4a98) /* BatchHeader.schema of its slices. */
@@ -860,7 +860,7 @@ typedef struct KosekiOrder {
     uint16_t other_source; /* Second source; 65535: none, or any. */
     uint8_t reserved[6]; /* Reserved, 0. */
     uint8_t name[32]; /* Word that the kind needs, UTF-8, padded with zeros. */
-    uint8_t operator[32]; /* Name of the operator, UTF-8, padded with zeros. */
+    uint8_t operator_name[32]; /* Name of the operator, UTF-8, padded with zeros. */
 } KosekiOrder;
 static_assert(sizeof(KosekiOrder) == 120, "size");
 static_assert(offsetof(KosekiOrder, token) == 0, "offset");
@@ -875,7 +875,7 @@ static_assert(offsetof(KosekiOrder, source) == 46, "offset");
 static_assert(offsetof(KosekiOrder, other_source) == 48, "offset");
 static_assert(offsetof(KosekiOrder, reserved) == 50, "offset");
 static_assert(offsetof(KosekiOrder, name) == 56, "offset");
-static_assert(offsetof(KosekiOrder, operator) == 88, "offset");
+static_assert(offsetof(KosekiOrder, operator_name) == 88, "offset");
 
 typedef struct KosekiOrderState {
     KosekiOrder order; /* The order. */

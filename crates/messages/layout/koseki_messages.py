@@ -19,7 +19,7 @@ ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
 HEALTH_SCHEMA = 0xdf6f0619ef7a0a99  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
-ORDER_STATE_SCHEMA = 0x9558591322968f72  # BatchHeader.schema of its slices.
+ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
 WORK_STEP_SCHEMA = 0x44541240a46ea825  # BatchHeader.schema of its slices.
 RESTORED_SCHEMA = 0xb57ebe5154fb4a98  # BatchHeader.schema of its slices.
@@ -1040,7 +1040,7 @@ class Order(ctypes.Structure):
         ("other_source", ctypes.c_uint16),  # Second source; 65535: none, or any.
         ("reserved", ctypes.c_uint8 * 6),  # Reserved, 0.
         ("name", ctypes.c_uint8 * 32),  # Word that the kind needs, UTF-8, padded with zeros.
-        ("operator", ctypes.c_uint8 * 32),  # Name of the operator, UTF-8, padded with zeros.
+        ("operator_name", ctypes.c_uint8 * 32),  # Name of the operator, UTF-8, padded with zeros.
     ]
 
     @staticmethod
@@ -1061,7 +1061,7 @@ assert Order.source.offset == 46
 assert Order.other_source.offset == 48
 assert Order.reserved.offset == 50
 assert Order.name.offset == 56
-assert Order.operator.offset == 88
+assert Order.operator_name.offset == 88
 
 
 class OrderState(ctypes.Structure):

@@ -109,7 +109,7 @@ sample! {
         /// Word that the kind needs, UTF-8, padded with zeros.
         name: [u8; 32],
         /// Name of the operator, UTF-8, padded with zeros.
-        operator: [u8; 32],
+        operator_name: [u8; 32],
     }
 }
 
@@ -166,7 +166,7 @@ impl Order {
 
     /// Returns the name of the operator.
     pub fn operator(&self) -> &str {
-        text(&self.operator)
+        text(&self.operator_name)
     }
 
     /// Returns this order with another word; `None` if the word exceeds 32 bytes.
@@ -179,7 +179,7 @@ impl Order {
     /// Returns this order in the name of an operator; a longer name is cut to 32 bytes.
     #[must_use]
     pub fn with_operator(mut self, operator: &str) -> Self {
-        fill(&mut self.operator, operator);
+        fill(&mut self.operator_name, operator);
         self
     }
 
@@ -403,7 +403,7 @@ mod tests {
         };
         assert_eq!(wrong(|order| order.kind = 999), Refusal::UnknownKind);
         assert_eq!(wrong(|order| order.token = 0), Refusal::Malformed);
-        assert_eq!(wrong(|order| order.operator[0] = 0xFF), Refusal::Malformed);
+        assert_eq!(wrong(|order| order.operator_name[0] = 0xFF), Refusal::Malformed);
         assert_eq!(wrong(|order| order.name[5] = b'x'), Refusal::Malformed);
         assert_eq!(wrong(|order| order.ends_ns = -1), Refusal::Malformed);
         assert_eq!(wrong(|order| order.value = f64::NAN), Refusal::MissingParameter);

@@ -9,7 +9,7 @@ use crate::order_kind::{OrderKind, Parameter};
 /// The reason for which every fusion refuses the order.
 pub fn check(order: &Order) -> Result<OrderKind, Refusal> {
     let kind = OrderKind::from_code(order.kind).ok_or(Refusal::UnknownKind)?;
-    let texts = [&order.name, &order.operator];
+    let texts = [&order.name, &order.operator_name];
     if !texts.into_iter().all(is_text) || order.ends_ns <= 0 || order.token == 0 {
         return Err(Refusal::Malformed);
     }
