@@ -144,6 +144,25 @@ fn eta_entered_while_running_moves_the_weights_of_the_worked_check() {
 }
 
 #[test]
+fn of_two_orders_for_one_hand_over_the_newest_holds() {
+    let mut desk = Desk::new(test_settings(2));
+    desk.scans(0..6, &[[0.0; 2]]);
+    let chosen = desk.heard.tracks.last().unwrap().selected_source;
+    desk.order(OrderKind::Eta, |order| order.value = 0.3).unwrap();
+    desk.order(OrderKind::Eta, |order| {
+        (order.value, order.other_source) = (0.6, chosen)
+    })
+    .unwrap();
+    desk.order(OrderKind::Adjustment, |order| {
+        (order.source, order.value) = (chosen, 1e6)
+    })
+    .unwrap();
+    let before = desk.heard.tracks.len();
+    desk.scans(6..7, &[[0.0; 2]]);
+    assert_eq!(weights(&desk.heard.tracks[before])[usize::from(1 - chosen)], 0.6);
+}
+
+#[test]
 fn a_condition_holds_until_it_is_normal_again() {
     let mut settings = test_settings(2);
     settings.sources[0].accuracy.conditions = vec![("rain".to_owned(), 1e3)];
