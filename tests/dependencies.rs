@@ -61,3 +61,63 @@ fn licences_are_met_by_one_choice_of_each_part() {
     assert!(is_met("(MIT OR Apache-2.0) AND Unicode-3.0", &allowed) && is_met("Unlicense/MIT", &allowed));
     assert!(!is_met("MIT AND GPL-3.0", &allowed) && !is_met("", &allowed));
 }
+
+/// Texts of all Rust files in the folder of a target's root file, and of that file.
+fn sources(root: &std::path::Path) -> String {
+    let mut text = String::new();
+    let mut folders = vec![root.parent().unwrap().to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if entry.is_dir() {
+                folders.push(entry);
+            } else if entry.extension().is_some_and(|ending| ending == "rs") {
+                text.push_str(&std::fs::read_to_string(entry).unwrap());
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn every_dependency_is_used() {
+    let mut unused = Vec::new();
+    for workspace in ["Cargo.toml", "link/Cargo.toml", "c/Cargo.toml", "python/Cargo.toml"] {
+        let metadata = MetadataCommand::new()
+            .manifest_path(repository(workspace))
+            .no_deps()
+            .other_options(vec!["--offline".to_owned()])
+            .exec()
+            .unwrap();
+        for package in metadata.workspace_packages() {
+            let texts = |is_product: bool| -> String {
+                let targets = package.targets.iter().filter(|target| {
+                    let is_own = target.is_lib() || target.is_bin() || target.is_custom_build();
+                    is_own || target.is_cdylib() || target.is_staticlib() || !is_product
+                });
+                targets.map(|target| sources(target.src_path.as_std_path())).collect()
+            };
+            // Tests share files that lie beside their own folders.
+            let all = texts(false) + &sources(package.manifest_path.as_std_path());
+            let product = texts(true);
+            for dependency in &package.dependencies {
+                let name = dependency.rename.as_ref().unwrap_or(&dependency.name).replace('-', "_");
+                let text = match dependency.kind {
+                    cargo_metadata::DependencyKind::Development => &all,
+                    _ => &product,
+                };
+                let word = |(place, _): (usize, &str)| {
+                    let end = text[place + name.len()..].chars().next();
+                    let before = text[..place].chars().next_back();
+                    ![before, end]
+                        .iter()
+                        .flatten()
+                        .any(|letter| letter.is_alphanumeric() || *letter == '_')
+                };
+                if !text.match_indices(&name).any(word) {
+                    unused.push(format!("{}: {}", package.name, dependency.name));
+                }
+            }
+        }
+    }
+    assert!(unused.is_empty(), "dependencies that no file uses: {unused:?}");
+}

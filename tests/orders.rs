@@ -517,11 +517,11 @@ fn the_display_takes_orders_of_operators_alone() {
 }
 
 /// Campaign that prints the time of reports in fusion, with a flood of 10,000 orders a second and without, by turns:
-/// `cargo test --release -p koseki --test integration flood_beside -- --ignored --nocapture`.
+/// `cargo test --release -p koseki --test integration time_in_fusion -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement"]
 fn time_in_fusion_with_a_flood_beside_and_without() {
-    const ROUND: Duration = Duration::from_secs(10);
+    const ROUND: Duration = Duration::from_secs(3);
     let home = Home::new();
     let demo = home.demo();
     let bus = Bus::<SharedMemory>::open(&home.root("demo"), "watcher").unwrap();

@@ -129,7 +129,7 @@ private:
   koseki_publisher *handle_ = nullptr;
 };
 
-// Gives an order, such as "out source=radar", and returns its state; see koseki_order. Throws if no answer comes in time.
+// Gives an order, such as "out source=radar", and returns its state; see koseki_order. Throws without an answer in time.
 inline KosekiOrderState order(const std::string &instance, const std::string &words, const std::string &operator_name,
                               std::chrono::duration<double> lasts = {},
                               std::chrono::milliseconds timeout = std::chrono::seconds(10)) {

@@ -56,8 +56,8 @@ impl Schedule {
         self.now_ns = self.now_ns.max(time_ns);
     }
 
-    /// The time at which the next refresh is due, or orders must be looked at; never (`i64::MAX`) where states come with
-    /// reports or nothing lives, and no order is due.
+    /// Returns the time of the next refresh or look at orders. There is no refresh (`i64::MAX`) if states come with
+    /// reports or nothing lives.
     pub(crate) fn next_event(&mut self, nothing_lives: impl FnOnce() -> bool) -> i64 {
         let Some(refresh) = &mut self.refresh else {
             return self.orders_due_ns;
