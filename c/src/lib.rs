@@ -10,8 +10,8 @@ use std::ptr;
 use std::time::Duration;
 
 use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
-use koseki_client::messages::{BatchHeader, OrderState};
 use koseki_client::messages::layout::Layout;
+use koseki_client::messages::{BatchHeader, OrderState};
 use koseki_client::{Error, ErrorKind, Orders, Root};
 
 const OK: c_int = 0;
