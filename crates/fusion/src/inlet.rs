@@ -21,7 +21,7 @@ const TIME_MAX_NS: i64 = 1 << 62;
 /// Farther apart than this, two reports of one address are not of one target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
-/// Whether a report can be one of these sources, and no order keeps it out.
+/// Returns whether a report can be one of these sources, and no order keeps it out.
 pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
         return false;

@@ -85,7 +85,7 @@ pub(crate) struct Orders {
     pub(crate) watch_ns: i64,
     /// Time of the next look or expiry, whichever is earlier; never (`i64::MAX`) without either.
     pub(crate) due_ns: i64,
-    /// Whether an order in force concerns tracks.
+    /// True while an order in force concerns tracks.
     pub(crate) concerns_tracks: bool,
     #[serde(skip)]
     pub(crate) configured: Configured,

@@ -92,7 +92,7 @@ pub(crate) struct SensorEntry {
     live: bool,
     /// Whether it waits for the end of its scan.
     pub(crate) waits: bool,
-    /// Whether an order keeps it from starting or joining a system track.
+    /// True while an order keeps it from starting or joining a system track.
     pub(crate) blocked: bool,
     /// Correction that was made to `latest`.
     correction: Correction,
@@ -339,7 +339,7 @@ impl SensorTracks {
         entry.live && entry.time_ns < since_ns
     }
 
-    /// Whether `slot` is taken by a sensor track of `source`.
+    /// Returns whether a sensor track of `source` occupies `slot`.
     pub(crate) fn is_of(&self, slot: SensorSlot, source: u16) -> bool {
         let entry = self.get(slot);
         entry.live && entry.source == source

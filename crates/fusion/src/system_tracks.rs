@@ -322,7 +322,7 @@ impl SystemTracks {
         number
     }
 
-    /// Whether rules remember something of each track.
+    /// Returns whether rules have a memory of each track.
     pub(crate) fn remembers(&self) -> bool {
         !self.memories.is_empty()
     }

@@ -158,7 +158,7 @@ impl Tracks {
         self.keep(system);
     }
 
-    /// Whether rules can look back at earlier reports.
+    /// Returns whether rules can look back at earlier reports.
     pub(crate) fn looks_back(&self) -> bool {
         self.systems.remembers()
     }

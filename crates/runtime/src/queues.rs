@@ -24,7 +24,7 @@ pub struct Queues {
     pub orders: ArrayQueue<Order>,
     /// States of orders, for publication.
     pub order_states: ArrayQueue<OrderState>,
-    /// Whether the loop obeys orders.
+    /// True once the loop obeys orders.
     leads: AtomicBool,
     /// Orders that were refused before the loop.
     refused: AtomicU64,

@@ -138,7 +138,7 @@ pub struct SourceSettings {
     pub accuracy: Accuracy,
     /// Adjustment coefficient k (TI-8).
     pub adjustment: f64,
-    /// Whether an order keeps its reports out.
+    /// True while an order keeps its reports out.
     pub is_out: bool,
     /// Priority for ties, smaller first (TI-11).
     pub priority: u32,
