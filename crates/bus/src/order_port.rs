@@ -47,6 +47,11 @@ impl<S: Transport> OrderPort<S> {
         self.pending = Some((order, i64::MIN));
     }
 
+    /// Ceases to send the pending order, whose sender waits no longer. Fusion may have obeyed the order already.
+    pub fn withdraw(&mut self) {
+        self.pending = None;
+    }
+
     /// Sends what is due at `mono_ns` (monotonic, nanoseconds) and takes the published states. Returns the state of the
     /// pending order, if fusion has published it.
     ///

@@ -72,7 +72,13 @@ impl<S: Transport> Orders<S> {
         if self
             .present
             .as_ref()
-            .is_none_or(|(_, until_ns)| now.mono_ns > *until_ns)
+            .is_some_and(|(_, until_ns)| now.mono_ns > *until_ns)
+        {
+            // The page has the answer that fusion is silent: the order must not take effect later.
+            self.present = None;
+            self.port.withdraw();
+        }
+        if self.present.is_none()
             && let Some((order, answer)) = queue.next()
         {
             self.port.give(&order, now.utc_ns);

@@ -554,6 +554,30 @@ fn orders_outlive_the_process_and_go_on_from_an_image() {
 }
 
 #[test]
+fn a_drop_that_has_lasted_for_long_outlives_the_process_too() {
+    let settings = test_settings(2);
+    let mut desk = Desk::new(settings.clone());
+    let words = desk.engine.checkpoint_layout().len();
+    let memory = Shared(Arc::new((0..words).map(|_| AtomicU64::new(0)).collect()));
+    desk.engine.keep_checkpoint(Box::new(memory.clone()));
+    let places = [[0.0, 0.0], [0.0, 9000.0]];
+    desk.scans(0..6, &places);
+    let (kept, dropped) = (desk.numbers()[0], desk.numbers()[1]);
+    desk.order(OrderKind::Drop, |order| order.track = dropped).unwrap();
+    // Far longer than a track lives without a report.
+    desk.scans(6..600, &places);
+    desk.engine.keep_clock(Clock {
+        epoch: 1,
+        ..Clock::default()
+    });
+    let snapshot = Snapshot::read(&memory.0, &desk.engine.checkpoint_layout()).unwrap();
+    let mut next = Desk::new(settings);
+    next.engine.resume(&snapshot, false, &mut next.heard);
+    next.scans(600..640, &places);
+    assert_eq!((next.numbers(), next.engine.orders_in_force().len()), (vec![kept], 1));
+}
+
+#[test]
 fn the_table_of_orders_has_a_limit_and_forgets_ended_orders_first() {
     let mut desk = Desk::new(test_settings(2));
     desk.scans(0..40, &[[0.0; 2]]);

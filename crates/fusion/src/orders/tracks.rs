@@ -255,6 +255,10 @@ impl Engine {
                 self.end_order(place, OrderStatus::Ended, sink);
                 continue;
             };
+            // A successor must have the time of the latest blocked report.
+            if kind == OrderKind::Drop {
+                self.keep_order(place);
+            }
             let since_ns = &mut self.orders.records[place].apart_since_ns;
             *since_ns = if apart_d2 > APART_D2 {
                 now_ns.min(*since_ns)

@@ -199,7 +199,7 @@ impl Again {
                 Some(StepKind::Time) => self.advance(step.time_ns, out),
                 Some(StepKind::Condition) => {
                     self.advance(step.time_ns, out);
-                    // Of a former build: the condition alone.
+                    // A former build logged the condition alone.
                     let name = self.plan.conditions.get(step.sequence as usize);
                     let order = Order {
                         token: 1,
