@@ -38,7 +38,7 @@ pub use kept::{Memory, Refused};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Must be raised with each change of what a record holds.
-const FORMAT: u64 = 7;
+const FORMAT: u64 = 8;
 /// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.

@@ -34,12 +34,13 @@
 //! are not compared. An estimate that is out of bounds, or that most differences contradict, is dropped together with
 //! the sums behind it.
 //!
-//! Limits: range and azimuth biases need the position of the sensor; over a small area they are indistinguishable
-//! from an offset.
+//! An azimuth error, a range error and an offset look alike over a small area. Which of them a source has is decided by
+//! evidence (module `model`). A sensor whose position is not known gets a rotation and a shift instead.
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
 mod errors;
+mod model;
 pub(crate) mod settings;
 
 use std::ops::Range;
@@ -50,7 +51,8 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::drift::{DRIFT_S, Residuals};
-use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, TIME, clock_of, sensitivity};
+use crate::registration::errors::{AZIMUTH, ERROR_MAX_SIGMA, PRIOR_SIGMA, RANGE, TIME, clock_of, sensitivity};
+use crate::registration::model::Model;
 use crate::source_ref::SOURCES_MAX;
 
 pub(crate) use crate::registration::errors::{ClockError, View};
@@ -69,6 +71,8 @@ const STEP_WORK: usize = 192;
 /// Work of factoring the equations of a source, and of solving them, in visits to pairs.
 const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
+/// Work of comparing the models of a source, likewise.
+const SELECT_WORK: usize = 64;
 /// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
 const SIGNIFICANT_2: f64 = 13.8;
 const INSIGNIFICANT_2: f64 = 2.8;
@@ -77,11 +81,16 @@ const SIGNIFICANT_1: f64 = 10.8;
 const INSIGNIFICANT_1: f64 = 1.6;
 /// Samples of a source before any of its errors is removed.
 const SAMPLES_MIN: f64 = 20.0;
+/// Samples of a source before other sources' models are judged by comparison with it.
+const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 /// Largest squared statistical length of a difference that is used.
 const DIFFERENCE_GATE: f64 = 25.0;
 /// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
 /// estimate. The bound prevents a wrong estimate from passing as ever larger targets.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
+/// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
+const FIT_GAIN: f64 = 1.0 / 64.0;
+const FIT_MAX: f64 = 12.0;
 /// Share of contradicting differences at which the estimate is dropped, and the weight of one difference.
 const CONTRADICTED: f64 = 0.75;
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
@@ -112,6 +121,7 @@ kept! {
         known: SourceErrors,
         partners: u64,
         contradicted: f64,
+        fit: f64,
     }
 }
 
@@ -124,7 +134,12 @@ pub(crate) struct Registration {
     partners: Vec<u64>,
     /// Share of each source's latest differences that contradict its estimate.
     contradicted: Vec<f64>,
+    /// Mean square of each source's latest differences, as the estimate leaves them, per axis and relative to what is
+    /// expected.
+    fits: Vec<f64>,
     reference: Option<u16>,
+    /// Whether the position of each sensor is known.
+    has_place: Vec<bool>,
     /// Latest differences of each source that the estimates leave over.
     rests: Vec<Residuals>,
     /// Share of the sums that is left after one tick, and of those of sources that drift.
@@ -141,6 +156,8 @@ struct Solution {
     sources: Vec<SourceErrors>,
     /// Factored normal equations of each source, set in the first sweep.
     factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
+    /// Change of a model that raises the evidence most, and by how much.
+    best: Option<(f64, usize, Model)>,
 }
 
 impl Registration {
@@ -152,6 +169,8 @@ impl Registration {
             pairs: vec![EMPTY; sources * sources],
             partners: vec![0; sources],
             contradicted: vec![0.0; sources],
+            fits: vec![1.0; sources],
+            has_place: vec![false; sources],
             rests: vec![Residuals::default(); sources],
             reference,
             keep: (-tick_s / memory_s).exp(),
@@ -160,6 +179,7 @@ impl Registration {
                 next: None,
                 sources: vec![unknown; sources],
                 factors: vec![None; sources],
+                best: None,
             },
             sources: vec![unknown; sources],
         }
@@ -171,6 +191,7 @@ impl Registration {
             known: self.sources[source],
             partners: self.partners[source],
             contradicted: self.contradicted[source],
+            fit: self.fits[source],
         }
     }
 
@@ -179,6 +200,7 @@ impl Registration {
         self.sources[source] = kept.known;
         self.partners[source] = kept.partners;
         self.contradicted[source] = kept.contradicted;
+        self.fits[source] = kept.fit;
     }
 
     /// Returns the sums over each ordered pair of sources.
@@ -230,7 +252,8 @@ impl Registration {
     /// hardly 0. Few offsets determine their spread poorly, so the variance is enlarged by `(n + 1)·n / (n − 1)²`.
     fn common_offset_m2(&self) -> f64 {
         let (mut sum, mut total, mut count) = (0.0, 0.0, 0.0);
-        for known in self.sources.iter().filter(|known| known.samples >= SAMPLES_MIN) {
+        let is_of_offset = |known: &&SourceErrors| known.samples >= SAMPLES_MIN && !known.model.is_polar();
+        for known in self.sources.iter().filter(is_of_offset) {
             let weight = known.closeness(0..2);
             sum += weight * weight * known.excess_m2();
             total += weight;
@@ -309,6 +332,11 @@ impl Registration {
         for source in [a.source, b.source] {
             let share = &mut self.contradicted[usize::from(source)];
             *share += CONTRADICTION_GAIN * (f64::from(u8::from(is_contradicted)) - *share);
+            let fit = &mut self.fits[usize::from(source)];
+            *fit += FIT_GAIN * ((squared / axes as f64).min(FIT_MAX) - *fit);
+        }
+        for view in [a, b] {
+            self.has_place[usize::from(view.source)] = view.place_m.is_some();
         }
         if is_contradicted {
             return;
@@ -367,6 +395,7 @@ impl Registration {
             rest.look(self.keep_drifting);
         }
         self.solution.sources.copy_from_slice(&self.sources);
+        self.solution.best = None;
         self.solution.next = Some((0, 0));
     }
 
@@ -383,10 +412,19 @@ impl Registration {
             return false;
         };
         let mut work = 0;
-        while sweep < SWEEPS {
+        while sweep <= SWEEPS {
             if work >= STEP_WORK {
                 self.solution.next = Some((sweep, own));
                 return false;
+            }
+            if sweep == SWEEPS {
+                self.compare_models(own, clock_of(clocks, own));
+                work += SELECT_WORK + self.partners[own].count_ones() as usize;
+                own += 1;
+                if own == self.sources.len() {
+                    sweep += 1;
+                }
+                continue;
             }
             if sweep == 0 {
                 self.forget_and_factor(own, clock_of(clocks, own));
@@ -399,6 +437,9 @@ impl Registration {
                 self.fix_gauge(clocks);
                 (sweep, own) = (sweep + 1, 0);
             }
+        }
+        if let Some((_, own, model)) = self.solution.best {
+            self.sources[own].model = model;
         }
         for own in 0..self.sources.len() {
             let solved = self.solution.sources[own];
@@ -422,6 +463,7 @@ impl Registration {
         }
         self.partners[own] = 0;
         self.contradicted[own] = 0.0;
+        self.fits[own] = 1.0;
         self.rests[own] = Residuals::default();
         self.sources[own] = SourceErrors::unknown();
     }
@@ -429,8 +471,7 @@ impl Registration {
     /// Decays the sums of one source by one tick, and factors its normal equations.
     fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
         let count = self.sources.len();
-        let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
-        normal[(TIME, TIME)] = clock.prior().0;
+        let (mut normal, _) = prior(clock);
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
             let drifts = self.rests[own].is_drift() || self.rests[other].is_drift();
@@ -440,6 +481,7 @@ impl Registration {
             pair.right *= keep;
             normal += pair.own;
         }
+        self.solution.sources[own].model.hold(&mut normal);
         let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
         let factor = if is_sought { normal.cholesky() } else { None };
         if let Some(factor) = &factor {
@@ -454,14 +496,48 @@ impl Registration {
             return;
         };
         let count = self.sources.len();
-        let mut right = Errors::zeros();
-        let (information, offset_s) = clock.prior();
-        right[TIME] = information * offset_s;
+        let (_, mut right) = prior(clock);
         for other in partners(self.partners[own]) {
             let pair = &self.pairs[own * count + other];
             right += pair.right + pair.cross * self.solution.sources[other].errors;
         }
         self.solution.sources[own].errors = factor.solve(&right);
+    }
+
+    /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved
+    /// for yet.
+    fn settled_equations(&self, own: usize, clock: ClockError) -> (Block, Errors) {
+        let count = self.sources.len();
+        let (mut normal, mut right) = prior(clock);
+        for other in partners(self.partners[own]) {
+            if self.sources[other].samples >= SETTLED_MIN {
+                let pair = &self.pairs[own * count + other];
+                normal += pair.own;
+                right += pair.right + pair.cross * self.solution.sources[other].errors;
+            }
+        }
+        (normal, right)
+    }
+
+    /// Compares the models of a source by their evidence, with the errors of the others fixed.
+    fn compare_models(&mut self, own: usize, clock: ClockError) {
+        let samples = self.sources[own].samples;
+        if self.solution.factors[own].is_none() || samples < SAMPLES_MIN {
+            return;
+        }
+        let (normal, right) = self.settled_equations(own, clock);
+        let better = self.sources[own].model.better(
+            &normal,
+            &right,
+            1.0 / self.fits[own].max(1.0),
+            SAMPLE_WEIGHT * samples,
+            self.has_place[own],
+        );
+        if let Some((gain, model)) = better
+            && self.solution.best.is_none_or(|(best, ..)| gain > best)
+        {
+            self.solution.best = Some((gain, own, model));
+        }
     }
 
     /// Without a reference, takes the geometric median of all compared sources as true: a single outlier hardly moves
@@ -471,8 +547,11 @@ impl Registration {
             return;
         }
         let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
-        // Range and azimuth biases are observable in absolute terms, from different positions.
-        for rows in [0..2, 2..3, TIME..TIME + 1] {
+        // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative
+        // to a source that is known to have none.
+        let is_anchored = |source: &SourceErrors| source.samples > 0.0 && !source.model.has_offset();
+        let is_anchored = self.solution.sources.iter().any(is_anchored);
+        for rows in [0..2, 2..3, TIME..TIME + 1].into_iter().skip(usize::from(is_anchored)) {
             let middle = match is_any_off {
                 true => self.median_by_clocks(rows.clone(), clocks),
                 false => self.step_to_median(rows.clone()),
@@ -548,14 +627,7 @@ impl Registration {
         let squared = |row: usize, extra: f64| known.errors[row] * known.errors[row] / (known.variances[row] + extra);
         let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
         let time = if points { 0.0 } else { squared(3, 0.0) };
-        let values = [
-            horizontal,
-            horizontal,
-            squared(2, 0.0),
-            time,
-            squared(4, spread_m2),
-            squared(5, 0.0),
-        ];
+        let values = [horizontal, horizontal, squared(2, 0.0), time];
         for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
             let limit = match (row < 2, *removed) {
                 (true, false) => SIGNIFICANT_2,
@@ -565,7 +637,24 @@ impl Registration {
             };
             *removed = enough && value > limit;
         }
+        for row in [RANGE, AZIMUTH] {
+            known.removed[row] = enough && known.model.estimates(row);
+        }
+        if known.model.is_polar() && known.model.has_offset() {
+            // The offset belongs to the rotation.
+            known.removed[..2].fill(enough);
+        }
     }
+}
+
+/// Returns the normal equations of a source before any comparison.
+fn prior(clock: ClockError) -> (Block, Errors) {
+    let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
+    let mut right = Errors::zeros();
+    let (information, offset_s) = clock.prior();
+    normal[(TIME, TIME)] = information;
+    right[TIME] = information * offset_s;
+    (normal, right)
 }
 
 /// Returns the weighted median of `values` in rising order, with weights that add up to `total`: the mean of the two

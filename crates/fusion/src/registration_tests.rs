@@ -168,3 +168,97 @@ fn sources_that_agree_are_left_alone() {
         );
     }
 }
+
+/// Places of three sensors, metres.
+const PLACES_M: [[f64; 2]; 3] = [[50e3, 0.0], [-25e3, 43e3], [-25e3, -43e3]];
+
+/// Continues `registration` for the seconds in `seconds`; source 1 has azimuth, range and offset errors. Sensors have
+/// known positions if `places`.
+fn register_polar(
+    registration: &mut Registration,
+    seconds: Range<u32>,
+    places: bool,
+    (azimuth_rad, range_m, offset_m): (f64, f64, [f64; 2]),
+) {
+    for second in seconds {
+        for target in 0..20u32 {
+            let heading = f64::from(target) * 0.7;
+            let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
+            let along = f64::from(second % 100) - 50.0;
+            let middle = [f64::from(target % 5) * 15e3 - 30e3, f64::from(target / 5) * 15e3 - 20e3];
+            let truth = [middle[0] + velocity[0] * along, middle[1] + velocity[1] * along, 5000.0];
+            let of = |source: u16| {
+                let place_m = PLACES_M[usize::from(source)];
+                let mut seen = view(source, truth, velocity, [0.0; 2], 0.0, second * 20 + target);
+                if source == 1 {
+                    let [dx, dy] = [truth[0] - place_m[0], truth[1] - place_m[1]];
+                    let range = dx.hypot(dy);
+                    seen.position_m[0] += azimuth_rad * dy + range_m * dx / range + offset_m[0];
+                    seen.position_m[1] += range_m * dy / range - azimuth_rad * dx + offset_m[1];
+                }
+                seen.place_m = places.then_some(place_m);
+                seen
+            };
+            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
+        }
+        registration.begin();
+        while !registration.step(&[], |_| {}) {}
+        registration.decide(&[], |_| true, 0.0, 20, false);
+    }
+}
+
+fn new_registration() -> Registration {
+    Registration::new(3, None, 60.0, 1.0)
+}
+
+#[test]
+fn an_azimuth_error_is_told_from_an_offset_by_its_evidence() {
+    let azimuth_rad = 0.5f64.to_radians();
+    let mut registration = new_registration();
+    register_polar(&mut registration, 0..30, true, (azimuth_rad, 0.0, [0.0; 2]));
+    let known = registration.of(1);
+    assert_eq!(known.removed, [false, false, false, false, false, true], "{known:?}");
+    assert!((known.errors[AZIMUTH] - azimuth_rad).abs() < 0.01 * azimuth_rad, "{known:?}");
+    for source in [0, 2] {
+        assert_eq!(registration.of(source).removed, [false; ERRORS], "{:?}", registration.of(source));
+    }
+    // Once mended, the error goes.
+    register_polar(&mut registration, 30..400, true, (0.0, 0.0, [0.0; 2]));
+    let known = registration.of(1);
+    assert!(!known.removed[AZIMUTH] || known.errors[AZIMUTH].abs() < 1e-5, "{known:?}");
+}
+
+#[test]
+fn a_constant_offset_is_no_azimuth_error() {
+    let mut registration = new_registration();
+    register_polar(&mut registration, 0..60, true, (0.0, 0.0, [150.0, -80.0]));
+    let known = registration.of(1);
+    assert!(!known.removed[AZIMUTH] && !known.removed[RANGE] && known.removed[0], "{known:?}");
+    let apart = [0, 1].map(|row| known.errors[row] - registration.of(0).errors[row]);
+    assert!((apart[0] - 150.0).abs() < 5.0 && (apart[1] + 80.0).abs() < 5.0, "{apart:?}");
+}
+
+#[test]
+fn a_range_error_and_an_offset_are_found_together() {
+    let mut registration = new_registration();
+    register_polar(&mut registration, 0..100, true, (0.0, 200.0, [150.0, 0.0]));
+    let known = registration.of(1);
+    assert!(known.removed[RANGE] && !known.removed[AZIMUTH], "{known:?}");
+    assert!((known.errors[RANGE] - 200.0).abs() < 10.0, "{known:?}");
+}
+
+#[test]
+fn without_positions_a_rotation_and_a_shift_are_found() {
+    let azimuth_rad = 0.5f64.to_radians();
+    let mut registration = new_registration();
+    register_polar(&mut registration, 0..60, false, (azimuth_rad, 0.0, [0.0; 2]));
+    let known = registration.of(1);
+    assert!(known.removed[AZIMUTH] && known.removed[0], "{known:?}");
+    for truth in [[-30e3, 10e3], [40e3, -20e3]] {
+        let shift = registration.shift(1, [truth[0], truth[1], 5000.0], [0.0; 3], None);
+        let [dx, dy] = [truth[0] - PLACES_M[1][0], truth[1] - PLACES_M[1][1]];
+        let expected = [azimuth_rad * dy, -azimuth_rad * dx];
+        let error = (shift[0] - expected[0]).hypot(shift[1] - expected[1]);
+        assert!(error < 0.1 * expected[0].hypot(expected[1]), "{shift:?} {expected:?}");
+    }
+}

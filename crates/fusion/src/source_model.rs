@@ -97,6 +97,8 @@ kept! {
         measured_m2: Median,
         /// Variance per axis that these three yield, m²: see [`SourceModel::spread_m2`].
         spread_m2: f64,
+        /// Mean size of the targets, by their types, metres.
+        size_m: f64,
         /// Probability that a scan sees a target that the source tracks.
         pub(crate) detection: f64,
     }
@@ -116,6 +118,7 @@ impl Default for SourceModel {
             spread_noise_m2: Median::default(),
             measured_m2: Median::default(),
             spread_m2: 0.0,
+            size_m: 0.0,
             detection: 0.9,
         }
     }
@@ -176,9 +179,10 @@ impl SourceModel {
     }
 
     /// Learns from the mean innovation over one sensor track, east and north, of which noise explains a variance of
-    /// `noise_m2` (summed over both axes), and the variance per axis of the measurement. An error that all tracks have
-    /// in common is none of points.
-    pub(crate) fn learn_spread(&mut self, offset_m: [f64; 2], noise_m2: f64, measured_m2: f64) {
+    /// `noise_m2` (summed over both axes), the variance per axis of the measurement, and the size of the target. An
+    /// error that all tracks have in common is none of points.
+    pub(crate) fn learn_spread(&mut self, offset_m: [f64; 2], noise_m2: f64, measured_m2: f64, size_m: f64) {
+        self.size_m += (size_m - self.size_m) * if self.size_m == 0.0 { 1.0 } else { COMMON_GAIN };
         let mut squared_m2 = 0.0;
         for (mean, offset) in self.mean_offset_m.iter_mut().zip(offset_m) {
             squared_m2 += (offset - *mean) * (offset - *mean);
@@ -228,9 +232,11 @@ impl SourceModel {
         }
     }
 
-    /// Whether the detection points lie further apart than the source's measurement errors blur them.
+    /// Returns whether the detection points lie farther apart than `ratio` times the source's measurement error, and no
+    /// farther than targets are large: what is beyond is no point of a target.
     pub(crate) fn sees_points(&self, ratio: f64) -> bool {
-        self.spread_m2 > 0.0 && self.spread_m2 > ratio * ratio * self.measured_m2.value()
+        let largest_m = 0.5 * self.size_m;
+        self.spread_m2 > 0.0 && self.spread_m2 <= largest_m * largest_m && self.spread_m2 > ratio * ratio * self.measured_m2.value()
     }
 
     /// Learns whether a scan saw a target that the source tracks.
@@ -281,7 +287,7 @@ mod tests {
                 // The mean of two axes of noise, and of points that lie so far apart; all off by as much.
                 let offset_m = (0.5 * squared * (2.0 * 9.0 + 2.0 * apart_m2)).sqrt();
                 let (sin, cos) = (f64::from(target) * 2.4).sin_cos();
-                model.learn_spread([off_m + offset_m * sin, offset_m * cos], 2.0 * 9.0, 25.0);
+                model.learn_spread([off_m + offset_m * sin, offset_m * cos], 2.0 * 9.0, 25.0, 80.0);
             }
             model
         };
@@ -290,6 +296,8 @@ mod tests {
         let model = learned(400.0, 50.0);
         assert!((300.0..520.0).contains(&model.spread_m2()), "{}", model.spread_m2());
         assert!(model.sees_points(2.0) && !model.sees_points(10.0));
+        let far = learned(60.0 * 60.0, 0.0);
+        assert!(far.spread_m2() > 2000.0 && !far.sees_points(2.0), "larger than a target");
     }
 
     #[test]

@@ -258,7 +258,8 @@ impl Sources {
             && tracks.systems.get(system).life == TrackState::Confirmed
             && let Some((offset, noise_m2)) = self.offset(tracks, sensor)
         {
-            self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2());
+            let size_m = settings.target_size.of(&tracks.sensors.get(sensor).latest.target_type);
+            self.models[source].learn_spread(offset, 2.0 * noise_m2, measurement.variance_m2(), size_m);
         }
     }
 
@@ -413,8 +414,8 @@ impl Sources {
 
 /// Where a source that measures range and azimuth stands, metres; `None` for others.
 fn place_of(source: &SourceSettings) -> Option<[f64; 2]> {
-    match source.accuracy.base {
+    source.place_m.or(match source.accuracy.base {
         AccuracyBase::Polar { place_m, .. } => Some(place_m),
         _ => None,
-    }
+    })
 }

@@ -11,13 +11,17 @@ use messages::AXES;
 use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
+use crate::registration::model::Model;
+
 /// Number of systematic errors per source.
 pub const ERRORS: usize = 6;
 /// Offset east, north, up (m); time offset (s, late is positive); range bias (m); azimuth bias (rad, clockwise).
 pub type Errors = SVector<f64, ERRORS>;
 
-/// Place of the time offset among the errors.
+/// Places of the time offset, the range bias and the azimuth bias among the errors.
 pub(crate) const TIME: usize = 3;
+pub(crate) const RANGE: usize = 4;
+pub(crate) const AZIMUTH: usize = 5;
 /// Standard deviations of the errors before anything is known.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
 /// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
@@ -62,7 +66,7 @@ pub(crate) struct View {
     pub(crate) covariance_m2: estimation::Matrix3,
     pub(crate) velocity_mps: [f64; AXES],
     pub(crate) has_height: bool,
-    /// Place of the sensor, where it is known and measures range and azimuth.
+    /// Position of the sensor, if known.
     pub(crate) place_m: Option<[f64; 2]>,
 }
 
@@ -73,6 +77,8 @@ impl View {
     }
 }
 
+/// Derivatives of a report with respect to the errors of its source. Without a position of the sensor the azimuth bias
+/// turns the targets about the origin: with an offset, that is the same rotation. A range bias has no effect then.
 pub(crate) fn sensitivity(
     position: [f64; AXES],
     velocity: [f64; AXES],
@@ -83,14 +89,15 @@ pub(crate) fn sensitivity(
         h[(axis, axis)] = 1.0;
         h[(axis, 3)] = -velocity[axis];
     }
-    if let Some([east, north]) = place {
-        let (dx, dy) = (position[0] - east, position[1] - north);
-        let range = dx.hypot(dy);
-        if range > 1.0 {
-            (h[(0, 4)], h[(1, 4)]) = (dx / range, dy / range);
-            // Azimuth counts clockwise from north.
-            (h[(0, 5)], h[(1, 5)]) = (dy, -dx);
+    let [east, north] = place.unwrap_or_default();
+    let (dx, dy) = (position[0] - east, position[1] - north);
+    let range = dx.hypot(dy);
+    if range > 1.0 {
+        if place.is_some() {
+            (h[(0, RANGE)], h[(1, RANGE)]) = (dx / range, dy / range);
         }
+        // Azimuth counts clockwise from north.
+        (h[(0, AZIMUTH)], h[(1, AZIMUTH)]) = (dy, -dx);
     }
     h
 }
@@ -107,6 +114,8 @@ kept! {
         pub samples: f64,
         /// Errors that are being removed from the source's reports.
         pub removed: [bool; ERRORS],
+        /// Model of the errors: what is estimated; all other errors are 0.
+        pub(crate) model: Model,
     }
 }
 
@@ -118,6 +127,7 @@ impl SourceErrors {
             variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
             samples: 0.0,
             removed: [false; ERRORS],
+            model: Model::OFFSET,
         }
     }
 

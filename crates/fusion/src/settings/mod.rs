@@ -16,6 +16,7 @@ use settings::{Seconds, SettingsError};
 pub use crate::border::BorderSettings;
 pub use crate::coverage::{CoverageArea, CoverageTable};
 pub use crate::existence::ExistenceSettings;
+pub use crate::reference_point::TargetSizeSettings;
 pub use crate::registration::settings::RegistrationSettings;
 pub use crate::rules::settings::{
     DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
@@ -51,6 +52,8 @@ settings::settings! {
         existence: ExistenceSettings = ExistenceSettings::default();
         /// Systematic errors of the sources (BF-3).
         registration: RegistrationSettings = RegistrationSettings::default();
+        /// Largest sizes of targets, by type.
+        target_size: TargetSizeSettings = TargetSizeSettings::default();
         /// Weighing of the sources.
         rule: RuleSettings = RuleSettings::default();
     }

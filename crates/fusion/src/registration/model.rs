@@ -1,0 +1,122 @@
+//! Rival models of a source's systematic errors, and the choice among them by evidence.
+//!
+//! An offset, a north mark that is off and a range bias move the targets of a small area alike. To estimate all of them
+//! at once would give large errors that compensate each other where targets were seen, and mislead elsewhere. So each
+//! source has one model at a time, the one with the greatest evidence (the Bayesian information criterion): the fit of
+//! the differences, less a penalty for each estimated error. Height and time offset are part of every model. A source
+//! without errors has the model of an offset, which is then insignificant.
+//!
+//! A change to a model with as many errors or more must raise the evidence clearly. One source changes its model at a
+//! time, the one with most to gain: its rivals for the same differences are judged again with that error removed.
+//!
+//! Source: G. Schwarz, *Estimating the dimension of a model*, Annals of Statistics 6 (1978).
+
+use kept::kept;
+use serde::{Deserialize, Serialize};
+
+use crate::registration::Block;
+use crate::registration::errors::{AZIMUTH, ERRORS, Errors, RANGE};
+
+/// Information that holds an error at 0.
+const HELD: f64 = 1e30;
+/// Increase of the evidence that a change needs to a model with as many errors or more.
+const CHANGE_MIN: f64 = 12.0;
+
+kept! {
+    /// Errors that are estimated.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    pub(crate) struct Model {
+        offset: bool,
+        range: bool,
+        azimuth: bool,
+    }
+}
+
+/// Models without and with the position of the sensor.
+const WITHOUT_PLACE: [Model; 2] = [Model::OFFSET, Model::new(true, false, true)];
+const WITH_PLACE: [Model; 7] = [
+    Model::OFFSET,
+    Model::new(false, false, true),
+    Model::new(false, true, false),
+    Model::new(false, true, true),
+    Model::new(true, false, true),
+    Model::new(true, true, false),
+    Model::new(true, true, true),
+];
+
+impl Model {
+    /// A constant offset.
+    pub(crate) const OFFSET: Self = Self::new(true, false, false);
+
+    const fn new(offset: bool, range: bool, azimuth: bool) -> Self {
+        Self { offset, range, azimuth }
+    }
+
+    /// Returns whether the horizontal offset is estimated.
+    pub(crate) fn has_offset(self) -> bool {
+        self.offset
+    }
+
+    /// Returns whether an error is estimated.
+    pub(crate) fn estimates(self, row: usize) -> bool {
+        match row {
+            0 | 1 => self.offset,
+            RANGE => self.range,
+            AZIMUTH => self.azimuth,
+            _ => true,
+        }
+    }
+
+    /// Returns whether the model is more than an offset.
+    pub(crate) fn is_polar(self) -> bool {
+        self.range || self.azimuth
+    }
+
+    /// Holds the errors at 0 that are not estimated.
+    pub(crate) fn hold(self, normal: &mut Block) {
+        for row in (0..ERRORS).filter(|row| !self.estimates(*row)) {
+            normal[(row, row)] += HELD;
+        }
+    }
+
+    fn parameters(self) -> u8 {
+        2 * u8::from(self.offset) + u8::from(self.range) + u8::from(self.azimuth)
+    }
+
+    /// Complexity of the model, for the question whether one is simpler than another.
+    fn complexity(self) -> u8 {
+        if self == Self::OFFSET { 0 } else { self.parameters() }
+    }
+
+    /// Returns twice the evidence of the model: the decrease of the weighted squares times `scale`, less the penalty
+    /// of `samples` samples.
+    fn evidence(self, normal: &Block, right: &Errors, scale: f64, samples: f64) -> Option<f64> {
+        let mut held = *normal;
+        self.hold(&mut held);
+        let solved = held.cholesky()?.solve(right);
+        let evidence = scale * right.dot(&solved) - f64::from(self.parameters()) * samples.max(1.0).ln();
+        if self == Self::OFFSET {
+            let without = Self::new(false, false, false).evidence(normal, right, scale, samples)?;
+            return Some(evidence.max(without));
+        }
+        Some(evidence)
+    }
+
+    /// Returns the best model and by how much its evidence exceeds that of `self`; `None` if no other is better. `scale` is the ratio of the expected squares of the differences to the real ones.
+    pub(crate) fn better(
+        self,
+        normal: &Block,
+        right: &Errors,
+        scale: f64,
+        samples: f64,
+        has_place: bool,
+    ) -> Option<(f64, Self)> {
+        let models: &[Self] = if has_place { &WITH_PLACE } else { &WITHOUT_PLACE };
+        let present = self.evidence(normal, right, scale, samples)?;
+        let others = models.iter().filter(|model| **model != self);
+        others
+            .filter_map(|model| Some((model.evidence(normal, right, scale, samples)? - present, *model)))
+            .filter(|(gain, model)| *gain > if model.complexity() < self.complexity() { 0.0 } else { CHANGE_MIN })
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+}
