@@ -87,6 +87,11 @@ impl Credibility {
         self.set_aside & (1 << source) != 0
     }
 
+    /// Returns whether any source is set aside.
+    pub(crate) fn sets_aside(&self) -> bool {
+        self.set_aside != 0
+    }
+
     /// Judges the latest report of a sensor track against the others of its system track, and learns of all their
     /// sources. `false` if the report is not to be used. `spread_m2` is the variance per axis of where sources see a
     /// target, `clocks` are the errors of the sources' clocks.

@@ -764,10 +764,15 @@ impl Engine {
         }
         let confirmed = self.tracks.systems.count_in_state(TrackState::Confirmed);
         let enabled = self.settings.registration.enabled;
-        self.sources
-            .register(due && enabled, confirmed, self.points.sees_points(), |source| {
+        let largest_m = self.settings.target_size.unknown_m;
+        self.sources.register(
+            due && enabled,
+            largest_m,
+            (confirmed, self.points.sees_points()),
+            |source| {
                 self.outbox.counts.add(source, Counter::EstimatesRestarted);
-            });
+            },
+        );
         if due {
             self.points.look(&self.sources, self.publisher.rule().keeps_points);
             let common_m2 = self.sources.registration.common_error_m2();

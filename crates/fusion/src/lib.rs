@@ -25,7 +25,6 @@ mod credibility;
 mod crossing;
 mod dependence;
 mod description;
-mod drift;
 mod engine;
 mod engine_counters;
 #[cfg(test)]

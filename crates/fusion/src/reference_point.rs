@@ -252,7 +252,10 @@ mod tests {
     fn a_size_is_looked_up_by_type() {
         let sizes = TargetSizeSettings::default();
         let of = |name| sizes.of(&TargetType::new(name, 0.9).unwrap());
-        assert_eq!([of("vessel"), of("A320"), sizes.of(&TargetType::default())], [450.0, 80.0, 80.0]);
+        assert_eq!(
+            [of("vessel"), of("A320"), sizes.of(&TargetType::default())],
+            [450.0, 80.0, 80.0]
+        );
     }
 
     #[test]

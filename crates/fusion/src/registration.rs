@@ -17,9 +17,10 @@
 //! the late clock is undetermined as well. Times of receipt resolve both cases: a clock that deviates from them gets
 //! its offset as prior, and its source weighs less in the median.
 //!
-//! Errors may change. If the latest differences show that the estimate lags, only the differences of the last seconds
-//! count until the estimate has caught up. The published covariances include the remaining differences, the offsets
-//! that are not removed, and the unobservable error of the median itself.
+//! Errors may change. If the latest differences show a drift, only the differences of the last seconds count until the
+//! estimate has caught up. After a step, the estimate of the source that changed starts anew (module `recent`). The
+//! published covariances include the remaining differences, the offsets that are not removed, and the unobservable error
+//! of the median itself.
 //!
 //! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report
 //! may wait that long, so a solution proceeds in steps of bounded work, and the estimates change once it is complete.
@@ -40,20 +41,21 @@
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
 mod errors;
+mod gauge;
 mod model;
+mod recent;
 pub(crate) mod settings;
-
-use std::ops::Range;
+mod significance;
 
 use kept::kept;
 use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::drift::{DRIFT_S, Residuals};
-use crate::registration::errors::{AZIMUTH, ERROR_MAX_SIGMA, PRIOR_SIGMA, RANGE, TIME, clock_of, sensitivity};
+use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, TIME, clock_of, sensitivity};
 use crate::registration::model::Model;
-use crate::source_ref::SOURCES_MAX;
+use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN, step_limit};
+use crate::registration::significance::PointsVariance;
 
 pub(crate) use crate::registration::errors::{ClockError, View};
 pub use crate::registration::errors::{ERRORS, Errors, SourceErrors};
@@ -73,14 +75,8 @@ const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
 /// Work of comparing the models of a source, likewise.
 const SELECT_WORK: usize = 64;
-/// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
-const SIGNIFICANT_2: f64 = 13.8;
-const INSIGNIFICANT_2: f64 = 2.8;
-/// Chi-square with one degree of freedom, likewise, for the other errors.
-const SIGNIFICANT_1: f64 = 10.8;
-const INSIGNIFICANT_1: f64 = 1.6;
-/// Samples of a source before any of its errors is removed.
-const SAMPLES_MIN: f64 = 20.0;
+/// Targets from which on a difference of all targets is no wrong join of few.
+pub(crate) const TARGETS_MIN: usize = 4;
 /// Samples of a source before other sources' models are judged by comparison with it.
 const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 /// Largest squared statistical length of a difference that is used.
@@ -88,6 +84,8 @@ const DIFFERENCE_GATE: f64 = 25.0;
 /// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
 /// estimate. The bound prevents a wrong estimate from passing as ever larger targets.
 const POINTS_MAX_M2: f64 = 100.0 * 100.0;
+/// Comparisons of one target within the memory of the latest differences, at most.
+const RECENT_TIMES: f64 = 3.0;
 /// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
 const FIT_GAIN: f64 = 1.0 / 64.0;
 const FIT_MAX: f64 = 12.0;
@@ -138,10 +136,14 @@ pub(crate) struct Registration {
     /// expected.
     fits: Vec<f64>,
     reference: Option<u16>,
+    /// Number of targets that several sources observe; at least 1.
+    targets: f64,
     /// Whether the position of each sensor is known.
     has_place: Vec<bool>,
-    /// Latest differences of each source that the estimates leave over.
-    rests: Vec<Residuals>,
+    /// Latest differences of each source.
+    recents: Vec<Recent>,
+    /// Number of solutions of each source's present estimate, at most [`SOLUTIONS_MIN`].
+    solutions: Vec<u8>,
     /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
     keep_drifting: f64,
@@ -171,10 +173,12 @@ impl Registration {
             contradicted: vec![0.0; sources],
             fits: vec![1.0; sources],
             has_place: vec![false; sources],
-            rests: vec![Residuals::default(); sources],
+            recents: vec![Recent::default(); sources],
+            solutions: vec![0; sources],
             reference,
+            targets: 1.0,
             keep: (-tick_s / memory_s).exp(),
-            keep_drifting: (-tick_s / DRIFT_S.min(memory_s)).exp(),
+            keep_drifting: (-tick_s / RECENT_S.min(memory_s)).exp(),
             solution: Solution {
                 next: None,
                 sources: vec![unknown; sources],
@@ -270,18 +274,18 @@ impl Registration {
     /// drifted away from the estimate.
     fn left_over_m2(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
-        for (known, rest) in self.sources.iter().zip(&self.rests) {
+        for (known, recent) in self.sources.iter().zip(&self.recents) {
             if known.samples >= SAMPLES_MIN {
-                sum += if known.removed[0] { 0.0 } else { known.excess_m2() } + rest.drift_m2();
+                sum += if known.removed[0] { 0.0 } else { known.excess_m2() } + recent.drift_m2();
                 count += 1.0;
             }
         }
         if count < 2.0 { 0.0 } else { (sum / count).max(0.0) }
     }
 
-    /// Learns from two views of one target at one time; `points_m2` is the variance per axis between the detected
-    /// points, m².
-    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64) {
+    /// Learns from two views of one target at one time. `points_m2` is the variance per axis between the detected
+    /// points, m², and `reports` the number of reports of the target per source.
+    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64, reports: f64) {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
@@ -299,24 +303,29 @@ impl Registration {
                 0.0
             }
         });
-        let mut weight = a.covariance_m2 + b.covariance_m2;
-        let stated_m2 = weight[(0, 0)] + weight[(1, 1)];
-        for axis in 0..2 {
-            weight[(axis, axis)] += points_m2;
-        }
+        let mut covariance_m2 = a.covariance_m2 + b.covariance_m2;
+        let stated_m2 = covariance_m2[(0, 0)] + covariance_m2[(1, 1)];
         if !three {
             for axis in 0..2 {
-                weight[(axis, 2)] = 0.0;
-                weight[(2, axis)] = 0.0;
+                covariance_m2[(axis, 2)] = 0.0;
+                covariance_m2[(2, axis)] = 0.0;
             }
-            weight[(2, 2)] = 1e12;
+            covariance_m2[(2, 2)] = 1e12;
         }
+        // The points stay where they are. However often a target is compared, it yields no more than one pair of points:
+        // an aircraft at its stand must not outweigh all that pass.
+        let times = 1.0 + reports.min(self.comparisons_per_target(a.source, b.source));
+        let weight_of = |points_m2: f64| {
+            let points = estimation::Matrix3::from_diagonal(&SVector::from([points_m2, points_m2, 0.0]));
+            Some((covariance_m2 + points).cholesky()?.inverse())
+        };
+        let points_m2 = (times * points_m2, times.min(RECENT_TIMES) * points_m2);
         // One velocity for both views: a common part of all clock errors then shows in no difference, and the
         // solution does not run away when the part is subtracted.
         let velocity_mps = std::array::from_fn(|axis| 0.5 * (a.velocity_mps[axis] + b.velocity_mps[axis]));
         let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
         let explained = of_a * self.of(a.source).errors - of_b * self.of(b.source).errors;
-        let Some(weight) = weight.cholesky().map(|factor| factor.inverse()) else {
+        let (Some(weight), Some(weight_of_recent)) = (weight_of(points_m2.0), weight_of(points_m2.1)) else {
             return;
         };
         let rest = difference - explained;
@@ -326,7 +335,7 @@ impl Registration {
         if !squared.is_finite() {
             return;
         }
-        let explained_m2 = DIFFERENCE_GATE * (stated_m2 + 2.0 * points_m2.min(POINTS_MAX_M2));
+        let explained_m2 = DIFFERENCE_GATE * (stated_m2 + 2.0 * points_m2.0.min(POINTS_MAX_M2));
         let is_too_far = rest[0] * rest[0] + rest[1] * rest[1] > explained_m2;
         let is_contradicted = settled && (squared > DIFFERENCE_GATE || is_too_far);
         for source in [a.source, b.source] {
@@ -338,28 +347,26 @@ impl Registration {
         for view in [a, b] {
             self.has_place[usize::from(view.source)] = view.place_m.is_some();
         }
+        let bounded = rest * (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
+        let is_solved = |view: &View| self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN;
+        if settled && is_solved(a) && is_solved(b) {
+            for (view, of, bounded) in [(a, &of_a, bounded), (b, &of_b, -bounded)] {
+                let weighted = of.transpose() * (weight_of_recent * SAMPLE_WEIGHT);
+                self.recents[usize::from(view.source)].add(&(weighted * of), &(weighted * bounded));
+            }
+        }
         if is_contradicted {
             return;
         }
         let weight = weight * SAMPLE_WEIGHT;
-        self.rests[usize::from(a.source)].add(&weight, [rest[0], rest[1]]);
-        self.rests[usize::from(b.source)].add(&weight, [-rest[0], -rest[1]]);
-        self.add(
-            a.source,
-            b.source,
-            &(of_a.transpose() * weight),
-            &of_a,
-            &of_b,
-            &difference,
-        );
-        self.add(
-            b.source,
-            a.source,
-            &(of_b.transpose() * weight),
-            &of_b,
-            &of_a,
-            &-difference,
-        );
+        let (weighted_a, weighted_b) = (of_a.transpose() * weight, of_b.transpose() * weight);
+        self.add(a.source, b.source, &weighted_a, &of_a, &of_b, &difference);
+        self.add(b.source, a.source, &weighted_b, &of_b, &of_a, &-difference);
+    }
+
+    /// Returns the comparisons of one target of two sources that the sums contain, on the average.
+    fn comparisons_per_target(&self, a: u16, b: u16) -> f64 {
+        self.of(a).samples.min(self.of(b).samples) / self.targets
     }
 
     fn add(
@@ -380,8 +387,9 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress.
-    pub(crate) fn begin(&mut self) {
+    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of a
+    /// source whose errors changed by a step is dropped, and the source is passed to `restarted`.
+    pub(crate) fn begin(&mut self, restarted: impl FnMut(u16)) {
         if self.is_solving() {
             return;
         }
@@ -391,9 +399,10 @@ impl Registration {
                 source.samples *= keep;
             }
         }
-        for rest in &mut self.rests {
-            rest.look(self.keep_drifting);
+        for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
+            recent.look(self.keep_drifting, known.model);
         }
+        self.forget_after_step(restarted);
         self.solution.sources.copy_from_slice(&self.sources);
         self.solution.best = None;
         self.solution.next = Some((0, 0));
@@ -434,7 +443,9 @@ impl Registration {
             self.solve(own, clock_of(clocks, own));
             own += 1;
             if own == self.sources.len() {
-                self.fix_gauge(clocks);
+                if self.reference.is_none() {
+                    gauge::fix(&mut self.solution.sources, clocks);
+                }
                 (sweep, own) = (sweep + 1, 0);
             }
         }
@@ -445,6 +456,8 @@ impl Registration {
             let solved = self.solution.sources[own];
             if solved.are_possible() && self.contradicted[own] <= CONTRADICTED {
                 (self.sources[own].errors, self.sources[own].variances) = (solved.errors, solved.variances);
+                let is_begun = self.sources[own].samples >= SAMPLES_MIN;
+                self.solutions[own] = (self.solutions[own] + u8::from(is_begun)).min(SOLUTIONS_MIN);
             } else {
                 self.forget(own);
                 restarted(own as u16);
@@ -464,8 +477,27 @@ impl Registration {
         self.partners[own] = 0;
         self.contradicted[own] = 0.0;
         self.fits[own] = 1.0;
-        self.rests[own] = Residuals::default();
+        self.recents[own] = Recent::default();
+        self.solutions[own] = 0;
         self.sources[own] = SourceErrors::unknown();
+    }
+
+    /// Drops the estimates of the sources whose errors changed by a step; they are passed to `restarted`.
+    fn forget_after_step(&mut self, mut restarted: impl FnMut(u16)) {
+        let is_sought = |own: usize| self.reference != Some(own as u16) && self.sources[own].samples >= SAMPLES_MIN;
+        let sought = (0..self.sources.len()).filter(|own| is_sought(*own));
+        let limit = step_limit(sought.map(|own| &self.recents[own]));
+        if limit == f64::INFINITY || self.targets < TARGETS_MIN as f64 {
+            return;
+        }
+        for own in 0..self.sources.len() {
+            if self.reference != Some(own as u16) && self.recents[own].is_step(limit) {
+                self.forget(own);
+                restarted(own as u16);
+            }
+        }
+        // The latest differences of all sources contain the step.
+        self.recents.fill(Recent::default());
     }
 
     /// Decays the sums of one source by one tick, and factors its normal equations.
@@ -474,7 +506,7 @@ impl Registration {
         let (mut normal, _) = prior(clock);
         for other in partners(self.partners[own]) {
             let pair = &mut self.pairs[own * count + other];
-            let drifts = self.rests[own].is_drift() || self.rests[other].is_drift();
+            let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
             let keep = if drifts { self.keep_drifting } else { self.keep };
             pair.own *= keep;
             pair.cross *= keep;
@@ -540,110 +572,40 @@ impl Registration {
         }
     }
 
-    /// Without a reference, takes the geometric median of all compared sources as true: a single outlier hardly moves
-    /// it. Every sweep makes one step towards the median (Weiszfeld).
-    fn fix_gauge(&mut self, clocks: &[ClockError]) {
-        if self.reference.is_some() {
-            return;
-        }
-        let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
-        // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative
-        // to a source that is known to have none.
-        let is_anchored = |source: &SourceErrors| source.samples > 0.0 && !source.model.has_offset();
-        let is_anchored = self.solution.sources.iter().any(is_anchored);
-        for rows in [0..2, 2..3, TIME..TIME + 1].into_iter().skip(usize::from(is_anchored)) {
-            let middle = match is_any_off {
-                true => self.median_by_clocks(rows.clone(), clocks),
-                false => self.step_to_median(rows.clone()),
-            };
-            for source in self.solution.sources.iter_mut().filter(|source| source.samples > 0.0) {
-                for row in rows.clone() {
-                    source.errors[row] -= middle[row];
-                }
-            }
-        }
-    }
-
-    /// Returns a step from 0 towards the geometric median of the compared sources.
-    fn step_to_median(&self, rows: Range<usize>) -> Errors {
-        let mut total = 0.0;
-        let mut middle = Errors::zeros();
-        for source in self.solution.sources.iter().filter(|source| source.samples > 0.0) {
-            let weight = source.closeness(rows.clone());
-            total += weight;
-            middle += source.errors * weight;
-        }
-        if total > 0.0 { middle / total } else { Errors::zeros() }
-    }
-
-    /// Returns the median of each error over the compared sources; sources with wrong clocks weigh less.
-    fn median_by_clocks(&self, rows: Range<usize>, clocks: &[ClockError]) -> Errors {
-        let mut middle = Errors::zeros();
-        for row in rows {
-            let mut values = [(0.0, 0.0); SOURCES_MAX];
-            let (mut count, mut total) = (0, 0.0);
-            for (own, source) in self.solution.sources.iter().enumerate() {
-                if source.samples > 0.0 {
-                    let weight = 1.0 / (1.0 + clock_of(clocks, own).excess_s);
-                    values[count] = (source.errors[row], weight);
-                    (count, total) = (count + 1, total + weight);
-                }
-            }
-            let values = &mut values[..count];
-            values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-            middle[row] = weighted_median(values, total);
-        }
-        middle
-    }
-
-    /// Decides the significance of the errors once a solution is complete. `known` returns whether the spread of a
-    /// source is known, a precondition of the decision. `spread_m2` is the variance of the detection points,
-    /// `targets` the number of targets that several sources observe. `points` is true if the detection points are
-    /// known to lie far apart.
+    /// Decides the significance of the errors once a solution is complete. `spread_m2` returns the variance per axis of
+    /// the detection points of a source, `None` if too little is known for a decision. `targets` is the number of targets that several sources observe.
+    ///
+    /// If detection points are known to lie `far_apart`, time offsets are left alone, unless the times of receipt confirm
+    /// them.
     pub(crate) fn decide(
         &mut self,
         clocks: &[ClockError],
-        known: impl Fn(usize) -> bool,
-        spread_m2: f64,
+        spread_m2: impl Fn(usize) -> Option<f64>,
         targets: usize,
-        points: bool,
+        far_apart: bool,
     ) {
+        self.targets = targets.max(1) as f64;
         for own in 0..self.sources.len() {
             let is_clock_off = clock_of(clocks, own).excess_s > 0.0;
-            if known(own) || is_clock_off {
-                self.decide_for(own, spread_m2 / targets.max(1) as f64, points && !is_clock_off);
-            }
+            let Some(spread_m2) = spread_m2(own) else {
+                continue;
+            };
+            let offset_m2 = spread_m2 / self.targets;
+            let time_s2 = match far_apart && !is_clock_off {
+                true => f64::INFINITY,
+                false => offset_m2 / self.mean_squared_speed(own),
+            };
+            significance::decide(&mut self.sources[own], &PointsVariance { offset_m2, time_s2 });
         }
     }
 
-    /// Decides the significance of the errors of one source: the horizontal offset jointly, the others separately.
-    /// `spread_m2` is the variance that the detection points add to a mean over all targets.
-    ///
-    /// If detection points lie far apart, a point ahead of the others looks like a fast clock. Time offsets are then
-    /// left alone, unless the times of receipt confirm them.
-    fn decide_for(&mut self, own: usize, spread_m2: f64, points: bool) {
-        let known = &mut self.sources[own];
-        let enough = known.samples >= SAMPLES_MIN;
-        let squared = |row: usize, extra: f64| known.errors[row] * known.errors[row] / (known.variances[row] + extra);
-        let horizontal = squared(0, spread_m2) + squared(1, spread_m2);
-        let time = if points { 0.0 } else { squared(3, 0.0) };
-        let values = [horizontal, horizontal, squared(2, 0.0), time];
-        for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
-            let limit = match (row < 2, *removed) {
-                (true, false) => SIGNIFICANT_2,
-                (true, true) => INSIGNIFICANT_2,
-                (false, false) => SIGNIFICANT_1,
-                (false, true) => INSIGNIFICANT_1,
-            };
-            *removed = enough && value > limit;
-        }
-        for row in [RANGE, AZIMUTH] {
-            known.removed[row] = enough && known.model.estimates(row);
-        }
-        if known.model.is_polar() && known.model.has_offset() {
-            // The offset belongs to the rotation.
-            known.removed[..2].fill(enough);
-        }
+    /// Returns the mean squared speed of the targets in the comparisons of a source, m²/s²; at least 1.
+    fn mean_squared_speed(&self, own: usize) -> f64 {
+        let pairs = partners(self.partners[own]).map(|other| &self.pairs[own * self.sources.len() + other].own);
+        let (speeds, weights) = pairs.fold((0.0, 0.0), |(speeds, weights), sums| {
+            (speeds + sums[(TIME, TIME)], weights + sums[(0, 0)])
+        });
+        (speeds / weights).max(1.0)
     }
 }
 
@@ -655,22 +617,6 @@ fn prior(clock: ClockError) -> (Block, Errors) {
     normal[(TIME, TIME)] = information;
     right[TIME] = information * offset_s;
     (normal, right)
-}
-
-/// Returns the weighted median of `values` in rising order, with weights that add up to `total`: the mean of the two
-/// middle values if the half lies between them; 0 if there are no values.
-fn weighted_median(values: &[(f64, f64)], total: f64) -> f64 {
-    let mut before = 0.0;
-    let reaches_half = |(_, weight): &(f64, f64)| {
-        before += weight;
-        before >= 0.5 * total
-    };
-    let Some(lower) = values.iter().position(reaches_half) else {
-        return 0.0;
-    };
-    let upper = if before == 0.5 * total { lower + 1 } else { lower };
-    let value = |place: usize| values.get(place).unwrap_or(&values[lower]).0;
-    0.5 * (value(lower) + value(upper))
 }
 
 /// Returns the sources in the bit set `bits`, in rising order.

@@ -1,6 +1,9 @@
 //! Systematic errors that are known, and are found.
 
+use std::ops::Range;
+
 use super::*;
+use crate::registration::errors::{AZIMUTH, RANGE};
 
 /// A deterministic stand-in for noise.
 fn noise(index: u32, scale: f64) -> f64 {
@@ -44,11 +47,11 @@ fn registered_while(
                 let (offset_m, late_s) = (offset_m(source, second), late_s[usize::from(source)]);
                 view(source, truth, velocity, offset_m, late_s, second * 20 + target)
             };
-            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
+            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
         }
-        registration.begin();
+        registration.begin(|_| {});
         while !registration.step(&[], |_| {}) {}
-        registration.decide(&[], |_| true, 0.0, 20, false);
+        registration.decide(&[], |_| Some(0.0), 20, false);
     }
     registration
 }
@@ -102,6 +105,50 @@ fn an_error_that_drifts_is_followed_and_what_it_is_behind_is_known() {
 }
 
 #[test]
+fn a_step_restarts_the_source_that_changed_alone() {
+    let offset_m = |source: u16, second: u32| match (source, second) {
+        (1, 100..160) => [150.0, 0.0],
+        _ => [f64::from(source) * 5.0, 0.0],
+    };
+    let differs_by = |registration: &Registration| registration.of(1).errors[0] - registration.of(0).errors[0];
+    let after = |seconds| registered_while(None, seconds, [0.0; 3], offset_m);
+    let (found, mended) = (after(110), after(170));
+    assert!((differs_by(&found) - 150.0).abs() < 8.0, "{:?}", found.of(1));
+    assert!((differs_by(&mended) - 5.0).abs() < 8.0, "{:?}", mended.of(1));
+    for registration in [found, mended] {
+        assert!(registration.of(1).samples < registration.of(0).samples.min(registration.of(2).samples) / 4.0);
+    }
+}
+
+#[test]
+fn scattered_absurd_reports_make_no_step() {
+    let offset_m = |source: u16, second: u32| match source {
+        1 => [noise(second * 3, 800.0), noise(second * 3 + 1, 800.0)],
+        _ => [0.0; 2],
+    };
+    let mut registration = registered_while(None, 60, [0.0; 3], |_, _| [0.0; 2]);
+    let mut restarts = 0;
+    for second in 0..60 {
+        for target in 0..20u32 {
+            let truth = [f64::from(target) * 3000.0, f64::from(second) * 100.0, 5000.0];
+            let is_absurd = target % 10 == 0;
+            let of = |source: u16| {
+                let offset_m = if is_absurd {
+                    offset_m(source, second * 20 + target)
+                } else {
+                    [0.0; 2]
+                };
+                view(source, truth, [100.0, 0.0, 0.0], offset_m, 0.0, second * 20 + target)
+            };
+            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
+        }
+        registration.begin(|_| restarts += 1);
+        while !registration.step(&[], |_| {}) {}
+    }
+    assert_eq!(restarts, 0);
+}
+
+#[test]
 fn a_named_reference_is_true() {
     let registration = registered(Some(1), [[0.0, 0.0], [60.0, 0.0], [30.0, 52.0]], [0.0; 3]);
     assert_eq!(registration.of(1).errors, Errors::zeros());
@@ -140,13 +187,13 @@ fn many_sources_are_solved_for_in_steps_and_change_together() {
         let heading = f64::from(index) * 0.7;
         let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
         let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
-        registration.learn(&of(a), &of(b), 0.0);
+        registration.learn(&of(a), &of(b), 0.0, 1e9);
     }
-    registration.begin();
+    registration.begin(|_| {});
     assert!(!registration.step(&[], |_| {}) && registration.is_solving());
     assert!((0..SOURCES).all(|source| registration.of(source).errors == Errors::zeros()));
     for _ in 0..30 {
-        registration.begin();
+        registration.begin(|_| {});
         while !registration.step(&[], |_| {}) {}
     }
     assert!(!registration.is_solving() && !registration.step(&[], |_| {}));
@@ -199,11 +246,11 @@ fn register_polar(
                 seen.place_m = places.then_some(place_m);
                 seen
             };
-            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0);
+            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
         }
-        registration.begin();
+        registration.begin(|_| {});
         while !registration.step(&[], |_| {}) {}
-        registration.decide(&[], |_| true, 0.0, 20, false);
+        registration.decide(&[], |_| Some(0.0), 20, false);
     }
 }
 
@@ -218,14 +265,25 @@ fn an_azimuth_error_is_told_from_an_offset_by_its_evidence() {
     register_polar(&mut registration, 0..30, true, (azimuth_rad, 0.0, [0.0; 2]));
     let known = registration.of(1);
     assert_eq!(known.removed, [false, false, false, false, false, true], "{known:?}");
-    assert!((known.errors[AZIMUTH] - azimuth_rad).abs() < 0.01 * azimuth_rad, "{known:?}");
+    assert!(
+        (known.errors[AZIMUTH] - azimuth_rad).abs() < 0.01 * azimuth_rad,
+        "{known:?}"
+    );
     for source in [0, 2] {
-        assert_eq!(registration.of(source).removed, [false; ERRORS], "{:?}", registration.of(source));
+        assert_eq!(
+            registration.of(source).removed,
+            [false; ERRORS],
+            "{:?}",
+            registration.of(source)
+        );
     }
     // Once mended, the error goes.
     register_polar(&mut registration, 30..400, true, (0.0, 0.0, [0.0; 2]));
     let known = registration.of(1);
-    assert!(!known.removed[AZIMUTH] || known.errors[AZIMUTH].abs() < 1e-5, "{known:?}");
+    assert!(
+        !known.removed[AZIMUTH] || known.errors[AZIMUTH].abs() < 1e-5,
+        "{known:?}"
+    );
 }
 
 #[test]
@@ -233,9 +291,15 @@ fn a_constant_offset_is_no_azimuth_error() {
     let mut registration = new_registration();
     register_polar(&mut registration, 0..60, true, (0.0, 0.0, [150.0, -80.0]));
     let known = registration.of(1);
-    assert!(!known.removed[AZIMUTH] && !known.removed[RANGE] && known.removed[0], "{known:?}");
+    assert!(
+        !known.removed[AZIMUTH] && !known.removed[RANGE] && known.removed[0],
+        "{known:?}"
+    );
     let apart = [0, 1].map(|row| known.errors[row] - registration.of(0).errors[row]);
-    assert!((apart[0] - 150.0).abs() < 5.0 && (apart[1] + 80.0).abs() < 5.0, "{apart:?}");
+    assert!(
+        (apart[0] - 150.0).abs() < 5.0 && (apart[1] + 80.0).abs() < 5.0,
+        "{apart:?}"
+    );
 }
 
 #[test]

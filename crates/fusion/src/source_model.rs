@@ -232,11 +232,25 @@ impl SourceModel {
         }
     }
 
+    /// Returns the largest variance per axis of points of one target, m²: one that has them at its ends.
+    pub(crate) fn largest_points_m2(&self) -> f64 {
+        0.25 * self.size_m * self.size_m
+    }
+
+    /// Returns [`Self::spread_m2`] as far as it is one of points: 0 where the spread is larger than a target.
+    pub(crate) fn points_m2(&self) -> f64 {
+        if self.spread_m2 <= self.largest_points_m2() {
+            self.spread_m2
+        } else {
+            0.0
+        }
+    }
+
     /// Returns whether the detection points lie farther apart than `ratio` times the source's measurement error, and no
     /// farther than targets are large: what is beyond is no point of a target.
     pub(crate) fn sees_points(&self, ratio: f64) -> bool {
-        let largest_m = 0.5 * self.size_m;
-        self.spread_m2 > 0.0 && self.spread_m2 <= largest_m * largest_m && self.spread_m2 > ratio * ratio * self.measured_m2.value()
+        let points_m2 = self.points_m2();
+        points_m2 > 0.0 && points_m2 > ratio * ratio * self.measured_m2.value()
     }
 
     /// Learns whether a scan saw a target that the source tracks.
@@ -297,7 +311,10 @@ mod tests {
         assert!((300.0..520.0).contains(&model.spread_m2()), "{}", model.spread_m2());
         assert!(model.sees_points(2.0) && !model.sees_points(10.0));
         let far = learned(60.0 * 60.0, 0.0);
-        assert!(far.spread_m2() > 2000.0 && !far.sees_points(2.0), "larger than a target");
+        assert!(
+            far.spread_m2() > 2000.0 && !far.sees_points(2.0),
+            "larger than a target"
+        );
     }
 
     #[test]

@@ -11,12 +11,11 @@ use crate::filter::{Filter, Innovation};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
 use crate::motion::Motion;
-use crate::registration::{ClockError, Registration, View};
+use crate::registration::{ClockError, Registration, TARGETS_MIN, View};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
-use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 
 /// Offset of a clock, seconds, that is no error beside the others.
@@ -172,12 +171,20 @@ impl Sources {
         self.models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
     }
 
+    /// [`Self::learned_spread_m2`], of each source at most that of points of one target.
+    fn possible_points_m2(&self, least_m2: f64) -> f64 {
+        let points_m2 = |model: &SourceModel| model.spread_m2().min(model.largest_points_m2());
+        self.models.iter().map(points_m2).fold(least_m2, f64::max)
+    }
+
     /// Variance per axis of the point that a filter follows about the target's middle, m²: the mean of the sources'
     /// points, of which few tell badly how far they lie apart, or one of them if it `keeps_one`. A source's point is
     /// known relative to those of the others.
     pub(crate) fn followed_point_m2(&self, keeps_one: bool) -> f64 {
         let known = self.models.iter().filter(|model| model.knows_spread());
-        let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), model| (sum + model.spread_m2(), count + 1.0));
+        let (sum_m2, count) = known.fold((0.0, 0.0), |(sum, count), model| {
+            (sum + model.spread_m2().min(model.largest_points_m2()), count + 1.0)
+        });
         if count < 2.0 {
             return 0.0;
         }
@@ -340,18 +347,10 @@ impl Sources {
         };
         let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
         let (own, other) = (view(sensor), view(other));
-        let points_m2 = self.target_points_m2(&settings.association, tracks, system);
-        self.registration.learn(&own, &other, points_m2);
-    }
-
-    /// Variance per axis that a further comparison on one target has because the sources see different points of it,
-    /// m². The points stay where they are, so that however often a target is compared, it says no more than one pair of
-    /// points: an aircraft at its stand must not outweigh all that pass.
-    fn target_points_m2(&self, settings: &AssociationSettings, tracks: &Tracks, system: SystemSlot) -> f64 {
-        let sources = self.models.len() as f64;
-        let times = 1.0 + f64::from(tracks.systems.get(system).reports) / sources;
-        let extent_m = settings.extent_sigma_m;
-        self.learned_spread_m2(extent_m * extent_m) * times
+        let extent_m = settings.association.extent_sigma_m;
+        let points_m2 = self.possible_points_m2(extent_m * extent_m);
+        let reports = f64::from(tracks.systems.get(system).reports) / self.models.len() as f64;
+        self.registration.learn(&own, &other, points_m2, reports);
     }
 
     /// A sensor track as its source gives it, at `time_ns`.
@@ -377,22 +376,34 @@ impl Sources {
         }
     }
 
-    /// Goes on with the estimate of the systematic errors, or begins a new one if it is `due`; `confirmed` targets are
-    /// followed now. What takes long is spread over the calls. A source whose estimate had to be dropped is given to
-    /// `restarted`.
-    pub(crate) fn register(&mut self, due: bool, confirmed: usize, sees_points: bool, restarted: impl FnMut(u16)) {
+    /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of a
+    /// target of unknown type; `confirmed` targets are followed now. Long work is spread over the calls. A source whose
+    /// estimate had to be dropped is passed to `restarted`.
+    pub(crate) fn register(
+        &mut self,
+        due: bool,
+        largest_m: f64,
+        (confirmed, sees_points): (usize, bool),
+        mut restarted: impl FnMut(u16),
+    ) {
         if due {
-            self.registration.begin();
+            self.registration.begin(&mut restarted);
         }
         if !self.registration.is_solving() || !self.registration.step(&self.clocks, restarted) {
             return;
         }
         self.correct_late_clocks();
-        // What one source's points are away from the others', the others' are from its.
-        let spread_m2 = self.learned_spread_m2(0.0);
-        let known = |source: usize| self.models[source].knows_spread();
+        // The distances of a source's points from the others' are those of the others' points from its. The offset of few
+        // targets may be that of wrong joins, and offsets beside a source that is set aside may be due to that source.
+        let learned_m2 = self.possible_points_m2(0.0);
+        let largest_m2 = 0.25 * largest_m * largest_m;
+        let decides_early = confirmed >= TARGETS_MIN && !self.credibility.sets_aside();
+        let spread_m2 = |source: usize| match self.models[source].knows_spread() {
+            true => Some(learned_m2),
+            false => decides_early.then_some(largest_m2),
+        };
         self.registration
-            .decide(&self.clocks, known, spread_m2, confirmed, sees_points);
+            .decide(&self.clocks, spread_m2, confirmed, sees_points);
     }
 
     /// Takes over how the sources' own trackers let their targets move: the median of what they assume.

@@ -24,6 +24,8 @@ pub(crate) const RANGE: usize = 4;
 pub(crate) const AZIMUTH: usize = 5;
 /// Standard deviations of the errors before anything is known.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
+/// Samples of a source before any of its errors is removed.
+pub(crate) const SAMPLES_MIN: f64 = 20.0;
 /// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
 pub(crate) const ERROR_MAX_SIGMA: f64 = 10.0;
 

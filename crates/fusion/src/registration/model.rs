@@ -102,7 +102,8 @@ impl Model {
         Some(evidence)
     }
 
-    /// Returns the best model and by how much its evidence exceeds that of `self`; `None` if no other is better. `scale` is the ratio of the expected squares of the differences to the real ones.
+    /// Returns the best model and by how much its evidence exceeds that of `self`; `None` if no other is better.
+    /// `scale` is the ratio of the expected squares of the differences to the real ones.
     pub(crate) fn better(
         self,
         normal: &Block,
@@ -116,7 +117,14 @@ impl Model {
         let others = models.iter().filter(|model| **model != self);
         others
             .filter_map(|model| Some((model.evidence(normal, right, scale, samples)? - present, *model)))
-            .filter(|(gain, model)| *gain > if model.complexity() < self.complexity() { 0.0 } else { CHANGE_MIN })
+            .filter(|(gain, model)| {
+                *gain
+                    > if model.complexity() < self.complexity() {
+                        0.0
+                    } else {
+                        CHANGE_MIN
+                    }
+            })
             .max_by(|a, b| a.0.total_cmp(&b.0))
     }
 }

@@ -1,0 +1,123 @@
+//! Systematic errors that change: drifts and steps, from the latest differences of a source.
+//!
+//! Registration averages over a minute. If the errors of a source change, its latest differences from the other sources
+//! lie to one side of what the estimate explains. Their sums over some seconds show the change: their squared
+//! statistical length follows chi-square while nothing changes.
+//! - A *drift* is a significant length. Older differences are then forgotten quickly, until the estimate has caught up.
+//! - A *step* is a length far beyond chance, found by a generalised likelihood ratio: for each source, how much better
+//!   does a change of this source alone explain the latest differences? The source that changed takes part in all
+//!   differences with a change, any other source only in some. Sources of equal likelihood count as changed together.
+//!   All differences of the source before the step are dropped.
+//!
+//! Far differences count with the length of the gate, so that scattered absurd reports make no step.
+//!
+//! Source: A. Willsky, H. Jones, *A generalized likelihood ratio approach to the detection and estimation of jumps in
+//! linear systems*, IEEE Transactions on Automatic Control 21 (1976).
+
+use serde::{Deserialize, Serialize};
+
+use crate::registration::Block;
+use crate::registration::errors::{AZIMUTH, Errors, RANGE};
+use crate::registration::model::Model;
+
+/// Solutions of a new estimate before its latest differences are looked at.
+pub(crate) const SOLUTIONS_MIN: u8 = 5;
+/// Memory of the latest differences, and of sources that drift, seconds.
+pub(crate) const RECENT_S: f64 = 7.0;
+/// Chi-square with two degrees of freedom beyond which what the estimates leave over is a drift.
+const DRIFT_2: f64 = 9.2;
+/// Chi-square beyond which it is a step, and by how much less a source is not the one that changed.
+const STEP: f64 = 30.0;
+const STEP_MARGIN: f64 = 10.0;
+
+/// Latest differences of a source that its estimate leaves over: without a change they are 0 on the average.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Recent {
+    /// Σ HᵀWH.
+    normal: Block,
+    /// Σ HᵀW·rest.
+    right: Errors,
+    /// Whether they were not 0, when last looked at.
+    is_drift: bool,
+    /// Chi-square of a change of the offset, the range bias or the azimuth bias, when last looked at.
+    step: f64,
+}
+
+impl Default for Recent {
+    fn default() -> Self {
+        Self {
+            normal: Block::zeros(),
+            right: Errors::zeros(),
+            is_drift: false,
+            step: 0.0,
+        }
+    }
+}
+
+impl Recent {
+    /// Adds a difference: HᵀWH and HᵀW·rest.
+    pub(crate) fn add(&mut self, normal: &Block, right: &Errors) {
+        self.normal += normal;
+        self.right += right;
+    }
+
+    /// Returns whether the latest differences showed a drift, when last looked at.
+    pub(crate) fn is_drift(&self) -> bool {
+        self.is_drift
+    }
+
+    /// Returns the mean square per axis of the drift, m²; 0 without one.
+    pub(crate) fn drift_m2(&self) -> f64 {
+        let [xx, xy, yy] = self.of_offset();
+        let [east, north] = [self.right[0], self.right[1]];
+        let determinant = xx * yy - xy * xy;
+        if !self.is_drift {
+            return 0.0;
+        }
+        let mean = [
+            (yy * east - xy * north) / determinant,
+            (xx * north - xy * east) / determinant,
+        ];
+        0.5 * (mean[0] * mean[0] + mean[1] * mean[1])
+    }
+
+    /// Fades the sums by one tick, and tests them for a change of the errors that `model` contains. The others are no
+    /// changes, but errors that the model does not contain yet.
+    pub(crate) fn look(&mut self, keep: f64, model: Model) {
+        let offset = association::distance::squared2([self.right[0], self.right[1]], self.of_offset());
+        let of_row = |row: usize| match self.normal[(row, row)] {
+            information if information > 0.0 => self.right[row] * self.right[row] / information,
+            _ => 0.0,
+        };
+        // The weight of the mean of numbers that fade: their squares fade twice as fast.
+        let squared = |value: f64| if value.is_finite() { 2.0 * value } else { 0.0 };
+        self.is_drift = squared(offset) > DRIFT_2;
+        let rows = [(0, offset), (RANGE, of_row(RANGE)), (AZIMUTH, of_row(AZIMUTH))];
+        let changes = rows.into_iter().filter(|(row, _)| model.estimates(*row));
+        self.step = changes.map(|(_, value)| squared(value)).fold(0.0, f64::max);
+        self.normal *= keep;
+        self.right *= keep;
+    }
+
+    fn of_offset(&self) -> [f64; 3] {
+        [self.normal[(0, 0)], self.normal[(0, 1)], self.normal[(1, 1)]]
+    }
+}
+
+/// Returns the chi-square beyond which a source has changed by a step; infinite if none has. `sought` are the sources
+/// whose errors are sought.
+pub(crate) fn step_limit<'a>(sought: impl Iterator<Item = &'a Recent>) -> f64 {
+    let largest = sought.map(|recent| recent.step).fold(0.0, f64::max);
+    if largest > STEP {
+        largest - STEP_MARGIN
+    } else {
+        f64::INFINITY
+    }
+}
+
+impl Recent {
+    /// Returns whether the source changed by a step, given the [`step_limit`].
+    pub(crate) fn is_step(&self, limit: f64) -> bool {
+        self.step > limit
+    }
+}

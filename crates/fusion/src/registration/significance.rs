@@ -1,0 +1,47 @@
+//! Significance of the estimated errors: which of them are removed from the reports of their source.
+//!
+//! An error is removed once its squared statistical length is far beyond chance, until it is within chance. The means of
+//! the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
+//! evidence chose a model that contains them (module `model`).
+
+use crate::registration::errors::{AZIMUTH, RANGE, SAMPLES_MIN, SourceErrors, TIME};
+
+/// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
+const SIGNIFICANT_2: f64 = 13.8;
+const INSIGNIFICANT_2: f64 = 2.8;
+/// Chi-square with one degree of freedom, likewise, for height and time offset.
+const SIGNIFICANT_1: f64 = 10.8;
+const INSIGNIFICANT_1: f64 = 1.6;
+
+/// Variances that the detection points add to a mean over all targets.
+pub(crate) struct PointsVariance {
+    /// Per axis, m².
+    pub(crate) offset_m2: f64,
+    /// In the time offset, s². Infinite if the points are known to lie far apart: a point ahead of the others looks like
+    /// a fast clock.
+    pub(crate) time_s2: f64,
+}
+
+/// Decides the significance of the errors of one source: the horizontal offset jointly, the others separately.
+pub(crate) fn decide(known: &mut SourceErrors, points: &PointsVariance) {
+    let enough = known.samples >= SAMPLES_MIN;
+    let squared = |row: usize, extra: f64| known.errors[row] * known.errors[row] / (known.variances[row] + extra);
+    let horizontal = squared(0, points.offset_m2) + squared(1, points.offset_m2);
+    let values = [horizontal, horizontal, squared(2, 0.0), squared(TIME, points.time_s2)];
+    for (row, (removed, value)) in known.removed.iter_mut().zip(values).enumerate() {
+        let limit = match (row < 2, *removed) {
+            (true, false) => SIGNIFICANT_2,
+            (true, true) => INSIGNIFICANT_2,
+            (false, false) => SIGNIFICANT_1,
+            (false, true) => INSIGNIFICANT_1,
+        };
+        *removed = enough && value > limit;
+    }
+    for row in [RANGE, AZIMUTH] {
+        known.removed[row] = enough && known.model.estimates(row);
+    }
+    if known.model.is_polar() && known.model.has_offset() {
+        // The offset belongs to the rotation.
+        known.removed[..2].fill(enough);
+    }
+}
