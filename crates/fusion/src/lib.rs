@@ -25,10 +25,14 @@ mod credibility;
 mod crossing;
 mod dependence;
 mod description;
+mod driver;
+#[cfg(test)]
+mod driver_tests;
 mod engine;
 mod engine_counters;
 #[cfg(test)]
 mod engine_tests;
+pub mod event_log;
 mod existence;
 mod explanation;
 mod filter;
@@ -75,6 +79,7 @@ mod testing;
 mod tracks;
 mod weighing;
 
+pub use driver::{Driver, ReportNumber};
 pub use engine::Engine;
 pub use engine_counters::EngineCounters;
 pub use explanation::Sink;

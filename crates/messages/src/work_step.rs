@@ -69,9 +69,9 @@ impl WorkStep {
     /// Offset of a source's clock in the absence of an estimate, in place of milliseconds.
     pub const CLOCK_UNKNOWN: i32 = i32::MIN;
 
-    /// Returns the offset, seconds, stated by a step of kind [`StepKind::SourceClock`]; `None` if it is unknown.
-    pub fn clock_offset_s(&self) -> Option<f64> {
+    /// Returns the offset, milliseconds, stated by a step of kind [`StepKind::SourceClock`]; `None` if it is unknown.
+    pub fn clock_offset_ms(&self) -> Option<i32> {
         let offset_ms = self.sequence.cast_signed();
-        (offset_ms != Self::CLOCK_UNKNOWN).then(|| 1e-3 * f64::from(offset_ms))
+        (offset_ms != Self::CLOCK_UNKNOWN).then_some(offset_ms)
     }
 }

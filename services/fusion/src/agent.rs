@@ -5,12 +5,11 @@ use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
 use configuration::{Config, ReportOrder, Source};
-use fusion::checkpoint::Position;
 use fusion::suspects::Verdict;
-use fusion::{Engine, Merger, PushOutcome, Sink as _};
+use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Sink as _};
 use messages::{
-    BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Registration,
-    Restored, SensorTrack, Stream, StreamId, TrackState,
+    BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
+    SensorTrack, Stream, StreamId, TrackState,
 };
 use runtime::clock::mono_ns;
 use runtime::flow::Reached;
@@ -19,8 +18,9 @@ use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::clocks::Clocks;
 use crate::continuity::{Keeping, Start, TakeOver};
+use crate::health;
 use crate::inputs::{Input, InputReport};
-use crate::order::{Numbered, OrderOfWork};
+use crate::log::Log;
 use crate::output::Output;
 use crate::source_time::{Common, SourceTime};
 
@@ -40,10 +40,9 @@ const CLOCK_CHANGES_MS: u32 = 100;
 /// Fusion as an agent, generic over the transport: tests run it in process.
 #[derive(Debug)]
 pub struct FusionAgent<S: Transport> {
-    engine: Engine,
+    driver: Driver<Log>,
     inputs: Vec<Input<S>>,
     output: Output<S>,
-    order: OrderOfWork,
     queues: Arc<Queues>,
     waiter: Waiter<S>,
     /// Order `arrival`: sources of the present round.
@@ -143,9 +142,8 @@ impl<S: Transport> FusionAgent<S> {
         let streams: Vec<_> = config.sources.iter().map(stream).collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);
         Ok(Self {
-            engine,
+            driver: Driver::begin(engine, Log::open(bus)?, epoch),
             output: Output::new(config, bus, (incarnation, epoch), Arc::clone(&queues))?,
-            order: OrderOfWork::begin(bus, epoch, inputs.len())?,
             keeping: None,
             take_over: TakeOver::default(),
             clocks: Clocks::default(),
@@ -175,15 +173,14 @@ impl<S: Transport> FusionAgent<S> {
         if start.goes_on() {
             self.output.go_on();
         }
-        let (order, output) = (&mut self.order, &mut self.output);
-        self.keeping = start.resume(&mut self.engine, &mut self.inputs, output, order, now)?;
+        self.keeping = start.resume(&mut self.driver, &mut self.inputs, &mut self.output, now)?;
         self.output.send(self.progress_ns, false)
     }
 
     #[cold]
     fn obey(&mut self, now: Now) {
         while let Some(order) = self.queues.orders.pop() {
-            if let Some(state) = self.engine.order_of_token(order.token) {
+            if let Some(state) = self.driver.engine().order_of_token(order.token) {
                 // A repetition: the sender has missed the answer.
                 self.output.order(&state);
                 continue;
@@ -192,15 +189,15 @@ impl<S: Transport> FusionAgent<S> {
                 Ok(()) => Counter::OrdersObeyed,
                 Err(refusal) => {
                     self.output
-                        .order(&OrderState::refused(&order, refusal, self.engine.now_ns()));
+                        .order(&OrderState::refused(&order, refusal, self.driver.engine().now_ns()));
                     Counter::OrdersRejected
                 }
             };
-            self.engine.counts_mut().add(NO_SOURCE, counter);
+            self.driver.engine_mut().counts_mut().add(NO_SOURCE, counter);
         }
     }
 
-    /// Obeys an order. The event log contains the whole order before the effect.
+    /// Obeys an order.
     #[cold]
     fn obey_one(&mut self, order: &Order, now: Now) -> Result<(), Refusal> {
         let is_late = now.utc_ns.saturating_sub(order.sent_ns) > ORDER_AGE_MAX_NS;
@@ -222,14 +219,12 @@ impl<S: Transport> FusionAgent<S> {
                 false => Err(Refusal::Busy),
             };
         }
-        let passed_ns = self.engine.now_ns();
+        let passed_ns = self.driver.engine().now_ns();
         let mut order = *order;
         if order.ends_ns != i64::MAX && passed_ns != i64::MIN {
             order.ends_ns = passed_ns.saturating_add(order.ends_ns - now.utc_ns);
         }
-        self.engine.examine(&order)?;
-        self.order.order(&order, passed_ns);
-        self.engine.obey(&order, &mut self.output)
+        self.driver.order(&order, passed_ns, &mut self.output)
     }
 
     /// Publishes a snapshot of the engine, for a recorder that has not run from the beginning. The only work of the
@@ -241,9 +236,8 @@ impl<S: Transport> FusionAgent<S> {
         }
         let (epoch, next) = self.output.next();
         let mut octets = next.to_le_bytes().to_vec();
-        octets.append(&mut self.engine.image());
         let time_ns = now.utc_ns;
-        self.order.image(time_ns);
+        octets.append(&mut self.driver.snapshot(time_ns));
         let ends = Restored::IMAGE;
         let whole = Whole {
             epoch,
@@ -260,10 +254,8 @@ impl<S: Transport> FusionAgent<S> {
         let ahead_ns = self.clocks.ahead_ns(now);
         let ahead_s = ahead_ns as f64 / messages::NS_PER_S;
         let known = self.inputs.iter().map(|input| input.known_clock(now, ahead_s));
-        let passed_ns = self.engine.now_ns();
         if let Some(host_offset_ns) = self.clocks.look(known.clone().flatten(), now) {
-            self.order.host_offset(host_offset_ns);
-            self.engine.set_host_offset(host_offset_ns);
+            self.driver.set_host_offset(host_offset_ns);
         }
         let host_offset_s = self.clocks.host_offset_s();
         self.common = Common { host_offset_s, ahead_s };
@@ -275,9 +267,7 @@ impl<S: Transport> FusionAgent<S> {
             };
             if !is_same {
                 *told_ms = offset_ms;
-                self.order.source_clock(input.source, offset_ms, passed_ns);
-                let offset_s = offset_ms.map(|offset_ms| 1e-3 * f64::from(offset_ms));
-                self.engine.set_source_clock(input.source, offset_s);
+                self.driver.set_source_clock(input.source, offset_ms);
             }
         }
     }
@@ -302,7 +292,7 @@ impl<S: Transport> FusionAgent<S> {
                 self.look_at_next()?;
             }
         }
-        self.let_time_pass(self.passed_ns(now));
+        self.driver.advance(self.passed_ns(now), &mut self.output);
         self.output.send(self.progress_ns, false)?;
         Ok(worked > 0)
     }
@@ -363,7 +353,12 @@ impl<S: Transport> FusionAgent<S> {
 
     /// Processes the next report of one source.
     fn work_off_one(&mut self, index: usize, now: Now) -> anyhow::Result<()> {
-        let Some(InputReport { report, number, last }) = self.inputs[index].next_report(now, self.common) else {
+        let Some(InputReport {
+            mut report,
+            number,
+            last,
+        }) = self.inputs[index].next_report(now, self.common)
+        else {
             return Ok(());
         };
         let passed_ns = self.passed_ns(now);
@@ -371,12 +366,10 @@ impl<S: Transport> FusionAgent<S> {
         let keeping = self.keeping.as_ref();
         let verdict = keeping.map_or(Verdict::Sound, |keeping| keeping.begin_report(source, number));
         if verdict != Verdict::Quarantine {
-            self.engine.take_at(&report, passed_ns, &mut self.output);
-            self.keep_position(source, number);
-            self.order.report(source, number, self.engine.now_ns());
+            self.driver.report(&mut report, number, passed_ns, &mut self.output);
         }
         if verdict != Verdict::Sound {
-            self.pass_suspect(&report, number, verdict);
+            self.pass_suspect(&mut report, number, verdict);
         }
         self.progress_ns = self.progress_ns.max(self.inputs[index].progress_ns);
         if last || self.output.waiting() >= SENT_TOGETHER {
@@ -389,31 +382,17 @@ impl<S: Transport> FusionAgent<S> {
         Ok(())
     }
 
-    /// Stores that a report is finished. After the work: a successor repeats the report in which this process dies.
-    /// Before the event log contains the report: no report is in the log twice.
-    #[inline]
-    fn keep_position(&mut self, source: u16, number: Numbered) {
-        let position = Position {
-            incarnation: number.publisher,
-            next_sequence: number.sequence.wrapping_add(1),
-        };
-        self.engine.keep_position(source, position);
-    }
-
     /// Skips a report in which fusion has died. A report in quarantine has no effect except for a count, and is
     /// stored.
     #[cold]
-    fn pass_suspect(&mut self, report: &SensorTrack, number: Numbered, verdict: Verdict) {
-        let source = report.source;
+    fn pass_suspect(&mut self, report: &mut SensorTrack, number: ReportNumber, verdict: Verdict) {
         if verdict == Verdict::Quarantine {
-            self.order.quarantine(source, number, self.engine.now_ns());
-            self.keep_position(source, number);
-            self.engine.counts_mut().add(source, Counter::Quarantined);
+            self.driver.quarantine(report, number);
             // Further such reports are counted, and not stored.
             let _ = self.queues.quarantined.push(*report);
         }
         if let Some(keeping) = &mut self.keeping {
-            keeping.clear(&mut self.engine, source, number);
+            keeping.clear(self.driver.engine_mut(), report.source, number);
         }
     }
 
@@ -430,31 +409,22 @@ impl<S: Transport> FusionAgent<S> {
             if !self.output.has_room()? {
                 break;
             }
-            let Some(report) = merger.pop() else {
-                self.let_time_pass(merger.safe_ns());
+            let Some(mut report) = merger.pop() else {
+                self.driver.advance(merger.safe_ns(), &mut self.output);
                 break;
             };
             worked = true;
             self.progress_ns = report.time_of_measurement_ns;
-            self.engine.take(&report, &mut self.output);
             let number = self.inputs[usize::from(report.source)].number_of(&report);
-            self.order.report(report.source, number, self.engine.now_ns());
+            self.driver.report_in_order(&mut report, number, &mut self.output);
         }
         self.output.send(self.progress_ns, false)?;
         if merger.finished() && !self.end_sent && self.output.has_room()? {
-            self.let_time_pass(i64::MAX);
+            self.driver.advance(i64::MAX, &mut self.output);
             self.output.send(i64::MAX, true)?;
             self.end_sent = true;
         }
         Ok(worked)
-    }
-
-    fn let_time_pass(&mut self, until_ns: i64) {
-        let waited = self.output.waiting();
-        self.engine.advance(until_ns, &mut self.output);
-        if self.output.waiting() > waited {
-            self.order.time(self.engine.now_ns());
-        }
     }
 
     /// Takes slices of one source while its queue has room for a whole slice; further slices stay in shared memory,
@@ -466,7 +436,11 @@ impl<S: Transport> FusionAgent<S> {
             if self.reached.is_some() && merger.room(index) < input.slice_len {
                 break;
             }
-            let (counts, source, first) = (self.engine.counts_mut(), input.source, merger.next_sequence(index));
+            let (counts, source, first) = (
+                self.driver.engine_mut().counts_mut(),
+                input.source,
+                merger.next_sequence(index),
+            );
             let mut taken_header = None;
             let took = input.take_slice(
                 mono_ns,
@@ -502,7 +476,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
             self.obey(now);
         }
         if let Some(keeping) = &mut self.keeping {
-            keeping.tend(&mut self.engine, now, self.clocks.ahead_ns(now));
+            keeping.tend(self.driver.engine_mut(), now, self.clocks.ahead_ns(now));
         }
         let worked = match self.merger.take() {
             Some(mut merger) => {
@@ -542,13 +516,13 @@ impl<S: Transport> Agent for FusionAgent<S> {
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
-        let counts = self.engine.counts();
+        let counts = self.driver.engine().counts();
         let mut whole = HealthEntry {
             progress_ns: self.progress_ns,
             counters: *counts.total(),
             ..HealthEntry::default()
         };
-        let level = |state| self.engine.count_in_state(state) as u64;
+        let level = |state| self.driver.engine().count_in_state(state) as u64;
         whole.set(
             Counter::LiveTracks,
             level(TrackState::Confirmed) + level(TrackState::Coasted),
@@ -568,53 +542,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
             input.count(&mut whole.counters);
         }
         entries.push(whole);
-        for input in &self.inputs {
-            let mut entry = HealthEntry {
-                source: input.source,
-                progress_ns: input.progress_ns,
-                counters: counts
-                    .source(input.source)
-                    .copied()
-                    .unwrap_or(messages::Counters::default()),
-                registration: registration(&self.engine, input, self.common),
-                ..HealthEntry::default()
-            };
-            input.count(&mut entry.counters);
-            let detection = self.engine.detection_probability(input.source).unwrap_or_default();
-            entry.set(Counter::DetectionPermille, (1e3 * detection).round() as u64);
-            entries.push(entry);
-        }
+        let of_source = |input: &Input<S>| health::of_source(self.driver.engine(), input, self.common);
+        entries.extend(self.inputs.iter().map(of_source));
         debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));
-    }
-}
-
-/// Returns the systematic errors of a source for health messages.
-fn registration<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> Registration {
-    let mut registration = errors(engine, input.source);
-    registration.set_gross_error(engine.gross_error(input.source));
-    registration.set_clock_offset(input.time.clock_offset(common.ahead_s));
-    registration
-}
-
-fn errors(engine: &Engine, source: u16) -> Registration {
-    let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
-        return Registration::default();
-    };
-    let sigma = known.variances.map(f64::sqrt);
-    let [east, north, up, time, range, azimuth] = known.errors.into();
-    let bits = known.removed.iter().enumerate();
-    Registration {
-        comparisons: known.samples,
-        offset_m: [east, north, up],
-        offset_sigma_m: [sigma[0], sigma[1], sigma[2]],
-        time_offset_s: time,
-        time_offset_sigma_s: sigma[3],
-        range_bias_m: range,
-        range_bias_sigma_m: sigma[4],
-        azimuth_bias_rad: azimuth,
-        azimuth_bias_sigma_rad: sigma[5],
-        covariance_inflation: engine.covariance_scale(source).unwrap_or(1.0),
-        removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
-        ..Registration::default()
     }
 }

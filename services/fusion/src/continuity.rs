@@ -16,14 +16,14 @@ use configuration::Checkpoint;
 use fusion::checkpoint::{Clock, IN_WORK, Layout, Memory as _, Snapshot};
 use fusion::numbering::anew;
 use fusion::suspects::{Suspects, Verdict, report_key};
-use fusion::{Engine, Sink};
+use fusion::{Driver, Engine, ReportNumber, Sink};
 use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::housekeeping::Whole;
 use runtime::instance::{CHECKPOINT, QUARANTINED};
 
 use crate::inputs::Input;
-use crate::order::{Numbered, OrderOfWork};
+use crate::log::Log;
 
 /// Time between two signs of life, nanoseconds.
 const NOTE_NS: i64 = 1_000_000;
@@ -129,10 +129,9 @@ impl Start {
     /// If a source's topic fails.
     pub(crate) fn resume<S: Transport>(
         self,
-        engine: &mut Engine,
+        driver: &mut Driver<Log>,
         inputs: &mut [Input<S>],
         sink: &mut impl Sink,
-        order: &mut OrderOfWork,
         now: Now,
     ) -> anyhow::Result<Option<Keeping>> {
         match &self.found {
@@ -143,11 +142,10 @@ impl Start {
                 is_revived,
                 ..
             } => {
-                order.restored();
-                engine.resume(snapshot, *ends, sink);
+                driver.resume(snapshot, *ends, sink);
                 if *is_revived {
                     // The number of tracks started after the copy is unknown.
-                    begin_anew(engine, order, now);
+                    driver.start_numbers_at(anew(now.utc_ns));
                 }
                 for (source, position) in snapshot.positions() {
                     if let Some(input) = inputs.get_mut(usize::from(source)) {
@@ -155,8 +153,10 @@ impl Start {
                     }
                 }
             }
-            Predecessor::Refused => begin_anew(engine, order, now),
+            // The given numbers are unknown.
+            Predecessor::Refused => driver.start_numbers_at(anew(now.utc_ns)),
         }
+        let engine = driver.engine_mut();
         let kept = self
             .root
             .make_outlasting(CHECKPOINT, self.layout.len())
@@ -178,13 +178,6 @@ impl Start {
             }
         }
     }
-}
-
-/// Begins a new range of numbers, since the given numbers are unknown.
-fn begin_anew(engine: &mut Engine, order: &mut OrderOfWork, now: Now) {
-    let number = anew(now.utc_ns);
-    order.numbers(number);
-    engine.start_numbers_at(number);
 }
 
 fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predecessor {
@@ -248,7 +241,7 @@ impl Keeping {
 
     /// Notes the report in work. Returns whether the report is in quarantine.
     #[inline]
-    pub(crate) fn begin_report(&self, source: u16, report: Numbered) -> Verdict {
+    pub(crate) fn begin_report(&self, source: u16, report: ReportNumber) -> Verdict {
         let key = report_key(source, report.publisher, report.sequence);
         self.memory.words()[IN_WORK].store(key, Relaxed);
         match self.suspects.is_empty() {
@@ -259,7 +252,7 @@ impl Keeping {
 
     /// Notes that fusion has survived a suspect report.
     #[cold]
-    pub(crate) fn clear(&mut self, engine: &mut Engine, source: u16, report: Numbered) {
+    pub(crate) fn clear(&mut self, engine: &mut Engine, source: u16, report: ReportNumber) {
         self.suspects
             .clear(report_key(source, report.publisher, report.sequence));
         engine.keep_suspects(&self.suspects);

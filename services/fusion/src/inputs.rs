@@ -4,12 +4,12 @@ use std::collections::VecDeque;
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
 use configuration::Config;
+use fusion::ReportNumber;
 use fusion::checkpoint::Position;
-use messages::{BatchHeader, Counter, Counters, SensorTrack, sensor_track_bits};
+use messages::{BatchHeader, Counter, Counters, SensorTrack};
 use runtime::{Now, Speed};
 
 use crate::clocks::ClockReading;
-use crate::order::Numbered;
 use crate::source_time::{Common, SourceTime};
 
 /// A source that has sent nothing for so long has no vote on whose clock is right, nanoseconds.
@@ -60,7 +60,7 @@ struct InHand<S: Transport> {
 #[derive(Debug)]
 pub(crate) struct InputReport {
     pub(crate) report: SensorTrack,
-    pub(crate) number: Numbered,
+    pub(crate) number: ReportNumber,
     /// Whether it was the slice's last one.
     pub(crate) last: bool,
 }
@@ -179,28 +179,25 @@ impl<S: Transport> Input<S> {
         self.time.known(ahead_s).filter(|_| is_heard)
     }
 
-    /// The next report of the slice in hand, stamped, and marked if its time is not believed; `now` has the engine's
-    /// time. With the last one the slice is given back, and its mark holds.
+    /// Returns the next report of the slice in hand, stamped with its source and its time; `now` has the engine's time.
+    /// The last report releases the slice, whose watermark then holds.
     pub(crate) fn next_report(&mut self, now: Now, clocks: Common) -> Option<InputReport> {
         let hand = self.in_hand.as_mut()?;
         let (header, reports) = (hand.slice.header(), hand.slice.samples());
         let (sent_ns, publisher) = (header.sent_ns, header.incarnation);
         let sequence = header.first_sequence.wrapping_add(hand.next as u64);
-        let mut report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
+        let report = stamped(reports.get(hand.next)?, self.source, hand.taken_ns);
         self.next_number = report.sequence.wrapping_add(1);
         hand.next += 1;
         let last = hand.next == reports.len();
         self.time.begin(report.time_of_measurement_ns, sent_ns);
         let is_wild = !self.time.believes(report.time_of_measurement_ns, sent_ns, now, clocks);
-        if is_wild {
-            report.valid |= sensor_track_bits::WILD_CLOCK;
-        }
         if last {
             let header = *hand.slice.header();
             self.in_hand = None;
             self.pass(&header);
         }
-        let number = Numbered {
+        let number = ReportNumber {
             publisher,
             sequence,
             is_wild,
@@ -217,11 +214,11 @@ impl<S: Transport> Input<S> {
     }
 
     /// Order `time`: the number of a report whose turn has come.
-    pub(crate) fn number_of(&mut self, report: &SensorTrack) -> Numbered {
+    pub(crate) fn number_of(&mut self, report: &SensorTrack) -> ReportNumber {
         while self.publishers.get(1).is_some_and(|next| next.0 <= report.sequence) {
             self.publishers.pop_front();
         }
-        Numbered {
+        ReportNumber {
             publisher: self.publishers.front().map_or(0, |(_, publisher)| *publisher),
             sequence: report.sequence,
             is_wild: false,

@@ -15,8 +15,9 @@
 mod agent;
 mod clocks;
 mod continuity;
+mod health;
 mod inputs;
-mod order;
+mod log;
 mod output;
 mod part;
 #[cfg(test)]

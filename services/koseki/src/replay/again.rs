@@ -9,11 +9,9 @@ use std::collections::{BTreeMap, VecDeque};
 
 use configuration::ReportOrder;
 use fusion::checkpoint::Snapshot;
-use fusion::{Engine, Settings};
-use messages::{
-    NO_SOURCE, Order, OrderKind, Restored, SensorTrack, StepKind, SystemTrack, WorkStep, sensor_track_bits,
-    work_step_bits,
-};
+use fusion::event_log::{Event, Reader};
+use fusion::{Driver, Engine, ReportNumber, Settings};
+use messages::{NO_SOURCE, Order, OrderKind, Restored, SensorTrack, SystemTrack, WorkStep};
 
 /// A report that is not in the recording so long after its step is missing, nanoseconds.
 const PATIENCE_NS: u64 = 10_000_000_000;
@@ -66,10 +64,7 @@ pub(crate) struct Again {
     work: VecDeque<Work>,
     /// The log that the latest step is of, and the number of the next one.
     next_step: Option<(u64, u64)>,
-    /// The publisher of each source's next report.
-    publishers: Vec<u64>,
-    /// Parts of the next order.
-    order_parts: Vec<WorkStep>,
+    log: Reader,
     run: Option<Run>,
     /// The fusion before that one.
     before: Option<Run>,
@@ -87,28 +82,28 @@ pub(crate) struct Again {
 
 #[derive(Debug)]
 enum Work {
-    /// A step, and when it was taken by the recorder.
-    Step(WorkStep, u64),
-    /// Steps are missing.
+    /// An event, and when it was taken by the recorder.
+    Event(Event, u64),
+    /// Steps are missing, or cannot be read.
     Gap,
 }
 
 /// A fusion since its beginning.
 #[derive(Debug)]
 struct Run {
-    engine: Box<Engine>,
+    driver: Box<Driver<()>>,
     epoch: u64,
+    /// Number of the next state.
     sequence: u64,
 }
 
 impl Again {
     pub(crate) fn new(plan: Plan) -> Self {
         Self {
-            publishers: vec![0; plan.sources.len()],
             plan,
             reports: BTreeMap::new(),
             work: VecDeque::new(),
-            order_parts: Vec::new(),
+            log: Reader::default(),
             next_step: None,
             run: None,
             before: None,
@@ -148,7 +143,11 @@ impl Again {
             self.work.push_back(Work::Gap);
         }
         self.next_step = Some((log, number + 1));
-        self.work.push_back(Work::Step(step, taken_ns));
+        match self.log.read(&step) {
+            Ok(Some(event)) => self.work.push_back(Work::Event(event, taken_ns)),
+            Ok(None) => {}
+            Err(_) => self.work.push_back(Work::Gap),
+        }
     }
 
     /// Works off what can be; the recording has been read up to `read_ns`, when the recorder took it.
@@ -157,109 +156,101 @@ impl Again {
     /// If the settings cannot work.
     pub(crate) fn work(&mut self, read_ns: u64, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<()> {
         while let Some(work) = self.work.front() {
-            let Work::Step(step, taken_ns) = *work else {
+            let Work::Event(event, taken_ns) = *work else {
                 self.break_off(out);
                 self.work.pop_front();
                 continue;
             };
             let is_early = read_ns < taken_ns.saturating_add(PATIENCE_NS);
-            let can_wait = self.run.is_some() && is_early;
-            match StepKind::from_code(step.kind) {
-                Some(StepKind::Begin) => {
-                    let epoch = step.time_ns.cast_unsigned();
-                    self.spans.last_ns = None;
-                    self.before = self.run.take();
-                    self.run = Some(Run {
-                        engine: Box::new(Engine::new(self.plan.settings.clone())?),
-                        epoch,
-                        sequence: 0,
-                    });
-                    out(Outcome::Began(epoch, 0));
-                }
-                Some(StepKind::Report) => match self.find(step.source, step.sequence) {
-                    Found::NotYet if can_wait => return Ok(()),
-                    Found::Report(report) => self.take(&step, &report, out),
-                    Found::NotYet | Found::Missing => {
-                        self.missing += 1;
-                        if !self.plan.tolerates {
-                            self.break_off(out);
-                        }
-                    }
-                },
-                // The report has no effect, but its place in the order of its publisher.
-                Some(StepKind::Quarantine) => match self.find(step.source, step.sequence) {
-                    Found::NotYet if can_wait => return Ok(()),
-                    Found::NotYet | Found::Report(_) | Found::Missing => {}
-                },
-                Some(StepKind::Publisher) => {
-                    if let Some(publisher) = self.publishers.get_mut(usize::from(step.source)) {
-                        *publisher = step.time_ns.cast_unsigned();
-                    }
-                }
-                Some(StepKind::Time) => self.advance(step.time_ns, out),
-                Some(StepKind::Condition) => {
-                    self.advance(step.time_ns, out);
-                    // A former build logged the condition alone.
-                    let name = self.plan.conditions.get(step.sequence as usize);
-                    let order = Order {
-                        token: 1,
-                        ..Order::new(OrderKind::Condition)
-                    };
-                    if let Some(order) = name.and_then(|name| order.with_name(name)) {
-                        self.obey(&order, out);
-                    }
-                }
-                Some(StepKind::OrderPart) => {
-                    if step.sequence == 0 {
-                        self.order_parts.clear();
-                    }
-                    self.order_parts.push(step);
-                }
-                Some(StepKind::Order) => {
-                    self.advance(step.time_ns, out);
-                    match Order::of_parts(&std::mem::take(&mut self.order_parts)) {
-                        Some(order) => self.obey(&order, out),
-                        None => self.break_off(out),
-                    }
-                }
-                Some(StepKind::Restored) => match self.restore(out) {
-                    false if can_wait => return Ok(()),
-                    false => self.break_off(out),
-                    true => {}
-                },
-                Some(StepKind::Numbers) => {
-                    if let Some(run) = &mut self.run {
-                        run.engine.start_numbers_at(step.sequence);
-                    }
-                }
-                Some(StepKind::HostOffset) => {
-                    if let Some(run) = &mut self.run {
-                        run.engine.set_host_offset(step.time_ns);
-                    }
-                }
-                Some(StepKind::SourceClock) => {
-                    let number = self.plan.sources.get(usize::from(step.source)).copied().flatten();
-                    if let (Some(run), Some(source)) = (&mut self.run, number) {
-                        run.engine.set_source_clock(source, step.clock_offset_s());
-                    }
-                }
-                Some(StepKind::Image) => {
-                    if self.run.is_none() && !self.resume_image(step.time_ns, out)? && is_early {
-                        return Ok(());
-                    }
-                    self.passed_image_ns = step.time_ns;
-                    self.images = self.images.split_off(&step.time_ns.saturating_add(1));
-                }
-                // A step of a later version.
-                None => self.break_off(out),
+            if !self.apply(&event, is_early, out)? {
+                return Ok(());
             }
-            let passes = [StepKind::Report, StepKind::Time, StepKind::Condition, StepKind::Order];
-            if passes.iter().any(|kind| kind.code() == step.kind) {
-                self.spans.pass(step.time_ns, self.run.is_some());
+            if let Some(passed_ns) = event.passed_ns() {
+                self.spans.pass(passed_ns, self.run.is_some());
             }
             self.work.pop_front();
         }
         Ok(())
+    }
+
+    /// Applies an event. `false` if the event waits for samples of the recording that may follow: it `is_early`.
+    fn apply(&mut self, event: &Event, is_early: bool, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<bool> {
+        let can_wait = self.run.is_some() && is_early;
+        match *event {
+            Event::Begin { epoch } => {
+                self.spans.last_ns = None;
+                self.before = self.run.take();
+                self.run = Some(Run::begin(&self.plan, epoch)?);
+                out(Outcome::Began(epoch, 0));
+            }
+            Event::Report {
+                source,
+                publisher,
+                sequence,
+                is_wild,
+                passed_ns,
+            } => match self.find(source, publisher, sequence) {
+                Found::NotYet if can_wait => return Ok(false),
+                Found::Report(report) => {
+                    let report = SensorTrack { source, ..*report };
+                    let number = ReportNumber {
+                        publisher,
+                        sequence: sequence.into(),
+                        is_wild,
+                    };
+                    self.take(report, number, passed_ns, out);
+                }
+                Found::NotYet | Found::Missing => {
+                    self.missing += 1;
+                    if !self.plan.tolerates {
+                        self.break_off(out);
+                    }
+                }
+            },
+            // The report has no effect, but its place in the order of its publisher.
+            Event::Quarantine {
+                source,
+                publisher,
+                sequence,
+                ..
+            } => {
+                let found = self.find(source, publisher, sequence);
+                return Ok(!(matches!(found, Found::NotYet) && can_wait));
+            }
+            Event::Time { passed_ns } => self.drive(out, |driver, mut sink| driver.advance(passed_ns, &mut sink)),
+            Event::Condition { condition, passed_ns } => {
+                let name = self.plan.conditions.get(condition as usize);
+                let order = Order {
+                    token: 1,
+                    ..Order::new(OrderKind::Condition)
+                };
+                match name.and_then(|name| order.with_name(name)) {
+                    Some(order) => self.obey(&order, passed_ns, out),
+                    None => self.drive(out, |driver, mut sink| driver.advance(passed_ns, &mut sink)),
+                }
+            }
+            Event::Order { order, passed_ns } => self.obey(&order, passed_ns, out),
+            Event::Restored => match self.restore(out) {
+                false if can_wait => return Ok(false),
+                false => self.break_off(out),
+                true => {}
+            },
+            Event::Numbers { first } => self.drive(out, |driver, _| driver.start_numbers_at(first)),
+            Event::HostOffset { offset_ns } => self.drive(out, |driver, _| driver.set_host_offset(offset_ns)),
+            Event::SourceClock { source, offset_ms, .. } => {
+                if let Some(source) = self.plan.source(source) {
+                    self.drive(out, |driver, _| driver.set_source_clock(source, offset_ms));
+                }
+            }
+            Event::Snapshot { time_ns } => {
+                if self.run.is_none() && !self.resume_image(time_ns, out)? && is_early {
+                    return Ok(false);
+                }
+                self.passed_image_ns = time_ns;
+                self.images = self.images.split_off(&time_ns.saturating_add(1));
+            }
+        }
+        Ok(true)
     }
 
     /// Lets the present fusion go on from what it had found. `false` if that is not in the recording.
@@ -267,21 +258,22 @@ impl Again {
         let (plan, Some(run)) = (&self.plan, &mut self.run) else {
             return true;
         };
+        let layout = run.driver.engine().checkpoint_layout();
         let mut parts = self.restored.remove(&run.epoch).unwrap_or_default();
         parts.sort_by_key(|part| part.part);
         let is_whole = is_whole(&parts);
-        let snapshot = || Snapshot::of_words(words(&parts).collect(), &run.engine.checkpoint_layout()).ok();
+        let snapshot = || Snapshot::of_words(words(&parts).collect(), &layout).ok();
         let found = (is_whole && plan.restores).then(snapshot).flatten();
         match (found, &mut self.before) {
             (Some(snapshot), _) => {
                 let ends = parts[0].ends != 0;
-                run.drive(plan.origin, out, |engine, mut sink| {
-                    engine.resume(&snapshot, ends, &mut sink)
+                run.drive(plan.origin, out, |driver, mut sink| {
+                    driver.resume(&snapshot, ends, &mut sink)
                 });
                 true
             }
             (None, Some(before)) if plan.tolerates && (is_whole || !plan.restores) => {
-                std::mem::swap(&mut run.engine, &mut before.engine);
+                std::mem::swap(&mut run.driver, &mut before.driver);
                 true
             }
             (None, _) => {
@@ -302,11 +294,10 @@ impl Again {
             return Ok(false);
         };
         let mut run = Run {
-            engine: Box::new(Engine::new(self.plan.settings.clone())?),
-            epoch: parts[0].epoch,
             sequence: u64::from_le_bytes(*next),
+            ..Run::begin(&self.plan, parts[0].epoch)?
         };
-        if self.plan.restores && run.engine.resume_image(image).is_err() {
+        if self.plan.restores && run.driver.resume_snapshot(image).is_err() {
             return Ok(false);
         }
         out(Outcome::Began(run.epoch, run.sequence));
@@ -321,10 +312,8 @@ impl Again {
         }
     }
 
-    /// The report of `source` with this number, of the publisher whose turn it is. What came before it fusion never
-    /// took.
-    fn find(&mut self, source: u16, number: u32) -> Found {
-        let publisher = self.publishers.get(usize::from(source)).copied().unwrap_or(0);
+    /// Finds the report of `source` with this number of the publisher. Fusion never took the reports before it.
+    fn find(&mut self, source: u16, publisher: u64, number: u32) -> Found {
         let Some(waiting) = self.reports.get_mut(&(source, publisher)) else {
             return Found::NotYet;
         };
@@ -342,49 +331,60 @@ impl Again {
         Found::NotYet
     }
 
-    fn take(&mut self, step: &WorkStep, report: &SensorTrack, out: &mut impl FnMut(Outcome<'_>)) {
-        let number = self.plan.sources.get(usize::from(step.source)).copied().flatten();
-        let (Some(run), Some(source)) = (&mut self.run, number) else {
+    fn take(
+        &mut self,
+        mut report: SensorTrack,
+        number: ReportNumber,
+        passed_ns: i64,
+        out: &mut impl FnMut(Outcome<'_>),
+    ) {
+        let Some(source) = self.plan.source(report.source).filter(|_| self.run.is_some()) else {
             return;
         };
         self.worked += 1;
-        let wild = step.flags & work_step_bits::WILD_CLOCK != 0;
-        let mut report = SensorTrack { source, ..*report };
-        report.valid |= if wild { sensor_track_bits::WILD_CLOCK } else { 0 };
-        let origin = self.plan.origin;
-        run.drive(origin, out, |engine, mut sink| {
-            engine.take_at(&report, step.time_ns, &mut sink)
+        report.source = source;
+        self.drive(out, |driver, mut sink| {
+            driver.report(&mut report, number, passed_ns, &mut sink)
         });
     }
 
     /// Obeys an order, if its sources take part.
-    fn obey(&mut self, order: &Order, out: &mut impl FnMut(Outcome<'_>)) {
+    fn obey(&mut self, order: &Order, passed_ns: i64, out: &mut impl FnMut(Outcome<'_>)) {
         let number = |source: u16| match source {
             NO_SOURCE => Some(NO_SOURCE),
-            source => self.plan.sources.get(usize::from(source)).copied().flatten(),
+            source => self.plan.source(source),
         };
-        let (Some(source), Some(other_source)) = (number(order.source), number(order.other_source)) else {
-            return;
-        };
-        let order = Order {
-            source,
-            other_source,
-            ..*order
-        };
-        let origin = self.plan.origin;
-        if let Some(run) = &mut self.run {
-            run.drive(origin, out, |engine, mut sink| {
+        let (source, other_source) = (number(order.source), number(order.other_source));
+        self.drive(out, |driver, mut sink| match (source, other_source) {
+            (Some(source), Some(other_source)) => {
+                let order = Order {
+                    source,
+                    other_source,
+                    ..*order
+                };
                 // Under other settings, an order may be refused.
-                let _ = engine.obey(&order, &mut sink);
-            });
-        }
+                let _ = driver.order(&order, passed_ns, &mut sink);
+            }
+            _ => driver.advance(passed_ns, &mut sink),
+        });
     }
 
-    fn advance(&mut self, time_ns: i64, out: &mut impl FnMut(Outcome<'_>)) {
-        let origin = self.plan.origin;
+    /// Lets the present fusion act, if there is one.
+    fn drive<O: FnMut(Outcome<'_>)>(
+        &mut self,
+        out: &mut O,
+        act: impl FnOnce(&mut Driver<()>, &mut dyn FnMut(&SystemTrack)),
+    ) {
         if let Some(run) = &mut self.run {
-            run.drive(origin, out, |engine, mut sink| engine.advance(time_ns, &mut sink));
+            run.drive(self.plan.origin, out, act);
         }
+    }
+}
+
+impl Plan {
+    /// Returns the number in the settings of a source of the recording; `None` if the source is left out.
+    fn source(&self, recorded: u16) -> Option<u16> {
+        self.sources.get(usize::from(recorded)).copied().flatten()
     }
 }
 
@@ -405,19 +405,29 @@ enum Found {
 }
 
 impl Run {
-    /// Lets the engine do something; each state has what fusion's output gives it.
+    /// Begins with a new engine.
+    fn begin(plan: &Plan, epoch: u64) -> anyhow::Result<Self> {
+        let engine = Engine::new(plan.settings.clone())?;
+        Ok(Self {
+            driver: Box::new(Driver::begin(engine, (), epoch)),
+            epoch,
+            sequence: 0,
+        })
+    }
+
+    /// Lets the driver act; each state has the numbers that fusion's output gives it.
     fn drive<O: FnMut(Outcome<'_>)>(
         &mut self,
         origin: u32,
         out: &mut O,
-        act: impl FnOnce(&mut Engine, &mut dyn FnMut(&SystemTrack)),
+        act: impl FnOnce(&mut Driver<()>, &mut dyn FnMut(&SystemTrack)),
     ) {
         let Self {
-            engine,
+            driver,
             epoch,
             sequence,
         } = self;
-        act(engine, &mut |state: &SystemTrack| {
+        act(driver, &mut |state: &SystemTrack| {
             let state = SystemTrack {
                 sequence: *sequence,
                 epoch: *epoch,

@@ -87,7 +87,7 @@ fn fuse(
     setup: &Setup<'_>,
     age_max_s: f64,
 ) -> anyhow::Result<(Outcome, Timeline, Refusals)> {
-    let mut engine = Engine::new(setup.settings.clone())?;
+    let engine = Engine::new(setup.settings.clone())?;
     let mut tracks = Timeline::empty(age_max_s);
     let (mut rows, mut coasted) = (0, 0);
     let mut reports = setup.reports()?;
@@ -100,8 +100,8 @@ fn fuse(
         }
         Ok(())
     };
-    let driven = drive(host, &mut engine, &mut reports, row, |_| Ok(()));
-    let driven = driven.with_context(|| format!("rule {}", rule.name()))?;
+    let driven = drive(host, engine, &mut reports, row, |_| Ok(()));
+    let (engine, driven) = driven.with_context(|| format!("rule {}", rule.name()))?;
     let count = |counter| engine.counts().get(counter);
     let outcome = Outcome {
         rule: rule.name(),

@@ -44,7 +44,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     if let Some(refresh) = fuse.refresh {
         setup.settings.refresh_s = Some(Seconds::of_ns(nanoseconds(refresh)));
     }
-    let mut engine = Engine::new(setup.settings.clone())?;
+    let engine = Engine::new(setup.settings.clone())?;
     let mut reports = setup.reports()?;
     let out = host.begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
@@ -63,7 +63,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         }
         rows.take(state)
     };
-    let driven = drive(host, &mut engine, &mut reports, row, explain).with_context(unwritten)?;
+    let (engine, driven) = drive(host, engine, &mut reports, row, explain).with_context(unwritten)?;
     let (out, written) = rows.finish().with_context(unwritten)?;
     out.finish()?;
     if let Some(decisions) = decisions {

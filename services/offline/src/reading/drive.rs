@@ -1,8 +1,8 @@
-//! Drives the engine through all reports of files, in order of time like the live process.
+//! Passes all reports of files to the driver of the engine, in order of time like the live process.
 
 use std::io;
 
-use fusion::{Engine, Sink};
+use fusion::{Driver, Engine, ReportNumber, Sink};
 use messages::{Decision, SystemTrack};
 
 use super::merged::Merged;
@@ -51,24 +51,26 @@ impl Sink for HandedOut {
 /// If reading a file fails, or `row` fails.
 pub(crate) fn drive(
     host: &dyn Host,
-    engine: &mut Engine,
+    engine: Engine,
     reports: &mut Merged,
     mut row: impl FnMut(&SystemTrack) -> io::Result<()>,
     mut explain: impl FnMut(&Decision) -> io::Result<()>,
-) -> anyhow::Result<Driven> {
+) -> anyhow::Result<(Engine, Driven)> {
     let mut driven = Driven {
         by_source: vec![0; engine.settings().sources.len()],
         ..Driven::default()
     };
+    // A file needs no log: the rows are all events.
+    let mut driver = Driver::begin(engine, (), 0);
     let mut out = HandedOut::default();
     let mut pass_on = |out: &mut HandedOut| -> io::Result<()> {
         out.states.drain(..).try_for_each(|state| row(&state))?;
         out.decisions.drain(..).try_for_each(|decision| explain(&decision))
     };
     let progress = Progress::new(host, reports.octets_in_all);
-    while let Some(report) = reports.next()? {
+    while let Some(mut report) = reports.next()? {
         let begin_ns = runtime::clock::mono_ns();
-        engine.take(&report, &mut out);
+        driver.report_in_order(&mut report, ReportNumber::default(), &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
         driven.reports += 1;
         driven.by_source[usize::from(report.source)] += 1;
@@ -78,14 +80,14 @@ pub(crate) fn drive(
     }
     if let Some(last_ns) = driven.last_ns {
         // A deadline takes effect once time has passed it, so one nanosecond is added.
-        let settings = engine.settings();
+        let settings = driver.engine().settings();
         let end_ns = end_ns(last_ns, settings.refresh_ns()) + settings.refresh_delay_s.ns() + 1;
         let begin_ns = runtime::clock::mono_ns();
-        engine.advance(end_ns, &mut out);
+        driver.advance(end_ns, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
         pass_on(&mut out)?;
     }
-    Ok(driven)
+    Ok((driver.into_engine(), driven))
 }
 
 /// Returns the first whole multiple of the refresh time that is not before `last_ns`.

@@ -1,0 +1,55 @@
+//! Health of the sources, as fusion estimates and counts it.
+
+use bus::Transport;
+use fusion::Engine;
+use messages::{Counter, Registration};
+use runtime::HealthEntry;
+
+use crate::inputs::Input;
+use crate::source_time::Common;
+
+/// Returns the entry of one source for health messages.
+pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> HealthEntry {
+    let mut entry = HealthEntry {
+        source: input.source,
+        progress_ns: input.progress_ns,
+        counters: engine.counts().source(input.source).copied().unwrap_or_default(),
+        registration: registration(engine, input, common),
+        ..HealthEntry::default()
+    };
+    input.count(&mut entry.counters);
+    let detection = engine.detection_probability(input.source).unwrap_or_default();
+    entry.set(Counter::DetectionPermille, (1e3 * detection).round() as u64);
+    entry
+}
+
+/// Returns the errors of a source: learned, gross, and of its clock.
+fn registration<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> Registration {
+    let mut registration = errors(engine, input.source);
+    registration.set_gross_error(engine.gross_error(input.source));
+    registration.set_clock_offset(input.time.clock_offset(common.ahead_s));
+    registration
+}
+
+fn errors(engine: &Engine, source: u16) -> Registration {
+    let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
+        return Registration::default();
+    };
+    let sigma = known.variances.map(f64::sqrt);
+    let [east, north, up, time, range, azimuth] = known.errors.into();
+    let bits = known.removed.iter().enumerate();
+    Registration {
+        comparisons: known.samples,
+        offset_m: [east, north, up],
+        offset_sigma_m: [sigma[0], sigma[1], sigma[2]],
+        time_offset_s: time,
+        time_offset_sigma_s: sigma[3],
+        range_bias_m: range,
+        range_bias_sigma_m: sigma[4],
+        azimuth_bias_rad: azimuth,
+        azimuth_bias_sigma_rad: sigma[5],
+        covariance_inflation: engine.covariance_scale(source).unwrap_or(1.0),
+        removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
+        ..Registration::default()
+    }
+}
