@@ -1,6 +1,6 @@
 //! Blocks, tables and counting together: what a receiver or a player of recordings calls.
 
-use super::block::{Blocks, blocks};
+use super::block::{Block, Blocks, blocks};
 use super::error::Error;
 use super::mode::Mode;
 use super::record::{Record, Records};
@@ -46,12 +46,28 @@ impl Decoder {
 
     /// The records of a datagram, or of a whole file of blocks. Offsets count from the begin of `bytes`.
     pub fn records<'d, 'a>(&'d mut self, bytes: &'a [u8]) -> DecodedRecords<'d, 'a> {
+        self.records_of(blocks(bytes), bytes.len())
+    }
+
+    /// Returns the records of the blocks that are found in `length` bytes. Offsets are those of the blocks.
+    pub fn records_of<'d, 'a, B>(&'d mut self, blocks: B, length: usize) -> DecodedRecords<'d, 'a, B>
+    where
+        B: Iterator<Item = Result<Block<'a>, Error>>,
+    {
         DecodedRecords {
             decoder: self,
-            blocks: blocks(bytes),
-            length: bytes.len(),
+            blocks,
+            length,
             records: None,
         }
+    }
+
+    /// Returns the records of one block.
+    pub fn block_records<'d, 'a>(
+        &'d mut self,
+        block: Block<'a>,
+    ) -> DecodedRecords<'d, 'a, impl Iterator<Item = Result<Block<'a>, Error>> + use<'a>> {
+        self.records_of(std::iter::once(Ok(block)), block.bytes.len())
     }
 }
 
@@ -119,14 +135,17 @@ impl Counts {
 
 /// The iterator that [`Decoder::records`] returns.
 #[derive(Debug)]
-pub struct DecodedRecords<'d, 'a> {
+pub struct DecodedRecords<'d, 'a, B = Blocks<'a>> {
     decoder: &'d mut Decoder,
-    blocks: Blocks<'a>,
+    blocks: B,
     length: usize,
     records: Option<Records<'a>>,
 }
 
-impl<'a> Iterator for DecodedRecords<'_, 'a> {
+impl<'a, B> Iterator for DecodedRecords<'_, 'a, B>
+where
+    B: Iterator<Item = Result<Block<'a>, Error>>,
+{
     type Item = Result<Record<'a>, Error>;
 
     #[inline]
@@ -145,7 +164,10 @@ impl<'a> Iterator for DecodedRecords<'_, 'a> {
     }
 }
 
-impl DecodedRecords<'_, '_> {
+impl<'a, B> DecodedRecords<'_, 'a, B>
+where
+    B: Iterator<Item = Result<Block<'a>, Error>>,
+{
     /// Goes on to the next block; `None` at the end of the bytes.
     fn next_block(&mut self) -> Option<Result<(), Error>> {
         let counts = &mut self.decoder.counts;

@@ -92,7 +92,7 @@ impl Datagrams for Blocks {
                 continue;
             };
             self.channels[index].received(received)?;
-            for record in self.decoders[index].records(block.bytes) {
+            for record in self.decoders[index].block_records(block) {
                 let Ok(record) = record else {
                     // The rest of the block is skipped as well.
                     self.misfits[index].try_others(&block);

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io::Cursor;
 
-use asterix::{Decoder, blocks};
+use asterix::{Block, Decoder, Error, blocks};
 use configuration::{Recorded, RecordedFormat};
 use csv_table::CsvError;
 use formats::containers::{Container, TimeStamp, datagrams};
@@ -54,7 +54,8 @@ impl Content {
     pub(crate) fn read_piece(&mut self, intake: &mut Intake) {
         match self {
             Self::Asterix(packed, decoder) => {
-                for record in decoder.records(packed.next_block()).flatten() {
+                let (block, length) = packed.next_block();
+                for record in decoder.records_of(block.into_iter(), length).flatten() {
                     match observation::read(&record) {
                         Reading::Target(observed) => intake.observe(&observed),
                         Reading::Service(service) => intake.service(&service),
@@ -92,7 +93,8 @@ impl Lines {
     fn read_line(&mut self, intake: &mut Intake) {
         let (line, received_ns) = self.packed.next_piece(|rest| {
             let end = rest.iter().position(|octet| *octet == b'\n');
-            end.map_or(rest.len(), |end| end + 1)
+            let length = end.map_or(rest.len(), |end| end + 1);
+            (&rest[..length], length)
         });
         // A rejected line is counted by reason. Lines without a time have no use in a text file.
         let received_ns = received_ns.unwrap_or(self.first_day_ns);
@@ -174,25 +176,29 @@ impl Packed {
         self.ends.is_empty()
     }
 
-    /// Returns the bytes of the next data block. Data that are no block end their datagram, and are returned to be
-    /// counted.
-    pub(crate) fn next_block(&mut self) -> &[u8] {
-        let length = |rest: &[u8]| {
-            let block = blocks(rest).next().and_then(Result::ok);
-            block.map_or(rest.len(), |block| block.bytes.len())
+    /// Returns the next data block and the number of its bytes. Data that are no block end their datagram, and are an
+    /// error of that many bytes.
+    pub(crate) fn next_block(&mut self) -> (Option<Result<Block<'_>, Error>>, usize) {
+        let found = |rest| {
+            let block = blocks(rest).next();
+            let length = match &block {
+                Some(Ok(block)) => block.bytes.len(),
+                _ => rest.len(),
+            };
+            ((block, length), length)
         };
-        self.next_piece(length).0
+        self.next_piece(found).0
     }
 
-    /// Returns the next bytes of a datagram, `length` of which belong together, and their time of receipt.
-    fn next_piece(&mut self, length: impl Fn(&[u8]) -> usize) -> (&[u8], Option<i64>) {
+    /// Returns the next piece of a datagram as `take` finds it, and the time of receipt; `take` also returns the
+    /// number of bytes of the piece.
+    fn next_piece<'a, T>(&'a mut self, take: impl FnOnce(&'a [u8]) -> (T, usize)) -> (T, Option<i64>) {
         let (end, received_ns) = self.ends.front().copied().unwrap_or((self.offset, None));
-        let rest = &self.bytes[self.offset..end];
-        let length = length(rest);
+        let (piece, length) = take(&self.bytes[self.offset..end]);
         self.offset += length;
         if self.offset == end {
             self.ends.pop_front();
         }
-        (&rest[..length], received_ns)
+        (piece, received_ns)
     }
 }

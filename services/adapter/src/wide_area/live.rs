@@ -1,5 +1,6 @@
 //! A wide-area sensor behind a receiver of datagrams.
 
+use asterix::blocks;
 use bus::{Mark, Publisher, SharedMemory};
 use configuration::{Process, WideAreaInput, WideAreaSensor};
 use messages::{Counter, StageTimes, WideArea};
@@ -52,7 +53,9 @@ impl Datagrams for Live {
     fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
         match &mut self.reader {
             Reader::Rows(rows) => rows.take(bytes, received.utc_ns, &mut self.reports),
-            Reader::Tracks(tracks) => tracks.take(bytes, Some(received.utc_ns), &mut self.reports),
+            Reader::Tracks(tracks) => {
+                tracks.take(blocks(bytes), bytes.len(), Some(received.utc_ns), &mut self.reports);
+            }
         }
         Ok(())
     }

@@ -95,7 +95,8 @@ impl Recorded {
     fn tracks(&mut self, mut tracks: Tracks, path: &Path) -> anyhow::Result<()> {
         let mut packed = Packed::new(std::fs::read(path)?);
         while !packed.is_exhausted() {
-            tracks.take(packed.next_block(), None, &mut self.reports);
+            let (block, length) = packed.next_block();
+            tracks.take(block, length, None, &mut self.reports);
         }
         tracks.end(&mut self.reports);
         tracks.count(&mut self.counters);

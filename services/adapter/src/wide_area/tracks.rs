@@ -6,7 +6,7 @@
 //! Live, a track has arrived when its datagram did. In a recording nobody knows when that was: there it arrives when it
 //! was measured.
 
-use asterix::{Decoder, blocks};
+use asterix::{Block, Decoder, Error};
 use configuration::CountedTracks;
 use messages::{Counter, Counters, TrackState};
 use reception::Converter;
@@ -43,22 +43,29 @@ impl Tracks {
         }
     }
 
-    /// Takes the data blocks of a datagram, received at `received_ns` (UTC, nanoseconds); `None` in a recording.
-    pub(super) fn take(&mut self, bytes: &[u8], received_ns: Option<i64>, reports: &mut Vec<WideAreaReport>) {
+    /// Takes the data blocks found in `length` bytes, received at `received_ns` (UTC, nanoseconds); `None` in a
+    /// recording.
+    pub(super) fn take<'a>(
+        &mut self,
+        blocks: impl IntoIterator<Item = Result<Block<'a>, Error>>,
+        length: usize,
+        received_ns: Option<i64>,
+        reports: &mut Vec<WideAreaReport>,
+    ) {
         if let Some(received_ns) = received_ns {
             self.silent(received_ns, reports);
             self.converter.received(received_ns, received_ns);
         }
-        for block in blocks(bytes) {
+        for block in blocks {
             let block = match block {
                 Ok(block) => block,
                 Err(error) => {
                     self.blocks_rejected += 1;
-                    self.bytes_rejected += (bytes.len() - error.offset()) as u64;
+                    self.bytes_rejected += (length - error.offset()) as u64;
                     return;
                 }
             };
-            for record in self.decoder.records(block.bytes).flatten() {
+            for record in self.decoder.block_records(block).flatten() {
                 let Reading::Target(observed) = observation::read(&record) else {
                     continue;
                 };
@@ -169,7 +176,12 @@ mod tests {
         for third in [TrackState::Tentative, TrackState::Terminated] {
             let ((mut tracks, mut sender), mut reports) = (tracks(), Vec::new());
             let bytes = block(&mut sender, NOON_NS, third);
-            tracks.take(&bytes, Some(NOON_NS + S / 4), &mut reports);
+            tracks.take(
+                asterix::blocks(&bytes),
+                bytes.len(),
+                Some(NOON_NS + S / 4),
+                &mut reports,
+            );
             tracks.silent(NOON_NS + 2 * S, &mut reports);
             assert_eq!(reports, []);
             tracks.silent(NOON_NS + 3 * S, &mut reports);
@@ -184,7 +196,7 @@ mod tests {
         let ((mut tracks, mut sender), mut reports) = (tracks(), Vec::new());
         for second in [0, 2, 4] {
             let bytes = block(&mut sender, 43_200 * S + second * S, TrackState::Confirmed);
-            tracks.take(&bytes, None, &mut reports);
+            tracks.take(asterix::blocks(&bytes), bytes.len(), None, &mut reports);
         }
         tracks.end(&mut reports);
         let found: Vec<(u32, i64)> = reports
@@ -206,8 +218,8 @@ mod tests {
                 let place = place % bytes.len();
                 bytes[place] = octet;
             }
-            tracks.take(&bytes, Some(NOON_NS), &mut reports);
-            tracks.take(&noise, Some(NOON_NS + S), &mut reports);
+            tracks.take(asterix::blocks(&bytes), bytes.len(), Some(NOON_NS), &mut reports);
+            tracks.take(asterix::blocks(&noise), noise.len(), Some(NOON_NS + S), &mut reports);
             tracks.end(&mut reports);
             let mut counters = Counters::default();
             tracks.count(&mut counters);
