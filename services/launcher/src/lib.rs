@@ -39,6 +39,7 @@
 
 mod backoff;
 mod child;
+mod children;
 mod durable;
 mod end;
 pub mod keeper;

@@ -1,4 +1,4 @@
-//! Supervision of the children: start, restart and stop.
+//! Supervision of the children: when they start, restart and stop, and when the deployment is rebuilt.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -14,9 +14,10 @@ use runtime::signals::Stop;
 
 use crate::backoff::Backoff;
 use crate::child::{Child, Sequel};
+use crate::children::Children;
 use crate::end::End;
 use crate::link::{Facts, Heard, Link, Said};
-use crate::part::{Part, START_ORDER, STOP_ORDER, parts};
+use crate::part::{START_ORDER, STOP_ORDER};
 use crate::service_manager::{ServiceManager, VARIABLES};
 use crate::suspicion::Suspicion;
 use crate::wake::Wake;
@@ -25,19 +26,12 @@ use crate::{Orders, say};
 /// Time for the processes of one stage of the start to report that they run. The next stage starts in any case after
 /// this time.
 const START_PATIENCE: Duration = Duration::from_secs(10);
-/// Time for a child to stop, before SIGKILL.
-const STOP_PATIENCE: Duration = Duration::from_secs(5);
 /// Time for the recorder to stop before a rebuild, so that it can write its data.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(1);
 /// Time for fusion's last health message to arrive.
 const LAST_WORD_PATIENCE: Duration = Duration::from_millis(500);
-/// Longest sleep, bounded by messages from and to the keeper.
-const TICK: Duration = Duration::from_millis(50);
 /// Time between two messages to the keeper without a change.
 const TELL_PERIOD: Duration = Duration::from_millis(200);
-
-/// The longest pause of fusion is this fraction of `checkpoint.max_age_s`.
-const PAUSES_PER_AGE: u32 = 5;
 
 /// Exit code of a child that refuses its configuration or arguments: 2, as of the launcher.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -54,7 +48,7 @@ pub(crate) struct Supervisor<'a> {
     orders: &'a Orders,
     instance: &'a Instance,
     executable: PathBuf,
-    children: Vec<Child>,
+    children: Children,
     /// Connection to the keeper, while a keeper exists.
     keeper: Option<Link>,
     stop: Stop,
@@ -123,13 +117,7 @@ impl<'a> Supervisor<'a> {
             orders,
             instance,
             executable: std::env::current_exe().context("finding the executable")?,
-            children: parts(config)
-                .into_iter()
-                .map(|part| {
-                    let backoff = backoff(&part, config);
-                    Child::new(part, backoff)
-                })
-                .collect(),
+            children: Children::of(config),
             keeper: None,
             stop,
             wake,
@@ -159,7 +147,7 @@ impl<'a> Supervisor<'a> {
     pub(crate) fn run(mut self) -> anyhow::Result<()> {
         let watched = self.watch();
         self.service_manager.stopping();
-        let down = self.down();
+        let down = self.children.down();
         let stopped = self.stop_all(down);
         watched.and(stopped)
     }
@@ -208,7 +196,7 @@ impl<'a> Supervisor<'a> {
         }
         self.tell(now, urgent);
         self.sweep(now);
-        let status = self.status();
+        let status = self.children.status(self.start.is_complete);
         self.service_manager.sign(status);
         Ok(())
     }
@@ -229,7 +217,7 @@ impl<'a> Supervisor<'a> {
             has_reports: false,
         };
         self.has_reports |= heard.values().any(|said| said.has_reports);
-        for child in &mut self.children {
+        for child in self.children.iter_mut() {
             let is_keeper = child.part().kind == ProcessKind::Keeper;
             let said = match is_keeper {
                 // The keeper's message is its own sign of life.
@@ -320,7 +308,12 @@ impl<'a> Supervisor<'a> {
             say(&format!("going on without {}", left_out.join(", ")));
         }
         let Some(kinds) = START_ORDER.get(self.start.stage) else {
-            self.announce(now.duration_since(self.start.begun));
+            say(&format!(
+                "instance {} runs after {:.1} s: {}; Ctrl-C stops it",
+                self.orders.options.instance,
+                now.duration_since(self.start.begun).as_secs_f64(),
+                self.children.listed()
+            ));
             self.start.is_complete = true;
             if self.complete.is_none() {
                 self.complete = Some(now);
@@ -372,18 +365,18 @@ impl<'a> Supervisor<'a> {
                 Ok(())
             }
             // The old keeper is gone, and the new keeper needs all facts.
-            Sequel::RestartIn(_) if self.has_outlived_a_reader(index) => {
+            Sequel::RestartIn(_) if self.children.has_outlived_a_reader(index) => {
                 anyhow::bail!("{title} {end} near the end of the recordings: what it had still to do is missing")
             }
             Sequel::RestartIn(pause) => {
-                let pause = if self.hasten_fusion(now, index) {
+                let pause = if self.children.hasten_fusion(now, index) {
                     0.0
                 } else {
                     pause.as_secs_f64()
                 };
                 say(&format!("{title} {end}; restarting it in {pause:.1} s"));
                 self.suspect(index, now);
-                self.hand_over(index);
+                self.children.hand_over(index);
                 Ok(())
             }
             Sequel::Refused => Err(ChildRefused { child: title }.into()),
@@ -394,31 +387,6 @@ impl<'a> Supervisor<'a> {
                 };
                 anyhow::bail!("{title} failed {times} at its start; the last time it {end}. What it said is above")
             }
-        }
-    }
-
-    /// Ends the pauses of fusion processes if no fusion can lead: tracks end after a long time without a leader.
-    /// Returns whether the pause of the child at `index` is among them.
-    fn hasten_fusion(&mut self, now: Instant, index: usize) -> bool {
-        let is_fusion = |child: &Child| child.part().kind == ProcessKind::Fusion;
-        if self.children.iter().any(|child| is_fusion(child) && child.is_up()) {
-            return false;
-        }
-        let mut is_hastened = false;
-        for (place, child) in self.children.iter_mut().enumerate() {
-            is_hastened |= is_fusion(child) && child.hasten(now) && place == index;
-        }
-        is_hastened
-    }
-
-    /// If the leading fusion has ended, the standby leads from now on, and the restarted process becomes the standby.
-    fn hand_over(&mut self, index: usize) {
-        let is_leader = self.children[index].part() == &Part::leader();
-        let is_standby = |child: &Child| child.part().kind == ProcessKind::Fusion && child.is_up();
-        if let Some(other) = self.children.iter().position(is_standby).filter(|_| is_leader)
-            && let Ok([ended, leads]) = self.children.get_disjoint_mut([index, other])
-        {
-            ended.exchange_names(leads);
         }
     }
 
@@ -446,7 +414,7 @@ impl<'a> Supervisor<'a> {
 
     /// Kills all children, and restarts them in new shared memory.
     fn rebuild(&mut self, reason: &str, now: Instant) -> anyhow::Result<()> {
-        if self.readers().any(Child::is_finished) {
+        if self.children.readers().any(Child::is_finished) {
             anyhow::bail!("{reason} near the end of the recordings: what was still to do is missing");
         }
         self.rebuilds += 1;
@@ -462,10 +430,10 @@ impl<'a> Supervisor<'a> {
         {
             let asked = instant();
             while recorder.has_stopped() == Ok(false) && instant() - asked < RECORDER_PATIENCE {
-                self.wake.wait(TICK);
+                self.wake.wait(Wake::TICK);
             }
         }
-        for child in &mut self.children {
+        for child in self.children.iter_mut() {
             child.tear_down(now);
         }
         self.keeper = None;
@@ -475,66 +443,15 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    fn announce(&self, took: Duration) {
-        let names = |adapters: bool| -> Vec<String> {
-            let parts = self.children.iter().map(Child::part);
-            let chosen = parts.filter(|part| (part.kind == ProcessKind::Adapter) == adapters);
-            chosen
-                .map(|part| if adapters { part.name.clone() } else { part.title() })
-                .collect()
-        };
-        let (services, adapters) = (names(false).join(", "), names(true));
-        let instance = &self.orders.options.instance;
-        let count = match adapters.len() {
-            1 => "1 adapter".to_owned(),
-            count => format!("{count} adapters"),
-        };
-        say(&format!(
-            "instance {instance} runs after {:.1} s: {services}, and {count} ({}); Ctrl-C stops it",
-            took.as_secs_f64(),
-            adapters.join(", ")
-        ));
-    }
-
-    /// Returns one line for the service manager.
-    fn status(&self) -> String {
-        let down: Vec<String> = self
-            .children
-            .iter()
-            .filter(|child| !child.is_up())
-            .map(|child| match child.last_end() {
-                Some(end) => format!("{} {end}", child.part().title()),
-                None => child.part().title(),
-            })
-            .collect();
-        match (self.start.is_complete, down.is_empty()) {
-            (_, true) => format!("{} processes run", self.children.len()),
-            (true, false) => format!("down: {}", down.join(", ")),
-            (false, false) => format!("starting: {}", down.join(", ")),
-        }
-    }
-
     /// Whether no work is left: the readers of the adapters have finished. Adapters of recordings stay until they are
     /// stopped, so that a restarted reader finds them.
     fn is_finished(&self) -> bool {
-        self.start.is_complete && self.readers().all(Child::is_finished)
-    }
-
-    fn has_outlived_a_reader(&self, index: usize) -> bool {
-        let is_reader = |child: &Child| self.readers().any(|reader| reader.part() == child.part());
-        is_reader(&self.children[index]) && self.readers().any(Child::is_finished)
-    }
-
-    /// Returns the readers of the adapters, which finish when all recordings have ended.
-    fn readers(&self) -> impl Iterator<Item = &Child> {
-        let reads = |child: &&Child| matches!(child.part().kind, ProcessKind::Fusion | ProcessKind::Recorder);
-        self.children.iter().filter(reads)
+        self.start.is_complete && self.children.readers().all(Child::is_finished)
     }
 
     fn sleep(&self, now: Instant, limit: Option<Instant>) {
-        let restarts = self.children.iter().filter_map(Child::restart_due);
-        let next = restarts.chain(limit).min();
-        let sleep = next.map_or(TICK, |next| next.saturating_duration_since(now).min(TICK));
+        let next = self.children.next_restart().into_iter().chain(limit).min();
+        let sleep = next.map_or(Wake::TICK, |next| next.saturating_duration_since(now).min(Wake::TICK));
         if !sleep.is_zero() {
             self.wake.wait(sleep);
         }
@@ -557,7 +474,7 @@ impl<'a> Supervisor<'a> {
             }
             // The monitor's final report covers the kinds before it; the keeper's last message covers all others.
             self.tell_facts(instant(), kind == ProcessKind::Keeper);
-            self.stop_kind(kind, &mut problems);
+            self.children.stop(kind, &self.wake, &mut problems);
         }
         let said = |(_, what): (ProcessKind, String)| what;
         problems.extend(lost.into_iter().map(said));
@@ -574,72 +491,14 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
-    /// Returns the children that are due to start again, with a sentence for each.
-    fn down(&self) -> Vec<(ProcessKind, String)> {
-        let down = self.children.iter().filter(|child| child.restart_due().is_some());
-        let said = down.map(|child| {
-            let end = child.last_end().map(ToString::to_string).unwrap_or_default();
-            let title = child.part().title();
-            (
-                child.part().kind,
-                format!("{title} was not there in the end: the last time, it {end}"),
-            )
-        });
-        said.collect()
-    }
-
     /// Whether fusion has taken a report; its last message may still be on the way.
     fn has_come(&mut self) -> bool {
         let start = instant();
         while !self.has_reports && instant() - start < LAST_WORD_PATIENCE {
-            self.wake.wait(TICK);
+            self.wake.wait(Wake::TICK);
             self.listen(instant());
         }
         self.has_reports
-    }
-
-    fn stop_kind(&mut self, kind: ProcessKind, problems: &mut Vec<String>) {
-        let mut waited_for: Vec<&mut Child> = self
-            .children
-            .iter_mut()
-            .filter(|child| child.part().kind == kind)
-            .collect();
-        waited_for.retain_mut(|child| child.ask_to_stop());
-        let start = instant();
-        while !waited_for.is_empty() {
-            waited_for.retain_mut(|child| match child.has_stopped() {
-                Ok(stopped) => !stopped,
-                Err(problem) => {
-                    problems.push(problem);
-                    false
-                }
-            });
-            if instant() - start >= STOP_PATIENCE {
-                break;
-            }
-            if !waited_for.is_empty() {
-                self.wake.wait(TICK);
-            }
-        }
-        for child in waited_for {
-            child.kill();
-            let patience = STOP_PATIENCE.as_secs();
-            problems.push(format!(
-                "{} did not stop within {patience} s and was killed",
-                child.part().title()
-            ));
-        }
-    }
-}
-
-/// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
-/// end.
-fn backoff(part: &Part, config: &Config) -> Backoff {
-    match (part.kind, config.fusion.checkpoint) {
-        (ProcessKind::Fusion, Some(checkpoint)) => {
-            Backoff::with_longest(Duration::from_nanos(checkpoint.max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
-        }
-        _ => Backoff::new(),
     }
 }
 

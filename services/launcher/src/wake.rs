@@ -16,6 +16,9 @@ use signal_hook::iterator::Signals;
 pub(crate) struct Wake(Receiver<()>);
 
 impl Wake {
+    /// Longest sleep while messages from and to the keeper are due, and while a child stops.
+    pub(crate) const TICK: Duration = Duration::from_millis(50);
+
     /// Catches ends of children and stop requests from now on.
     pub(crate) fn on_signals() -> io::Result<Self> {
         let mut signals = Signals::new([SIGCHLD, SIGINT, SIGTERM])?;
