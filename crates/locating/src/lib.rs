@@ -59,6 +59,8 @@
 mod bank;
 mod counts;
 mod explanation;
+mod gauss_newton;
+mod kinematics;
 mod line_of_bearing;
 mod linear;
 mod locator;

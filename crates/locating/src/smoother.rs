@@ -29,8 +29,10 @@
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,
 //! IEEE Transactions on Automatic Control 38 (1993).
 
-use nalgebra::{Matrix2, Matrix4, SMatrix, SVector};
+use nalgebra::{Matrix4, SMatrix, SVector};
 
+use crate::gauss_newton::{DEVIATION_MAX, Prior, Problem};
+use crate::kinematics::{add_process_noise, longest_half_axis, position, sensitivity, transition};
 use crate::line_of_bearing::LineOfBearing;
 use crate::linear::Factor;
 use crate::triangulation::crossing;
@@ -53,18 +55,9 @@ const SEARCHED_EVERY: u64 = 16;
 /// Rounds of the search for a first fix, and of its improvement.
 const ROUNDS_FIRST: usize = 20;
 const ROUNDS: usize = 3;
-/// Steps of less than this squared statistical length are not worth another round.
-const STEP_SQUARED_MIN: f64 = 1e-4;
 /// Fewest lines of a fix.
 const LINES_MIN: usize = 3;
 
-/// A first fix is believed if its cost is at most so many standard deviations more than expected.
-const COST_SIGMAS: f64 = 4.0;
-/// … and if at most one in so many lines is far off.
-const LINES_PER_OUTLIER: usize = 10;
-
-/// Normalised innovations beyond this count less.
-const DEVIATION_MAX: f64 = 4.0;
 /// Share of the running sum of innovations that is kept at each bearing, and the sum's standard deviation.
 const SUM_KEPT: f64 = 0.85;
 const SUM_SIGMA: f64 = 1.898_315_991;
@@ -122,8 +115,7 @@ pub(crate) struct Smoother<const D: usize> {
     model: Model,
     /// Time of prior and estimate.
     reference_ns: i64,
-    prior_mean: SVector<f64, D>,
-    prior_information: SMatrix<f64, D, D>,
+    prior: Prior<D>,
     window: Window,
     estimate: SVector<f64, D>,
     covariance: SMatrix<f64, D, D>,
@@ -156,35 +148,13 @@ enum Stage {
     Settled,
 }
 
-/// The window and the prior, linearised at a state.
-struct System<const D: usize> {
-    information: SMatrix<f64, D, D>,
-    gradient: SVector<f64, D>,
-    cost: f64,
-    lines: usize,
-    /// Number of lines that are far off, and the cost of the others.
-    outliers: usize,
-    cost_of_others: f64,
-}
-
-impl<const D: usize> System<D> {
-    /// Whether the lines fit together: few are far off, and the cost of the others is chi-square with about as
-    /// many degrees of freedom as there are lines.
-    fn is_plausible(&self) -> bool {
-        let freedom = self.lines as f64;
-        self.outliers <= self.lines / LINES_PER_OUTLIER
-            && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
-    }
-}
-
 impl<const D: usize> Smoother<D> {
     pub(crate) fn new(model: Model) -> Self {
         const { assert!(D == 2 || D == 4, "position, or position and velocity") };
         Self {
             model,
             reference_ns: 0,
-            prior_mean: SVector::zeros(),
-            prior_information: SMatrix::zeros(),
+            prior: Prior::default(),
             window: Window::EMPTY,
             estimate: SVector::zeros(),
             covariance: SMatrix::zeros(),
@@ -365,8 +335,8 @@ impl<const D: usize> Smoother<D> {
         self.reference_ns = other.reference_ns;
         self.estimate = other.estimate;
         self.covariance = other.covariance;
-        self.prior_mean = other.estimate;
-        self.prior_information = factor.inverse();
+        self.prior.mean = other.estimate;
+        self.prior.information = factor.inverse();
         self.window.clear();
         self.stage = Stage::Settled;
         (self.sum, self.is_distrusting) = (0.0, false);
@@ -385,7 +355,7 @@ impl<const D: usize> Smoother<D> {
         let mut at = SVector::zeros();
         at[0] = position_m[0];
         at[1] = position_m[1];
-        let cost = |at| self.system(at, self.window.all()).cost;
+        let cost = |at| self.problem(self.window.all()).linearised(at).cost;
         let lead = cost(&at) - cost(&self.estimate);
         self.lead_over_rest = Some(lead);
         if lead < 0.0 {
@@ -402,17 +372,16 @@ impl<const D: usize> Smoother<D> {
 
     fn begin(&mut self, first: &LineOfBearing) {
         self.reference_ns = first.time_ns;
-        self.prior_mean = SVector::zeros();
-        self.prior_information = SMatrix::zeros();
+        self.prior = Prior::default();
         for axis in 0..D {
             let sigma = match axis {
                 0 | 1 => self.model.range_sigma_m,
                 _ => self.model.speed_sigma_mps,
             };
-            self.prior_information[(axis, axis)] = 1.0 / (sigma * sigma);
+            self.prior.information[(axis, axis)] = 1.0 / (sigma * sigma);
         }
-        self.prior_mean[0] = first.platform_m[0];
-        self.prior_mean[1] = first.platform_m[1];
+        self.prior.mean[0] = first.platform_m[0];
+        self.prior.mean[1] = first.platform_m[1];
         self.stage = Stage::Searching;
         (self.sum, self.is_distrusting) = (0.0, false);
     }
@@ -501,7 +470,7 @@ impl<const D: usize> Smoother<D> {
     /// Makes the first `count` lines part of the prior, which moves to the time of the last of them.
     fn fold(&mut self, count: usize) {
         let folded = &self.window.all()[..count];
-        let system = self.system(&self.estimate, folded);
+        let system = self.problem(folded).linearised(&self.estimate);
         let Some(factor) = Factor::of(&system.information) else {
             return;
         };
@@ -509,8 +478,8 @@ impl<const D: usize> Smoother<D> {
         let time_ns = folded[count - 1].time_ns;
         let after_s = seconds(time_ns - self.reference_ns);
         let (back, forth) = (transition::<D>(-after_s), transition::<D>(after_s));
-        self.prior_mean = forth * mean;
-        self.prior_information = back.transpose() * system.information * back;
+        self.prior.mean = forth * mean;
+        self.prior.information = back.transpose() * system.information * back;
         self.estimate = forth * self.estimate;
         self.covariance = forth * self.covariance * forth.transpose();
         self.reference_ns = time_ns;
@@ -521,41 +490,33 @@ impl<const D: usize> Smoother<D> {
     fn linearise(&mut self) {
         self.since_linearised = 0;
         let is_first = self.stage == Stage::Searching;
-        let Some(mut at) = self.start() else { return };
-        let mut system = self.system(&at, self.window.all());
+        let Some(start) = self.start() else { return };
         let rounds = if is_first { ROUNDS_FIRST } else { ROUNDS };
-        let mut has_converged = false;
-        for _ in 0..rounds {
-            let Some(factor) = Factor::of(&system.information) else {
-                return;
-            };
-            let step = factor.solve(&system.gradient);
-            if system.gradient.dot(&step) < STEP_SQUARED_MIN {
-                has_converged = true;
-                at += step;
-                break;
-            }
-            let Some((next, there)) = self.descend(&at, &step, &system) else {
-                break;
-            };
-            (at, system) = (next, there);
-        }
-        let Some(factor) = Factor::of(&system.information) else {
+        let Some(found) = self.problem(self.window.all()).search(start, rounds) else {
             return;
         };
-        if !at.iter().all(|value| value.is_finite()) || (is_first && !has_converged) {
+        let at = found.state;
+        if !at.iter().all(|value| value.is_finite()) || (is_first && !found.has_converged) {
             return;
         }
-        self.is_misfit = self.stage < Stage::Settled && !system.is_plausible();
+        self.is_misfit = self.stage < Stage::Settled && !found.is_plausible;
         if self.is_misfit {
             // The position fitted a few bearings, but does not fit all.
             self.stage = Stage::Searching;
             return;
         }
         self.estimate = at;
-        self.covariance = factor.inverse();
+        self.covariance = found.covariance;
         if is_first {
             self.stage = Stage::Vague;
+        }
+    }
+
+    fn problem<'a>(&'a self, lines: &'a [LineOfBearing]) -> Problem<'a, D> {
+        Problem {
+            reference_ns: self.reference_ns,
+            prior: &self.prior,
+            lines,
         }
     }
 
@@ -572,68 +533,6 @@ impl<const D: usize> Smoother<D> {
         start[0] = crossing[0];
         start[1] = crossing[1];
         Some(start)
-    }
-
-    /// A step along `step` after which prior and lines fit better; it goes at most half of the way to the platform.
-    fn descend(
-        &self,
-        at: &SVector<f64, D>,
-        step: &SVector<f64, D>,
-        system: &System<D>,
-    ) -> Option<(SVector<f64, D>, System<D>)> {
-        let range = self
-            .window
-            .all()
-            .last()
-            .map_or(f64::MAX, |last| last.distance_m([at[0], at[1]]));
-        let length = step[0].hypot(step[1]);
-        let mut share = (0.5 * range / length.max(f64::MIN_POSITIVE)).min(1.0);
-        for _ in 0..5 {
-            let next = at + step * share;
-            let there = self.system(&next, self.window.all());
-            if there.cost <= system.cost {
-                return Some((next, there));
-            }
-            share *= 0.4;
-        }
-        None
-    }
-
-    fn system(&self, at: &SVector<f64, D>, lines: &[LineOfBearing]) -> System<D> {
-        let offset = self.prior_mean - at;
-        let gradient = self.prior_information * offset;
-        let mut system = System {
-            information: self.prior_information,
-            gradient,
-            cost: offset.dot(&gradient),
-            lines: 0,
-            outliers: 0,
-            cost_of_others: 0.0,
-        };
-        for line in lines.iter().filter(|line| line.is_used) {
-            let after_s = line.after_s(self.reference_ns);
-            let Some(residual) = line.residual(position(at, after_s)) else {
-                continue;
-            };
-            let h = sensitivity::<D>(residual.gradient, after_s);
-            let squared = residual.innovation_rad * residual.innovation_rad * line.information;
-            let (cost, weight) = robust(squared);
-            let information = weight * line.information;
-            system.cost += cost;
-            system.lines += 1;
-            match weight < 1.0 {
-                true => system.outliers += 1,
-                false => system.cost_of_others += cost,
-            }
-            system.gradient += h * (information * residual.innovation_rad);
-            let scaled = h * information;
-            for column in 0..D {
-                for row in 0..D {
-                    system.information[(row, column)] += scaled[row] * h[column];
-                }
-            }
-        }
-        system
     }
 
     /// Judges whether the geometry allows a fix.
@@ -684,61 +583,6 @@ impl<const D: usize> Smoother<D> {
         (self.estimate, self.covariance) = self.moved(seconds(time_ns - self.reference_ns));
         self.reference_ns = time_ns;
     }
-}
-
-/// Cost and weight of a squared normalised innovation.
-fn robust(squared: f64) -> (f64, f64) {
-    const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
-    if squared <= KNEE {
-        (squared, 1.0)
-    } else {
-        (KNEE * (1.0 + (squared / KNEE).ln()), KNEE / squared)
-    }
-}
-
-fn position<const D: usize>(state: &SVector<f64, D>, after_s: f64) -> [f64; 2] {
-    match D {
-        4 => [state[0] + after_s * state[2], state[1] + after_s * state[3]],
-        _ => [state[0], state[1]],
-    }
-}
-
-/// Derivative by the state of a bearing after so many seconds.
-fn sensitivity<const D: usize>(gradient: [f64; 2], after_s: f64) -> SVector<f64, D> {
-    SVector::from_fn(|axis, _| match axis {
-        0 | 1 => gradient[axis],
-        _ => gradient[axis - 2] * after_s,
-    })
-}
-
-fn transition<const D: usize>(after_s: f64) -> SMatrix<f64, D, D> {
-    let mut transition = SMatrix::identity();
-    if D == 4 {
-        transition[(0, 2)] = after_s;
-        transition[(1, 3)] = after_s;
-    }
-    transition
-}
-
-/// White noise in the velocity of a point, or in the acceleration of a straight motion.
-fn add_process_noise<const D: usize>(covariance: &mut SMatrix<f64, D, D>, density: f64, after_s: f64) {
-    let q = density * after_s;
-    for axis in 0..2 {
-        if D == 4 {
-            covariance[(axis, axis)] += q * after_s * after_s / 3.0;
-            covariance[(axis, axis + 2)] += q * after_s / 2.0;
-            covariance[(axis + 2, axis)] += q * after_s / 2.0;
-            covariance[(axis + 2, axis + 2)] += q;
-        } else {
-            covariance[(axis, axis)] += q;
-        }
-    }
-}
-
-fn longest_half_axis(covariance: &Matrix2<f64>) -> f64 {
-    let mean = 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
-    let half = 0.5 * (covariance[(0, 0)] - covariance[(1, 1)]);
-    (mean + half.hypot(covariance[(0, 1)])).sqrt()
 }
 
 fn seconds(ns: i64) -> f64 {

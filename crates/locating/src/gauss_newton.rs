@@ -1,0 +1,171 @@
+//! Search of the state that explains a prior and lines of bearing best: Gauss–Newton iteration with robust weights.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::kinematics::{position, sensitivity};
+use crate::line_of_bearing::LineOfBearing;
+use crate::linear::Factor;
+
+/// Steps of less than this squared statistical length are not worth another round.
+const STEP_SQUARED_MIN: f64 = 1e-4;
+/// A first fix is believed if its cost is at most so many standard deviations more than expected.
+const COST_SIGMAS: f64 = 4.0;
+/// … and if at most one in so many lines is far off.
+const LINES_PER_OUTLIER: usize = 10;
+/// Normalised innovations beyond this count less.
+pub(crate) const DEVIATION_MAX: f64 = 4.0;
+
+/// Prior knowledge of a state.
+#[derive(Clone, Debug)]
+pub(crate) struct Prior<const D: usize> {
+    pub(crate) mean: SVector<f64, D>,
+    pub(crate) information: SMatrix<f64, D, D>,
+}
+
+impl<const D: usize> Default for Prior<D> {
+    fn default() -> Self {
+        Self {
+            mean: SVector::zeros(),
+            information: SMatrix::zeros(),
+        }
+    }
+}
+
+/// Prior and lines that a state at the reference time is to explain.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Problem<'a, const D: usize> {
+    pub(crate) reference_ns: i64,
+    pub(crate) prior: &'a Prior<D>,
+    pub(crate) lines: &'a [LineOfBearing],
+}
+
+/// Problem, linearised at a state.
+pub(crate) struct System<const D: usize> {
+    pub(crate) information: SMatrix<f64, D, D>,
+    pub(crate) gradient: SVector<f64, D>,
+    pub(crate) cost: f64,
+    lines: usize,
+    /// Number of lines that are far off, and the cost of the others.
+    outliers: usize,
+    cost_of_others: f64,
+}
+
+/// Result of a search.
+pub(crate) struct Solution<const D: usize> {
+    pub(crate) state: SVector<f64, D>,
+    pub(crate) covariance: SMatrix<f64, D, D>,
+    pub(crate) has_converged: bool,
+    /// Whether the lines fit together.
+    pub(crate) is_plausible: bool,
+}
+
+impl<const D: usize> System<D> {
+    /// Whether the lines fit together: few are far off, and the cost of the others is chi-square with about as
+    /// many degrees of freedom as there are lines.
+    fn is_plausible(&self) -> bool {
+        let freedom = self.lines as f64;
+        self.outliers <= self.lines / LINES_PER_OUTLIER
+            && self.cost_of_others < freedom + COST_SIGMAS * (2.0 * freedom).sqrt() + COST_SIGMAS
+    }
+}
+
+impl<const D: usize> Problem<'_, D> {
+    /// Searches from `start`, with all lines linearised anew in each round. `None` if the lines do not determine a
+    /// state.
+    pub(crate) fn search(&self, start: SVector<f64, D>, rounds: usize) -> Option<Solution<D>> {
+        let mut at = start;
+        let mut system = self.linearised(&at);
+        let mut has_converged = false;
+        for _ in 0..rounds {
+            let step = Factor::of(&system.information)?.solve(&system.gradient);
+            if system.gradient.dot(&step) < STEP_SQUARED_MIN {
+                has_converged = true;
+                at += step;
+                break;
+            }
+            let Some((next, there)) = self.descend(&at, &step, &system) else {
+                break;
+            };
+            (at, system) = (next, there);
+        }
+        Some(Solution {
+            state: at,
+            covariance: Factor::of(&system.information)?.inverse(),
+            has_converged,
+            is_plausible: system.is_plausible(),
+        })
+    }
+
+    /// Returns the state after a step along `step` at which prior and lines fit better. A step goes at most half of
+    /// the way to the platform.
+    fn descend(
+        &self,
+        at: &SVector<f64, D>,
+        step: &SVector<f64, D>,
+        system: &System<D>,
+    ) -> Option<(SVector<f64, D>, System<D>)> {
+        let range = self
+            .lines
+            .last()
+            .map_or(f64::MAX, |last| last.distance_m([at[0], at[1]]));
+        let length = step[0].hypot(step[1]);
+        let mut share = (0.5 * range / length.max(f64::MIN_POSITIVE)).min(1.0);
+        for _ in 0..5 {
+            let next = at + step * share;
+            let there = self.linearised(&next);
+            if there.cost <= system.cost {
+                return Some((next, there));
+            }
+            share *= 0.4;
+        }
+        None
+    }
+
+    /// Linearises the problem at a state.
+    pub(crate) fn linearised(&self, at: &SVector<f64, D>) -> System<D> {
+        let offset = self.prior.mean - at;
+        let gradient = self.prior.information * offset;
+        let mut system = System {
+            information: self.prior.information,
+            gradient,
+            cost: offset.dot(&gradient),
+            lines: 0,
+            outliers: 0,
+            cost_of_others: 0.0,
+        };
+        for line in self.lines.iter().filter(|line| line.is_used) {
+            let after_s = line.after_s(self.reference_ns);
+            let Some(residual) = line.residual(position(at, after_s)) else {
+                continue;
+            };
+            let h = sensitivity::<D>(residual.gradient, after_s);
+            let squared = residual.innovation_rad * residual.innovation_rad * line.information;
+            let (cost, weight) = robust(squared);
+            let information = weight * line.information;
+            system.cost += cost;
+            system.lines += 1;
+            match weight < 1.0 {
+                true => system.outliers += 1,
+                false => system.cost_of_others += cost,
+            }
+            system.gradient += h * (information * residual.innovation_rad);
+            let scaled = h * information;
+            for column in 0..D {
+                for row in 0..D {
+                    system.information[(row, column)] += scaled[row] * h[column];
+                }
+            }
+        }
+        system
+    }
+}
+
+/// Cost and weight of a squared normalised innovation.
+fn robust(squared: f64) -> (f64, f64) {
+    const KNEE: f64 = DEVIATION_MAX * DEVIATION_MAX;
+    if squared <= KNEE {
+        (squared, 1.0)
+    } else {
+        (KNEE * (1.0 + (squared / KNEE).ln()), KNEE / squared)
+    }
+}
