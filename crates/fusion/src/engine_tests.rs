@@ -11,6 +11,7 @@ mod gates;
 mod hostile_sources;
 mod image;
 mod innovations;
+mod keys;
 mod large_targets;
 mod levels;
 mod orders;

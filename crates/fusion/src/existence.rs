@@ -274,6 +274,11 @@ mod tests {
     fn persistence_and_addresses_speak_for_a_claim() {
         assert!(!claim(-4.0, 4).is_believed(&ExistenceSettings::default()));
         assert!(claim(-4.0, 30).is_believed(&ExistenceSettings::default()));
+        let patient = ExistenceSettings {
+            persistence_reports: 30,
+            ..ExistenceSettings::default()
+        };
+        assert!(!claim(-4.0, 30).is_believed(&patient));
         let mut with_address = claim(-4.0, 4);
         with_address.has_address = true;
         assert!(with_address.is_believed(&ExistenceSettings::default()));

@@ -734,3 +734,36 @@ fn a_monitor_beside_the_first_one_keeps_its_alarms_to_itself() {
     let _ = runtime::Agent::turn(&mut second, bench.clock.get()).unwrap();
     assert_eq!(alarms.take(usize::MAX, |_, _| {}).unwrap(), 0);
 }
+
+#[test]
+fn limits_of_alarms_follow_their_keys() {
+    let clock_off = Registration {
+        clock_offset_s: -29.75,
+        clock_offset_sigma_s: 0.25,
+        ..Registration::default()
+    };
+    let overstated = Registration {
+        covariance_inflation: 9.0,
+        ..Registration::default()
+    };
+    for (kind, key, registration) in [
+        (AlarmKind::ClockOff, "monitor.alarms.clock_off_s=60", clock_off),
+        (AlarmKind::AccuracyOverstated, "monitor.alarms.inflation=20", overstated),
+    ] {
+        let raised = |overrides: &[&str]| {
+            let mut site = Site::new(overrides);
+            site.say(ProcessKind::Fusion, "fusion", 3).registration = registration;
+            site.pass(kind.raise_after_ns() / S + 1);
+            site.standing().len()
+        };
+        assert_eq!((raised(&[]), raised(&[key])), (1, 0), "{key}");
+    }
+    let mut site = Site::new(&["monitor.alarms.process_silent_s=10"]);
+    site.say(ProcessKind::Fusion, "fusion", NO_SOURCE);
+    site.pass(1);
+    site.health.clear();
+    site.pass(9);
+    assert_eq!(site.standing(), [""; 0]);
+    site.pass(3);
+    assert_eq!(site.standing().len(), 1);
+}

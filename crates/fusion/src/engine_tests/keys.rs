@@ -1,0 +1,119 @@
+//! Keys that no other test sets, each with a value that changes the outcome.
+
+use super::*;
+use crate::settings::{AssociationSettings, GateProbability};
+
+/// Fusion of two sources under which nothing is learned of them.
+fn harness(change: impl FnOnce(&mut AssociationSettings)) -> Harness {
+    let mut settings = test_settings(2);
+    settings.consistency = false;
+    settings.registration.enabled = false;
+    change(&mut settings.association);
+    Harness::new(settings)
+}
+
+/// Number of system tracks after one report of each source. The report of the second lies `aside_m` to the north and
+/// states a speed `faster_mps` higher.
+fn live_of_two(aside_m: f64, faster_mps: f64, change: impl FnOnce(&mut AssociationSettings)) -> usize {
+    let mut harness = harness(change);
+    harness.take(&report(0, 1, 0.0, [0.0, 0.0], [20.0, 0.0]));
+    let mut second = report(1, 1, 0.0, [0.0, aside_m], [20.0, 0.0]);
+    second.velocity_mps[0] += faster_mps;
+    harness.take(&second);
+    harness.live()
+}
+
+#[test]
+fn the_probability_of_joining_sets_the_gate_in_the_plane() {
+    // Sigma of the difference: 14 m.
+    let live = |probability| {
+        live_of_two(30.0, 0.0, |keys| {
+            keys.join_probability = GateProbability::of(probability)
+        })
+    };
+    assert_eq!((live(0.999), live(0.5)), (1, 2));
+}
+
+#[test]
+fn the_probability_of_velocities_widens_the_gate_of_position_and_velocity() {
+    // Sigma of the difference: 2.8 m/s.
+    let live = |probability| {
+        live_of_two(0.0, 15.0, |keys| {
+            keys.velocity_probability = GateProbability::of(probability)
+        })
+    };
+    assert_eq!((live(1.0 - 1e-9), live(0.5)), (1, 2));
+}
+
+#[test]
+fn errors_in_common_make_a_difference_count_more() {
+    let live = |correlation| live_of_two(40.0, 0.0, |keys| keys.error_correlation = correlation);
+    assert_eq!((live(0.0), live(0.9)), (1, 2));
+}
+
+/// Number of reports of the second source after its track has left the target until it is taken out, if it is.
+fn reports_until_split(change: impl FnOnce(&mut AssociationSettings)) -> Option<u32> {
+    let mut harness = harness(change);
+    for scan in 0..60 {
+        let aside_m = if scan < 10 { 0.0 } else { 300.0 };
+        let time_s = f64::from(scan);
+        harness.take(&report(0, 1, time_s, [0.0, 0.0], [20.0, 0.0]));
+        harness.take(&report(1, 1, time_s + 0.3, [0.0, aside_m], [20.0, 0.0]));
+        if harness.count(Counter::ContributionsSplit) > 0 {
+            return Some(scan - 9);
+        }
+    }
+    None
+}
+
+#[test]
+fn a_track_stays_as_long_as_its_gate_and_its_reports_permit() {
+    let usual = reports_until_split(|_| ()).unwrap();
+    let patient = reports_until_split(|keys| keys.split_reports += 7).unwrap();
+    assert_eq!(patient, usual + 7);
+    assert_eq!(reports_until_split(|keys| keys.keep_gate = 1e6), None);
+}
+
+/// Number of merged tracks after two tracks of one source each have come together.
+fn merged(change: impl FnOnce(&mut AssociationSettings)) -> u64 {
+    let mut harness = harness(change);
+    for scan in 0..100 {
+        let time_s = f64::from(scan);
+        let away_m = (3_000.0 - 60.0 * time_s).max(0.0);
+        harness.take(&report(0, 1, time_s, [0.0, 0.0], [20.0, 0.0]));
+        let mut moving = report(1, 1, time_s + 0.3, [0.0, away_m], [20.0, 0.0]);
+        moving.velocity_mps[1] -= if away_m > 0.0 { 60.0 } else { 0.0 };
+        harness.take(&moving);
+    }
+    harness.count(Counter::TracksMerged)
+}
+
+#[test]
+fn tracks_merge_after_as_many_reports_as_the_key_states() {
+    assert!(merged(|_| ()) > 0);
+    assert_eq!(merged(|keys| keys.merge_reports = 1_000_000), 0);
+}
+
+#[test]
+fn recency_weighs_the_earlier_reports_of_a_sensor_track() {
+    let accuracies = |recency| {
+        let mut settings = test_settings(2);
+        settings.rule.name.0 = messages::FusionRule::InverseTrace;
+        settings.rule.recency = recency;
+        settings.rule.accuracy_values = Some(true);
+        let mut harness = Harness::new(settings);
+        for scan in 0..20 {
+            for source in 0..2 {
+                let aside_m = 8.0 * f64::from((scan * 7 + i32::from(source)) % 3 - 1);
+                let time_s = f64::from(scan) + 0.3 * f64::from(source);
+                harness.take(&report(source as u16, 1, time_s, [0.0, aside_m], [20.0, 0.0]));
+            }
+        }
+        let accuracy = |state: &SystemTrack| {
+            let parts = state.contributions().iter();
+            parts.map(|part| part.accuracy.to_bits()).collect::<Vec<_>>()
+        };
+        harness.published.iter().map(accuracy).collect::<Vec<_>>()
+    };
+    assert_ne!(accuracies(1.0), accuracies(0.1));
+}
