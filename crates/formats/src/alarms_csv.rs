@@ -3,11 +3,10 @@
 //! `time_s` is the time of the event, `raised_s` that at which the alarm was raised; `sensor_id` and `partner_id` are
 //! the sources concerned and `process` the process, empty where there is none.
 
-use std::io::{self, Write};
+use messages::{Alarm, AlarmEvent, AlarmSeverity};
 
-use messages::{Alarm, AlarmEvent, AlarmSeverity, NO_SOURCE};
-
-use crate::rows::{Reference, Row};
+use crate::cells::{Quoted, Sensor, Time};
+use crate::columns::columns;
 
 /// Event of an alarm.
 #[derive(Clone, Copy, Debug)]
@@ -20,27 +19,18 @@ pub struct AlarmRow {
     pub alarm: Alarm,
 }
 
-impl Row for AlarmRow {
-    fn columns() -> String {
-        "time_s,raised_s,event,alarm,severity,sensor_id,partner_id,process,text".to_owned()
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let Self { word, event, alarm } = self;
-        reference.write_time(out, alarm.time_ns)?;
-        write!(out, ",")?;
-        reference.write_time(out, alarm.raised_ns)?;
-        let severity = alarm.severity().map_or("", AlarmSeverity::word);
-        write!(out, ",{},{word},{severity}", event.word())?;
-        for source in [alarm.source, alarm.partner] {
-            write!(out, ",")?;
-            if source != NO_SOURCE {
-                write!(out, "{}", reference.sensor_id(source))?;
-            }
-        }
-        // Sentences have commas.
-        write!(out, ",{},\"{}\"", alarm.process(), alarm.text().replace('"', "\"\""))
-    }
+columns! {
+    AlarmRow: |row|
+    "time_s" => Time(row.alarm.time_ns),
+    "raised_s" => Time(row.alarm.raised_ns),
+    "event" => row.event.word(),
+    "alarm" => row.word,
+    "severity" => row.alarm.severity().map(AlarmSeverity::word),
+    "sensor_id" => Sensor::known(row.alarm.source),
+    "partner_id" => Sensor::known(row.alarm.partner),
+    "process" => row.alarm.process(),
+    // Sentences have commas.
+    "text" => Quoted(row.alarm.text()),
 }
 
 #[cfg(test)]

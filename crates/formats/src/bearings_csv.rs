@@ -4,12 +4,14 @@
 //! `pulse_interval_s`. An empty `emitter_id` says that the direction finder cannot tell its emitters apart.
 
 use std::f64::consts::TAU;
-use std::io::{self, Read, Write};
+use std::io::Read;
 
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::Bearing;
 
-use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
+use crate::cells::Time;
+use crate::columns::columns;
+use crate::rows::{Columns, RowReader, RowWriter};
 
 /// A standard deviation beyond this says nothing about a direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
@@ -19,18 +21,24 @@ pub type BearingReader<R> = RowReader<R, BearingColumns>;
 /// Writes bearings. What was written and read again is the same to the last bit.
 pub type BearingWriter<W> = RowWriter<Bearing, W>;
 
+columns! {
+    /// Places of the columns of bearings.
+    BearingPlaces of Bearing: |row|
+    time: Column = "time_s" => Time(row.time_of_measurement_ns),
+    emitter: Column = "emitter_id" => row.emitter_id,
+    bearing: Column = "bearing_rad" => row.bearing_rad,
+    sigma: Column = "sigma_rad" => row.sigma_rad,
+    platform: [Column; 3] = ["px", "py", "pz"] => row.platform_m,
+    heading: Option<Column> = "heading_rad" => row.heading_rad,
+    frequency: Option<Column> = "frequency_hz" => row.frequency_hz,
+    pulse_interval: Option<Column> = "pulse_interval_s" => row.pulse_interval_s,
+}
+
 /// Columns of bearings.
 #[derive(Debug)]
 pub struct BearingColumns {
     first_day_ns: i64,
-    time: Column,
-    emitter: Column,
-    bearing: Column,
-    sigma: Column,
-    platform: [Column; 3],
-    heading: Option<Column>,
-    frequency: Option<Column>,
-    pulse_interval: Option<Column>,
+    at: BearingPlaces,
 }
 
 impl<R: Read> BearingReader<R> {
@@ -42,14 +50,7 @@ impl<R: Read> BearingReader<R> {
         let table = Table::new(input)?;
         let columns = BearingColumns {
             first_day_ns,
-            time: table.required("time_s")?,
-            emitter: table.required("emitter_id")?,
-            bearing: table.required("bearing_rad")?,
-            sigma: table.required("sigma_rad")?,
-            platform: table.all(["px", "py", "pz"])?,
-            heading: table.optional("heading_rad")?,
-            frequency: table.optional("frequency_hz")?,
-            pulse_interval: table.optional("pulse_interval_s")?,
+            at: BearingPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
     }
@@ -59,23 +60,27 @@ impl Columns for BearingColumns {
     type Value = Bearing;
 
     fn read(&mut self, row: Cells<'_>) -> Result<Bearing, CsvError> {
-        let time_ns = row.time_ns(self.time)?;
-        let emitter_id = match row.text(self.emitter)? {
-            Some(_) => Some(row.whole(self.emitter)?),
+        let time_ns = row.time_ns(self.at.time)?;
+        let emitter_id = match row.text(self.at.emitter)? {
+            Some(_) => Some(row.whole(self.at.emitter)?),
             None => None,
         };
-        let platform_m = row.numbers(self.platform)?;
-        let frequency_hz = positive(row, self.frequency, "must be greater than 0; a frequency is, in hertz")?;
+        let platform_m = row.numbers(self.at.platform)?;
+        let frequency_hz = positive(
+            row,
+            self.at.frequency,
+            "must be greater than 0; a frequency is, in hertz",
+        )?;
         let interval = "must be greater than 0; the time between pulses is, in seconds";
-        let pulse_interval_s = positive(row, self.pulse_interval, interval)?;
-        let heading_rad = match self.heading {
+        let pulse_interval_s = positive(row, self.at.pulse_interval, interval)?;
+        let heading_rad = match self.at.heading {
             Some(column) if row.text(column)?.is_some() => Some(angle(row, column)?),
             _ => None,
         };
         Ok(Bearing {
             time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
             emitter_id,
-            bearing_rad: angle(row, self.bearing)?,
+            bearing_rad: angle(row, self.at.bearing)?,
             sigma_rad: self.sigma(row)?,
             platform_m,
             heading_rad,
@@ -87,11 +92,11 @@ impl Columns for BearingColumns {
 
 impl BearingColumns {
     fn sigma(&self, row: Cells<'_>) -> Result<f64, CsvError> {
-        match row.number(self.sigma)? {
-            ..=0.0 => Err(row.error(self.sigma, "must be greater than 0; a standard deviation is")),
+        match row.number(self.at.sigma)? {
+            ..=0.0 => Err(row.error(self.at.sigma, "must be greater than 0; a standard deviation is")),
             sigma if sigma > SIGMA_MAX_RAD => {
                 let reason = format!("is more than {SIGMA_MAX_RAD}, which is no direction; write radians, not degrees");
-                Err(row.error(self.sigma, reason))
+                Err(row.error(self.at.sigma, reason))
             }
             sigma => Ok(sigma),
         }
@@ -111,23 +116,6 @@ fn angle(row: Cells<'_>, column: Column) -> Result<f64, CsvError> {
     match row.number(column)? {
         angle if angle.abs() > TAU => Err(row.error(column, "is more than a full turn; write radians, not degrees")),
         angle => Ok(angle),
-    }
-}
-
-impl Row for Bearing {
-    fn columns() -> String {
-        "time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,heading_rad,frequency_hz,pulse_interval_s".to_owned()
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        reference.write_time(out, self.time_of_measurement_ns)?;
-        match self.emitter_id {
-            Some(emitter_id) => write!(out, ",{emitter_id}")?,
-            None => write!(out, ",")?,
-        }
-        write_exact(out, [self.bearing_rad, self.sigma_rad])?;
-        write_exact(out, self.platform_m)?;
-        write_exact(out, [self.heading_rad, self.frequency_hz, self.pulse_interval_s])
     }
 }
 

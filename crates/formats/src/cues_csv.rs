@@ -4,11 +4,10 @@
 //! predicted place and velocity, `longer_m` and `shorter_m` the half axes of the region to be searched, and
 //! `orientation_rad` the direction of the longer one, clockwise from north.
 
-use std::io::{self, Write};
-
 use messages::Cue;
 
-use crate::rows::{Reference, Row};
+use crate::cells::{Rounded, Time};
+use crate::columns::columns;
 
 /// A cue for the sensor that files call `sensor_id`.
 #[derive(Clone, Copy, Debug)]
@@ -19,19 +18,14 @@ pub struct CueRow {
     pub cue: Cue,
 }
 
-impl Row for CueRow {
-    fn columns() -> String {
-        "made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad".to_owned()
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let Self { sensor_id, cue } = self;
-        reference.write_time(out, cue.made_ns)?;
-        write!(out, ",")?;
-        reference.write_time(out, cue.time_ns)?;
-        write!(out, ",{sensor_id},{}", cue.track_number)?;
-        let numbers = cue.position_m.iter().chain(&cue.velocity_mps).chain(&cue.half_axes_m);
-        numbers.into_iter().try_for_each(|value| write!(out, ",{value:.3}"))?;
-        write!(out, ",{:.6}", cue.orientation_rad)
-    }
+columns! {
+    CueRow: |row|
+    "made_s" => Time(row.cue.made_ns),
+    "time_s" => Time(row.cue.time_ns),
+    "sensor_id" => row.sensor_id,
+    "sensor_track_id" => row.cue.track_number,
+    ["x", "y", "z"] => row.cue.position_m.map(|value| Rounded(value, 3)),
+    ["vx", "vy", "vz"] => row.cue.velocity_mps.map(|value| Rounded(value, 3)),
+    ["longer_m", "shorter_m"] => row.cue.half_axes_m.map(|value| Rounded(value, 3)),
+    "orientation_rad" => Rounded(row.cue.orientation_rad, 6),
 }

@@ -3,47 +3,29 @@
 //! Times are rounded to milliseconds: people read this table. What a decision does not speak of is empty. `value` and
 //! `limit` are what was compared; what they are is said with each kind ([`messages::DecisionKind`]).
 
-use std::io::{self, Write};
+use messages::{Decision, DecisionKind};
 
-use messages::{Decision, DecisionKind, NO_SOURCE};
-
-use crate::rows::{Reference, Row};
+use crate::cells::{Rounded, RoundedTime, Sensor};
+use crate::columns::columns;
 
 /// Writes decisions.
 pub type DecisionWriter<W> = crate::rows::RowWriter<Decision, W>;
 
-impl Row for Decision {
-    fn columns() -> String {
-        "time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit"
-            .to_owned()
-    }
+columns! {
+    Decision: |row|
+    "time_s" => RoundedTime(row.time_ns),
+    "decision" => row.kind().map(DecisionKind::word),
+    "system_track_id" => numbered(row.system_track),
+    "other_system_track_id" => numbered(row.other_system_track),
+    "sensor_id" => Sensor::known(row.source),
+    "other_sensor_id" => Sensor::known(row.other_source),
+    "sensor_track_id" => numbered(row.sensor_track),
+    "value" => Rounded::known(row.value, 4),
+    "limit" => Rounded::known(row.limit, 4),
+}
 
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let time_s = frames::time::seconds(reference.since_first_day_ns(self.time_ns));
-        write!(out, "{time_s:.3},{}", self.kind().map_or("", DecisionKind::word))?;
-        let write_number = |out: &mut dyn Write, number: Option<u32>| match number {
-            Some(number) => write!(out, ",{number}"),
-            None => write!(out, ","),
-        };
-        let numbered = |number: u32| Some(number).filter(|number| *number != 0);
-        let sensor = |source: u16| (source != NO_SOURCE).then(|| reference.sensor_id(source));
-        for number in [
-            numbered(self.system_track),
-            numbered(self.other_system_track),
-            sensor(self.source),
-            sensor(self.other_source),
-            numbered(self.sensor_track),
-        ] {
-            write_number(out, number)?;
-        }
-        for figure in [self.value, self.limit] {
-            match figure.is_nan() {
-                true => write!(out, ",")?,
-                false => write!(out, ",{figure:.4}")?,
-            }
-        }
-        Ok(())
-    }
+fn numbered(track: u32) -> Option<u32> {
+    Some(track).filter(|track| *track != 0)
 }
 
 #[cfg(test)]

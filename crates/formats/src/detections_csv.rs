@@ -9,32 +9,37 @@ use std::io::{self, Read, Write};
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
 
-use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
+use crate::cells::{Cell, Time};
+use crate::columns::columns;
+use crate::rows::{Columns, Reference, RowReader, RowWriter};
 
 /// Place of the range rate among the columns of measured values.
 const RANGE_RATE: usize = QUANTITIES_MAX;
-const VALUES: [&str; QUANTITIES_MAX + 1] = ["m0", "m1", "m2", "m3"];
-const SIGMAS: [&str; QUANTITIES_MAX + 1] = ["s0", "s1", "s2", "s3"];
-const PLATFORM: [&str; 3] = ["px", "py", "pz"];
 
 /// Reads detections.
 pub type DetectionReader<R> = RowReader<R, DetectionColumns>;
 /// Writes detections. What was written and read again is the same to the last bit.
 pub type DetectionWriter<W> = RowWriter<Detection, W>;
 
+columns! {
+    /// Places of the columns of detections.
+    DetectionPlaces of Detection: |row|
+    time: Column = "time_s" => Time(row.time_of_measurement_ns),
+    sensor: Column = "sensor_id" => row.sensor_id,
+    scan: Column = "scan" => row.scan,
+    number: Column = "detection_id" => row.detection_id,
+    kind: Column = "kind" => row.kind.word(),
+    values: [Column; QUANTITIES_MAX + 1] = ["m0", "m1", "m2", "m3"] => measured(row),
+    sigmas: [Column; QUANTITIES_MAX + 1] = ["s0", "s1", "s2", "s3"] => deviations(row),
+    platform: [Column; 3] = ["px", "py", "pz"] => row.platform_m,
+    truth: Option<Column> = "truth_id" => row.truth,
+}
+
 /// Columns of detections.
 #[derive(Debug)]
 pub struct DetectionColumns {
     first_day_ns: i64,
-    time: Column,
-    sensor: Column,
-    scan: Column,
-    number: Column,
-    kind: Column,
-    values: [Column; QUANTITIES_MAX + 1],
-    sigmas: [Column; QUANTITIES_MAX + 1],
-    platform: [Column; 3],
-    truth: Option<Column>,
+    at: DetectionPlaces,
 }
 
 impl<R: Read> DetectionReader<R> {
@@ -46,15 +51,7 @@ impl<R: Read> DetectionReader<R> {
         let table = Table::new(input)?;
         let columns = DetectionColumns {
             first_day_ns,
-            time: table.required("time_s")?,
-            sensor: table.required("sensor_id")?,
-            scan: table.required("scan")?,
-            number: table.required("detection_id")?,
-            kind: table.required("kind")?,
-            values: table.all(VALUES)?,
-            sigmas: table.all(SIGMAS)?,
-            platform: table.all(PLATFORM)?,
-            truth: table.optional("truth_id")?,
+            at: DetectionPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
     }
@@ -64,16 +61,16 @@ impl Columns for DetectionColumns {
     type Value = Detection;
 
     fn read(&mut self, row: Cells<'_>) -> Result<Detection, CsvError> {
-        let time_ns = row.time_ns(self.time)?;
+        let time_ns = row.time_ns(self.at.time)?;
         let kind = self.kind(row)?;
         let values = self.values(row, kind)?;
-        let range_rate_mps = row.number_or_empty(self.values[RANGE_RATE])?;
-        let platform_m = row.numbers(self.platform)?;
+        let range_rate_mps = row.number_or_empty(self.at.values[RANGE_RATE])?;
+        let platform_m = row.numbers(self.at.platform)?;
         Ok(Detection {
             time_of_measurement_ns: self.first_day_ns.saturating_add(time_ns),
-            sensor_id: row.whole(self.sensor)?,
-            scan: row.whole(self.scan)?,
-            detection_id: row.whole(self.number)?,
+            sensor_id: row.whole(self.at.sensor)?,
+            scan: row.whole(self.at.scan)?,
+            detection_id: row.whole(self.at.number)?,
             kind,
             values,
             range_rate_mps,
@@ -86,23 +83,23 @@ impl Columns for DetectionColumns {
 
 impl DetectionColumns {
     fn kind(&self, row: Cells<'_>) -> Result<DetectionKind, CsvError> {
-        let word = row.text(self.kind)?.unwrap_or_default();
+        let word = row.text(self.at.kind)?.unwrap_or_default();
         DetectionKind::from_word(word).ok_or_else(|| {
             let words = DetectionKind::ALL.map(DetectionKind::word).join(", ");
-            row.error(self.kind, format!("is no kind of detection; write one of {words}"))
+            row.error(self.at.kind, format!("is no kind of detection; write one of {words}"))
         })
     }
 
     fn values(&self, row: Cells<'_>, kind: DetectionKind) -> Result<[f64; QUANTITIES_MAX], CsvError> {
         let mut values = [0.0; QUANTITIES_MAX];
         let quantities = kind.quantities();
-        for ((value, quantity), column) in values.iter_mut().zip(quantities).zip(self.values) {
+        for ((value, quantity), column) in values.iter_mut().zip(quantities).zip(self.at.values) {
             *value = row.number(column)?;
             if let Some(fault) = quantity.fault(*value) {
                 return Err(row.error(column, fault));
             }
         }
-        for column in &self.values[quantities.len()..RANGE_RATE] {
+        for column in &self.at.values[quantities.len()..RANGE_RATE] {
             expect_empty(row, *column, kind)?;
         }
         Ok(values)
@@ -117,7 +114,7 @@ impl DetectionColumns {
     ) -> Result<Option<[f64; QUANTITIES_MAX + 1]>, CsvError> {
         let mut sigmas = [0.0; QUANTITIES_MAX + 1];
         let (mut stated, mut unstated) = (None, None);
-        for (place, column) in self.sigmas.into_iter().enumerate() {
+        for (place, column) in self.at.sigmas.into_iter().enumerate() {
             let measured = place < kind.quantities().len() || (place == RANGE_RATE && range_rate);
             if !measured {
                 expect_empty(row, column, kind)?;
@@ -142,7 +139,7 @@ impl DetectionColumns {
     }
 
     fn truth(&self, row: Cells<'_>) -> Result<Option<Truth>, CsvError> {
-        let (Some(column), Some(text)) = (self.truth, row.text(self.truth)?) else {
+        let (Some(column), Some(text)) = (self.at.truth, row.text(self.at.truth)?) else {
             return Ok(None);
         };
         match (text, text.parse()) {
@@ -167,34 +164,32 @@ fn expect_empty(row: Cells<'_>, column: Column, kind: DetectionKind) -> Result<(
     }
 }
 
-impl Row for Detection {
-    fn columns() -> String {
-        let columns = [&VALUES[..], &SIGMAS, &PLATFORM].concat().join(",");
-        format!("time_s,sensor_id,scan,detection_id,kind,{columns},truth_id")
+/// Measured values, the range rate last.
+fn measured(detection: &Detection) -> [Option<f64>; QUANTITIES_MAX + 1] {
+    let mut values = [None; QUANTITIES_MAX + 1];
+    let quantities = detection.kind.quantities().len();
+    for (place, value) in values.iter_mut().zip(detection.values).take(quantities) {
+        *place = Some(value);
     }
+    values[RANGE_RATE] = detection.range_rate_mps;
+    values
+}
 
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        reference.write_time(out, self.time_of_measurement_ns)?;
-        write!(out, ",{},{}", self.sensor_id, self.scan)?;
-        write!(out, ",{},{}", self.detection_id, self.kind.word())?;
-        let measured = self.kind.quantities().len();
-        let mut values = [None; QUANTITIES_MAX + 1];
-        for (place, value) in self.values.iter().enumerate().take(measured) {
-            values[place] = Some(*value);
-        }
-        values[RANGE_RATE] = self.range_rate_mps;
-        let sigma = |(place, value): (usize, &Option<f64>)| {
-            let sigmas = self.sigmas.filter(|_| value.is_some());
-            sigmas.map(|sigmas| sigmas[place])
-        };
-        write_exact(out, values)?;
-        write_exact(out, values.iter().enumerate().map(sigma))?;
-        write_exact(out, self.platform_m.map(Some))?;
-        match self.truth {
-            Some(Truth::Target(target)) => write!(out, ",{target}"),
-            Some(Truth::FalseAlarm) => write!(out, ",-1"),
-            Some(Truth::Merged) => write!(out, ",merged"),
-            None => write!(out, ","),
+/// Standard deviations of the measured values.
+fn deviations(detection: &Detection) -> [Option<f64>; QUANTITIES_MAX + 1] {
+    let mut deviations = measured(detection);
+    for (place, deviation) in deviations.iter_mut().enumerate() {
+        *deviation = deviation.and(detection.sigmas).map(|sigmas| sigmas[place]);
+    }
+    deviations
+}
+
+impl Cell for Truth {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        match self {
+            Self::Target(target) => write!(out, "{target}"),
+            Self::FalseAlarm => write!(out, "-1"),
+            Self::Merged => write!(out, "merged"),
         }
     }
 }

@@ -10,23 +10,26 @@
 //! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;
-//! - [`rows`]: tables of values, a row each, whatever their kind;
+//! - [`rows`]: tables of values, a row each, whatever their kind; each table declares its columns in one list;
 //! - [`sensor_tracks_csv`], [`detections_csv`], [`bearings_csv`], [`wide_area_csv`]: observations and sensor tracks as
 //!   rows of text;
 //! - [`platform_states_csv`], [`cues_csv`], [`alarms_csv`], [`decisions_csv`], [`orders_csv`]: what is written only;
-//! - [`tracks_csv`]: sensor tracks and system tracks as output.
+//! - [`tracks_csv`]: system tracks, and tracks of a tracker, as output.
 
 #![forbid(unsafe_code)]
 
 pub mod alarms_csv;
 pub mod autoferry;
 pub mod bearings_csv;
+mod cells;
+mod columns;
 pub mod containers;
 pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
 pub mod foreign;
 pub mod orders_csv;
+mod parts;
 pub mod platform_states_csv;
 pub mod recording;
 pub mod rows;

@@ -3,55 +3,32 @@
 //! `time_s` is the time of the change and `ends_s` the expiry, both on the engine's clock. A parameter that an order
 //! does not state is empty.
 
-use std::io::{self, Write};
+use messages::{NO_TRACK, OrderKind, OrderState, OrderStatus};
 
-use messages::{NO_SOURCE, NO_TRACK, OrderKind, OrderState, OrderStatus};
+use crate::cells::{Sensor, Text, Time};
+use crate::columns::columns;
 
-use crate::rows::{Reference, Row};
-
-impl Row for OrderState {
-    fn columns() -> String {
-        "time_s,order_id,state,kind,operator,sensor_id,other_sensor_id,system_track_id,other_track_id,other_order_id,\
-         value,name,ends_s,text"
-            .to_owned()
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let order = &self.order;
-        reference.write_time(out, self.changed_ns)?;
-        let state = self.status().map_or("", OrderStatus::word);
-        let kind = order.kind().map_or("", OrderKind::word);
-        write!(out, ",{},{state},{kind},{}", self.number, quoted(order.operator()))?;
-        for source in [order.source, order.other_source] {
-            match source {
-                NO_SOURCE => write!(out, ",")?,
-                source => write!(out, ",{}", reference.sensor_id(source))?,
-            }
-        }
-        for (number, none) in [(order.track, 0), (order.other_track, NO_TRACK), (order.number, 0)] {
-            match number == none {
-                true => write!(out, ",")?,
-                false => write!(out, ",{number}")?,
-            }
-        }
-        match order.value.is_nan() {
-            true => write!(out, ",")?,
-            false => write!(out, ",{}", order.value)?,
-        }
-        write!(out, ",{},", quoted(order.name()))?;
-        if order.ends_ns != i64::MAX {
-            reference.write_time(out, order.ends_ns)?;
-        }
-        write!(out, ",{}", quoted(self.text()))
-    }
+columns! {
+    OrderState: |row|
+    "time_s" => Time(row.changed_ns),
+    "order_id" => row.number,
+    "state" => row.status().map(OrderStatus::word),
+    "kind" => row.order.kind().map(OrderKind::word),
+    "operator" => Text(row.order.operator()),
+    "sensor_id" => Sensor::known(row.order.source),
+    "other_sensor_id" => Sensor::known(row.order.other_source),
+    "system_track_id" => unless(0, row.order.track),
+    "other_track_id" => unless(NO_TRACK, row.order.other_track),
+    "other_order_id" => unless(0, row.order.number),
+    "value" => Some(row.order.value).filter(|value| !value.is_nan()),
+    "name" => Text(row.order.name()),
+    "ends_s" => (row.order.ends_ns != i64::MAX).then_some(Time(row.order.ends_ns)),
+    "text" => Text(row.text()),
 }
 
-/// Returns the text in quotation marks where a table needs them.
-fn quoted(text: &str) -> String {
-    match text.contains([',', '"']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
-    }
+/// Returns the number, unless it is the number for none.
+fn unless(none: u32, number: u32) -> Option<u32> {
+    (number != none).then_some(number)
 }
 
 #[cfg(test)]

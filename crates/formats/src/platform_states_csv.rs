@@ -5,43 +5,36 @@
 //! above the horizon, right wing below it). `sensor_id` is the sensor that the platform carries. Every number is
 //! written with as many decimals as it takes to get it back.
 
-use std::io::{self, Write};
-
 use messages::{PlatformState, platform_state_bits as bits};
 
-use crate::rows::{Reference, Row, RowWriter, write_exact};
+use crate::cells::{Sensor, Time};
+use crate::columns::columns;
+use crate::rows::RowWriter;
 
 /// Writes states of platforms.
 pub type PlatformStateWriter<W> = RowWriter<PlatformState, W>;
 
-impl Row for PlatformState {
-    fn columns() -> String {
-        "time_s,sensor_id,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,heading_sigma_rad"
-            .to_owned()
-    }
+columns! {
+    PlatformState: |row|
+    "time_s" => Time(row.time_ns),
+    "sensor_id" => Sensor(row.source),
+    ["px", "py", "pz"] => row.position_m,
+    ["vx", "vy", "vz"] => row.velocity_mps.map(|speed_mps| known(row, bits::VELOCITY, speed_mps)),
+    "heading_rad" => known(row, bits::HEADING, row.heading_rad),
+    "pitch_rad" => known(row, bits::ATTITUDE, row.pitch_rad),
+    "roll_rad" => known(row, bits::ATTITUDE, row.roll_rad),
+    "position_sigma_m" => known(row, bits::POSITION_SIGMA, row.position_sigma_m),
+    "heading_sigma_rad" => known(row, bits::HEADING_SIGMA, row.heading_sigma_rad),
+}
 
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let known = |bit: u16, value: f64| (self.valid & bit != 0).then_some(value);
-        reference.write_time(out, self.time_ns)?;
-        write!(out, ",{}", reference.sensor_id(self.source))?;
-        write_exact(out, self.position_m)?;
-        write_exact(out, self.velocity_mps.map(|speed_mps| known(bits::VELOCITY, speed_mps)))?;
-        write_exact(
-            out,
-            [
-                known(bits::HEADING, self.heading_rad),
-                known(bits::ATTITUDE, self.pitch_rad),
-                known(bits::ATTITUDE, self.roll_rad),
-                known(bits::POSITION_SIGMA, self.position_sigma_m),
-                known(bits::HEADING_SIGMA, self.heading_sigma_rad),
-            ],
-        )
-    }
+fn known(state: &PlatformState, bit: u16, value: f64) -> Option<f64> {
+    (state.valid & bit != 0).then_some(value)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::Row as _;
 
     #[test]
     fn what_is_not_known_is_empty() {

@@ -170,14 +170,3 @@ impl<R: Read, C: Columns> Iterator for RowReader<R, C> {
         Some(row.and_then(|cells| self.columns.read(cells)))
     }
 }
-
-/// Writes each number behind a comma, with as many decimals as it takes to get it back; nothing for `None`.
-pub(crate) fn write_exact(
-    out: &mut impl Write,
-    numbers: impl IntoIterator<Item = impl Into<Option<f64>>>,
-) -> io::Result<()> {
-    numbers.into_iter().try_for_each(|number| match number.into() {
-        Some(number) => write!(out, ",{number}"),
-        None => write!(out, ","),
-    })
-}

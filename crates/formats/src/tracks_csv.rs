@@ -1,24 +1,19 @@
-//! Sensor tracks and system tracks as CSV rows (FM-5).
+//! System tracks, and tracks of a tracker, as CSV rows (FM-5).
 //!
 //! Numbers are written with a fixed number of decimals, so that the same tracks give the same bytes. Times are seconds
 //! since midnight (UTC) of the recording's first day, exact to the nanosecond. Several values in one column are joined
 //! with `|`; no field needs quotes.
 
-use std::io::{self, Write};
-
 use csv_table::COVARIANCE_COLUMNS;
 use frames::{Geodetic, SystemFrame};
-use messages::{
-    COVARIANCE_LEN, Identity, SensorTrack, SystemTrack, TargetType, TrackKind, TrackState, sensor_track_bits,
-};
+use messages::{SensorTrack, SystemTrack, TrackKind, TrackState};
 
-use crate::rows::{Reference, Row, RowWriter, Utc};
+use crate::cells::{Hexadecimal, Joined, Octal, Plain, Rounded, Sensor, Time};
+use crate::columns::columns;
+use crate::parts::{KINEMATICS, confidence, covariance, kinematics, members, word, words};
+use crate::rows::{RowWriter, Utc};
+use crate::sensor_tracks_csv::Report;
 
-/// The columns of a track's kind and of its target's type.
-const DESCRIPTION_NAMES: &str = "kind,members,type,type_confidence";
-
-/// Writes sensor tracks.
-pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 /// Writes system tracks.
 pub type SystemTrackWriter<W> = RowWriter<SystemTrack, W>;
 /// Writes system tracks with their places in the world.
@@ -42,29 +37,11 @@ impl TrackerTrack {
     pub const SENSOR_ID: u32 = 0;
 }
 
-impl Row for SensorTrack {
-    fn columns() -> String {
-        let covariance = COVARIANCE_COLUMNS.join(",");
-        format!(
-            "time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,{covariance},state,address,mode_3a,callsign,method,trace,\
-             height_valid,velocity_valid,{DESCRIPTION_NAMES}"
-        )
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        write_sensor_track(out, reference, reference.sensor_id(self.source), self)
-    }
-}
-
-impl Row for TrackerTrack {
-    fn columns() -> String {
-        format!("{},hypotheses,reliability", SensorTrack::columns())
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        write_sensor_track(out, reference, Self::SENSOR_ID, &self.track)?;
-        write!(out, ",{},{:.6}", self.hypotheses, self.reliability)
-    }
+columns! {
+    TrackerTrack: |row|
+    with Report<'_> = Report { sensor_id: Self::SENSOR_ID, track: &row.track };
+    "hypotheses" => row.hypotheses,
+    "reliability" => Rounded(row.reliability, 6),
 }
 
 /// A system track with its place in the world.
@@ -86,214 +63,50 @@ impl PlacedTrack {
     }
 }
 
-impl Row for PlacedTrack {
-    /// The columns of a system track come first, so that readers by place find these where they were.
-    fn columns() -> String {
-        format!(
-            "{},utc,latitude,longitude,flight_level,level,level_age_s",
-            SystemTrack::columns()
-        )
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let Self { track, place } = self;
-        track.write(out, reference)?;
-        write!(out, ",{}", Utc(track.reference_time_ns))?;
-        // Seven decimals are a centimetre.
-        write!(
-            out,
-            ",{},{},",
-            Plain(place.latitude_deg(), 7),
-            Plain(place.longitude_deg(), 7)
-        )?;
-        if track.height_valid != 0 {
-            write!(out, "{}", Plain(place.flight_level(), 2))?;
-        }
-        match track.level_valid {
-            0 => write!(out, ",,"),
-            _ => write!(
-                out,
-                ",{},{}",
-                Plain(f64::from(track.level) / 4.0, 2),
-                Plain(f64::from(track.level_age_ms) / 1e3, 3)
-            ),
-        }
-    }
+columns! {
+    // The columns of a system track come first, so that readers by place find these where they were.
+    PlacedTrack: |row|
+    with SystemTrack = row.track;
+    "utc" => Utc(row.track.reference_time_ns),
+    // Seven decimals are a centimetre.
+    "latitude" => Plain(row.place.latitude_deg(), 7),
+    "longitude" => Plain(row.place.longitude_deg(), 7),
+    "flight_level" => (row.track.height_valid != 0).then(|| Plain(row.place.flight_level(), 2)),
+    "level" => (row.track.level_valid != 0).then_some(Plain(f64::from(row.track.level) / 4.0, 2)),
+    "level_age_s" => (row.track.level_valid != 0).then_some(Plain(f64::from(row.track.level_age_ms) / 1e3, 3)),
 }
 
-impl Row for SystemTrack {
-    fn columns() -> String {
-        let covariance = COVARIANCE_COLUMNS.join(",");
-        format!(
-            "time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,\
-             {covariance},sensor_track_ids,report_times_s,height_valid,trigger,merged_into,{DESCRIPTION_NAMES}"
-        )
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let parts = self.contributions();
-        reference.write_time(out, self.reference_time_ns)?;
-        write!(out, ",{}", self.track_number)?;
-        write_kinematics(out, &self.position_m, &self.velocity_mps)?;
-        write!(out, ",{},", state_word(self.state))?;
-        write_joined(out, parts, |out, part| {
-            write!(out, "{}", reference.sensor_id(part.source))
-        })?;
-        write_joined(out, parts, |out, part| write!(out, "{:.4}", part.weight))?;
-        if self.selected_source != messages::NO_SOURCE {
-            write!(out, "{}", reference.sensor_id(self.selected_source))?;
-        }
-        write!(out, ",")?;
-        write_joined(out, parts, |out, part| match part.accuracy.is_nan() {
-            true => Ok(()),
-            false => write!(out, "{:.4}", part.accuracy),
-        })?;
-        // The lists each end with the comma that the identity begins with.
-        write_identity_fields(out, &self.identity)?;
-        write!(out, ",")?;
-        write_covariance_values(out, &self.covariance.upper)?;
-        write!(out, ",")?;
-        write_joined(out, parts, |out, part| write!(out, "{}", part.track_number))?;
-        write_joined(out, parts, |out, part| {
-            reference.write_time(out, part.time_of_measurement_ns)
-        })?;
-        write!(out, "{},", self.height_valid)?;
-        if self.trigger_source != messages::NO_SOURCE {
-            write!(out, "{}", reference.sensor_id(self.trigger_source))?;
-        }
-        write!(out, ",")?;
-        if self.merged_into != 0 {
-            write!(out, "{}", self.merged_into)?;
-        }
-        write_description(out, self.kind, self.members, &self.target_type)
-    }
-}
-
-fn state_word(code: u8) -> &'static str {
-    TrackState::from_code(code).map_or("", TrackState::word)
-}
-
-fn write_sensor_track(
-    out: &mut impl Write,
-    reference: &Reference,
-    sensor_id: u32,
-    track: &SensorTrack,
-) -> io::Result<()> {
-    reference.write_time(out, track.time_of_measurement_ns)?;
-    write!(out, ",{sensor_id},{}", track.track_number)?;
-    write_kinematics(out, &track.position_m, &track.velocity_mps)?;
-    write_covariance(out, &track.covariance.upper)?;
-    write!(out, ",{}", state_word(track.state))?;
-    write_identity(out, &track.identity)?;
-    write!(out, ",{},", track.method)?;
-    if track.has(sensor_track_bits::TRACE) {
-        write!(out, "{:.4}", track.trace_m2)?;
-    }
-    let flag = |bit: u16| u8::from(track.has(bit));
-    write!(
-        out,
-        ",{},{}",
-        flag(sensor_track_bits::HEIGHT),
-        flag(sensor_track_bits::VELOCITY)
-    )?;
-    write_description(out, track.kind, track.members, &track.target_type)
-}
-
-/// The kind of track, a group's members, the target's type and its confidence; all empty for a single target of no
-/// type. A group without members is none.
-fn write_description(out: &mut impl Write, kind: u8, members: u16, target_type: &TargetType) -> io::Result<()> {
-    match TrackKind::from_code(kind) {
-        Some(TrackKind::Group) if members > 0 => write!(out, ",{},{members},", TrackKind::Group.word())?,
-        _ => write!(out, ",,,")?,
-    }
-    match target_type.name() {
-        Some(name) => {
-            write_plain(out, name, |character| (b' '..=b'~').contains(&character))?;
-            write!(out, ",{}", target_type.confidence)
-        }
-        None => write!(out, ","),
-    }
-}
-
-fn write_kinematics(out: &mut impl Write, position_m: &[f64; 3], velocity_mps: &[f64; 3]) -> io::Result<()> {
-    position_m
-        .iter()
-        .chain(velocity_mps)
-        .try_for_each(|value| write!(out, ",{}", Plain(*value, 3)))
-}
-
-fn write_covariance(out: &mut impl Write, upper: &[f64; COVARIANCE_LEN]) -> io::Result<()> {
-    write!(out, ",")?;
-    write_covariance_values(out, upper)
-}
-
-fn write_covariance_values(out: &mut impl Write, upper: &[f64; COVARIANCE_LEN]) -> io::Result<()> {
-    let mut separator = "";
-    for value in upper {
-        write!(out, "{separator}{}", Plain(*value, 4))?;
-        separator = ",";
-    }
-    Ok(())
-}
-
-fn write_identity(out: &mut impl Write, identity: &Identity) -> io::Result<()> {
-    write!(out, ",")?;
-    write_identity_fields(out, identity)
-}
-
-/// Address (hexadecimal), Mode 3/A code (octal), callsign; empty where unknown.
-fn write_identity_fields(out: &mut impl Write, identity: &Identity) -> io::Result<()> {
-    if let Some(address) = identity.address() {
-        write!(out, "{address:06X}")?;
-    }
-    write!(out, ",")?;
-    if let Some(code) = identity.mode_3a() {
-        write!(out, "{code:04o}")?;
-    }
-    write!(out, ",")?;
-    write_plain(out, identity.callsign().unwrap_or_default(), |character| {
-        character.is_ascii_graphic()
-    })
-}
-
-/// Text from outside, which is not trusted to leave the columns alone, nor to be of nothing but `allowed` characters.
-fn write_plain(out: &mut impl Write, text: &str, allowed: impl Fn(u8) -> bool) -> io::Result<()> {
-    text.bytes().try_for_each(|character| {
-        let plain = allowed(character) && !b",|\"".contains(&character);
-        out.write_all(&[if plain { character } else { b'?' }])
-    })
-}
-
-fn write_joined<W: Write, T>(
-    out: &mut W,
-    parts: &[T],
-    mut one: impl FnMut(&mut W, &T) -> io::Result<()>,
-) -> io::Result<()> {
-    for (index, part) in parts.iter().enumerate() {
-        if index > 0 {
-            write!(out, "|")?;
-        }
-        one(out, part)?;
-    }
-    write!(out, ",")
-}
-
-/// A number with fixed decimals, and no minus sign before zero.
-struct Plain(f64, usize);
-
-impl std::fmt::Display for Plain {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self(value, decimals) = *self;
-        let half = 0.5 * 10f64.powi(-(decimals as i32));
-        write!(f, "{:.decimals$}", if value.abs() < half { 0.0 } else { value })
-    }
+columns! {
+    SystemTrack: |row|
+    "time_s" => Time(row.reference_time_ns),
+    "system_track_id" => row.track_number,
+    KINEMATICS => kinematics(&row.position_m, &row.velocity_mps),
+    "state" => TrackState::from_code(row.state).map(TrackState::word),
+    "sources" => Joined(row.contributions().iter().map(|part| Sensor(part.source))),
+    "weights" => Joined(row.contributions().iter().map(|part| Rounded(part.weight, 4))),
+    "selected" => Sensor::known(row.selected_source),
+    "lambda" => Joined(row.contributions().iter().map(|part| Rounded::known(part.accuracy, 4))),
+    "address" => row.identity.address().map(Hexadecimal),
+    "mode_3a" => row.identity.mode_3a().map(Octal),
+    "callsign" => row.identity.callsign().map(word),
+    COVARIANCE_COLUMNS => covariance(&row.covariance),
+    "sensor_track_ids" => Joined(row.contributions().iter().map(|part| part.track_number)),
+    "report_times_s" => Joined(row.contributions().iter().map(|part| Time(part.time_of_measurement_ns))),
+    "height_valid" => row.height_valid,
+    "trigger" => Sensor::known(row.trigger_source),
+    "merged_into" => (row.merged_into != 0).then_some(row.merged_into),
+    "kind" => members(row.kind, row.members).map(|_| TrackKind::Group.word()),
+    "members" => members(row.kind, row.members),
+    "type" => row.target_type.name().map(words),
+    "type_confidence" => confidence(&row.target_type),
 }
 
 #[cfg(test)]
 mod tests {
-    use messages::{Contribution, Covariance, contribution_bits};
+    use messages::{Contribution, Covariance, Identity, TargetType, contribution_bits, sensor_track_bits};
 
     use super::*;
+    use crate::sensor_tracks_csv::SensorTrackWriter;
 
     fn columns(text: &str) -> Vec<(String, String)> {
         let mut lines = text.lines();

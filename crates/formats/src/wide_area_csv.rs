@@ -5,12 +5,14 @@
 //! joined with `|`. Of the route the first place is kept: where they came from. Whether a report makes sense is for its
 //! user to judge; here only what is no report is refused.
 
-use std::io::{self, Read, Write};
+use std::io::Read;
 
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::WideAreaReport;
 
-use crate::rows::{Columns, Reference, Row, RowReader, RowWriter, write_exact};
+use crate::cells::{Joined, Time};
+use crate::columns::columns;
+use crate::rows::{Columns, RowReader, RowWriter};
 
 /// Most numbers of a route.
 const ROUTE_MAX: usize = 2000;
@@ -20,14 +22,22 @@ pub type WideAreaReader<R> = RowReader<R, WideAreaColumns>;
 /// Writes wide-area reports. What was written and read again is the same to the last bit, but for the route.
 pub type WideAreaWriter<W> = RowWriter<WideAreaReport, W>;
 
+columns! {
+    /// Places of the columns of wide-area reports.
+    WideAreaPlaces of WideAreaReport: |row|
+    time: Column = "time_s" => Time(row.time_ns),
+    arrival: Column = "arrival_s" => Time(row.arrival_ns),
+    position: [Column; 3] = ["x", "y", "z"] => row.position_m,
+    velocity: [Column; 3] = ["vx", "vy", "vz"] => row.velocity_mps,
+    count: Column = "count" => row.targets,
+    route: Option<Column> = "route" => row.origin_m.map(Joined),
+}
+
 /// Columns of wide-area reports.
 #[derive(Debug)]
 pub struct WideAreaColumns {
     first_day_ns: i64,
-    times: [Column; 2],
-    kinematics: [Column; 6],
-    count: Column,
-    route: Option<Column>,
+    at: WideAreaPlaces,
 }
 
 impl<R: Read> WideAreaReader<R> {
@@ -39,10 +49,7 @@ impl<R: Read> WideAreaReader<R> {
         let table = Table::new(input)?;
         let columns = WideAreaColumns {
             first_day_ns,
-            times: table.all(["time_s", "arrival_s"])?,
-            kinematics: table.all(["x", "y", "z", "vx", "vy", "vz"])?,
-            count: table.required("count")?,
-            route: table.optional("route")?,
+            at: WideAreaPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
     }
@@ -52,15 +59,15 @@ impl Columns for WideAreaColumns {
     type Value = WideAreaReport;
 
     fn read(&mut self, row: Cells<'_>) -> Result<WideAreaReport, CsvError> {
-        let [x, y, z, vx, vy, vz] = row.numbers(self.kinematics)?;
-        let [time, arrival] = self.times;
+        let at = &self.at;
+        let (position_m, velocity_mps) = (row.numbers(at.position)?, row.numbers(at.velocity)?);
         Ok(WideAreaReport {
-            time_ns: self.first_day_ns.saturating_add(row.time_ns(time)?),
-            arrival_ns: self.first_day_ns.saturating_add(row.time_ns(arrival)?),
-            position_m: [x, y, z],
-            velocity_mps: [vx, vy, vz],
-            targets: row.whole(self.count)?,
-            origin_m: origin(row, self.route)?,
+            time_ns: self.first_day_ns.saturating_add(row.time_ns(at.time)?),
+            arrival_ns: self.first_day_ns.saturating_add(row.time_ns(at.arrival)?),
+            position_m,
+            velocity_mps,
+            targets: row.whole(at.count)?,
+            origin_m: origin(row, at.route)?,
         })
     }
 }
@@ -89,25 +96,6 @@ fn origin(row: Cells<'_>, column: Option<Column>) -> Result<Option<[f64; 2]>, Cs
         return Err(fault());
     }
     Ok(Some(origin_m))
-}
-
-impl Row for WideAreaReport {
-    fn columns() -> String {
-        "time_s,arrival_s,x,y,z,vx,vy,vz,count,route".to_owned()
-    }
-
-    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        reference.write_time(out, self.time_ns)?;
-        write!(out, ",")?;
-        reference.write_time(out, self.arrival_ns)?;
-        write_exact(out, self.position_m)?;
-        write_exact(out, self.velocity_mps)?;
-        write!(out, ",{},", self.targets)?;
-        match self.origin_m {
-            Some([east, north]) => write!(out, "{east}|{north}"),
-            None => Ok(()),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -4,8 +4,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
+use formats::cues_csv::CueRow;
+use formats::rows::Row as _;
+use messages::Decision;
 
 use crate::files::Usage;
+use crate::locate;
 use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_second};
 
 /// A command on tables.
@@ -124,7 +128,7 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
          and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
          coasted. Several values in a column are joined with |.
---explain time_s,decision,system_track_id,other_system_track_id,sensor_id,other_sensor_id,sensor_track_id,value,limit
+--explain {DECISION}
          decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
          compared with limit.
 --config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
@@ -138,7 +142,8 @@ The same files and options give the same bytes.";
 
 /// Returns the help of `koseki fuse`, with the keys of a sensor.
 fn fuse_examples() -> String {
-    FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help())
+    let text = FUSE_EXAMPLES.replace("{KEYS}", &configuration::sensor_help());
+    text.replace("{DECISION}", &Decision::columns())
 }
 
 /// `koseki fuse`.
@@ -206,7 +211,7 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          reliability    a row for each confirmed track after each scan, or with --period at its whole multiples; state is
          confirmed, or coasted after a scan without it; sensor_id is 0, the tracker; kind is group where targets are not told
          apart, with their expected number, and type is what the target is, if that is known.
---cues   made_s,time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,longer_m,shorter_m,orientation_rad    after each scan, where
+--cues   {CUE}    after each scan, where
          each sensor should look for each confirmed track when it looks next: an ellipse, its longer axis clockwise from north.
 --explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
 --config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
@@ -218,7 +223,8 @@ The same files and options give the same bytes.";
 
 /// Returns the help of `koseki track`, with the keys of its configuration.
 fn track_examples() -> String {
-    TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help())
+    let text = TRACK_EXAMPLES.replace("{KEYS}", &configuration::tracking_help());
+    text.replace("{CUE}", &CueRow::columns())
 }
 
 /// `koseki track`.
@@ -271,17 +277,19 @@ FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency
          interval  a fix each interval sets the direction of the output, which moves in straight lines
          minimum   … a fix at each minimum of the variance
          staged    intervals at first, minima once they come often enough
---out    time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed
+--out    {FIX}
          a row per bearing once the geometry allows a fix: the output; the trace of the filter's covariance; the filter's own
          fix (raw) with its covariance; the model that is believed; 0 in agreed while its bearings are set aside.
---explain time_s,emitter_id,decision,subject,reason,value,limit    value is what was compared with limit
+--explain {DECISION}    value is what was compared with limit
 --config a TOML file; every key has a default:
 {KEYS}
 The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
 
 /// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
-    LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help())
+    let text = LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help());
+    text.replace("{FIX}", locate::FIX_COLUMNS)
+        .replace("{DECISION}", locate::DECISION_COLUMNS)
 }
 
 /// `koseki locate`.

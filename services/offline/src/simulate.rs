@@ -12,7 +12,7 @@ use anyhow::Context as _;
 use configuration::{Config, DEMO, Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detections_csv::DetectionWriter;
-use formats::tracks_csv::SensorTrackWriter;
+use formats::sensor_tracks_csv::SensorTrackWriter;
 use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
 use observations::sensor_id;

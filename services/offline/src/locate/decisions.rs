@@ -8,6 +8,9 @@ use locating::Decision;
 
 use crate::host::{Host, Output};
 
+/// Names of the columns.
+pub(crate) const COLUMNS: &str = "time_s,emitter_id,decision,subject,reason,value,limit";
+
 /// Table of decisions.
 #[derive(Debug)]
 pub(super) struct Decisions {
@@ -25,8 +28,7 @@ impl Decisions {
             path: path.to_owned(),
             out: host.begin(path)?,
         };
-        writeln!(table.out, "time_s,emitter_id,decision,subject,reason,value,limit")
-            .with_context(|| table.unwritten())?;
+        writeln!(table.out, "{COLUMNS}").with_context(|| table.unwritten())?;
         Ok(table)
     }
 

@@ -24,8 +24,10 @@ use crate::args::Locate;
 use crate::files::{InputError, Usage, check_outputs};
 use crate::host::Host;
 use crate::reading::{Counting, Progress, Refusals};
+pub(crate) use decisions::COLUMNS as DECISION_COLUMNS;
 use decisions::Decisions;
 use picture::Paths;
+pub(crate) use rows::COLUMNS as FIX_COLUMNS;
 use summary::Summary;
 
 /// Capacity for emitters without a configured limit: more than any file of measurements has. Memory is allocated on
@@ -47,7 +49,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     let mut input = Input::open(host, &locate.bearings)?;
     let mut out = host.begin(&locate.out)?;
     let unwritten = || format!("{} cannot be written", locate.out.display());
-    writeln!(out, "{}", rows::HEADER).with_context(unwritten)?;
+    writeln!(out, "{}", FIX_COLUMNS).with_context(unwritten)?;
     let mut decisions = locate
         .explain
         .as_deref()

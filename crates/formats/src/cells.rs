@@ -1,0 +1,181 @@
+//! Values of rows, each written by its kind.
+//!
+//! Whole numbers, words and text are written as they are. An `f64` is written with as many decimals as it takes to get
+//! it back. `None` is written as an empty value.
+
+use std::fmt;
+use std::io::{self, Write};
+
+use messages::NO_SOURCE;
+
+use crate::rows::Reference;
+
+/// Value of one column.
+pub(crate) trait Cell {
+    /// Writes the value, without a separator.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()>;
+}
+
+macro_rules! as_they_are {
+    ($($value:ty),*) => { $( impl Cell for $value {
+        fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+            write!(out, "{self}")
+        }
+    } )* };
+}
+
+as_they_are!(u8, u16, u32, u64, f32, f64, &str, Plain, crate::rows::Utc);
+
+impl<C: Cell> Cell for Option<C> {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        self.map_or(Ok(()), |cell| cell.write(out, reference))
+    }
+}
+
+/// Time, UTC, nanoseconds since 1970: seconds since the first day, exact to the nanosecond.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Time(pub(crate) i64);
+
+impl Cell for Time {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        reference.write_time(out, self.0)
+    }
+}
+
+/// Time, UTC, nanoseconds since 1970: seconds since the first day, rounded to milliseconds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RoundedTime(pub(crate) i64);
+
+impl Cell for RoundedTime {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        let time_s = frames::time::seconds(reference.since_first_day_ns(self.0));
+        write!(out, "{time_s:.3}")
+    }
+}
+
+/// Source number: the id under which the file shows the source.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sensor(pub(crate) u16);
+
+impl Sensor {
+    /// Returns the source of this number; `None` for the number that stands for no source.
+    pub(crate) fn known(source: u16) -> Option<Self> {
+        (source != NO_SOURCE).then_some(Self(source))
+    }
+}
+
+impl Cell for Sensor {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        write!(out, "{}", reference.sensor_id(self.0))
+    }
+}
+
+/// Number with fixed decimals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rounded(pub(crate) f64, pub(crate) usize);
+
+impl Rounded {
+    /// Returns the number with so many decimals; `None` if it is no number.
+    pub(crate) fn known(value: f64, decimals: usize) -> Option<Self> {
+        (!value.is_nan()).then_some(Self(value, decimals))
+    }
+}
+
+impl Cell for Rounded {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        let Self(value, decimals) = self;
+        write!(out, "{value:.decimals$}")
+    }
+}
+
+/// Number with fixed decimals, and no minus sign before zero.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plain(pub(crate) f64, pub(crate) usize);
+
+impl fmt::Display for Plain {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, decimals) = *self;
+        let half = 0.5 * 10f64.powi(-(decimals as i32));
+        write!(f, "{:.decimals$}", if value.abs() < half { 0.0 } else { value })
+    }
+}
+
+/// Values joined with `|`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joined<I>(pub(crate) I);
+
+impl<I: IntoIterator<Item: Cell>> Cell for Joined<I> {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        for (index, cell) in self.0.into_iter().enumerate() {
+            if index > 0 {
+                write!(out, "|")?;
+            }
+            cell.write(out, reference)?;
+        }
+        Ok(())
+    }
+}
+
+/// Number in hexadecimal digits, at least six.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hexadecimal(pub(crate) u32);
+
+impl Cell for Hexadecimal {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        write!(out, "{:06X}", self.0)
+    }
+}
+
+/// Number in octal digits, at least four.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Octal(pub(crate) u16);
+
+impl Cell for Octal {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        write!(out, "{:04o}", self.0)
+    }
+}
+
+/// Text from outside: separators, and characters other than visible ones of ASCII, are written as `?`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Untrusted<'a> {
+    pub(crate) text: &'a str,
+    /// Whether blanks are kept.
+    pub(crate) has_blanks: bool,
+}
+
+impl Cell for Untrusted<'_> {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        let is_visible = |character: u8| character.is_ascii_graphic() || self.has_blanks && character == b' ';
+        self.text.bytes().try_for_each(|character| {
+            let is_kept = is_visible(character) && !b",|\"".contains(&character);
+            out.write_all(&[if is_kept { character } else { b'?' }])
+        })
+    }
+}
+
+/// Text in quotation marks where a table needs them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Text<'a>(pub(crate) &'a str);
+
+impl Cell for Text<'_> {
+    fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        match self.0.contains([',', '"']) {
+            true => Quoted(self.0).write(out, reference),
+            false => out.write_all(self.0.as_bytes()),
+        }
+    }
+}
+
+/// Text in quotation marks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quoted<'a>(pub(crate) &'a str);
+
+impl Cell for Quoted<'_> {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        write!(out, "\"{}\"", self.0.replace('"', "\"\""))
+    }
+}
