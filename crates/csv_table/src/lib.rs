@@ -1,12 +1,12 @@
 //! Tables of text: a header line with the columns' names, then a row per line.
 //!
-//! Columns are found by name and may stand in any order; those that nobody asks for are passed over, so files may carry
-//! more than a reader knows. Values are separated by commas and not quoted: none of the formats here needs it, and a
-//! stray quotation mark would swallow the lines that follow it. Blanks around values, blank lines and the line ends of
-//! other systems do no harm.
+//! Columns are found by name, in any order; unused columns are ignored, so that files may contain more columns than a
+//! reader needs. Values are separated by commas and not quoted: no format here needs quotes, and a stray quotation
+//! mark would hide the lines behind it. Blanks around values, blank lines and the line ends of other systems are
+//! accepted.
 //!
-//! A file of a hundred thousand rows that is wrong in one of them is of no use to somebody who is not told in which. So
-//! every error names the line as an editor counts it, the column, the value, and what should stand there.
+//! An error in a row of a large file must be easy to find. Every error therefore names the line (as counted by
+//! editors), the column, the value, and the permitted values.
 
 #![forbid(unsafe_code)]
 
@@ -54,7 +54,7 @@ pub enum CsvError {
         expected: usize,
     },
 
-    /// A value is not what its column holds.
+    /// A value is invalid for its column.
     #[error("line {line}, column {column}: {value:?} {reason}")]
     Value {
         /// The line, from 1.
@@ -63,7 +63,7 @@ pub enum CsvError {
         column: &'static str,
         /// The value as read, or its beginning.
         value: String,
-        /// Fault of the value, and what should stand there.
+        /// Fault of the value, and the permitted values.
         reason: String,
     },
 
@@ -125,7 +125,7 @@ impl<R: Read> Table<R> {
     /// A column that must be there.
     ///
     /// # Errors
-    /// If the header lacks it, or names it more than once.
+    /// If the header lacks the column, or names the column more than once.
     pub fn required(&self, name: &'static str) -> Result<Column, CsvError> {
         self.optional(name)?
             .ok_or_else(|| self.header_error(name, "is missing"))
@@ -134,7 +134,7 @@ impl<R: Read> Table<R> {
     /// Columns that must all be there.
     ///
     /// # Errors
-    /// If the header lacks one, or names one more than once.
+    /// If the header lacks a column, or names a column more than once.
     pub fn all<const N: usize>(&self, names: [&'static str; N]) -> Result<[Column; N], CsvError> {
         let mut columns = names.map(|name| Column { name, place: 0 });
         for column in &mut columns {
@@ -338,7 +338,7 @@ mod tests {
 
     use super::*;
 
-    /// The numbers of column `b`, or what is wrong.
+    /// Returns the numbers of column `b`, or the errors.
     fn column_b(text: &[u8]) -> Vec<Result<f64, String>> {
         let mut table = Table::new(text).unwrap();
         let column = table.required("b").unwrap();

@@ -1,4 +1,4 @@
-//! Values made of values: options, lists and tables whose keys are names of the user's.
+//! Compound values: options, lists, and tables whose keys are names chosen by the user.
 
 use std::collections::BTreeMap;
 
@@ -135,7 +135,7 @@ impl<T: Value + Default> Value for BTreeMap<String, T> {
     }
 }
 
-/// Items that are tables have places of their own; numbers stand where their list does.
+/// An item that is a table has its own place; a number has the place of its list.
 fn at_item<'a>(value: &impl Value, at: &Place<'a>, index: usize) -> Place<'a> {
     match value.table() {
         Some(_) => at.item(index),

@@ -50,7 +50,7 @@ impl<'a> Document<'a> {
         read.map(|()| table).map_err(|error| self.located(error))
     }
 
-    /// The same error with the line of its key, or the word that an option has set it; once, however often it is asked.
+    /// Returns this error with the line of its key, or with the option that set the key. Later calls change nothing.
     #[must_use]
     pub fn located(&self, mut error: SettingsError) -> SettingsError {
         let offset = self.offset(&error.key);
@@ -74,7 +74,7 @@ impl<'a> Document<'a> {
             let Some((name, value)) = table.and_then(|table| table.get_key_value(key)) else {
                 break;
             };
-            // A table's own span may begin at its first entry; its key is where a person looks.
+            // The span of a table may begin at its first entry; users look for the key.
             let is_of_text = matches!(value.get_ref(), DeValue::Table(_)) && value.span().start != NOT_IN_TEXT;
             offset = Some(if is_of_text {
                 name.span().start

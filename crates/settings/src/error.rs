@@ -4,9 +4,9 @@
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{key}{separator}{what}", separator = if key.is_empty() { "" } else { ": " })]
 pub struct SettingsError {
-    /// Path of the key as the file spells it (`source[1].limits.range_m`); empty if it is about the file as a whole.
+    /// Path of the key as in the file (`source[1].limits.range_m`); empty for an error of the whole file.
     pub key: String,
-    /// The value, what is wrong with it, and what would be right.
+    /// The value, its fault, and the permitted values.
     pub what: String,
     /// Line of the file, from 1; `None` if the value does not come from a file, or the file does not mention the key.
     pub line: Option<usize>,
@@ -22,7 +22,7 @@ impl SettingsError {
         }
     }
 
-    /// The same error of the table at `path`, which knew its key by its own name only.
+    /// Returns this error with `path` before the key, which so far contains the name in its table only.
     #[must_use]
     pub fn under(mut self, path: &str) -> Self {
         self.key = match (path, self.key.as_str()) {

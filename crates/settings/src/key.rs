@@ -3,16 +3,16 @@
 use crate::SettingsError;
 use crate::place::Place;
 
-/// One key's declaration, all but its type and its value.
+/// Declaration of a key, except its type and value.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// Name in the file.
     pub name: &'static str,
-    /// Documentation of the key, as in the source; the first sentence says what it is.
+    /// Documentation of the key, as in the source; the first sentence defines the key.
     pub doc: &'static str,
     /// Numbers that it may have.
     pub range: Range,
-    /// The default in words; `None`: the default value says it.
+    /// The default in words; `None` if the default value is clear by itself.
     pub usually: Option<&'static str>,
     /// Whether it must be given.
     pub is_required: bool,
@@ -65,7 +65,7 @@ impl Range {
     }
 }
 
-/// Checks a value whose range depends on others, and whose table knows it as `key`.
+/// Checks a value with a range that depends on other keys; the table names the value `key`.
 ///
 /// # Errors
 /// If it is outside.
@@ -73,7 +73,7 @@ pub fn within(key: &str, value: f64, low: f64, high: f64) -> Result<(), Settings
     Range::Within(low, high).check(value, &Place::ROOT.key(key))
 }
 
-/// Endings of names, longer ones first where one ends another, and the units they stand for.
+/// Endings of names with their units, longer endings before their own endings.
 const UNITS: &[(&str, &str)] = &[
     ("_rad2ps3", "rad²/s³"),
     ("_deg_per_s", "°/s"),
@@ -93,7 +93,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_m", "m"),
 ];
 
-/// The unit of a key by the end of its name; empty if it has none.
+/// Returns the unit of a key from the end of its name; empty for a key without a unit.
 pub fn unit_of(name: &str) -> &'static str {
     let found = UNITS.iter().find(|(ending, _)| name.ends_with(ending));
     found.map_or("", |(_, unit)| unit)

@@ -1,8 +1,8 @@
 //! A configuration key is declared once, in the crate that uses its value.
 //!
-//! A key has a name, a type, a unit, a range, a default and a sentence that explains it. The obvious way writes them in
-//! a struct, in its `Default`, in a second struct for the file, in a check, in a help text and in a document, and in
-//! time the six differ. [`settings!`] declares them together:
+//! A key has a name, a type, a unit, a range, a default and a description. Written separately in a struct, its
+//! `Default`, a second struct for the file, a check, a help text and a document, the six copies diverge.
+//! [`settings!`] declares all of them together:
 //!
 //! ```
 //! settings::settings! {
@@ -21,17 +21,17 @@
 //! assert_eq!(error.line, Some(1));
 //! ```
 //!
-//! Per key, in this order: document text; name in Rust, and `as "name"` where the file's is another; type; `= default`
-//! (a key without one must be given); `, in [low, high]`, `, in [above low]` or `, in [from low]`; and `, usually "…"`,
-//! the default in words where the value alone does not say it. The unit is the end of the name (`_s`, `_mps`; see
-//! [`unit_of`]). A table's first line may be `check path;`: a function that looks at several of its keys together.
-//! After the name of a table, `with field: Table` lets the keys of another table stand among its own (`= path` names a
-//! function that makes its defaults), and `beside [field: Type]` adds a field that is no key.
+//! A key's declaration has, in this order: documentation; name in Rust, and `as "name"` for a different name in the
+//! file; type; `= default` (without a default the key is mandatory); `, in [low, high]`, `, in [above low]` or `, in
+//! [from low]`; and `, usually "…"`, the default in words if the value alone is not clear. The end of the name is the
+//! unit (`_s`, `_mps`; see [`unit_of`]). The first line of a table may be `check path;`: a function that checks
+//! several keys together. After the name of a table, `with field: Table` includes the keys of another table (`= path`
+//! names the function for its defaults), and `beside [field: Type]` adds a field without a key.
 //!
-//! What is read comes from a [`Document`]: TOML text, parsed once, with single values replaced (`--set`). Unknown keys
-//! are refused, since a misspelt key that is silently ignored is a setting that silently does not hold. Every mistake
-//! is a [`SettingsError`] with the key's whole path, its line, its value and what would be right.
-//! [`reference`](reference()) prints all keys as a document, [`help`] as a text for a terminal.
+//! The input is a [`Document`]: TOML text, parsed once, with single values replaced (`--set`). Unknown keys are
+//! errors, because a misspelt key would otherwise be a setting without effect. Every error is a [`SettingsError`]
+//! with the key's whole path, its line, its value and the permitted values. [`reference`](reference()) prints all
+//! keys as a document, [`help`] as a text for a terminal.
 //!
 //! Reading is not generic: a table gives its keys and its values as `dyn Value`, so that a new key costs a line of code
 //! and next to no time to compile. Leaves are read by `serde`.

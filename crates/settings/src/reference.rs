@@ -48,7 +48,7 @@ fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str,
     }
 }
 
-/// Writes the keys of a table, or where they are written already; whether they were not.
+/// Writes the keys of a table, or a reference to their first place; returns whether the keys were written.
 fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &str, table: &dyn Table) -> bool {
     let rows = rows(table);
     match written.get(&rows) {
@@ -98,8 +98,8 @@ fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
     own.chain(table.bases().into_iter().flat_map(all)).collect()
 }
 
-/// A line for each key with its default and the first sentence of its text, as in a file, each line after `indent`.
-/// Tables follow the keys beside them.
+/// Returns a line per key with its default and the first sentence of its documentation, in the form of a file, each
+/// line after `indent`. Tables follow the keys of their parent.
 pub fn help(table: &dyn Table, indent: &str) -> String {
     let mut out = String::new();
     help_table(&mut out, table, indent, "");
@@ -133,11 +133,11 @@ fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
     }
 }
 
-/// Columns of what stands before a comment, and of a whole line.
+/// Column of the comments, and greatest width of a line.
 const COMMENT_AT: usize = 40;
 const LINE: usize = 120;
 
-/// Writes a line as a file could have it, with a comment that goes on in the next lines where it must.
+/// Writes a line in the form of a file, with a comment of as many lines as necessary.
 fn help_line(out: &mut String, indent: &str, text: &str, comment: &str) {
     let mut line = format!("{text:<COMMENT_AT$} #");
     for word in comment.split_whitespace() {

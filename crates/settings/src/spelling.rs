@@ -1,7 +1,7 @@
 //! Types that files spell as another one.
 
-/// Implements [`Value`](crate::Value) for a type that files spell as a `$leaf` (a number, a text): `$of` makes it of
-/// one or says what is wrong, `$leaf_of` is the way back, and `$kind` is its type in words.
+/// Implements [`Value`](crate::Value) for a type written in files as a `$leaf` (a number, a text). `$of` converts the
+/// leaf to the type or returns the reason for an error, `$leaf_of` is the inverse, and `$kind` is the type in words.
 #[macro_export]
 macro_rules! spelt_as {
     ($type:ty, $leaf:ty, $kind:expr, $of:expr, $leaf_of:expr) => {

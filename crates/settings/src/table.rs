@@ -5,10 +5,10 @@ use toml::de::DeValue;
 use crate::leaves::wrong_type;
 use crate::{Key, Node, Place, SettingsError, Table};
 
-/// Reads the table that stands at `at`; what the file does not mention stays as it is.
+/// Reads the table at `at`; keys missing in the file keep their values.
 ///
 /// # Errors
-/// If it is no table, has unknown keys, lacks one that must be given, or has values that cannot be used.
+/// If the node is no table, has unknown keys, lacks a mandatory key, or has invalid values.
 pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Result<(), SettingsError> {
     let DeValue::Table(given) = node.get_ref() else {
         return Err(wrong_type(node, "a table", at));
@@ -25,13 +25,13 @@ pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Res
     }
     let missing = |key: &&Key| key.is_required && !given.contains_key(key.name);
     if let Some(key) = keys(table).into_iter().find(missing) {
-        return Err(at.key(key.name).error("missing; it must be given"));
+        return Err(at.key(key.name).error("missing; the key is mandatory"));
     }
     check_all_together(table, at)
 }
 
-/// The most similar of `names`, where one is so similar to `name` that it may have been meant: much alike, or one
-/// letter missing, added, exchanged or wrong.
+/// Returns the most similar of `names`, if similar enough to `name` for a misspelling: much alike, or with one letter
+/// missing, added, exchanged or wrong.
 pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     let similar = names.iter().map(|known| (strsim::jaro_winkler(name, known), *known));
     let (similarity, known) = similar.max_by(|(a, _), (b, _)| a.total_cmp(b))?;
@@ -40,7 +40,7 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     (similarity > 0.85).then_some(known).or(near)
 }
 
-/// Reads one key of a table or of its base; whether there is such a key.
+/// Reads a key of a table or of a base of the table; returns whether the key exists.
 fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) -> Result<bool, SettingsError> {
     if let Some(index) = table.keys().iter().position(|key| key.name == name) {
         let range = table.keys()[index].range;
@@ -54,7 +54,7 @@ fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) 
     Ok(false)
 }
 
-/// Its own keys, and those of its bases.
+/// Returns the table's own keys and the keys of its bases.
 fn keys(table: &dyn Table) -> Vec<&'static Key> {
     let own = table.keys().iter();
     own.chain(table.bases().into_iter().flat_map(keys)).collect()

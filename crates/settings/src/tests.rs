@@ -93,7 +93,7 @@ fn what_is_given_is_taken_and_the_rest_is_as_usual() {
 #[test]
 fn mistakes_are_named_with_path_line_value_and_remedy() {
     for (text, line, expected) in [
-        ("period_s = 1", None, "name: missing; it must be given"),
+        ("period_s = 1", None, "name: missing; the key is mandatory"),
         (
             "name = 3",
             Some(1),

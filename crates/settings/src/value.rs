@@ -11,7 +11,7 @@ pub type Node<'a> = Spanned<DeValue<'a>>;
 
 /// Something that a key can stand for.
 pub trait Value {
-    /// Takes over what the file says, after checking it.
+    /// Checks the value in the file, and stores it.
     ///
     /// # Errors
     /// If it is of another type, or out of range.
@@ -29,7 +29,7 @@ pub trait Value {
     /// The value as a file spells it.
     fn text(&self) -> String;
 
-    /// The table that it is, or whose list or option it is, with its defaults.
+    /// Returns the table of this value with its defaults, if the value is a table, or a list or option of tables.
     fn table(&self) -> Option<Box<dyn Table>> {
         None
     }
@@ -52,15 +52,15 @@ pub trait Table {
     /// As [`Table::values`], to be changed.
     fn values_mut(&mut self) -> Vec<&mut dyn Value>;
 
-    /// Other tables whose keys stand among its own.
+    /// Returns the included tables.
     fn bases(&self) -> Vec<&dyn Table>;
 
     /// As [`Table::bases`], to be changed.
     fn bases_mut(&mut self) -> Vec<&mut dyn Table>;
 
-    /// Checks what several keys must hold together.
+    /// Checks conditions on several keys together.
     ///
     /// # Errors
-    /// A key, by the name that it has in this table, with its value and what would be right.
+    /// A key, by its name in this table, with its value and the permitted values.
     fn check_together(&self) -> Result<(), SettingsError>;
 }

@@ -1,6 +1,6 @@
 //! Choices that have words.
 
-/// Declares a choice: an enumeration whose variants have words, the first of them the default.
+/// Declares a choice: an enumeration with a word per variant; the first variant is the default.
 ///
 /// ```
 /// settings::words! {
