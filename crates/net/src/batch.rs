@@ -1,11 +1,11 @@
 //! Many datagrams with one system call.
 //!
-//! `recvmmsg(2)` fills a whole row of buffers at once. For every datagram it also returns the sender's address, the
-//! number of octets, and *control messages*: here the kernel's time stamp and the count of drops. The buffers stand
-//! in one allocation that lives as long as the socket; the headers that point into it are written anew for each call,
-//! because the kernel overwrites their lengths. A header used twice would offer the second datagram only as much room
-//! for control messages as the first one filled, and the count of drops, which is absent while it is zero, would never
-//! come through. (The wrapper of the crate `nix` 0.31 reuses them; therefore this module makes the call itself.)
+//! `recvmmsg(2)` fills a row of buffers at once. For every datagram the call also returns the sender's address, the
+//! number of bytes, and *control messages*: here the kernel's time stamp and the count of drops. The buffers are in a
+//! single allocation with the lifetime of the socket. The headers that point to the buffers are written again before
+//! each call, because the kernel overwrites their lengths. A reused header would offer the second datagram only as
+//! much room for control messages as the first datagram filled; the count of drops, absent while zero, would then
+//! never arrive. (The wrapper of the crate `nix` 0.31 reuses headers; therefore this module makes the call itself.)
 //!
 //! Addresses and control messages are plain octets in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as
 //! such.
@@ -53,13 +53,13 @@ struct Taken {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RawDatagram<'a> {
     pub(crate) bytes: &'a [u8],
-    /// Whether it was longer than its buffer.
+    /// Whether the datagram was longer than its buffer.
     pub(crate) cut: bool,
     pub(crate) sender: Option<SocketAddr>,
     pub(crate) control: Control,
 }
 
-/// What the kernel says of a datagram.
+/// The kernel's control messages of a datagram.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Control {
     /// When it came in, UTC, nanoseconds.
@@ -79,7 +79,7 @@ impl Batch {
         }
     }
 
-    /// Takes what `socket` has, at most [`BATCH_MAX`] datagrams, without waiting; says how many.
+    /// Takes up to [`BATCH_MAX`] waiting datagrams from `socket` without waiting; returns their number.
     pub(crate) fn take(&mut self, socket: BorrowedFd<'_>) -> io::Result<usize> {
         const NO_SLOT: libc::iovec = libc::iovec {
             iov_base: ptr::null_mut(),
@@ -101,8 +101,8 @@ impl Batch {
             header.msg_hdr.msg_control = control.as_mut_ptr().cast();
             header.msg_hdr.msg_controllen = CONTROL_OCTETS as _;
         }
-        // SAFETY: `headers` holds BATCH_MAX initialised headers, and each points to buffers of the lengths it states.
-        // They belong to `self` and to this function, are borrowed by nobody else, and outlive the call; the kernel
+        // SAFETY: `headers` has BATCH_MAX initialised headers, and each points to buffers of the stated lengths.
+        // `self` and this function own the buffers, nothing else borrows them, and they outlive the call; the kernel
         // keeps no pointer. A null timeout is allowed.
         let taken = unsafe {
             libc::recvmmsg(
@@ -145,7 +145,7 @@ impl Batch {
 }
 
 impl Control {
-    /// Reads a row of control messages; kinds that nobody asked for are skipped.
+    /// Reads a row of control messages; other kinds are skipped.
     fn read(mut octets: &[u8]) -> Self {
         let mut found = Self::default();
         while let Some((header, _)) = octets.split_first_chunk::<CONTROL_HEADER_OCTETS>() {
@@ -190,7 +190,7 @@ fn address(octets: &[u8]) -> Option<SocketAddr> {
     }
 }
 
-/// `N` octets from `start`, which the caller knows to be there.
+/// Returns `N` bytes from `start`; the caller guarantees their presence.
 fn part<const N: usize>(octets: &[u8], start: usize) -> [u8; N] {
     let mut found = [0; N];
     found.copy_from_slice(&octets[start..start + N]);

@@ -1,4 +1,4 @@
-//! What can go wrong when a socket is opened, and what to do about it.
+//! Errors of opening a socket, with remedies.
 
 use std::io;
 
@@ -8,14 +8,14 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum NetError {
-    /// A value that cannot be right, whatever the machine.
+    /// A value that is invalid on any machine.
     #[error("{setting} {value}: {reason}")]
     Setting {
         /// Which setting.
         setting: &'static str,
         /// Its value.
         value: String,
-        /// Why it cannot be used, and what can.
+        /// Reason of the error, and the permitted values.
         reason: String,
     },
 
@@ -31,7 +31,7 @@ pub enum NetError {
     /// The operating system refused.
     #[error("{action}: {reason}{}", remedy(reason))]
     Refused {
-        /// What was tried.
+        /// The attempted action.
         action: String,
         /// Why it was refused.
         reason: io::Error,
@@ -47,7 +47,7 @@ impl NetError {
         }
     }
 
-    /// For `map_err`: what was tried when the operating system refused.
+    /// Returns a closure for `map_err` that names the action refused by the operating system.
     pub(crate) fn refused<E: Into<io::Error>>(action: impl ToString) -> impl FnOnce(E) -> Self {
         move |reason| Self::Refused {
             action: action.to_string(),

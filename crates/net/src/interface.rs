@@ -1,10 +1,9 @@
 //! Network interfaces by name or by address.
 //!
-//! A machine in a control room has several: one towards the sensors, one towards the offices. A group must be joined,
-//! and multicast be sent, on one of them; left to itself the kernel takes whichever its routes prefer, which is the
-//! wrong one on the day that matters. So an interface is always named. Its name is the same on machines of one build,
-//! its address is the same after a renaming: both are accepted. The kernel itself uses a number, looked up when a
-//! socket is opened.
+//! A machine may have several interfaces, for example one to the sensors and one to the offices. A group must be
+//! joined, and multicast be sent, on the right interface; the kernel's own choice follows its routes and may be
+//! wrong. Therefore the interface is always named explicitly, by name (the same on machines of the same kind) or by
+//! address (unchanged after a renaming). The kernel uses a number, which is looked up when a socket is opened.
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -24,16 +23,16 @@ use crate::NetError;
 pub enum Interface {
     /// By its name, for example `eth0`.
     Name(String),
-    /// By one of its addresses.
+    /// One of the interface's addresses.
     Address(IpAddr),
 }
 
-/// What the kernel must be told of an interface.
+/// Identity of an interface in the form of the kernel's socket options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Found {
     /// Its number.
     pub(crate) index: u32,
-    /// The address from which it sends over IPv4: the one by which it was named, else its first.
+    /// IPv4 source address: the configured address, else the first address of the interface.
     pub(crate) ipv4: Option<Ipv4Addr>,
 }
 
@@ -68,7 +67,7 @@ impl Interface {
 impl FromStr for Interface {
     type Err = Infallible;
 
-    /// Whatever is no address is a name.
+    /// Parses an address; any other text is a name.
     fn from_str(text: &str) -> Result<Self, Infallible> {
         Ok(text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Address))
     }

@@ -1,20 +1,20 @@
 //! Live feeds over the network, Linux first.
 //!
-//! Radars and multilateration systems send their reports as datagrams, mostly to a *multicast group*: one packet on the
-//! wire reaches every recorder, tracker and display that asked for it, and the sender knows none of them. Receivers of
-//! transponder signals serve lines of text over TCP instead, to whoever connects. This crate moves such octets, and
-//! knows nothing of what they mean:
+//! Radars and multilateration systems send their reports as datagrams, mostly to a *multicast group*: one packet on
+//! the wire reaches every recorder, tracker and display in the group, and the sender needs no list of readers.
+//! Receivers of transponder signals serve lines of text over TCP instead, to every client. This crate transports such
+//! bytes without interpreting the content:
 //!
 //! - [`UdpReceiver`]: datagrams to an address of this machine or to a group, each with the kernel's time stamp, and a
 //!   count of those that the kernel had to drop;
 //! - [`UdpSender`]: datagrams to an address or a group;
 //! - [`TcpLines`]: lines of a server, connected to again whenever the connection is lost;
-//! - [`LineServer`]: octets for whoever connects.
+//! - [`LineServer`]: bytes to all connected clients.
 //!
-//! What comes from a network is never believed to be small, whole, friendly or punctual. Every call does a bounded
-//! amount of work and waits no longer than it was told, every buffer is allocated when the socket is opened, and
-//! whatever is not handed on is counted by reason. No call reads a clock: times of receipt are the kernel's, and where
-//! a duration matters the caller says what time it is.
+//! Network input may be large, incomplete, hostile or late. Every call does a bounded amount of work and waits at
+//! most for the given time, every buffer is allocated when the socket is opened, and all discarded input is counted
+//! by reason. No call reads a clock: the kernel supplies the times of receipt, and the caller passes the present time
+//! to calls with durations.
 
 // Without `forbid`: the system call that takes many datagrams at once has no safe form (module `batch`).
 #![deny(unsafe_code)]

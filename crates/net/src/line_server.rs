@@ -1,7 +1,7 @@
-//! Octets for whoever connects.
+//! Server of bytes for all connected clients.
 //!
-//! Receivers of transponder signals serve their lines to everybody, and wait for nobody: a reader that does not keep up
-//! is let go, and may connect again. What was sent before a reader came is not sent to it.
+//! Receivers of transponder signals serve their lines to all clients, and wait for no client: a slow client is
+//! disconnected, and may connect again. A client receives only bytes sent after its connection.
 
 use std::fmt::Debug;
 use std::fs::{self, Permissions};
@@ -35,7 +35,7 @@ pub struct LineServer {
     counters: LineServerCounters,
 }
 
-/// A connection to whoever reads.
+/// Connection to a client.
 trait Reader: Write + Debug + Send {}
 
 impl<T: Write + Debug + Send> Reader for T {}
@@ -68,7 +68,7 @@ impl Listener {
 impl Drop for Listener {
     fn drop(&mut self) {
         if let Self::Unix(_, path) = self {
-            // Where it cannot be removed, the next one that is opened there does it.
+            // If removal fails, the next server at this path replaces the file.
             let _ = fs::remove_file(path);
         }
     }
@@ -86,12 +86,13 @@ impl LineServer {
         Ok(Self::of(Listener::Tcp(listener)))
     }
 
-    /// Listens at a socket in the file system, which is removed with the server. Who may connect says `mode`, the
-    /// permissions of its file, as in 0o660; and `group`, the number of its group, if it is to have another than that
-    /// of this process. A socket that is left there from an earlier server, and which nobody listens at, is replaced.
+    /// Listens at a Unix socket; the server removes the file at its end. `mode` is the file mode, for example 0o660;
+    /// `group` is the number of the file's group, `None` for the group of this process. The file of an earlier server
+    /// without a listener is replaced.
     ///
     /// # Errors
-    /// [`NetError`] if somebody listens there, something else is there, or the operating system refuses.
+    /// [`NetError`] if another process listens there, if a file of another kind is there, or if the operating system
+    /// refuses.
     pub fn open_unix(path: &Path, mode: u32, group: Option<u32>) -> Result<Self, NetError> {
         let action = || format!("listening at {}", path.display());
         let failed = || NetError::refused::<io::Error>(action());
@@ -101,7 +102,7 @@ impl LineServer {
         }
         let listener = UnixListener::bind(path).map_err(failed())?;
         let server = Self::of(Listener::Unix(listener, path.to_owned()));
-        // In this order: until the last step only this user may connect, or whom the process's mask lets.
+        // In this order: until the last step only this user, or users permitted by the process's mask, may connect.
         std::os::unix::fs::chown(path, None, group).map_err(failed())?;
         fs::set_permissions(path, Permissions::from_mode(mode)).map_err(failed())?;
         if let Listener::Unix(listener, _) = &server.listener {
@@ -121,7 +122,7 @@ impl LineServer {
     /// Address at which it listens.
     ///
     /// # Errors
-    /// If it is a socket in the file system, or the operating system does not say.
+    /// For a Unix socket, or if the operating system refuses.
     pub fn local_address(&self) -> io::Result<SocketAddr> {
         match &self.listener {
             Listener::Tcp(listener) => listener.local_addr(),
@@ -155,13 +156,13 @@ impl LineServer {
                 continue;
             }
             self.counters.readers += 1;
-            // Its buffer is empty; who has gone again is found at the next send.
+            // The buffer of a new connection is empty; a closed connection is detected at the next send.
             let _ = reader.write(head);
             self.readers.push(reader);
         }
     }
 
-    /// Sends to every reader, without waiting: one that does not take all of it, or has gone, is let go.
+    /// Sends to every client without waiting; disconnects a client that cannot take all bytes or has closed.
     pub fn send(&mut self, octets: &[u8]) {
         let slow = &mut self.counters.slow;
         self.readers.retain_mut(|reader| match reader.write(octets) {

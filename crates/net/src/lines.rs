@@ -1,18 +1,18 @@
 //! Lines from a server, connected to again and again.
 //!
-//! Servers restart, cables are pulled, and a connection whose other end has lost its power stays open in silence until
-//! somebody notices. A feed must come back by itself after all of that. [`TcpLines`] is in one of three states: it
-//! *pauses* before the next attempt, it *connects*, or it is *connected*. Each call of [`TcpLines::poll`] takes one
-//! step, within the time that the caller allows, so one thread can serve it beside other work.
+//! Servers restart, cables are pulled, and a connection with a dead peer stays open in silence. A feed must recover
+//! from all of these. [`TcpLines`] is in one of three states: it *pauses* before the next attempt, it *connects*, or
+//! it is *connected*. Each call of [`TcpLines::poll`] takes one step within the caller's time limit, so that a thread
+//! can serve a feed beside other work.
 //!
-//! - A pause doubles with each attempt that fails, up to a limit, so that a server that is down for a night is neither
-//!   hammered nor forgotten. Only a connection that has delivered a line starts the pauses over: a server that accepts
-//!   everybody and hangs up is as good as down.
+//! - A pause doubles with each failed attempt up to a limit: a server without service for a night gets few attempts,
+//!   but regular ones. Only a connection with a complete line resets the pauses: a server that accepts and closes
+//!   every connection counts as failed.
 //! - An attempt that takes longer than the limit is given up.
 //! - A connection on which nothing comes for too long is given up too. TCP itself would notice after hours.
 //!
-//! The caller says what time it is. The length of a state counts from the first call that finds it, so a wait within a
-//! call can only make it longer, never cut it short.
+//! The caller passes the present time. The duration of a state counts from the first call in the state; waiting
+//! within a call can make a state longer, but never shorter.
 
 use std::io::{self, ErrorKind, Read};
 use std::net::SocketAddr;
@@ -28,7 +28,7 @@ use crate::{NetError, wait};
 
 /// Lengths of a line that can be allowed.
 const LINE_OCTETS: std::ops::RangeInclusive<usize> = 1..=1 << 20;
-/// Doublings of the pause after which it is at its limit, whatever that is.
+/// Doublings after which the pause is at any limit.
 const DOUBLINGS_MAX: u32 = 20;
 
 /// Which server, and how much patience with it.
@@ -95,16 +95,16 @@ impl LinesSettings {
     }
 }
 
-/// What has been counted since the start.
+/// Counts since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinesCounters {
     /// Lines handed on.
     pub lines: u64,
-    /// Octets received, with line ends and what was passed over.
+    /// Bytes received, including line ends and discarded bytes.
     pub octets: u64,
     /// Lines longer than accepted, passed over.
     pub oversized: u64,
-    /// Lines whose end was lost with the connection.
+    /// Lines cut off by the end of the connection.
     pub cut: u64,
     /// Connections that came about.
     pub connections: u64,
@@ -121,7 +121,7 @@ pub struct LinesCounters {
 pub struct TcpLines {
     settings: LinesSettings,
     state: State,
-    /// When the present state was first found, or when something was last heard; `None` until the next call.
+    /// Time of the first call in the present state, or of the last received bytes; `None` until the next call.
     since_ns: Option<i64>,
     /// Attempts in a row that brought no line.
     fruitless: u32,
@@ -137,7 +137,7 @@ enum State {
 }
 
 impl TcpLines {
-    /// A client that will make its first attempt when it is first polled.
+    /// Returns a client that connects at the first poll.
     ///
     /// # Errors
     /// [`NetError::Setting`] if a setting cannot be meant. Whether the server is there makes no difference.
@@ -153,12 +153,11 @@ impl TcpLines {
         })
     }
 
-    /// Takes one step from where it stands: begins an attempt to connect if it is time to, goes on with it, or takes
-    /// what the server has sent, one read at most. If there is nothing to do, waits for it as long as `timeout`.
-    /// `visit` gets each complete line without its end; their number is returned. `now_ns` is a monotonic time,
-    /// nanoseconds.
+    /// Takes a step: begins or continues an attempt to connect, or takes the received bytes, at most one read.
+    /// Without work, waits up to `timeout`. `visit` receives each complete line without its end; returns the number
+    /// of lines. `now_ns` is a monotonic time, nanoseconds.
     ///
-    /// Nothing that a server does is an error here: what fails is counted and tried again later.
+    /// Faults of the server are no errors: they are counted, and the attempt is repeated later.
     pub fn poll(&mut self, now_ns: i64, timeout: Duration, mut visit: impl FnMut(&[u8])) -> usize {
         let limit = match self.state {
             State::Pausing(pause) => pause,
@@ -181,7 +180,7 @@ impl TcpLines {
         matches!(self.state, State::Connected(_))
     }
 
-    /// What has been counted so far.
+    /// Returns the counts since the start.
     pub fn counters(&self) -> LinesCounters {
         LinesCounters {
             oversized: self.splitter.oversized(),

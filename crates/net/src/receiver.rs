@@ -7,26 +7,24 @@
 //! others have joined, because membership counts for the whole host unless `IP_MULTICAST_ALL` is off (ip(7)); so it is
 //! off.
 //!
-//! **Several readers.** Recorder, tracker and display may run on one machine. For a group, `SO_REUSEADDR` lets
-//! each of them bind the same address and port, and each gets every datagram. For an address of the machine itself it
-//! would let a second process take the feed away from the first without a word, so there it is not set, and the second
-//! process is told that the address is in use. `SO_REUSEPORT` is no way out: it spreads datagrams to one address over
-//! its sockets, each to one of them, which is made for servers with many clients, and would leave every reader
-//! with a random half of the sensor's reports.
+//! **Several readers.** Recorder, tracker and display may run on the same machine. For a group, `SO_REUSEADDR`
+//! permits several sockets with the same address and port, and each socket receives every datagram. For a unicast
+//! address the option would let a second process take over the feed without a warning; there it is not set, and the
+//! second process gets the error "address in use". `SO_REUSEPORT` is not suitable: the kernel distributes unicast
+//! datagrams over the sockets, so that every reader would receive a random part of the reports.
 //!
-//! **Time.** Between the wire and this process lie interrupts, queues and a scheduler that may have other plans. The
-//! kernel notes the time of each datagram when it comes in from the interface (`SO_TIMESTAMPNS`, socket(7)), so a
-//! report that waited 20 ms for its reader is known to have waited. The stamps are of the machine's UTC clock, and jump
-//! with it. The kernel turns its stamping on when the first socket of the machine asks for it; what comes in until
-//! then, some milliseconds at most, is stamped when it is read.
+//! **Time.** Interrupts, queues and the scheduler delay a datagram between the wire and this process. The kernel
+//! stamps each datagram at its arrival from the interface (`SO_TIMESTAMPNS`, socket(7)); the waiting time of a report
+//! is therefore measured. The stamps are times of the machine's UTC clock, including its jumps. The kernel starts
+//! stamping with the first socket that requests stamps; datagrams of the first milliseconds are stamped when read.
 //!
-//! **Drops.** While the reader is busy, the kernel holds datagrams in a buffer, and drops what does not fit. Nobody is
-//! told unless somebody asks: `SO_RXQ_OVFL` sends the number of drops along with the next datagram. It goes up when the
-//! buffer is full, and also for a damaged checksum. The buffer's size is a wish (`SO_RCVBUF`) that the kernel silently
-//! cuts down to `net.core.rmem_max`; what was granted is read back, and a wish cut down gives a [warning].
+//! **Drops.** While the reader is busy, the kernel stores datagrams in a buffer, and drops datagrams without room.
+//! With `SO_RXQ_OVFL` the kernel attaches the number of drops to the next datagram. The number includes datagrams
+//! with a wrong checksum. The kernel silently limits the requested size of the buffer (`SO_RCVBUF`) to
+//! `net.core.rmem_max`; the granted size is read back, and a smaller size gives a [warning].
 //!
-//! **Floods.** Each call takes one batch at most and then returns, whatever it found. Senders that are not listed cost
-//! their share of a system call and a comparison, but cannot hold the caller.
+//! **Floods.** Each call takes at most one batch and returns. Datagrams of unlisted senders cost a share of a system
+//! call and a comparison, but cannot keep the caller busy.
 //!
 //! [warning]: UdpReceiver::warning
 
@@ -47,7 +45,7 @@ const DATAGRAM_OCTETS_MAX: usize = 65_535;
 /// Sizes of the kernel's buffer that can be asked for.
 const RECEIVE_BUFFER_OCTETS: std::ops::RangeInclusive<usize> = 4_096..=1 << 30;
 
-/// What to receive.
+/// Settings of a receiver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReceiverSettings {
     /// An address of this machine (unspecified: all of them), or a multicast group.
@@ -56,10 +54,10 @@ pub struct ReceiverSettings {
     pub port: u16,
     /// On which interface the group is joined; needed for a group, and for nothing else.
     pub interface: Option<Interface>,
-    /// Whose datagrams are accepted.
+    /// Accepted senders.
     pub allowed_senders: AllowedSenders,
-    /// How many octets the kernel shall hold while the reader is busy, 4 KiB to 1 GiB. A datagram counts with what the
-    /// kernel needs to manage it, some hundred octets more than its payload.
+    /// Size of the kernel's buffer, 4 KiB to 1 GiB. A datagram occupies some hundred bytes more than its payload, for
+    /// the kernel's management.
     pub receive_buffer_octets: usize,
     /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`](crate::BATCH_MAX) times as much is
     /// allocated.
@@ -80,7 +78,7 @@ impl ReceiverSettings {
         }
     }
 
-    /// Whether they can be meant, as far as that can be said without opening a socket.
+    /// Checks the settings without opening a socket.
     ///
     /// # Errors
     /// [`NetError::Setting`] for the first that cannot.
@@ -117,21 +115,21 @@ impl ReceiverSettings {
 /// A datagram that passed the checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Datagram<'a> {
-    /// Its payload, at least one octet.
+    /// Payload, at least one byte.
     pub bytes: &'a [u8],
-    /// Where it says it comes from.
+    /// Sender's address as stated in the datagram.
     pub sender: SocketAddr,
     /// When the kernel took it from the interface, UTC, nanoseconds since 1970.
     pub received_utc_ns: i64,
 }
 
-/// What has been counted since the socket was opened. Each datagram that the kernel delivered is in exactly one of the
-/// first five.
+/// Counts since the socket was opened. The first five counts are disjoint: each datagram delivered by the kernel is
+/// in exactly one of these counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ReceiverCounters {
     /// Datagrams handed on.
     pub datagrams: u64,
-    /// Datagrams from senders that are not on the list, whatever they contain.
+    /// Datagrams from unlisted senders, with any content.
     pub refused_senders: u64,
     /// Datagrams longer than accepted, not handed on.
     pub oversized: u64,
@@ -161,7 +159,7 @@ pub struct UdpReceiver {
 }
 
 impl UdpReceiver {
-    /// Opens the socket and joins the group, if it is one.
+    /// Opens the socket, and joins a multicast group.
     ///
     /// # Errors
     /// [`NetError`] if a setting cannot be meant, the interface is not there, or the operating system refuses, for
@@ -195,12 +193,12 @@ impl UdpReceiver {
         })
     }
 
-    /// Takes the datagrams that are there, [`BATCH_MAX`](crate::BATCH_MAX) at most; if there are none, waits for the
-    /// first of them as long as `timeout`. `visit` gets those that pass the checks, in order of arrival; their number
-    /// is returned, and may be 0 although something came. A signal ends the wait.
+    /// Takes up to [`BATCH_MAX`](crate::BATCH_MAX) waiting datagrams; without any, waits up to `timeout` for the
+    /// first datagram. `visit` receives the valid datagrams in order of arrival; returns their number, which is 0 if
+    /// no arrived datagram was valid. A signal ends the wait.
     ///
     /// # Errors
-    /// If the socket fails, which it does not because of anything that is sent to it. It may be used again.
+    /// If the socket fails; no received datagram causes an error. The receiver remains usable.
     pub fn receive(&mut self, timeout: Duration, mut visit: impl FnMut(Datagram<'_>)) -> io::Result<usize> {
         let mut taken = self.batch.take(self.socket.as_fd())?;
         if taken == 0 && !timeout.is_zero() && wait::ready(self.socket.as_fd(), PollFlags::IN, timeout)? {
@@ -221,12 +219,13 @@ impl UdpReceiver {
         Ok(visited)
     }
 
-    /// Where the socket receives: the settings' address, and the port that the kernel chose if they left it open.
+    /// Returns the address of the socket: the configured address, and the port chosen by the kernel if not
+    /// configured.
     pub fn local_address(&self) -> SocketAddr {
         self.local
     }
 
-    /// What has been counted so far.
+    /// Returns the counts since the socket was opened.
     pub fn counters(&self) -> ReceiverCounters {
         self.counters
     }
@@ -236,7 +235,7 @@ impl UdpReceiver {
         self.receive_buffer_octets
     }
 
-    /// What an operator should know and can change: that the kernel holds less than was asked for.
+    /// Returns a warning if the kernel's buffer is smaller than requested.
     pub fn warning(&self) -> Option<&str> {
         self.warning.as_deref()
     }
@@ -281,10 +280,10 @@ fn ask_for_control_messages(socket: &Socket) -> io::Result<()> {
     Ok(())
 }
 
-/// Asks for a buffer of `octets` and says what was granted.
+/// Requests a buffer of `octets` bytes; returns the granted size.
 fn ask_for_buffer(socket: &Socket, octets: usize) -> io::Result<usize> {
     socket.set_recv_buffer_size(octets)?;
-    // The kernel doubles the figure, to leave room for its own bookkeeping, and reports the doubled one.
+    // The kernel doubles the figure for its own management, and reports the doubled figure.
     Ok(socket.recv_buffer_size()? / 2)
 }
 

@@ -1,14 +1,14 @@
 //! Datagrams to the network.
 //!
-//! Sending promises nothing: the operating system takes a datagram or does not, and what becomes of it later is
-//! nobody's knowledge. So a failure is a number, not an event, and the next datagram is tried as if nothing had been.
-//! There is one exception to the silence. Where no process listens at the destination, its host may answer with an
-//! ICMP message, and the kernel reports that at the *next* sending, instead of sending. Such a report is counted, and
-//! the datagram sent again, so that a listener that has just started does not miss its first one.
+//! Sending gives no guarantee: the operating system accepts or refuses a datagram, and its later fate is unknown. A
+//! failure is therefore counted, and the next datagram is sent independently. One exception: if no process listens at
+//! the destination, the destination host may answer with an ICMP message, and the kernel reports this message at the
+//! *next* sending instead of sending. The report is counted, and the datagram sent again, so that a new listener does
+//! not miss its first datagram.
 //!
-//! A multicast datagram passes as many routers as its time to live allows, less one: with 1, the default here, it stays
-//! on the local network (RFC 1112, section 6.1). With the loop-back on, processes of this machine that have joined the
-//! group receive it too.
+//! A multicast datagram passes one router fewer than its time to live: with 1, the default here, it stays in the
+//! local network (RFC 1112, section 6.1). With loop-back, processes of this machine in the group receive the
+//! datagrams, too.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr};
@@ -26,7 +26,7 @@ pub struct SenderSettings {
     pub destination: SocketAddr,
     /// By which interface a group is sent to; needed for a group, and for nothing else.
     pub interface: Option<Interface>,
-    /// Networks that a datagram may pass, 1 to 255; without it 1 for a group, and what is usual otherwise.
+    /// Time to live, 1 to 255; `None`: 1 for a group, the kernel's default otherwise.
     pub time_to_live: Option<u8>,
     /// Whether processes of this machine that have joined the group receive it too.
     pub multicast_loop: bool,
@@ -43,7 +43,7 @@ impl SenderSettings {
         }
     }
 
-    /// Whether they can be meant, as far as that can be said without opening a socket.
+    /// Checks the settings without opening a socket.
     ///
     /// # Errors
     /// [`NetError::Setting`] for the first that cannot.
@@ -71,16 +71,16 @@ impl SenderSettings {
     }
 }
 
-/// What has been counted since the socket was opened.
+/// Counts since the socket was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SenderCounters {
     /// Datagrams that the operating system took.
     pub sent: u64,
     /// Octets in them.
     pub octets: u64,
-    /// Datagrams that it did not take: its buffer was full, they were too long, there was no route.
+    /// Datagrams refused by the kernel: buffer full, datagram too long, no route.
     pub failed: u64,
-    /// Times the destination's host said that nobody listens there.
+    /// Reports by the destination host that no process listens.
     pub unheard: u64,
 }
 
@@ -120,8 +120,8 @@ impl UdpSender {
     /// Sends one datagram, or fails to, without waiting.
     ///
     /// # Errors
-    /// What the operating system said when it did not take the datagram. It is counted already, and the next one may go
-    /// through: a caller that reports its counters has nothing to do.
+    /// The operating system's error for this datagram. The failure is already counted, and later datagrams may
+    /// succeed: a caller with published counters needs no further action.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut outcome = self.socket.send(bytes);
         if let Err(error) = &outcome
@@ -143,7 +143,7 @@ impl UdpSender {
         }
     }
 
-    /// What has been counted so far.
+    /// Returns the counts since the socket was opened.
     pub fn counters(&self) -> SenderCounters {
         self.counters
     }
@@ -152,7 +152,8 @@ impl UdpSender {
 fn prepare_multicast(socket: &Socket, settings: &SenderSettings, interface: Found) -> io::Result<()> {
     let time_to_live = u32::from(settings.time_to_live.unwrap_or(1));
     if settings.destination.is_ipv4() {
-        // The number says where to send, the address from whom: else the kernel may take another interface's address.
+        // The number selects the outgoing interface, the address the source address: otherwise the kernel may use the
+        // address of another interface.
         let from = interface.ipv4.unwrap_or(Ipv4Addr::UNSPECIFIED);
         set_ip_multicast_if_with_ifindex(socket, &Ipv4Addr::UNSPECIFIED, &from, interface.index)?;
         socket.set_multicast_ttl_v4(time_to_live)?;
@@ -176,7 +177,7 @@ fn prepare_unicast(socket: &Socket, settings: &SenderSettings) -> io::Result<()>
 mod tests {
     use super::*;
 
-    /// What loopback cannot show, because it delivers whatever leaves by it: the options as the kernel holds them.
+    /// Checks the socket options in the kernel: loopback delivers every datagram, with any options.
     #[test]
     fn time_to_live_and_loop_back_are_set_as_asked() {
         let mut settings = SenderSettings::new("239.255.17.5:5000".parse().unwrap());

@@ -1,4 +1,4 @@
-//! Who may send.
+//! List of permitted senders.
 //!
 //! A datagram's sender is easily forged, so a list of senders is no defence against an attacker on the same network.
 //! It is one against mistakes, which are the rule: a simulator left running on the operational group, a second radar

@@ -1,8 +1,8 @@
 //! A stream of octets into lines.
 //!
-//! TCP knows no lines: a read may end in the middle of one or bring twenty. What is incomplete waits for its end, and
-//! must not wait without bound, for a server that never sends a line feed would fill the memory. So a line has a
-//! greatest length; when that is exceeded, everything up to the next line feed is passed over and counted once.
+//! TCP has no lines: a read may end within a line or contain many. An incomplete line waits for its end. The wait is
+//! bounded, because a server without line feeds would otherwise fill the memory: after the greatest length,
+//! everything up to the next line feed is skipped and counted once.
 
 /// Octets that are read at a time beside an incomplete line.
 const READ_OCTETS: usize = 16 << 10;
@@ -34,13 +34,13 @@ impl Splitter {
         &mut self.buffer[self.filled..]
     }
 
-    /// Takes the first `octets` of what was [free](Self::free), and hands out the lines that are complete now, without
-    /// their ends. Empty lines, with which some servers keep a connection alive, are not handed out. Returns their
-    /// number.
+    /// Accepts the first `octets` bytes of [free](Self::free), and passes each complete line without its end to
+    /// `visit`. Empty lines, which some servers send to keep a connection alive, are skipped. Returns the number of
+    /// lines.
     pub(crate) fn fill(&mut self, octets: usize, visit: &mut impl FnMut(&[u8])) -> usize {
         let end = self.filled + octets;
         let (mut start, mut lines) = (0, 0);
-        // What was there before holds no line feed.
+        // The bytes before contain no line feed.
         let mut searched = self.filled;
         while let Some(place) = self.buffer[searched..end].iter().position(|octet| *octet == b'\n') {
             let line = &self.buffer[start..searched + place];
@@ -68,7 +68,7 @@ impl Splitter {
         lines
     }
 
-    /// Forgets an incomplete line; says whether there was one.
+    /// Discards an incomplete line; returns whether there was one.
     pub(crate) fn reset(&mut self) -> bool {
         let incomplete = self.filled > 0 && !self.skipping;
         self.filled = 0;
@@ -153,7 +153,7 @@ mod tests {
             cuts.sort_unstable();
             let (mut whole, mut pieces) = (Splitter::new(5), Splitter::new(5));
             prop_assert_eq!(split(&mut whole, &octets, &[]), split(&mut pieces, &octets, &cuts));
-            // What has no end yet may be known to be too long in both, or in neither.
+            // A line without an end may count as too long in both, or in neither.
             prop_assert_eq!(whole.oversized(), pieces.oversized());
         }
     }
