@@ -1,8 +1,8 @@
 //! Covariance of a report's position and velocity.
 //!
-//! A report's own word is believed down to the configured accuracy: no source knows its positions better than its
-//! antennas, clocks and survey allow, and those that say so are the ones that do not know. Sources that say nothing get
-//! the configured accuracy.
+//! A report's stated accuracy is limited to the configured accuracy: no source knows its positions better than its
+//! antennas, clocks and survey permit, and smaller statements come from sources without a sound estimate. Reports
+//! without a statement get the configured accuracy.
 
 use frames::{SensorFrame, polar_covariance};
 use messages::{Counter, Covariance};
@@ -27,7 +27,7 @@ pub(crate) const UNKNOWN_VELOCITY: Horizontal = [
 const UNKNOWN_HEIGHT_SIGMA_M: f64 = 5000.0;
 /// A derived velocity is at best this much less accurate than a delivered one.
 const DERIVED_VELOCITY_FACTOR: f64 = 2.0;
-/// Standard deviation of what a target may have accelerated since it had the derived velocity, metres per second².
+/// Standard deviation of a target's acceleration since the time of the derived velocity, metres per second².
 const ACCELERATION_SIGMA_MPS2: f64 = 1.0;
 
 /// East-east, east-north and north-north of a horizontal covariance.
@@ -36,7 +36,7 @@ pub(crate) type Horizontal = [f64; 3];
 /// Velocity with its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Velocity {
-    /// From the source, with its own covariance (in the system frame) where it states one.
+    /// From the source, with the source's covariance (in the system frame), if stated.
     Delivered([f64; 2], Option<Horizontal>),
     /// From successive positions.
     Derived(Slope),
@@ -55,8 +55,7 @@ impl Velocity {
     }
 }
 
-/// The report's own horizontal covariance of the position that is used, where it states one and the configuration wants
-/// it.
+/// Returns the report's own horizontal covariance of the used position, if stated and permitted by the configuration.
 pub(crate) fn own_position(
     model: &SourceModel,
     observation: &Observation,
@@ -66,7 +65,7 @@ pub(crate) fn own_position(
     if observation.suspect || observation.quality == Quality::Unknown && poor == PoorQuality::Reject {
         return Err(Counter::RejectedQuality);
     }
-    // A radar's statement is of its track, not of the plot beside it.
+    // The statement of a radar belongs to the track, not to the plot in the same report.
     let of_another = matches!(used, Position::Slant(_)) && observation.cartesian.is_some();
     if model.covariance.from == CovarianceFrom::Configuration || of_another {
         return Ok(None);
@@ -88,7 +87,7 @@ pub(crate) fn own_position(
     })
 }
 
-/// The report's own covariance of its velocity in the system frame, of which the axes are those of `axes`.
+/// Returns the report's own covariance of the velocity in the system frame, in the axes of `axes`.
 pub(crate) fn own_velocity(model: &SourceModel, observation: &Observation, axes: &SensorFrame) -> Option<Horizontal> {
     let stated = observation
         .velocity_covariance
@@ -145,15 +144,15 @@ fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
     along_and_across(offset, along_m2.max(sigma.range_m.powi(2)), across_m2)
 }
 
-/// With what a height other than the target's own may be wrong by along the line of sight.
+/// Adds the error along the line of sight caused by an assumed height.
 fn wider([xx, xy, yy]: Horizontal, model: &SourceModel, placed: &Placed) -> Horizontal {
     let along_m2 = placed.slant.map_or(0.0, |slant| slant.height_error_m2());
     let [more_xx, more_xy, more_yy] = along_and_across(from_sensor(model, placed), along_m2, 0.0);
     [xx + more_xx, xy + more_xy, yy + more_yy]
 }
 
-/// Covariance of a velocity from successive positions. What is wrong with all of them alike cancels, so that the
-/// sensor's accuracy counts and not what a report says of its own; but the velocity is one of some time ago.
+/// Returns the covariance of a velocity derived from successive positions. Common errors of the positions cancel, so
+/// that the sensor's accuracy counts, not the report's statement; but the velocity is older than the report.
 fn of_slope([xx, xy, yy]: Horizontal, slope: Slope) -> Horizontal {
     let since_then = (ACCELERATION_SIGMA_MPS2 * slope.age_s).powi(2);
     [

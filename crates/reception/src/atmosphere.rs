@@ -1,11 +1,11 @@
 //! Pressure altitude and height.
 //!
-//! A transponder sends the altitude at which the standard atmosphere has the pressure outside: always counted from
-//! 1013.25 hPa, whatever the pilot has set. With the real pressure at sea level (QNH) the altimeter's own formula gives
-//! a constant difference; 27 ft for each hPa near the ground. What is left is the temperature: on a day 10 °C colder
-//! than the standard one, an aircraft flies 4 % lower than that. All sources of one deployment see the same difference,
-//! so fusion does not need the correction; it matters where height decides on position, at slant ranges of a few
-//! heights, and where geometric heights are compared.
+//! A transponder sends a pressure altitude: the altitude at which the standard atmosphere has the outside pressure,
+//! relative to 1013.25 hPa, independent of the pilot's setting. With the real pressure at sea level (QNH), the
+//! altimeter's formula gives a constant offset, 27 ft per hPa near the ground. The temperature remains uncorrected:
+//! on a day 10 °C colder than standard, an aircraft flies 4 % lower. All sources of a deployment have the same
+//! offset, so that fusion does not need the correction; the correction matters at slant ranges of a few heights, and
+//! for comparisons with geometric heights.
 //!
 //! ICAO Doc 7488, the standard atmosphere up to 11 km.
 

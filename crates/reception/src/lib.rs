@@ -1,10 +1,10 @@
 //! From a sensor's records to the pipeline's reports.
 //!
-//! Formats differ in everything: items, units, frames, what is missing. [`observation`] brings each category's target
-//! report into one form, still in the sensor's own terms. [`Converter`] then does what must be done alike for all of
-//! them: time of day to UTC, the sensor's frame to the system frame, accuracy to covariance, and the checks that keep
-//! impossible values out. What it refuses is counted by reason, and never reaches fusion. [`Reorder`] puts reports
-//! into the order of their times and says how far the source has got.
+//! Formats differ in items, units, frames and missing data. [`observation`] converts each category's target report to
+//! a common form, still in the sensor's own terms. [`Converter`] then applies the steps common to all formats: time
+//! of day to UTC, sensor frame to system frame, accuracy to covariance, and checks for impossible values. Rejected
+//! reports are counted by reason and never reach fusion. [`Reorder`] sorts reports by time and determines the
+//! source's watermark.
 
 #![forbid(unsafe_code)]
 
@@ -25,7 +25,7 @@ pub use reorder::Reorder;
 use frames::{PolarSigma, SensorFrame, SystemFrame};
 use settings::{Degrees, Seconds, SettingsError};
 
-/// Model of a source: all that the converter must know of it.
+/// Model of a source for the converter.
 #[derive(Clone, Copy, Debug)]
 pub struct SourceModel {
     /// Number of the source.
@@ -42,9 +42,9 @@ pub struct SourceModel {
     pub system: SystemFrame,
     /// Height of the sensor above the ellipsoid, metres.
     pub height_m: f64,
-    /// Height that a target is given whose slant range is to be turned into a ground range and whose own height is not
-    /// known, metres; never farther from the sensor's own than half the slant range, as radars do not look up steeper
-    /// than 30°.
+    /// Height assumed for the conversion of a slant range to a ground range if the target's height is unknown,
+    /// metres. The height differs from the sensor's own height by at most half the slant range, because radars do not
+    /// look up more steeply than 30°.
     pub assumed_height_m: f64,
     /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
     /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
@@ -56,7 +56,7 @@ pub struct SourceModel {
 }
 
 impl Method {
-    /// Whether a report that says so of a transponder's reply is taken, or may be.
+    /// Returns whether reports with this statement about a transponder reply are accepted.
     pub fn admits(self, secondary: Option<bool>) -> bool {
         match self {
             Self::Any => true,
@@ -79,10 +79,11 @@ settings::settings! {
         height_max_m: f64 = 25e3, in [-1e4, 1e5];
         /// Greatest horizontal speed.
         speed_mps: f64 = 700.0, in [0.1, 2e4];
-        /// Distance of a position beyond what the speed limit explains since the track's last report.
+        /// Permitted distance of a position from the track's last report, in addition to the distance explained by
+        /// the speed limit.
         jump_m: f64 = 100.0, in [0, 1e6];
-        /// Distance of a time from that of receipt (of a recording, from its running time) beyond which it is not
-        /// believed.
+        /// Limit for the difference between a time and the time of receipt (in a recording: its running time); a time
+        /// beyond the limit is invalid.
         time_step_s: Option<Seconds> = None, in [0.01, 40e3], usually "5; in a recording 60";
         /// Most live tracks that are remembered.
         tracks: usize = 4096, in [1, 1e6];
@@ -92,12 +93,13 @@ settings::settings! {
     #[derive(Copy)]
     pub struct CovarianceModel {
         check CovarianceModel::check;
-        /// Origin: the report's own quality figures, where it has them, or the values below.
+        /// Origin: the report's own quality figures, if present, or the values below.
         from: CovarianceFrom = CovarianceFrom::Configuration;
-        /// Standard deviation of each horizontal position component. Where reports state a dilution of precision, per
-        /// unit of it; where they state a standard deviation, its floor.
+        /// Standard deviation of each horizontal position component: per unit of dilution of precision if reports
+        /// state this dilution; the minimum if reports state a standard deviation.
         position_sigma_m: f64 = 20.0, in [1e-3, 1e5];
-        /// Standard deviation of each horizontal velocity component; where reports state one, its floor.
+        /// Standard deviation of each horizontal velocity component; the minimum if reports state a standard
+        /// deviation.
         velocity_sigma_mps: f64 = 3.0, in [1e-3, 1e4];
         /// Standard deviation of height.
         height_sigma_m: f64 = 30.0, in [1e-3, 1e5];
@@ -105,15 +107,15 @@ settings::settings! {
         range_sigma_m: Option<f64> = None, in [1e-3, 1e5];
         /// Azimuth error of a polar sensor.
         azimuth_sigma_deg: Option<Degrees> = None, in [1e-6, 45];
-        /// Use of reports whose own quality figure says that their accuracy is unknown: with a large covariance, or not
-        /// at all.
+        /// Treatment of reports with a quality figure for "accuracy unknown": used with a large covariance, or
+        /// rejected.
         poor_quality: PoorQuality = PoorQuality::Use;
     }
 }
 
 settings::words! {
-    /// Reports of a radar that are taken, by how they were observed: one with a primary and a secondary antenna is two
-    /// sources (TI-2).
+    /// Reports of a radar accepted by this source, by method of observation: a radar with a primary and a secondary
+    /// antenna is two sources (TI-2).
     pub enum Method {
         /// All of them.
         Any = "any",
@@ -136,7 +138,7 @@ settings::words! {
 
     /// Origin of a covariance.
     pub enum CovarianceFrom {
-        /// From the report's own quality figures, where it has them.
+        /// From the report's own quality figures, if present.
         Report = "report",
         /// From the configuration.
         Configuration = "configuration",

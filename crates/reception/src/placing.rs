@@ -1,7 +1,7 @@
 //! A position in the sensor's own terms into the system frame.
 //!
-//! Most of the work is that of [`SensorFrame`](frames::SensorFrame). What is decided here is which height to use where
-//! a radar's slant range must be turned into a place on the ground.
+//! [`SensorFrame`](frames::SensorFrame) does most of the work. This module chooses the height for the conversion of a
+//! radar's slant range to a position on the ground.
 //!
 //! # Without a height
 //!
@@ -12,12 +12,13 @@
 //!
 //! > w²/12 + (m − g(hₐ))², w = |g(0) − g(12 km)|, m = (g(0) + g(12 km))/2,
 //!
-//! which is added to the variance along the line of sight. The default of 5 km divides the error: targets without
-//! height are mostly low, without transponder; the fast ones among them are not. Near the radar it would put them
-//! straight above, where no radar looks; so nothing is assumed steeper than 30°, half the slant range up.
+//! which is added to the variance along the line of sight. The default of 5 km is a compromise: targets without
+//! height are mostly low, without transponder; fast targets without height are not. Near the radar this height would
+//! put targets directly above the radar, outside its beam; therefore the assumed elevation is at most 30°, half the
+//! slant range up.
 //!
-//! A track that had a height some seconds ago is near it still: that height is used instead, and is less certain by
-//! what the target may have climbed.
+//! A track with a height some seconds ago is still near this height: the earlier height is used, with an additional
+//! uncertainty for a possible climb.
 
 use frames::Geodetic;
 use messages::Counter;
@@ -29,7 +30,7 @@ use observations::{Plane, Position};
 const UNKNOWN_HEIGHT_MAX_M: f64 = 12_000.0;
 /// No height is greater, so that no straight distance exceeds that along the ground by more, metres.
 const HEIGHT_MAX_M: f64 = 100_000.0;
-/// Mean radius of the earth, metres: what a map's scale depends on only weakly.
+/// Mean radius of the earth, metres; the scale of a map depends only weakly on the radius.
 const EARTH_RADIUS_M: f64 = 6_371_000.0;
 
 /// Knowledge of a target's height.
@@ -57,7 +58,7 @@ impl Height {
         }
     }
 
-    /// Whether the report says it.
+    /// Whether the report states the height.
     pub(crate) fn is_known(self) -> bool {
         matches!(self, Self::Known(_))
     }
@@ -67,7 +68,7 @@ impl Height {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) position_m: [f64; 3],
-    /// Slant range behind it, if there is one.
+    /// Slant range of the measurement, if any.
     pub(crate) slant: Option<Slant>,
 }
 
@@ -147,8 +148,8 @@ fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) 
     }
 }
 
-/// On a sphere of radius R, a point at distance d on the map is at the angle c = 2·atan(d/2R) from its middle. The
-/// straight distance to what flies above it follows, and with it the place on the ellipsoid.
+/// On a sphere of radius R, a point at distance d on the map is at the angle c = 2·atan(d/2R) from the centre. The
+/// angle gives the slant distance to a target above the point, and thereby the place on the ellipsoid.
 fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: f64) -> Placed {
     let (near, far) = (EARTH_RADIUS_M + model.height_m, EARTH_RADIUS_M + height_m);
     let tangent = x.hypot(y) / (2.0 * EARTH_RADIUS_M);

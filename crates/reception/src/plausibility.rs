@@ -1,9 +1,10 @@
 //! Telling impossible values from surprising ones.
 //!
-//! A transponder that sends a latitude of −71° at Barcelona, a decoder that swaps two tracks, a clock that jumps: such
-//! values must not reach fusion. But a first report, or one after a long gap, may honestly be far from anything seen
-//! before, so one report is never enough to condemn the *following* ones: what is refused is remembered, and when the
-//! next reports agree with it rather than with the past, the past is dropped.
+//! A transponder with a latitude of −71° at Barcelona, a decoder that swaps two tracks, a clock that jumps: such
+//! values must not reach fusion. But a first report, or a report after a long gap, may correctly be far from all
+//! earlier reports. Therefore one report never causes the rejection of its *successors*: the rejected report is kept,
+//! and if the next reports agree with the rejected report rather than with the earlier reports, the earlier reports
+//! are discarded.
 
 use messages::Counter;
 

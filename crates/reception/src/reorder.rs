@@ -1,12 +1,12 @@
 //! Reports into the order of their times.
 //!
-//! A sensor sends reports as they come out of its processing, some tenths of a second out of order. Holding them back
-//! for a fixed time sorts them, and yields the *progress mark*: everything measured before it has been delivered.
+//! A sensor sends reports in the order of its processing, some tenths of a second out of order in time. A fixed delay
+//! sorts the reports, and yields the *watermark*: all reports measured before the watermark have been delivered.
 //!
-//! This is the one place that restores the order of one source. Several sources, each of them in order, are merged
-//! elsewhere: live by their progress marks (`fusion::Merger`), since the next report of a source may not be there yet;
-//! of files by looking at each one's next row (`koseki fuse`). Detections need no order of their own: a scan is cut at
-//! boundaries and sorted when it is complete (`tracking::cutting`).
+//! Only this module restores the order of a source. Several sources, each in order, are merged elsewhere: live by
+//! their watermarks (`fusion::Merger`), because the next report of a source may not have arrived; of files by the
+//! next row of each file (`koseki fuse`). Detections need no order: a scan is cut at boundaries and sorted when
+//! complete (`tracking::cutting`).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -50,7 +50,7 @@ impl Reorder {
         self.newest_ns = self.newest_ns.max(time_ns);
     }
 
-    /// Takes a report; `false` if it is older than what has been handed out, and was dropped.
+    /// Adds a report; `false` if the report is older than the delivered reports, and was dropped.
     pub fn push(&mut self, report: SensorTrack) -> bool {
         let time_ns = report.time_of_measurement_ns;
         if time_ns < self.mark_ns() {
@@ -66,7 +66,7 @@ impl Reorder {
         true
     }
 
-    /// The earliest report, if its turn has come; reports of one time keep the order in which they came.
+    /// Returns the earliest report if due; reports with the same time keep their order of arrival.
     pub fn pop(&mut self) -> Option<SensorTrack> {
         if self.held.peek()?.time_ns >= self.mark_ns() {
             return None;

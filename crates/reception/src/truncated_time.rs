@@ -1,9 +1,9 @@
 //! Times that are cut off.
 //!
-//! The oldest radar format sends two octets of time: 512 s of it, counted from midnight. The rest is that which brings
-//! it nearest to a time known from elsewhere, the radar's service messages or the receiver's clock; right as long as
-//! the two are less than 256 s apart. A day is no multiple of 512 s: its last period is cut short at midnight, and the
-//! count begins anew.
+//! The oldest radar format sends the time in two bytes, modulo 512 s from midnight. The missing part is chosen so
+//! that the time is nearest to a reference time: the radar's service messages or the receiver's clock. The result is
+//! right if the two differ by less than 256 s. A day is no multiple of 512 s: midnight cuts the last period short,
+//! and the count restarts.
 
 use frames::time::NS_PER_DAY;
 use observations::TRUNCATION_NS;

@@ -2,7 +2,7 @@
 
 /// Number of positions that are used.
 const POSITIONS: usize = 5;
-/// Positions older than this say little about the present velocity, nanoseconds.
+/// Greatest age of a position used for the present velocity, nanoseconds.
 const SPAN_MAX_NS: i64 = 8_000_000_000;
 /// But so many are used in any case, as a radar that turns in 12 s has no newer ones …
 const POSITIONS_MIN: usize = 3;

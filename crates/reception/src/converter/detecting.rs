@@ -1,13 +1,14 @@
-//! An observation into a detection, for sensors whose tracks are made here (PL-3).
+//! Conversion of an observation to a detection, for sensors tracked in their adapter (PL-3).
 //!
-//! A tracker needs what was measured in this look and nothing else: a position that a sensor's own filter has smoothed
-//! carries its earlier errors along, and a tracker that takes it for new is fooled. So of a report that holds plot and
-//! track, the plot is taken; of one that has a position of another form only, that position, if it is a plot's; and
-//! nothing of a report without detection. Who the target says it is stays behind.
+//! A tracker needs the measurement of this scan only: a position smoothed by the sensor's own filter contains earlier
+//! errors, and a tracker would take these errors for new information. Of a report with plot and track, only the plot
+//! is used; of a report with another kind of position, this position, if it is a plot's. A report without a detection
+//! gives nothing. The target's identity is not used.
 //!
-//! A radar's plot stays range and bearing, in the system frame and from where the radar stands, since its errors are:
-//! straight range, bearing and elevation where the target sends its height, so that the height's error is one of
-//! elevation; else the range along the ground, with the error of an assumed height ([`crate::placing`]).
+//! A radar's plot remains range and bearing, in the system frame and from the radar's position, because the errors
+//! have these axes. If the target sends its height, the measurement is slant range, bearing and elevation, and the
+//! height error becomes an elevation error; otherwise it is the ground range, with the error of an assumed height
+//! ([`crate::placing`]).
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -108,7 +109,7 @@ impl Converter {
         (
             DetectionKind::RangeBearingElevation,
             [range_m, bearing(east, north), up.atan2(ground_m)],
-            // Straight above the radar a height says nothing of the elevation.
+            // Directly above the radar, the height does not determine the elevation.
             [sigma.range_m, across(placed, ground_m, sigma), straight.min(FRAC_PI_4)],
         )
     }

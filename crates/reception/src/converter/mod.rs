@@ -41,19 +41,18 @@ impl Stamp {
     }
 }
 
-/// Turns one source's observations into sensor tracks, and counts what it refuses.
+/// Converter from a source's observations to sensor tracks; counts rejected observations.
 #[derive(Debug)]
 pub struct Converter {
     model: SourceModel,
     day: Option<DayUnroller>,
     first_day_ns: i64,
-    /// Time of receipt of what is converted now, UTC and by a clock that nobody sets, nanoseconds; `None` for
-    /// recordings.
+    /// Time of receipt of the present observation, UTC and by a steady clock, nanoseconds; `None` for recordings.
     received_ns: Option<(i64, i64)>,
     /// The source's clock against times of receipt.
     clock: SourceClock,
     time_check: TimeCheck,
-    /// Sender of the latest report; holds for those after it that name none.
+    /// Sender of the latest report; also holds for later reports without a sender.
     sender: Option<(u8, u8)>,
     altitude_correction_m: f64,
     tracks: FxHashMap<u32, TrackMemory>,
@@ -61,7 +60,8 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// A converter for a source whose first report is of the day that begins at `first_day_ns` (UTC, nanoseconds).
+    /// Returns a converter for a source with a first report on the day that begins at `first_day_ns` (UTC,
+    /// nanoseconds).
     pub fn new(model: SourceModel, first_day_ns: i64) -> Self {
         Self {
             model,
@@ -77,16 +77,16 @@ impl Converter {
         }
     }
 
-    /// Sets the time at which the reports that follow were received, nanoseconds: `utc_ns` by the machine's UTC,
-    /// `steady_ns` by a UTC that is not set while the process runs. Times of day are of the day that brings them
-    /// nearest to `utc_ns`. Times that jump against `steady_ns` are not believed; a steady offset is: fusion compares
-    /// it with other sources' ([`Self::clock`]). A recording has no such time; there the source's running time takes
-    /// its place.
+    /// Sets the time of receipt of the next reports, nanoseconds: `utc_ns` by the machine's UTC, `steady_ns` by a UTC
+    /// that is not adjusted while the process runs. A time of day belongs to the day that brings it nearest to
+    /// `utc_ns`. Jumps relative to `steady_ns` make a time invalid; a constant offset does not: fusion compares the
+    /// offset with other sources' ([`Self::clock`]). A recording has no times of receipt; the source's running time
+    /// serves instead.
     pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
         self.received_ns = Some((utc_ns, steady_ns));
     }
 
-    /// The source's clock, as far as times of receipt tell.
+    /// Returns the state of the source's clock, as estimated from times of receipt.
     pub fn clock(&self) -> &SourceClock {
         &self.clock
     }
@@ -101,14 +101,15 @@ impl Converter {
         self.day.as_ref().map(DayUnroller::running_ns)
     }
 
-    /// A record that is no target report, with its time of day; gives its UTC (nanoseconds) if it has one that can be.
+    /// Processes a record without a target report, with its time of day; returns the record's UTC (nanoseconds), if
+    /// valid.
     pub fn service(&mut self, time_of_day_ns: Option<i64>) -> Option<i64> {
         self.count(Counter::ServiceMessages);
         self.utc(time_of_day_ns?).and_then(Stamp::believed).ok()
     }
 
-    /// The sensor track that `observation` reports; `None` if it was refused. One whose time is not believed is marked
-    /// and counted as refused: it is of use for nothing but to tell how wrong the clock is.
+    /// Converts `observation` to a sensor track; `None` if rejected. A report with an invalid time is marked and
+    /// counted as rejected: it serves only to estimate the clock's error.
     pub fn convert(&mut self, observation: &Observation, ingested_ns: i64) -> Option<SensorTrack> {
         match self.try_convert(observation, ingested_ns) {
             Ok(track) => {
@@ -197,7 +198,7 @@ impl Converter {
         if self.model.sac_sic.is_some() && self.sender != self.model.sac_sic {
             return Err(Counter::RejectedSource);
         }
-        // A track that the radar goes on with unseen is of the method by which it was seen before.
+        // A track coasted by the radar keeps the method of its last detection.
         let is_known = |number: &u32| self.tracks.contains_key(number);
         let is_meant = match (self.model.method, observation.secondary) {
             (Method::Any, _) => true,
@@ -275,8 +276,8 @@ impl Converter {
         possible.then_some(height_m)
     }
 
-    /// When the transponder stated its level last (UTC, nanoseconds), and that level. A report without one leaves the
-    /// level of the one before, which is older now.
+    /// Returns the time (UTC, nanoseconds) and the level of the transponder's latest statement. A report without a
+    /// level leaves the earlier level with its age.
     fn level(&mut self, observation: &Observation, number: u32, time_ns: i64, is_believed: bool) -> Option<(i64, i16)> {
         let limits = &self.model.limits;
         let possible = limits.height_min_m..=limits.height_max_m;
@@ -316,7 +317,7 @@ impl Converter {
         // Written so that NaN is refused.
         if (0.0..=self.model.limits.speed_mps).contains(&vx.hypot(vy)) {
             let own = accuracy::own_velocity(&self.model, observation, &axes);
-            // What a tracker says of the velocity of a track that it does not believe yet is a guess.
+            // The velocity of a track still tentative in the source's tracker is a guess.
             let guess = || (observation.state == TrackState::Tentative).then_some(accuracy::UNKNOWN_VELOCITY);
             Ok(Velocity::Delivered([vx, vy], own.or_else(guess)))
         } else {
@@ -378,7 +379,7 @@ impl Converter {
         }
     }
 
-    /// The source says that a track has ended, without saying where.
+    /// Terminates a track at the source's request, without a position.
     fn end(&mut self, number: u32, time_ns: i64, ingested_ns: i64) -> Result<SensorTrack, Counter> {
         let memory = self.tracks.remove(&number).ok_or(Counter::RejectedNoPosition)?;
         let mut track = self.blank(number, time_ns, ingested_ns);
@@ -402,7 +403,7 @@ impl Converter {
     }
 }
 
-/// Passes on what needs no conversion.
+/// Copies the items that need no conversion.
 fn describe(track: &mut SensorTrack, observation: &Observation) {
     track.identity = observation.identity;
     track.state = observation.state as u8;

@@ -1,9 +1,10 @@
 //! CAT001: radar, before CAT048.
 //!
-//! Plots and tracks have the same items in different places. The time is cut off at 512 s, and the messages of CAT002
-//! give the rest of it; a block may state its sender in the first record only. What the plane of a track's x and y is,
-//! nothing says. It is taken for the radar's own, uncorrected: a radar that corrects for slant range is one that could
-//! say so, and sends CAT048. Plots have no number, and no address. Items in a random field sequence are not read.
+//! Plots and tracks have the same items in different places. The time is modulo 512 s, and messages of CAT002
+//! complete it; a block may state its sender in the first record only. The document does not define the plane of a
+//! track's x and y. The radar's own, uncorrected plane is assumed: a radar with slant range correction could state
+//! the correction, and sends CAT048. Plots have neither number nor address. Items in a random field sequence are
+//! ignored.
 
 use asterix::categories::{CAT001, CAT001_V1_4};
 use asterix::field::{elements_at, whole_at};

@@ -65,7 +65,7 @@ fn observation(record: &Record<'_>) -> Observation {
         cartesian: CARTESIAN.quantities(record),
         geodetic: GEODETIC.quantities(record),
         velocity: VELOCITY.quantities(record),
-        // Systems fill the flight level with 0 where they have none, so a level of exactly 0 says nothing.
+        // Systems without a flight level send 0, so a level of exactly 0 is treated as missing.
         pressure_altitude_m: FLIGHT_LEVEL.level(record).filter(|altitude| *altitude != 0.0),
         geometric_height_m: MEASURED_HEIGHT
             .quantity(record)
@@ -80,7 +80,7 @@ fn observation(record: &Record<'_>) -> Observation {
     }
 }
 
-/// SDP where it says something, else the dilution of precision; systems send zeros for "not given".
+/// Returns SDP, if given, else the dilution of precision; systems send zeros for "not given".
 fn quality(record: &Record<'_>) -> Quality {
     let mut quality = Quality::Unstated;
     for (position, octets) in record.subitems(ACCURACY) {

@@ -1,9 +1,9 @@
 //! CAT021 from ed 2 on: ADS-B.
 //!
-//! Three generations of aircraft say in three ways how well they know where they are: an uncertainty category of the
-//! position (version 0), or a category of its accuracy beside one of its integrity (versions 1 and 2). The integrity's
-//! radius is one that the error exceeds once in ten million flight hours; as an error with 95 % probability it is far
-//! too large, and used only where there is nothing else.
+//! Three generations of transponders state position accuracy in three ways: an uncertainty category (version 0), or
+//! an accuracy category beside an integrity category (versions 1 and 2). The error exceeds the integrity radius once
+//! in ten million flight hours. As a 95 % error the radius is far too large, and is used only without an accuracy
+//! category.
 
 use asterix::categories::CAT021_V2;
 use asterix::field::added;
@@ -142,7 +142,7 @@ fn geometric_height_m(record: &Record<'_>) -> Option<f64> {
         .and(GEOMETRIC_HEIGHT.quantity(record))
 }
 
-/// A rate of climb, behind the bit that says that it is beyond what can be sent.
+/// Returns a rate of climb; the bit before the rate marks a rate beyond the range of the item.
 fn rate_mps(record: &Record<'_>, rate: &Elements<2>) -> Option<f64> {
     rate.quantities(record)
         .and_then(|[beyond, rate]| (beyond == 0.0).then_some(rate))

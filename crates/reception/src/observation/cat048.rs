@@ -1,8 +1,8 @@
 //! CAT048: radar.
 //!
-//! A record holds up to two positions: the plot, range and azimuth as measured in this turn, and the track, x and y as
-//! the radar's tracker calculated them. A plot without track number is numbered by its address, if it has one; the
-//! number is then the same from turn to turn, and the plots of one aircraft are a track.
+//! A record has up to two positions: the plot, range and azimuth as measured in this turn, and the track, x and y as
+//! calculated by the radar's tracker. A plot without a track number is numbered by its address, if present; the plots
+//! of an aircraft then form a track.
 
 use asterix::categories::{CAT048, CAT048_V1_32};
 
@@ -15,8 +15,8 @@ const VELOCITY: Elements<2> = elements(CAT048, "200", ["GSP", "HDG"]);
 const SIGMA: Elements<4> = elements(CAT048, "210", ["SIGX", "SIGY", "SIGV", "SIGH"]);
 const TRACK_NUMBER: Elements<1> = elements(CAT048, "161", ["TRN"]);
 const MODE_3A: Reply = Reply::of(CAT048, "070", "MODE3A");
-/// Level in two's complement in every edition, though only the last says so: without the sign, an aircraft a little
-/// below sea level pressure would fly in space.
+/// Level in two's complement in every edition, although only the latest edition states this: without the sign, an
+/// aircraft a little below sea level pressure would have an enormous height.
 const FLIGHT_LEVEL: Reply = Reply::of(&[&CAT048_V1_32], "090", "FL");
 /// Height above mean sea level, of a radar that measures elevation.
 const MEASURED_HEIGHT: Elements<1> = elements(CAT048, "110", ["3DH"]);
@@ -103,8 +103,8 @@ fn height_doubted(record: &Record<'_>) -> bool {
     warnings.any(|warning| warning == ABNORMAL_HEIGHT || warning == UNDECODABLE_HEIGHT)
 }
 
-/// Covariance of a velocity from deviations of speed along the track and of heading across it; `None` where either is
-/// zero, which says nothing.
+/// Returns the covariance of a velocity from the deviations of along-track speed and of heading; `None` if a
+/// deviation is zero, the code for "not given".
 fn velocity_covariance(([speed, track], [_, _, sigma_speed, sigma_track]): ([f64; 2], [f64; 4])) -> Option<[f64; 3]> {
     let along = sigma_speed.powi(2);
     let across = (speed * sigma_track).powi(2);

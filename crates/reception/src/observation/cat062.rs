@@ -1,8 +1,8 @@
 //! CAT062: tracks of another surveillance data processing system.
 //!
-//! The geographic position is used where there is one, x and y otherwise: their plane is a map around a place that the
-//! system keeps to itself, and whoever wants them must configure that place as the source's. A state made with the
-//! flight plan alone, or coasting, is the system's extrapolation and no observation.
+//! The geographic position is used if present, otherwise x and y. The plane of x and y is a map around a place
+//! unknown outside the sending system; this place must be configured as the source's position. A state from the
+//! flight plan alone, or a coasted state, is an extrapolation and no observation.
 //!
 //! The height is the system's own barometric altitude (I062/135), which is of the time of the state. The transponder's
 //! level is the measured one (I062/136) with its age (I062/295), else the system's.
@@ -146,7 +146,7 @@ fn measured_altitude_age_ns(record: &Record<'_>) -> i64 {
         .map_or(0, frames::time::ns)
 }
 
-/// I062/380: what the aircraft said.
+/// I062/380: data sent by the aircraft.
 #[derive(Default)]
 struct Aircraft {
     address: Option<u64>,

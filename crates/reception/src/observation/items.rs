@@ -1,4 +1,4 @@
-//! Items that several categories have alike, and what they become.
+//! Items common to several categories, and their conversion.
 
 use asterix::categories::CAT021_V2;
 use asterix::field::{Elements, Field, elements, field};
@@ -61,7 +61,7 @@ pub(super) fn service(record: &Record<'_>, time: &Elements<1>, turn_begins: bool
     })
 }
 
-/// A code, an address and eight packed characters, each of them if it is there.
+/// Returns an identity from a code, an address and eight packed characters, each if present.
 pub(super) fn identity(code: Option<u16>, address: Option<u64>, characters: Option<u64>) -> Identity {
     let mut identity = Identity::default();
     if let Some(code) = code {
@@ -93,7 +93,7 @@ pub(super) fn components([speed, track]: [f64; 2]) -> [f64; 2] {
 pub(super) fn covariance(sigma: [f64; 2], cross: f64) -> Quality {
     let [x, y] = sigma;
     if x > 0.0 && y > 0.0 {
-        // No larger than the deviations allow, whatever was sent.
+        // Limited to the range permitted by the deviations.
         let most = 0.99 * x * y;
         Quality::Covariance([x * x, cross.clamp(-most, most), y * y])
     } else {
@@ -101,7 +101,7 @@ pub(super) fn covariance(sigma: [f64; 2], cross: f64) -> Quality {
     }
 }
 
-/// The state of a track: its last report, a track still being initialised, one that was not seen now, or none of these.
+/// Returns the state of a track: terminated, tentative, coasted, or confirmed.
 pub(super) fn state(ended: bool, tentative: bool, extrapolated: bool) -> TrackState {
     if ended {
         TrackState::Terminated
@@ -118,7 +118,7 @@ pub(super) fn when(condition: bool, bits: u8) -> u8 {
     if condition { bits } else { 0 }
 }
 
-/// The alert for an emergency as ADS-B and the systems that use it number them.
+/// Returns the alert of an emergency by the numbers of ADS-B.
 pub(super) fn alerts_of_emergency(number: u8) -> u8 {
     match number {
         1 | 6 => alert_bits::EMERGENCY, // of no stated kind, or the aircraft is down
@@ -145,8 +145,8 @@ pub(super) fn flight_status(status: Option<u8>) -> (u8, bool) {
     }
 }
 
-/// The alert for a collision avoidance system's resolution advisory that holds now: there is one, and it has not ended.
-/// BDS register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2, is in several categories; CAT021 takes it apart.
+/// Returns the alert of an active resolution advisory of a collision avoidance system. Several categories contain BDS
+/// register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2, as bytes; CAT021 has its fields as separate elements.
 pub(super) fn alerts_of_advisory(register: &[u8]) -> u8 {
     const ADVISORIES: Field = field(CAT021_V2, &["260", "ARA"]);
     const TERMINATED: Field = field(CAT021_V2, &["260", "RAT"]);
@@ -158,8 +158,8 @@ pub(super) fn alerts_of_advisory(register: &[u8]) -> u8 {
     when(active, alert_bits::RESOLUTION_ADVISORY)
 }
 
-/// Whether a radar's report has a transponder's reply in it, by the kind of detection: 0 none, 1 primary, else one with
-/// a reply.
+/// Whether a radar's report contains a transponder's reply, by the kind of detection: 0 none, 1 primary, other kinds
+/// include a reply.
 pub(super) fn secondary(detection: Option<u8>) -> Option<bool> {
     detection
         .filter(|detection| *detection != 0)

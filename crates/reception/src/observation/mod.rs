@@ -1,6 +1,6 @@
 //! ASTERIX target reports into observations.
 //!
-//! Each category has a file of its own that says what its items mean.
+//! A file per category describes the meaning of the category's items.
 
 mod cat001;
 mod cat010;
@@ -32,7 +32,7 @@ use items::{
 pub enum Reading {
     /// A target report.
     Target(Observation),
-    /// A record that speaks of the sensor itself.
+    /// A record about the sensor itself.
     Service(Service),
     /// A record of a category that reports no targets in any form known here.
     Other,

@@ -24,8 +24,8 @@ pub(super) fn radius_of_nucp(category: u8) -> Quality {
     }
 }
 
-/// Covariance for a category of velocity, NUCr or NACv: RTCA DO-260, DO-260A and DO-260B give both the same horizontal
-/// errors with 95 % probability. `None` for a category that says nothing.
+/// Returns the covariance of a velocity category, NUCr or NACv: RTCA DO-260, DO-260A and DO-260B define the same
+/// horizontal 95 % errors for both. `None` for the category "unknown".
 pub(super) fn covariance_of_velocity_category(category: u8) -> Option<[f64; 3]> {
     let error_mps = match category {
         4 => 0.3,
@@ -57,8 +57,8 @@ pub(super) fn radius_of_nacp(category: u8) -> Quality {
     }
 }
 
-/// Radius of containment for a navigation integrity category (NIC): RTCA DO-260B; of those that the supplements tell
-/// apart, the larger.
+/// Returns the containment radius of a navigation integrity category (NIC), by RTCA DO-260B; if the radius depends on
+/// supplements, the largest radius.
 pub(super) fn radius_of_nic(category: u8) -> Quality {
     match category {
         11 => Quality::Radius95(7.5),

@@ -1,4 +1,4 @@
-//! Messages of sensors about themselves: their times, and when their next look all around begins.
+//! Messages of sensors about themselves: times, and starts of antenna turns.
 
 use asterix::Category;
 use asterix::categories::*;
@@ -9,7 +9,7 @@ use super::*;
 struct Messages {
     editions: &'static [&'static Category],
     time: Elements<1>,
-    /// The message's type, and which of them says that a turn or an update cycle begins.
+    /// The item of the message type, and the value at the start of a turn or update cycle.
     turn: Option<(Elements<1>, u64)>,
     /// Time that a turn of the antenna takes, 1/128 s.
     turn_time: Option<Elements<1>>,
