@@ -54,7 +54,7 @@ pub(super) fn number(record: &mut RecordWriter, item: &Elements<1>, number: Opti
     }
 }
 
-/// Writes a Mode 3/A code; the item's first element, L, says that it was not received just now.
+/// Writes a Mode 3/A code; the item's first element, L, marks a code not received in this scan.
 pub(super) fn mode_3a(record: &mut RecordWriter, item: &Elements<2>, identity: &Identity, received: bool) {
     if let Some(code) = identity.mode_3a() {
         record.write(item, [i64::from(!received), i64::from(code & 0o7777)]);
@@ -66,8 +66,8 @@ pub(super) fn address(identity: &Identity) -> Option<i64> {
     identity.address().map(|address| i64::from(address & 0x00FF_FFFF))
 }
 
-/// The call sign as eight characters of six bits; `None` where there is none. Small letters become capitals, and what
-/// the alphabet does not have becomes the code that stands for nothing.
+/// Returns the call sign as eight characters of six bits; `None` without a call sign. Small letters become capitals;
+/// characters outside the alphabet become the code for "no character".
 pub(super) fn call_sign(identity: &Identity) -> Option<i64> {
     if identity.valid & identity_bits::CALLSIGN == 0 {
         return None;
@@ -125,7 +125,7 @@ pub(super) fn climb_mode(climb_mps: Option<f64>) -> i64 {
     }
 }
 
-/// The emergency as CAT021 and CAT062 number them. Of several, the one that names its kind, and of those the gravest.
+/// Returns the emergency by the numbers of CAT021 and CAT062: of several emergencies the most serious of known kind.
 pub(super) fn emergency(alerts: u8) -> i64 {
     let raised = |bit: u8| alerts & bit != 0;
     if raised(alert_bits::UNLAWFUL_INTERFERENCE) {

@@ -11,24 +11,23 @@
 //! Records are collected into blocks of one category; a full block is handed to the caller's closure, `flush` hands
 //! over the last one. Nothing here reads a clock, sends a datagram or, once warm, allocates.
 //!
-//! # What is said, and what is not
+//! # Which items are sent
 //!
-//! A data block is a statement to strangers, who can not ask back. So an item is sent only if the track knows its
-//! content and the edition has a place for it; what an item must hold besides is set to the value that claims least,
-//! and where even that would claim something, the item stays out. Numbers are the nearest multiple of their LSB. A
-//! quantity beyond its bits is left out, not cut, unless the document says that the greatest number means "or more".
-//! Where an accuracy is told by class, it is the best class that holds, never a better one.
+//! A receiver of a data block cannot ask back. Therefore an item is sent only if the track has its content and the
+//! edition has a place for it. Mandatory parts without content get the value with the weakest claim; if every value
+//! would be a claim, the item is omitted. Numbers are the nearest multiple of their LSB. A quantity beyond the range
+//! of its bits is omitted, not limited, unless the document defines the greatest number as "or more". An accuracy
+//! class is the best class whose bound holds, never a better class.
 //!
-//! Track numbers are shortened to what the category has; a track keeps its number while it lives, and nobody else gets
-//! it for a minute after.
+//! Track numbers are shortened to the category's range. A track keeps its number during its life; no other track
+//! receives this number for a minute after the end.
 //!
 //! # Heights
 //!
-//! The pipeline's height is metric: the third coordinate of a place, which is a height above the ellipsoid. What
-//! sources measure is mostly pressure altitude, which the pipeline takes as if the atmosphere were the standard one and
-//! mean sea level the ellipsoid. Which of the two a given deployment's heights are, no track says. [`HeightReference`]
-//! does: it chooses between the items for geometric heights, which is what the frame's definition makes of them, and
-//! those for flight levels.
+//! The pipeline's height is metric: the third coordinate of a position, a height above the ellipsoid. Sources mostly
+//! measure pressure altitude, and the pipeline treats it as a height, with the standard atmosphere and with mean sea
+//! level on the ellipsoid. Tracks do not contain the kind of their deployment's heights. [`HeightReference`] selects
+//! the items: geometric heights, by the frame's definition, or flight levels.
 
 #![forbid(unsafe_code)]
 
@@ -54,7 +53,7 @@ pub const BLOCK_OCTETS_LEAST: usize = HEADER_OCTETS + RECORD_OCTETS_MAX;
 /// The largest block: its length has 16 bits.
 pub const BLOCK_OCTETS_MOST: usize = u16::MAX as usize;
 
-/// Takes finished blocks: what the caller does with one, a datagram as a rule.
+/// Receiver of finished blocks; usually sends each block as a datagram.
 pub type SendBlock<'s> = dyn FnMut(&[u8]) + 's;
 
 settings::words! {
@@ -93,12 +92,12 @@ pub struct OutgoingCounts {
     pub records: u64,
     /// Blocks handed over.
     pub blocks: u64,
-    /// States that are not sent by rule: tentative ones where they are not wanted, ends of tracks that were never sent,
-    /// states without a report where the category reports what was received.
+    /// States withheld by a rule: unwanted tentative states, ends of tracks never sent, states without a report in
+    /// categories that contain received reports only.
     pub withheld: u64,
     /// Reports refused since every track number is taken.
     pub refused_number: u64,
-    /// Reports refused for a position that is none, or that the category can not say.
+    /// Reports rejected for a position that is invalid, or outside the range of the category's items.
     pub refused_position: u64,
     /// Reports refused for want of an address, without which the category has no report.
     pub refused_address: u64,
@@ -110,7 +109,7 @@ impl OutgoingCounts {
         self.refused_number + self.refused_position + self.refused_address
     }
 
-    /// Label, a sentence and the value of each counter, for whoever shows them.
+    /// Returns label, description and value of each counter.
     pub fn entries(&self) -> [(&'static str, &'static str, u64); 6] {
         [
             ("records", "records sent", self.records),
@@ -123,7 +122,7 @@ impl OutgoingCounts {
             ),
             (
                 "refused_position",
-                "reports refused for a position that is none, or that the category can not say",
+                "reports refused for an invalid position, or a position outside the category's range",
                 self.refused_position,
             ),
             (

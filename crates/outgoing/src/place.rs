@@ -5,13 +5,13 @@
 //! geographical north at the target", for rates of climb, and for heights above the ellipsoid, so vectors are turned
 //! into the east, north and up of the target's own place: at 250 m/s the difference is 17 m/s.
 //!
-//! Where a source observes no height, the vertical component of a velocity says nothing. The target is then taken to
+//! If a source observes no height, the vertical component of a velocity is meaningless. The target is then assumed to
 //! fly level above the ellipsoid, not level above the system's plane.
 
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::Covariance;
 
-/// Farthest from the system's origin along an axis, metres: beyond what any of the documents' items reaches.
+/// Largest distance from the system's origin along an axis, metres: beyond the range of every item.
 const DISTANCE_MAX_M: f64 = 4.2e6;
 /// Farthest from the ellipsoid, metres.
 const HEIGHT_MAX_M: f64 = 100_000.0;
@@ -50,8 +50,8 @@ impl Place {
         self.axes[2]
     }
 
-    /// The directions in which a velocity in the system frame has its components towards east and north at the target.
-    /// With an unknown vertical component they are those of a level flight.
+    /// Returns the directions of the east and north components at the target for a velocity in the system frame. With
+    /// an unknown vertical component, the directions are those of level flight.
     pub(super) fn horizontal(&self, vertical_known: bool) -> [Axis; 2] {
         let [east, north, up] = self.axes;
         if vertical_known {

@@ -1,15 +1,15 @@
 //! Quantities as whole numbers of a least significant bit (LSB).
 //!
-//! A number sent is the nearest multiple of the LSB ([`Field::nearest`]), so what is read differs by half an LSB at
-//! most. A quantity that its bits can not hold has no number, and the caller leaves the item out; cutting it to the
-//! greatest number would be another quantity. Only where the document says that the greatest number means "this or
-//! more" is it [`capped`].
+//! A sent number is the nearest multiple of the LSB ([`Field::nearest`]), so that the received quantity differs by
+//! half an LSB at most. A quantity beyond the range of its bits has no number, and the caller omits the item; the
+//! greatest number would be a different quantity. Only if the document defines the greatest number as "this or more",
+//! the quantity is [`capped`].
 
 use std::f64::consts::{PI, TAU};
 
 use asterix::field::{Elements, Field};
 
-/// The numbers of quantities in SI units; `None` if one of them has none.
+/// Returns the numbers of quantities in SI units; `None` if a quantity has no number.
 pub(super) fn nearest<const N: usize>(elements: &Elements<N>, quantities: [f64; N]) -> Option<[i64; N]> {
     let mut numbers = [0; N];
     for i in 0..N {
@@ -34,7 +34,7 @@ pub(super) fn capped_deviation(field: Field, sigma: f64) -> i64 {
     capped(field, sigma).max(1)
 }
 
-/// The standard deviation of a variance that says something.
+/// Returns the standard deviation of a valid variance.
 pub(super) fn sigma(variance: f64) -> Option<f64> {
     (variance.is_finite() && variance > 0.0).then(|| variance.sqrt())
 }

@@ -1,9 +1,9 @@
 //! Status of the system and of its sensors: CAT065 and CAT063.
 //!
-//! CAT065 carries the state of the system, and the events of its service: that it is degraded, interrupted, ended. Its
-//! other messages, ends of batches, are not sent.
-//! CAT063 carries one record for each sensor, whose state is what the caller knows: whether it is connected and whether
-//! reports come, and of the biases those that are known. Gains of the range are not estimated, and sent as 0.
+//! CAT065 carries the state of the system, and events of its service: degraded, interrupted, ended. Other messages of
+//! the category, ends of batches, are not sent. CAT063 has a record per sensor with the state known to the caller:
+//! the connection, the presence of reports, and the known biases. Gains of the range are not estimated, and sent as
+//! 0.
 
 use super::quantity::nearest;
 use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
@@ -45,7 +45,7 @@ mod sensor {
 /// The state of the system (I065/040).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SystemStatus {
-    /// Condition, which says whether its tracks may be used.
+    /// Condition: whether the sensor's tracks may be used.
     pub condition: Condition,
     /// True for a system that can not keep up.
     pub overloaded: bool,
@@ -94,7 +94,7 @@ pub enum Condition {
     Operational,
     /// Operational with restrictions.
     Degraded,
-    /// Starting. CAT065 has no such state, and says that it is not known.
+    /// Starting. CAT065 has no such state; the state is sent as unknown.
     Initialising,
     /// Not connected.
     NotConnected,
@@ -237,7 +237,7 @@ impl StatusReports {
         outbox.flush(send);
     }
 
-    /// Counts of what has been sent.
+    /// Returns the counts of sent records.
     pub fn counts(&self) -> OutgoingCounts {
         let (system, sensors) = (self.of_system.1.counts, self.of_sensors.1.counts);
         OutgoingCounts {

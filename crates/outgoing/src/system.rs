@@ -2,7 +2,7 @@
 //!
 //! | item | from | |
 //! | --- | --- | --- |
-//! | 010, 015 | the sender | service only where it has one |
+//! | 010, 015 | the sender | service only if configured |
 //! | 040 | `track_number` | shortened to 16 bits |
 //! | 070 | `reference_time_ns` | |
 //! | 080 | state, alerts, contributions, ground state | see below |
@@ -14,23 +14,24 @@
 //! | 290 | contributions | ages of the last update by each kind of source |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
 //!
-//! **I062/245** stays out: from ed 1.16 on the document says that it shall not be used, since I062/380 has the call
-//! sign. **I062/136**, the last flight level measured, stays out since a fused height is calculated; I062/135 is for
-//! that. **I062/510** is for systems that share tracks.
+//! **I062/245** is omitted: from ed 1.16 on the document forbids it, because I062/380 has the call sign.
+//! **I062/136**, the last measured flight level, is omitted because a fused height is calculated; I062/135 is for
+//! calculated heights. **I062/510** is for systems with shared tracks.
 //!
 //! # Track status
 //!
-//! CNF is sent with tentative tracks, TSB with the first message of a track and TSE with the last, CST while it coasts.
-//! PSR, SSR, MDS, ADS and (from ed 1.20) MLAT are set where the system has such a source and none of them supports the
-//! track now. SDS says whether co-operative sources support it. SPI and EMS come from the alerts; a transponder's alert
-//! for a changed code and a resolution advisory have no place in CAT062 that could be filled truly (I062/380 COM and
-//! ACS want what no track knows) and are not sent. SFC, from ed 1.18 on, says that the target is on the ground; before,
-//! there is no place for it. ME and MI are military and stay 0.
+//! CNF is sent with tentative tracks, TSB with the first message of a track and TSE with the last, CST while the
+//! track is coasted. PSR, SSR, MDS, ADS and (from ed 1.20) MLAT are set if the system has such a source and no such
+//! source supports the track now. SDS states whether co-operative sources support the track. SPI and EMS come from
+//! the alerts; a transponder's alert for a changed code and a resolution advisory have no correct place in CAT062
+//! (I062/380 COM and ACS need data unknown to tracks) and are not sent. SFC, from ed 1.18 on, marks a target on the
+//! ground; earlier editions have no place for this state. ME and MI are military and remain 0.
 //!
 //! # Ages
 //!
-//! A system track lists the sources that support it now. So that ages go on while it coasts, the last time of each kind
-//! of source is remembered with the track's number. The track's own age, TRK, counts from a birth that no state tells.
+//! A system track lists the sources that support it now. For the ages of coasted tracks, the last time of each kind
+//! of source is kept with the track's number. The track's own age, TRK, counts from the first state seen, because
+//! states do not contain the time of initiation.
 
 use frames::SystemFrame;
 use frames::time::NS_PER_S;
@@ -115,7 +116,7 @@ const fn age(name: &str) -> (usize, Field) {
     (subitem(CAT062, "290", name), field(CAT062, &["290", name]))
 }
 
-/// Most tracks whose numbers are remembered, ended ones included, where nobody says more.
+/// Default number of tracks with a kept number, including terminated tracks.
 const TRACKS_MAX: usize = 16_384;
 settings::words! {
     /// Technology by which a source observes.
@@ -135,7 +136,7 @@ settings::words! {
     }
 }
 
-/// Kinds of sources that CAT062 tells apart; [`Technology::Other`] is none of them.
+/// Kinds of sources distinguished by CAT062; [`Technology::Other`] is not included.
 const KINDS: usize = Technology::Other as usize;
 
 impl Technology {
@@ -145,7 +146,7 @@ impl Technology {
     }
 }
 
-/// Source of the system, as the sender must know it.
+/// Source of the system, as needed by the sender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SystemSource {
     /// Number, as in [`Contribution::source`](messages::Contribution::source).
@@ -200,13 +201,13 @@ struct Form {
     kinds: u8,
     height: HeightReference,
     simulated: bool,
-    /// True if I062/080 can say that a target is on the ground.
+    /// True if I062/080 has a flag for a target on the ground.
     has_surface_flag: bool,
-    /// True if I062/080 can say that multilateration no longer supports a track.
+    /// True if I062/080 has a flag for multilateration without support of a track.
     has_multilateration_flag: bool,
 }
 
-/// Report of a track, with what its record needs.
+/// Report of a track, with the values needed by its record.
 struct Report<'t> {
     track: &'t SystemTrack,
     place: Place,
@@ -310,7 +311,7 @@ impl SystemReports {
         self.outbox.flush(send);
     }
 
-    /// Counts of what has been sent and refused.
+    /// Returns the counts of sent and rejected records.
     pub fn counts(&self) -> OutgoingCounts {
         self.outbox.counts
     }
@@ -353,7 +354,7 @@ impl Form {
         known.copied().unwrap_or(Technology::Other)
     }
 
-    /// Notes what supports a track now.
+    /// Stores the present support of a track.
     fn remember(&self, support: &mut Support, track: &SystemTrack) {
         let contributions = track.contributions();
         if contributions.is_empty() {
@@ -370,7 +371,7 @@ impl Form {
         }
     }
 
-    /// The kinds of sources whose latest report is within its expected period.
+    /// Returns the kinds of sources with a latest report within the expected period.
     fn fresh(&self, track: &SystemTrack) -> u8 {
         let fresh = |flags: u16| flags & contribution_bits::FRESH != 0;
         let contributions = track.contributions().iter();
@@ -534,9 +535,9 @@ fn identification(track: &SystemTrack, record: &mut RecordWriter) {
     }
 }
 
-/// Standard deviations of a track, as far as its covariance says something.
+/// Standard deviations of a track, if its covariance is valid.
 struct Accuracies {
-    /// Deviations of x and y in the system's plane, and the root of their covariance with its sign, metres.
+    /// Deviations of x and y in the system's plane, and the signed root of their covariance, metres.
     position: Option<[f64; 3]>,
     /// Deviation of height, metres.
     height: Option<f64>,

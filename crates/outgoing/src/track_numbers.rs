@@ -1,13 +1,15 @@
 //! Short numbers for tracks.
 //!
-//! The pipeline numbers tracks with 32 bits and never uses a number again; ASTERIX gives a track 12 or 16 bits. A
-//! receiver tells tracks apart by these alone, so no two live tracks may have the same, a track must keep its own, and
-//! the number of a track that ended must rest for a while, or the receiver joins two targets into one.
+//! The pipeline numbers tracks with 32 bits and never uses a number again; ASTERIX has 12 or 16 bits for a track
+//! number. A receiver distinguishes tracks by these numbers alone. Therefore no two live tracks may have the same
+//! number, a track must keep its number, and the number of a terminated track must rest for a while; otherwise the
+//! receiver joins two targets.
 //!
-//! A track gets its own number where that is short enough and free, else the next free one after what is left of it;
-//! numbers of consecutive tracks so come back only when all others have been used. The table has a fixed size. Ended
-//! tracks stay in it until room is needed, which lengthens their rest; then all leave that have rested, and with them
-//! tracks that fell silent without an end: some sources report none. A table full of live tracks refuses the next.
+//! A track gets its own number if short enough and free, otherwise the next free number after the shortened number.
+//! Numbers of consecutive tracks are thus reused only after all other numbers. The table has a fixed size. Terminated
+//! tracks remain in the table until their room is needed, which lengthens the rest. Then all rested tracks leave,
+//! together with silent tracks, because some sources report no end of a track. A table full of live tracks rejects
+//! the next track.
 
 use rustc_hash::FxHashMap;
 
@@ -16,7 +18,7 @@ const REST_NS: i64 = 60_000_000_000;
 /// A track that is silent for this long has ended, nanoseconds.
 const SILENCE_NS: i64 = 600_000_000_000;
 
-/// The short numbers of tracks, with what `T` remembers of each.
+/// Table of short numbers, with data `T` of each track.
 #[derive(Debug)]
 pub(super) struct TrackNumbers<T> {
     tracks: FxHashMap<u32, Track<T>>,
@@ -56,8 +58,8 @@ impl<T: Default> TrackNumbers<T> {
         }
     }
 
-    /// The entry of a track that reports at `now_ns`, a new one at its first report; `None` if the table is full. A
-    /// track that ended begins again under its number.
+    /// Returns the entry of a track with a report at `now_ns`, a new entry at the first report; `None` if the table
+    /// is full. A terminated track restarts with its number.
     pub(super) fn report(&mut self, track: u32, now_ns: i64) -> Option<&mut Track<T>> {
         if !self.tracks.contains_key(&track) {
             let number = self.free_number(track, now_ns)?;
@@ -213,8 +215,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever comes: live tracks have different numbers, each keeps its own, and a number that changes hands has
-        /// rested.
+        /// For any sequence of reports, live tracks have different numbers, each track keeps its number, and a reused
+        /// number has rested.
         #[test]
         fn numbers_are_unique_stable_and_rested(
             events in prop::collection::vec((0..60u32, 0..20i64, prop::bool::weighted(0.3)), 1..400),

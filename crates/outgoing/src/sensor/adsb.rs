@@ -1,7 +1,7 @@
 //! An ADS-B ground station: target reports in CAT021 from ed 2.1 on, status in CAT023.
 //!
-//! A report tells what a transmitter has sent, so there is none without an address, and none for a coasted or ended
-//! track.
+//! A report repeats the data sent by a transmitter. Therefore there are no reports without an address, and no reports
+//! for coasted or terminated tracks.
 //!
 //! | item | from | |
 //! | --- | --- | --- |
@@ -17,16 +17,16 @@
 //! | 161 | `track_number` | shortened to 12 bits |
 //! | 200, 008 | alerts | where any is raised |
 //!
-//! I021/160 is the *airborne* ground vector; the one for the surface is in the reserved expansion field, in steps of
-//! 2.8°. Its content is as true on the ground, and many stations send it there; so does this one. I021/020 stays out: a
-//! track does not know what kind of aircraft it is.
+//! I021/160 is the *airborne* ground vector; the surface vector is in the reserved expansion field, in steps of 2.8°.
+//! The airborne item is also correct on the ground, and many stations use it there; so does this sender. I021/020 is
+//! omitted: a track does not contain the aircraft's category.
 //!
 //! # Quality
 //!
-//! A transmitter tells its accuracy by class. NACp, NACv and GVA are classes of 95 % bounds of horizontal position,
-//! horizontal velocity and geometric altitude, with the bounds of ED-102A/DO-260B, whose version I021/210 names. Each
-//! is the best class whose bound holds for the track's covariance, by the longest axis of its ellipse. Integrity (NIC,
-//! SIL, PIC) says how surely bounds hold; no covariance tells that, and it is sent as not known.
+//! A transmitter states its accuracy by class. NACp, NACv and GVA are classes of 95 % bounds of horizontal position,
+//! horizontal velocity and geometric altitude, with the bounds of ED-102A/DO-260B, the version named by I021/210.
+//! Each is the best class whose bound holds for the longest axis of the track's covariance ellipse. Integrity (NIC,
+//! SIL, PIC) is the reliability of bounds, which a covariance does not contain; integrity is sent as unknown.
 
 use messages::alert_bits;
 
@@ -74,7 +74,7 @@ mod service {
     pub(super) const SOURCE: Elements<2> = elements(CAT023, "010", ["SAC", "SIC"]);
     pub(super) const REPORT_TYPE: Elements<1> = whole(CAT023, "000");
     pub(super) const TIME: Elements<1> = whole(CAT023, "070");
-    /// Ground station status; all numbers 0 say that its data may be used.
+    /// Ground station status; all numbers 0 mean that the station's data may be used.
     pub(super) const STATUS: Frn = item(CAT023, "100");
 }
 
@@ -103,7 +103,7 @@ pub(super) const VELOCITY_BOUNDS_MPS: [f64; 4] = [10.0, 3.0, 1.0, 0.3];
 /// Bounds of the error of geometric altitude, metres, of GVA 1 and 2.
 const GVA_BOUNDS_M: [f64; 2] = [150.0, 45.0];
 
-/// The best class, from 1, whose bound holds; 0 if none does. Bounds become narrower.
+/// Returns the best class, from 1, whose bound holds; 0 without such a class. The bounds decrease.
 pub(super) fn class(error: f64, bounds: &[f64]) -> u8 {
     bounds.iter().take_while(|bound| error < **bound).count() as u8
 }
@@ -156,7 +156,7 @@ pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter)
 
 fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     const STEP_UNKNOWN: i64 = 2;
-    // A second part must say whether a selected altitude can be had. None is sent.
+    // A second part would have to state whether a selected altitude is available. No second part is sent.
     let has_second_part = report.on_ground() || site.simulated;
     record
         .item(DESCRIPTOR)
@@ -185,7 +185,7 @@ fn quality(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     record.write(&VERSION, [VERSION_2, EXTENDED_SQUITTER]);
 }
 
-/// Writes I021/200: the emergency, and what Mode S calls surveillance status.
+/// Writes I021/200: the emergency, and the surveillance status of Mode S.
 fn target_status(report: &Report<'_>, record: &mut RecordWriter) {
     let alerts = report.track.alerts;
     let emergency = items::emergency(alerts);

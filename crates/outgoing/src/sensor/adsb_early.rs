@@ -1,11 +1,11 @@
 //! An ADS-B ground station of the first generation: CAT021, editions 0.23 to 0.26.
 //!
-//! As with the [later editions](super::adsb) there is a report only of what was received. Here there is no track
-//! number: the address stands for the track. Position is in 24 bits (2.4 m) in ed 0.23 and in 32 bits later; Mode 3/A
-//! codes have a place from ed 0.26 on. SPI is in I021/040, other alerts in I021/200, as far as they are emergencies.
+//! As in the [later editions](super::adsb), only received data are reported. There are no track numbers: the address
+//! identifies the track. The position has 24 bits (2.4 m) in ed 0.23 and 32 bits later; Mode 3/A codes are present
+//! from ed 0.26 on. SPI is in I021/040, emergencies are in I021/200; other alerts have no place.
 //!
-//! **Quality** is one class each for position (NUCp, I021/090) and velocity (NUCr, I021/095): the best whose 95 % bound
-//! holds, by the bounds of RTCA DO-260. They are not those of the later NACp.
+//! **Quality** is a class each for position (NUCp, I021/090) and velocity (NUCr, I021/095): the best class whose 95 %
+//! bound holds, by the bounds of RTCA DO-260. These bounds differ from the bounds of the later NACp.
 
 use super::super::items;
 use super::adsb::{RADIUS95_SIGMAS, VELOCITY_BOUNDS_MPS, class, longest_sigma};

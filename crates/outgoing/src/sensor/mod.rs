@@ -1,7 +1,8 @@
 //! Sensor tracks as the sensor itself would send them.
 //!
-//! The category says what kind of sensor it is: a radar (048), a multilateration system (020), an ADS-B ground station
-//! (021) or a surface movement sensor (010). Each speaks in its own frame and items; what is common to them is here.
+//! The category determines the kind of sensor: a radar (048), a multilateration system (020), an ADS-B ground station
+//! (021) or a surface movement sensor (010). Each kind has its own frame and items; this module contains the common
+//! parts.
 //!
 //! A track's end is sent without position or motion: nothing was seen then, and the last position is an old one.
 
@@ -36,7 +37,7 @@ pub struct SensorReports {
     form: Form,
 }
 
-/// The sensor, and what is the same for all its records.
+/// The sensor, and the common settings of its records.
 #[derive(Debug)]
 struct Site {
     source: [u8; 2],
@@ -58,7 +59,7 @@ enum Form {
     Surface,
 }
 
-/// Report of a track, with what is made of it for every category.
+/// Report of a track, with the values needed by every category.
 struct Report<'t> {
     track: &'t SensorTrack,
     state: TrackState,
@@ -124,8 +125,8 @@ impl SensorReports {
         self.outbox.push(self.record.finish(), send);
     }
 
-    /// Sends a radar's plot: what it measured at `time_ns` (UTC, nanoseconds), at a place in the system frame, whose
-    /// height it knows from the target's reply or not at all. Other sensors report no plots.
+    /// Sends a radar's plot: the measurement at `time_ns` (UTC, nanoseconds) of a position in the system frame.
+    /// Without `height_known`, the target's reply contained no height. Other sensors report no plots.
     pub fn plot(&mut self, time_ns: i64, position_m: [f64; 3], height_known: bool, send: &mut SendBlock<'_>) {
         let place = Place::new(&self.site.system, position_m).ok_or(Unsent::Position);
         let written = match &self.form {
@@ -146,8 +147,8 @@ impl SensorReports {
         self.outbox.flush(send);
     }
 
-    /// Sends the periodic status message of the category, behind all reports before it: north marker (CAT034), periodic
-    /// status (CAT019, 010), ground station status (CAT023). They say that the sensor is in operation.
+    /// Sends the periodic status message of the category, after all earlier reports: north marker (CAT034), periodic
+    /// status (CAT019, 010), ground station status (CAT023). The message reports the sensor as operational.
     pub fn status(&mut self, now_utc_ns: i64, send: &mut SendBlock<'_>) {
         let record = &mut self.status.0;
         match self.form {
@@ -159,8 +160,8 @@ impl SensorReports {
         self.send_status(send);
     }
 
-    /// Says that a radar's antenna crosses into the sector at this azimuth (rad, clockwise from the sensor's north),
-    /// behind all reports before it. Other sensors have no antenna that turns, and send nothing.
+    /// Sends the message that a radar's antenna enters the sector at this azimuth (rad, clockwise from the sensor's
+    /// north), after all earlier reports. Other sensors have no turning antenna, and send nothing.
     pub fn sector(&mut self, now_utc_ns: i64, azimuth_rad: f64, send: &mut SendBlock<'_>) {
         if let Form::Radar(_) = self.form {
             radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, &mut self.status.0);
@@ -168,7 +169,7 @@ impl SensorReports {
         }
     }
 
-    /// Counts of what has been sent, status messages included, and refused.
+    /// Returns the counts of sent and rejected records, including status messages.
     pub fn counts(&self) -> OutgoingCounts {
         let (reports, status) = (self.outbox.counts, self.status.1.counts);
         OutgoingCounts {
@@ -241,7 +242,7 @@ impl Form {
         Ok((form, status))
     }
 
-    /// True for a category that reports what was received, and so neither coasting nor the end of a track.
+    /// True for a category of received reports, without coasted and terminated tracks.
     fn is_adsb(&self) -> bool {
         matches!(self, Self::AdsB | Self::EarlyAdsB(_))
     }
@@ -355,7 +356,7 @@ impl Site {
         known.then_some([xx, xy, yy])
     }
 
-    /// The sensor's x and y. Without a vertical component, which then says nothing, as it is.
+    /// Returns the axes of the sensor's x and y. Without `vertical_known` the axes are for level flight.
     fn plane(&self, vertical_known: bool) -> [Axis; 2] {
         let [x, y, _] = self.axes;
         [x, y].map(|axis| [axis[0], axis[1], if vertical_known { axis[2] } else { 0.0 }])

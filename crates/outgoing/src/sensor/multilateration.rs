@@ -10,7 +10,7 @@
 //! | 170 | state, rate of climb | positions are smoothed (STH): they are a tracker's |
 //! | 202 | `velocity_mps` | along x and y of 042 |
 //! | 230 | alerts | with Mode S targets that raise any, since I020/020 has only SPI |
-//! | 500 SDP | `covariance` | with a correlation only where it is positive: its number has no sign |
+//! | 500 SDP | `covariance` | with a correlation only if positive: the item's number has no sign |
 //!
 //! While coasting, codes are marked as not received just now.
 
@@ -66,7 +66,7 @@ mod service {
     pub(super) const SOURCE: Elements<2> = elements(CAT019, "010", ["SAC", "SIC"]);
     pub(super) const MESSAGE_TYPE: Elements<1> = whole(CAT019, "000");
     pub(super) const TIME: Elements<1> = whole(CAT019, "140");
-    /// System status; all numbers 0 say that it is in operation.
+    /// System status; all numbers 0 mean operational.
     pub(super) const STATUS: Frn = item(CAT019, "550");
     pub(super) const REFERENCE_POINT: Elements<2> = elements(CAT019, "600", ["LAT", "LON"]);
 }
@@ -78,7 +78,7 @@ const FLIGHT_STATUS_ALERTS: u8 =
 /// Differences between editions.
 #[derive(Debug)]
 pub(super) struct Form {
-    /// True if I020/020 tells what kind of address it is.
+    /// True if I020/020 states the kind of address.
     has_address_kind: bool,
 }
 

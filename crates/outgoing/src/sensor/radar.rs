@@ -2,7 +2,7 @@
 //!
 //! | item | from | |
 //! | --- | --- | --- |
-//! | 020 | state, identity, alerts | what detected it, see below |
+//! | 020 | state, identity, alerts | kind of detection, see below |
 //! | 040 | `measured_m`, else `position_m` | slant range and azimuth from the antenna; not at a track's end |
 //! | 042 | `position_m` | in the radar plane (TCC 0 in 170): slant range and azimuth as x and y |
 //! | 070, 220, 240 | `identity` | |
@@ -13,19 +13,19 @@
 //! | 210 | `covariance` | if all four deviations fit |
 //! | 230 | alerts, ground state | with Mode S targets, as the document wants |
 //!
-//! A plot has the first four of these items (010, 140, 020, 040) and its flight level, if it has one.
+//! A plot has the first four of these items (010, 140, 020, 040) and its flight level, if known.
 //!
-//! **Type of detection.** A sensor track does not say which part of the radar saw it, but its identity does: an address
-//! comes from Mode S, a code or a height from a reply to secondary radar, and without any of them it was primary radar.
-//! A coasted track is "no detection", with its extrapolated position. That a primary radar saw the target too is not
-//! known and not said.
+//! **Type of detection.** A sensor track does not contain the detecting part of the radar, but its identity implies
+//! the part: an address comes from Mode S, a code or a height from a reply to secondary radar; without any of these
+//! the primary radar detected the target. A coasted track is "no detection", with its extrapolated position. A
+//! simultaneous detection by primary radar is unknown and not reported.
 //!
-//! **Radar plane.** I048/042 is either the slant range turned down into the plane, or a projection of the ground,
-//! whichever I048/170 says. Which projection that is the document leaves open, and at 200 km two usual ones are 300 m
-//! apart for a high aircraft; the slant range has one meaning.
+//! **Radar plane.** I048/042 is either the slant range turned down into the plane, or a projection of the ground, as
+//! stated by I048/170. The document does not define the projection; at 200 km two usual projections are 300 m apart
+//! for a high aircraft. The slant range is unambiguous.
 //!
-//! **Flight levels below zero** have two's complement numbers from ed 1.32 on. Earlier editions say nothing of a sign
-//! and their tables have none, so such a level would be read as one above 4000: it is left out.
+//! **Flight levels below zero** are in two's complement from ed 1.32 on. Earlier editions have no sign, and a
+//! receiver would read such a level as a level above 4000: the level is omitted.
 //!
 //! Positions farther than 256 NM from the antenna are beyond I048/040 and 042; such reports are refused.
 

@@ -13,9 +13,9 @@
 //! | 200, 202 | `velocity_mps` | from true north at the target; along x and y of 042 |
 //! | 500 | `covariance` | where deviations (to 63.75 m) and covariance fit |
 //!
-//! **Type.** An address is taken for Mode S multilateration, a code alone for SSR multilateration, neither for primary
-//! radar: surface movement radars have no identities, and what has them on an airport locates by time differences.
-//! Alerts other than SPI have no place in the category.
+//! **Type.** A target with an address is reported as Mode S multilateration, with a code only as SSR multilateration,
+//! without both as primary radar: surface movement radars have no identities, and other sensors on an airport locate
+//! by time differences. Alerts other than SPI have no place in the category.
 
 use messages::sensor_track_bits as bits;
 
@@ -40,7 +40,7 @@ const ADDRESS: Elements<1> = whole(CAT010, "220");
 const IDENTIFICATION: Elements<1> = elements(CAT010, "245", ["CHR"]);
 const FLIGHT_LEVEL: Elements<1> = elements(CAT010, "090", ["FL"]);
 const MEASURED_HEIGHT: Elements<1> = whole(CAT010, "091");
-/// System status; all numbers 0 say that it is in operation.
+/// System status; all numbers 0 mean operational.
 const SYSTEM_STATUS: Frn = item(CAT010, "550");
 const DEVIATION: Elements<3> = elements(CAT010, "500", ["DEVX", "DEVY", "COVXY"]);
 
