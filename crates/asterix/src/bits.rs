@@ -45,7 +45,7 @@ pub(super) fn fspec_octet(bits: u8, goes_on: bool) -> u8 {
     (bits & 0x7F).reverse_bits() | u8::from(goes_on)
 }
 
-/// True if an octet's FX bit says that another follows.
+/// True if a byte's FX bit announces another byte.
 pub(super) fn goes_on(octet: u8) -> bool {
     octet & 1 == 1
 }

@@ -10,7 +10,8 @@ pub const HEADER_OCTETS: usize = 3;
 pub struct Block<'a> {
     /// The category of its records.
     pub category: u8,
-    /// Offset of its first octet in the bytes passed to [`blocks`], or in the whole that they are a part of.
+    /// Offset of the block's first byte in the bytes passed to [`blocks`], or in the recording that contains these
+    /// bytes.
     pub offset: usize,
     /// All its octets, with the header.
     pub bytes: &'a [u8],
@@ -22,8 +23,8 @@ impl<'a> Block<'a> {
         &self.bytes[HEADER_OCTETS..]
     }
 
-    /// System area code and system identification code of its first record: who sent it. Item 010, which holds them, is
-    /// the first of every category; `None` if the record has none.
+    /// Returns the sender: system area code and system identification code of the first record. Item 010, which
+    /// contains both, is the first item of every category; `None` if the record has no item 010.
     pub fn sender(&self) -> Option<(u8, u8)> {
         const FIRST_ITEM: u8 = 0x80;
         let body = self.body();
@@ -37,8 +38,8 @@ impl<'a> Block<'a> {
 
 /// The data blocks in a datagram or a file of blocks.
 ///
-/// A block whose length can not be right is an error and the end: nothing in the format marks where the next one
-/// begins.
+/// An impossible block length is an error and ends the iteration: the format has no mark for the start of the next
+/// block.
 pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
     blocks_at(0, bytes)
 }
@@ -153,7 +154,7 @@ impl BlockWriter {
         }
     }
 
-    /// Adds a record, of at least one octet, and gives the block before it if that has no room for it.
+    /// Adds a record of at least one byte; returns the previous block if the record does not fit into it.
     ///
     /// # Errors
     /// If the record fits no block; nothing has changed then.

@@ -1,4 +1,4 @@
-//! Editions as people name them: `21=0.23` for a category, `48/RE=1.13` for its reserved expansion field.
+//! Notation of editions in options: `21=0.23` for a category, `48/RE=1.13` for its reserved expansion field.
 
 use std::fmt::Display;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use super::expansion::Expansion;
 use super::registry;
 use super::table::{Category, Edition, EditionError};
 
-/// Edition that somebody has chosen in place of a default.
+/// Edition chosen instead of the default.
 #[derive(Clone, Copy, Debug)]
 pub enum ChosenEdition {
     /// The table of a category.

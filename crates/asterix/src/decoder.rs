@@ -1,4 +1,4 @@
-//! Blocks, tables and counting together: what a receiver or a player of recordings calls.
+//! Decoder of blocks with counters, for receivers and players of recordings.
 
 use super::block::{Block, Blocks, blocks};
 use super::error::Error;
@@ -7,11 +7,12 @@ use super::record::{Record, Records};
 use super::registry;
 use super::table::Category;
 
-/// Reads the records out of datagrams or files, each block with the table of its category, and counts what it meets.
+/// Iterator over the records of datagrams or files; uses the table of each block's category, and counts records and
+/// errors.
 ///
-/// An error ends its block and not the reading: the records before it stand, the rest of the block is skipped and
-/// counted, and the next block follows. Only an impossible block length ends the bytes. The iterator gives every
-/// error; a caller who has nothing to say to them drops them, the counters keep the sum.
+/// An error ends its block, not the iteration: earlier records remain valid, the rest of the block is skipped and
+/// counted, and the next block follows. Only an impossible block length ends the iteration. The iterator returns
+/// every error; callers may ignore errors, because the counters contain their sums.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     tables: [Option<&'static Category>; 256],
@@ -87,14 +88,14 @@ pub struct Counts {
     pub blocks_cut: u64,
     /// Octets skipped for one of these three reasons.
     pub octets_skipped: u64,
-    /// Records with an extended item that goes on beyond its edition.
+    /// Records with an extended item longer than in its edition.
     pub records_extended: u64,
     /// The octets of such extensions.
     pub unknown_extension_octets: u64,
 }
 
 impl Counts {
-    /// Label, a sentence and the value of each counter, for whoever shows them.
+    /// Returns label, description and value of each counter.
     pub fn entries(&self) -> [(&'static str, &'static str, u64); 8] {
         [
             ("blocks", "data blocks with a possible length", self.blocks),
@@ -111,7 +112,7 @@ impl Counts {
             ),
             (
                 "blocks_cut",
-                "blocks whose rest was skipped after an error in a record",
+                "blocks with a rest skipped after an error in a record",
                 self.blocks_cut,
             ),
             (
@@ -168,7 +169,7 @@ impl<'a, B> DecodedRecords<'_, 'a, B>
 where
     B: Iterator<Item = Result<Block<'a>, Error>>,
 {
-    /// Goes on to the next block; `None` at the end of the bytes.
+    /// Moves to the next block; `None` at the end of the bytes.
     fn next_block(&mut self) -> Option<Result<(), Error>> {
         let counts = &mut self.decoder.counts;
         self.records = None;

@@ -1,19 +1,19 @@
 //! Records out of values: the exact inverse of [`named`](super::named).
 //!
-//! The table decides everything but the values, so a tree of names and values has one encoding: FSPECs no longer than
-//! the last item they announce, extended items with as many parts as have an element, spare bits zero. Nothing is
-//! guessed. A name that the edition does not define, an element missing from its group, a value of another kind or one
-//! that its bits can not hold is an error that names the place, since whatever was written instead would be read as
-//! something else. Quantities alone are rounded, to the nearest multiple of the LSB.
+//! The table determines everything except the values, so that a tree of names and values has a unique encoding:
+//! FSPECs end with the last announced item, extended items have as many parts as given elements, spare bits are zero.
+//! An unknown name, a missing element of a group, a value of another kind, or a value too large for its bits is an
+//! error that names the place, because any substitute would be read as other data. Only quantities are rounded, to
+//! the nearest multiple of the LSB.
 //!
-//! The order of members does not matter. In the table's order, as decoding gives them, each is found where it is
-//! looked for first.
+//! Members may have any order. In the table's order, the order of decoding, each look-up succeeds at the first
+//! attempt.
 //!
 //! # Use
 //!
-//! Look up the table of category and edition, make a [`NamedRecord`] with the table's names, encode it, and pack the
-//! octets of records into blocks. A name that comes from a text is replaced by the table's own, which lives as long as
-//! the program: that of an item is `table.item(text)?.name`, those of elements are in its layout.
+//! Look up the table of category and edition, make a [`NamedRecord`] with the table's names, encode the record, and
+//! pack the bytes of records into blocks. A name read from a text is replaced by the table's own name, which has a
+//! static lifetime: `table.item(text)?.name` for an item; names of elements are in the item's layout.
 //!
 //! ```
 //! use asterix::{BlockWriter, Edition, NamedRecord, Value, registry};
@@ -171,7 +171,7 @@ impl Encode<'_> {
         }
     }
 
-    /// Writes an element or a group into so many octets; what bits are left over at their end stay zero.
+    /// Writes an element or a group into `octets` bytes; remaining bits at the end are zero.
     fn fixed(&mut self, layout: &'static Layout, value: &Value, octets: usize) -> Encoded {
         let bytes = zeros(octets, self.out);
         match layout {
@@ -316,7 +316,8 @@ fn group(elements: &'static [Part], value: &Value, bytes: &mut [u8], at: usize) 
     behind.ok_or_else(|| misfit(members, &[elements], ""))
 }
 
-/// Writes elements from bit `at` on, where there are zeros; gives the bit behind them, or `None` if one is missing.
+/// Writes elements from bit `at` on, into zeros; returns the bit behind the elements, or `None` for a missing
+/// element.
 fn parts(
     elements: &'static [Part],
     members: &mut Members<'_>,
@@ -344,7 +345,7 @@ fn parts(
     Ok(Some(at))
 }
 
-/// The members of a group, taken one by one.
+/// Members of a group, taken in turn.
 struct Members<'v> {
     all: &'v [Member],
     expected: usize,
@@ -365,8 +366,8 @@ impl<'v> Members<'v> {
     }
 }
 
-/// Fault of members that are not the elements of an extension's first parts, or of a group, its only one.
-/// One more member may be named `besides`.
+/// Returns the error for members that do not match the elements of an extension's first parts, or of a group's only
+/// part. `besides` is an additional permitted member.
 fn misfit(members: &[Member], extension: &[&'static [Part]], besides: &str) -> Failure {
     let names = |part: &'static [Part]| part.iter().filter_map(part_name);
     let is_element = |name: &str| extension.iter().any(|part| names(part).any(|element| element == name));
@@ -395,7 +396,7 @@ fn part_name(part: &Part) -> Option<&'static str> {
     }
 }
 
-/// Writes one element. `members` are the elements of its group.
+/// Writes an element. `members` are the elements of its group.
 fn element(
     content: &'static Content,
     width: u8,

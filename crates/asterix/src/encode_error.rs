@@ -8,7 +8,7 @@ use std::fmt;
 use super::error::describe_choice;
 use super::table::TextCoding;
 
-/// Why a record can not be written with a table: where, and what.
+/// Error of encoding a record with a table: place and fault.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{place}: {fault}")]
 pub struct EncodeError {
@@ -67,13 +67,13 @@ pub enum EncodeFault {
     /// An item, subitem or element that was there before.
     #[error("is given twice")]
     Twice,
-    /// An element without which its group, or its part of an extended item, can not be sent.
-    #[error("is missing, and what it belongs to is sent whole")]
+    /// A missing element that is mandatory in its group, or in its part of an extended item.
+    #[error("is missing, but its group is always sent completely")]
     Missing,
-    /// A value of another kind than the table says.
+    /// A value of another kind than in the table.
     #[error("takes {expected}, found {found}")]
     Kind {
-        /// The kind the table says.
+        /// The kind in the table.
         expected: &'static str,
         /// The kind of the value.
         found: &'static str,
@@ -136,8 +136,8 @@ pub enum EncodeFault {
         /// The most that can be sent.
         greatest: usize,
     },
-    /// A list without values, where each says whether another follows.
-    #[error("has no value, and takes at least one")]
+    /// A list without values, in an item with at least one value.
+    #[error("has no value, but needs at least one")]
     NoRepetition,
     /// The content of an explicit item, too long for its length octet.
     #[error("has {octets} octets of content, the most is {greatest}")]
@@ -159,7 +159,7 @@ pub enum EncodeFault {
     },
 }
 
-/// An error on its way outwards, which collects the names it passes.
+/// An error on its way outwards; each level adds its name.
 pub(super) struct Failure {
     /// Innermost first.
     path: Vec<String>,

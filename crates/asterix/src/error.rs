@@ -1,7 +1,7 @@
 //! Errors of ASTERIX bytes.
 //!
-//! Every error names the byte at which it was noticed, as an offset in the bytes the caller passed, what was found
-//! there and what was expected. An item is named as in the documents: I010/140.
+//! Every error gives the offset of the faulty byte in the caller's bytes, the found and the expected value. Items are
+//! named as in the documents: I010/140.
 
 /// Why bytes are no data block, or no record of the table they were read with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -50,7 +50,7 @@ pub enum Error {
         /// The block's category.
         category: u8,
     },
-    /// The last octet of the block says that the FSPEC goes on.
+    /// The last byte of the block announces a further byte of the FSPEC.
     #[error(
         "byte {offset}: category {category:03}: the FSPEC runs off the end of the block \
          after {octets} octets"
@@ -109,7 +109,7 @@ pub enum Error {
         category: u8,
         /// The deciding item.
         item: &'static str,
-        /// The value of its deciding element, if it is present.
+        /// Value of the deciding element, if present.
         found: Option<u64>,
     },
     /// An item runs off the end of its block.
@@ -124,7 +124,7 @@ pub enum Error {
         category: u8,
         /// The item.
         item: &'static str,
-        /// The octets it takes as far as they could be read.
+        /// Length of the item in bytes, as far as known.
         needed: usize,
         /// The octets from its begin to the end of the block.
         available: usize,
@@ -139,7 +139,7 @@ pub enum Error {
         /// The item.
         item: &'static str,
     },
-    /// An extended item goes on where the edition defines no further part.
+    /// An extended item continues after the last part of the edition.
     #[error(
         "byte {offset}: I{category:03}/{item} goes on for more than {tolerated} octets after \
          its last defined part"

@@ -1,10 +1,11 @@
 //! Content of reserved expansion fields.
 //!
-//! Most profiles end in a *reserved expansion field*, RE: an explicit item, so that those who do not know its content
-//! can step over it. EUROCONTROL uses it to add to a category without a new edition, and has documents of its own for
-//! the content, *coding rules* with editions of their own. In a record nothing says which of them its sender follows.
-//! So the content is kept as octets ([`Value::Bytes`]) where a whole record is decoded, and decoded here for a caller
-//! who knows: an octet with eight flags, most significant first, and then the subitems that they announce.
+//! Most profiles end with a *reserved expansion field*, RE: an explicit item, which readers without knowledge of its
+//! content can skip. EUROCONTROL uses the field to extend a category without a new edition; separate documents,
+//! *coding rules* with their own editions, define the content. A record does not contain the edition of its sender's
+//! coding rules. Therefore the decoder of whole records keeps the content as bytes ([`Value::Bytes`]), and this
+//! module decodes the content for callers that know the edition: a byte with eight flags, most significant first,
+//! followed by the announced subitems.
 //!
 //! The *special purpose field*, SP, is explicit as well. Its content is a matter of the sender: there are no tables.
 

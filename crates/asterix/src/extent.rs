@@ -2,15 +2,15 @@
 //!
 //! # Beyond the edition
 //!
-//! A sender of a later edition, or a careless one, may set the FX bit of the last part an edition defines. The
-//! multilateration system of a European airport does so in I019/553: ed 1.3 knows the state of four reference
-//! transponders in two octets, the system has six and sends a third octet. The parts that later editions add to an
-//! extended item are as a rule single octets, so in lenient mode such octets are taken as extension parts of unknown
-//! meaning: skipped, counted, and shown among the named values as
-//! [`UNKNOWN_EXTENSION`](super::named::UNKNOWN_EXTENSION). No more than [`MAX_UNKNOWN_EXTENSION_OCTETS`], as more
-//! are a sign that the reader has lost its place. In strict mode the first is an error.
+//! A sender of a later edition, or a faulty sender, may set the FX bit of the last part of an edition. The
+//! multilateration system of a European airport does so in I019/553: ed 1.3 has the state of four reference
+//! transponders in two bytes, the system has six and sends a third byte. Later editions usually extend an item by
+//! single bytes. In lenient mode such bytes are taken as extension parts of unknown meaning: skipped, counted, and
+//! shown among the named values as [`UNKNOWN_EXTENSION`](super::named::UNKNOWN_EXTENSION). At most
+//! [`MAX_UNKNOWN_EXTENSION_OCTETS`] are accepted; more indicate that the reader is out of step. In strict mode the
+//! first is an error.
 //!
-//! No such guess is possible for an undefined bit in an FSPEC: the length of what it announces is unknown.
+//! An undefined bit in an FSPEC permits no such guess: the length of the announced item is unknown.
 
 use super::bits::{fspec_bits, goes_on};
 use super::error::Error;
@@ -83,7 +83,7 @@ pub(super) fn measure(
     })
 }
 
-/// Fault of an item, without its place: [`measure`] adds it.
+/// Fault of an item, without its place, which [`measure`] adds.
 enum Fault {
     Truncated { needed: usize },
     ExplicitLength,
@@ -189,7 +189,7 @@ impl Measure<'_> {
         })
     }
 
-    /// Skips a part and says whether the FX bit at its end is set.
+    /// Skips a part; returns whether the FX bit at its end is set.
     fn goes_on_after(&mut self, octets: usize) -> Result<bool, Fault> {
         self.skip(octets)?;
         Ok(goes_on(self.bytes[self.at - 1]))

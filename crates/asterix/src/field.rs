@@ -1,8 +1,8 @@
-//! Places of elements and what their bits count, looked up in the tables while the program is compiled.
+//! Positions and units of elements, looked up in the tables at compile time.
 //!
-//! A reader of one category names what it reads, [`field`] finds octets, shift, width, sign and least significant bit
-//! of it in the tables of all the editions that the reader reads, and the compiled program holds nothing but these
-//! numbers. A name that no table has, or a place in which two editions differ, fails the build:
+//! A reader of a category names its elements. [`field`] finds byte, shift, width, sign and least significant bit of
+//! an element in the tables of all editions supported by the reader; the compiled program contains only these
+//! numbers. A name missing in the tables, or a difference between two editions, fails the build:
 //!
 //! ```
 //! use asterix::categories::CAT048;
@@ -46,11 +46,11 @@ pub const FLIGHT_LEVEL_M: f64 = 100.0 * FOOT_M;
 /// Metres per second in a knot.
 const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 
-/// An element of an item: where its bits lie in the item's octets, and what they count.
+/// An element of an item: position of its bits in the item's bytes, and their unit.
 ///
-/// The octets passed to its methods are those of the item, [`Record::octets`](crate::Record::octets), or, of an element
-/// in a compound item, those of the subitem. Where they end before the element, as they do if the item or an extension
-/// of it was not sent, the methods give `None` or `false`.
+/// The methods take the item's bytes, [`Record::octets`](crate::Record::octets), or, for an element in a compound
+/// item, the subitem's bytes. If the bytes end before the element, because the item or an extension was not sent, the
+/// methods return `None` or `false`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
     /// First octet of the item that has bits of the element.
@@ -63,8 +63,8 @@ pub struct Field {
     pub bits: u32,
     /// True for a number in two's complement.
     pub signed: bool,
-    /// Least significant bit in SI units: metres, seconds, radians and what is made of them; the document's unit where
-    /// it is none of length, time, speed and angle. 1 for codes.
+    /// Least significant bit in SI units: metres, seconds, radians and derived units; the document's unit for other
+    /// quantities. 1 for codes.
     pub lsb: f64,
     /// First of the editions passed that has the element.
     pub since: Edition,
@@ -122,7 +122,8 @@ impl Field {
         bits >= 63 || (least..1 << bits).contains(&number)
     }
 
-    /// The number nearest to a quantity in SI units; `None` if the bits can not hold it, or if it is no number.
+    /// Returns the number nearest to a quantity in SI units; `None` if the number does not fit into the bits, or if
+    /// the quantity is not finite.
     pub fn nearest(self, quantity: f64) -> Option<i64> {
         let number = (quantity / self.lsb).round();
         (number.is_finite() && self.holds(number as i64)).then_some(number as i64)
@@ -190,7 +191,7 @@ pub const fn elements<const N: usize>(editions: &[&Category], name: &str, elemen
     elements_at(editions, item(editions, name), name, elements)
 }
 
-/// Elements of an item in a category with several profiles, where its field reference number in one of them is given.
+/// Elements of an item in a category with several profiles, with the item's field reference number in a profile.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -209,7 +210,7 @@ pub const fn elements_at<const N: usize>(
     Elements { item, fields }
 }
 
-/// An item that is one element and no more. In a constant, it does not compile where [`item`] or [`field`] would not.
+/// An item with a single element. In a constant, fails to compile under the conditions of [`item`] and [`field`].
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -217,7 +218,7 @@ pub const fn whole(editions: &[&Category], name: &str) -> Elements<1> {
     whole_at(editions, item(editions, name), name)
 }
 
-/// Item of one element in a category with several profiles, where its field reference number in one of them is given.
+/// An item with a single element in a category with several profiles, with its field reference number in a profile.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -228,8 +229,8 @@ pub const fn whole_at(editions: &[&Category], item: Frn, name: &str) -> Elements
     }
 }
 
-/// The field reference number of an item in these editions. In a constant, it does not compile where no edition has the
-/// item, or where one has another item in its place.
+/// Returns the field reference number of an item in these editions. In a constant, fails to compile if no edition has
+/// the item, or if an edition has another item in its place.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -264,8 +265,9 @@ pub const fn item(editions: &[&Category], name: &str) -> Frn {
     frn
 }
 
-/// The position of a subitem in its compound item, counted from 1 as [`subitems`](crate::Record::subitems) does; in a
-/// constant, it does not compile where an edition lacks the subitem or has it elsewhere.
+/// Returns the position of a subitem in its compound item, counted from 1 as in
+/// [`subitems`](crate::Record::subitems). In a constant, fails to compile if an edition lacks the subitem or has it
+/// at another position.
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -304,8 +306,8 @@ pub const fn field(editions: &[&Category], path: &[&str]) -> Field {
     field
 }
 
-/// Element that came in with one of the editions, which are passed oldest first: a reader has to look at
-/// [`since`](Field::since) before it reads the bits, which were spare before. Else like [`field`].
+/// Element introduced by one of the editions, which are passed oldest first. A reader has to check
+/// [`since`](Field::since) before it reads the bits, which are spare in earlier editions. Otherwise like [`field`].
 ///
 /// # Panics
 /// Where it would not compile in a constant.
@@ -333,7 +335,7 @@ pub const fn added(editions: &[&Category], path: &[&str]) -> Field {
     field
 }
 
-/// The elements of this name in the items of `table`: one an item, not those in subitems.
+/// Returns the elements of this name in the items of `table`: one per item, without elements of subitems.
 pub fn named(table: &Category, name: &str) -> Vec<Elements<1>> {
     let items = table.uap().items.iter().zip(1..);
     let found = items.filter_map(|(item, frn)| {
@@ -433,7 +435,7 @@ const fn find(layout: &Layout, path: &[&str], since: Edition) -> Option<Field> {
     }
 }
 
-/// The element at the end of a path in a group whose first bit is bit `at` of the item.
+/// Returns the element at the end of a path in a group with its first bit at bit `at` of the item.
 const fn find_in(parts: &[Part], path: &[&str], mut at: u32, since: Edition) -> Option<Field> {
     let Some((first, rest)) = path.split_first() else {
         return None;

@@ -1,9 +1,8 @@
 //! Records out of JSON: the inverse of how [`named`](super::named) writes them.
 //!
-//! JSON has one kind of number and one of text, a record has several of each: a code, a number with sign or a quantity,
-//! characters or octets. The table says which is meant. A name that the table does not know, or a value of a kind that
-//! it does not take, is an error that names the place; whether a value fits into its bits is for
-//! [`NamedRecord::encode`] to say.
+//! JSON has a single kind of number and of text; a record has several of each: a code, a signed number or a quantity,
+//! characters or bytes. The table determines the kind. An unknown name, or a value of an unsuitable kind, is an error
+//! that names the place. [`NamedRecord::encode`] checks whether a value fits into its bits.
 
 use serde_json::{Map, Value as Json};
 
@@ -13,7 +12,7 @@ use super::expansion::{Expansion, FIELD};
 use super::named::{NamedRecord, UNKNOWN_EXTENSION, Value};
 use super::table::{Category, Content, Item, Layout, Part};
 
-/// The members that speak of the record and are no items: its category and when it was recorded.
+/// Members about the record itself: its category and its time of recording.
 const OF_THE_RECORD: [&str; 2] = ["_c", "_ts"];
 
 impl NamedRecord {

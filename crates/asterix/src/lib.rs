@@ -2,19 +2,18 @@
 //!
 //! # The format
 //!
-//! A **data block** is one octet of category, two of length (in octets, big-endian, the header's three included)
-//! and then one record after the other. Neither a record nor an item in it carries its own length: to find where
-//! one ends and the next begins, the reader must know the layout of every item it meets. One wrong layout shifts
-//! everything behind it, which is why an unknown item can not be stepped over, and why the edition of a category
-//! matters.
+//! A **data block** is a byte of category, two bytes of length (big-endian, including these three bytes), and a
+//! sequence of records. Neither a record nor an item contains its own length: to find the end of a record, the reader
+//! must know the layout of every item in it. A wrong layout shifts everything behind it. Therefore an unknown item
+//! cannot be skipped, and the edition of a category matters.
 //!
-//! A **record** begins with its *field specification*, FSPEC. Seven bits of each FSPEC octet say, most significant
-//! first, whether item 1, 2, … 7 of the category's *user application profile* (UAP) is present; the last bit, **FX**,
-//! says that another FSPEC octet with the next seven follows. The position in the UAP is an item's *field reference
+//! A **record** begins with its *field specification*, FSPEC. Seven bits of each FSPEC byte state, most significant
+//! first, whether items 1, 2, … 7 of the category's *user application profile* (UAP) are present; the last bit,
+//! **FX**, announces another FSPEC byte with the next seven. The position in the UAP is an item's *field reference
 //! number*, FRN, counted from 1. The items follow in FRN order, each in one of a few layouts:
 //!
 //! - *fixed*: a constant number of octets, divided into elements of some bits;
-//! - *extended*: parts of one octet (rarely more), each ending in an FX bit that says whether the next part follows;
+//! - *extended*: parts of one byte (rarely more), each ending with an FX bit that announces the next part;
 //! - *repetitive*: a count octet and so many equal groups, or groups each ending in an FX bit;
 //! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
 //! - *compound*: an FSPEC of its own and subitems in these same layouts.
@@ -33,19 +32,18 @@
 //! numbers, item by item ── RecordWriter ────┘
 //! ```
 //!
-//! A [`Record`] knows where each of its items lies and has decoded none of them. From there two ways lead on:
-//! [`NamedRecord`] decodes every item as the table says, into a tree of names and values with the document's units;
-//! a [`Field`](field::Field) reads one element straight from the octets, without allocating, at a place that is looked
-//! up in the same tables while the program is compiled. The content of a reserved expansion field has editions of its
-//! own and is decoded apart, see [`expansion`].
+//! A [`Record`] contains the positions of its items, not decoded values. There are two ways to the values.
+//! [`NamedRecord`] decodes every item by its table, to a tree of names and values in the document's units. A
+//! [`Field`](field::Field) reads a single element directly from the bytes, without allocation, at a position looked
+//! up in the same tables at compile time. The content of a reserved expansion field has its own editions and is
+//! decoded separately, see [`expansion`].
 //!
-//! The way back, [`NamedRecord::encode`], is the exact inverse: the tree of a record becomes the record's octets, save
-//! for what the tree does not hold (spare bits that were set, FSPEC octets that announced nothing). [`RecordWriter`] is
-//! for a sender that knows its category and must not allocate.
+//! [`NamedRecord::encode`] is the exact inverse: the tree of a record becomes the record's bytes, except for data
+//! missing in the tree (spare bits, FSPEC bytes without items). [`RecordWriter`] serves senders of a fixed category
+//! that must not allocate.
 //!
-//! A table ([`table`], [`categories`]) is data in the order and words of the EUROCONTROL document, so that it can be
-//! checked against it line by line; what can be checked mechanically (whole octets, names, profile entries) is checked
-//! when the table is compiled. [`registry`] lists the tables.
+//! A table ([`table`], [`categories`]) is data in the order and words of the EUROCONTROL document, for comparison
+//! line by line. Whole bytes, names and profile entries are checked at compile time. [`registry`] lists the tables.
 //!
 //! # Sources
 //!

@@ -6,8 +6,8 @@ pub enum Mode {
     /// Spare bits must be zero, and no extended item may go on after the edition's last part: to test a sender, or an
     /// encoder.
     Strict,
-    /// Spare bits are ignored, and up to four single octets after an extended item's last defined part are skipped
-    /// as unknown: to live with what senders do.
+    /// Ignores spare bits, and skips up to four single bytes after the last defined part of an extended item, for
+    /// real senders.
     #[default]
     Lenient,
 }

@@ -53,7 +53,7 @@ impl Value {
         }
     }
 
-    /// The code, flag, identifier or number without sign, if it is one.
+    /// Returns the code, flag, identifier or unsigned number; `None` for other kinds.
     pub fn as_u64(&self) -> Option<u64> {
         match *self {
             Self::Unsigned(number) => Some(number),
@@ -119,7 +119,7 @@ impl Serialize for Value {
 
 /// A record with every item decoded.
 ///
-/// Serialised it is one object: item number → value, and `"_c"`, the category.
+/// The serialised form is an object: item number → value, and `"_c"`, the category.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedRecord {
     /// The category.
@@ -328,7 +328,7 @@ fn parts(elements: &'static [Part], bytes: &[u8], mut at: usize, members: &mut V
     at
 }
 
-/// Decodes one element. `before` are the elements of its group before it.
+/// Decodes an element. `before` are the earlier elements of its group.
 fn element_value(
     content: &'static Content,
     bytes: &[u8],

@@ -10,12 +10,11 @@
 //! }
 //! ```
 //!
-//! [`items!`] defines a constant for each item: the constant, the item's number, its title and its layout. `sub` before
-//! it makes it a subitem, for a compound item; `parts` before a constant and a group makes it parts that several items
-//! share. A layout is one of
+//! [`items!`] defines a constant per item: name of the constant, the item's number, title and layout. A preceding
+//! `sub` makes a subitem for a compound item; `parts` before a constant and a group makes parts shared by several
+//! items. A layout is one of
 //!
-//! - `(16 signed(0.5, "m"))`: one element, its bits and content; [`RAW`](crate::table::RAW) where the content is left
-//!   out;
+//! - `(16 signed(0.5, "m"))`: an element with bits and content; without content it is [`RAW`](crate::table::RAW);
 //! - `{ NAME: 8 NUMBER, … }`: a group of elements. `_: 3` are spare bits, `NAME: { … }` elements under a common name; a
 //!   name that is no Rust identifier stands in quotation marks;
 //! - `(PARTS)`: a group that several items have alike;
@@ -24,9 +23,9 @@
 //! - `(compound [NAME "Title" LAYOUT, CONSTANT, _, …])`, where `_` stands for a bit without meaning;
 //! - `(= …)`: an expression.
 //!
-//! [`profile!`] lists the items by field reference number, `_` where one stands for none. [`editions!`] puts a category
-//! together: the name of the list of its editions, its number, title and document and the items with the time of day;
-//! then a line for each edition, the oldest first: its name, its number, and its profile.
+//! [`profile!`] lists the items by field reference number, `_` for an unused number. [`editions!`] defines a
+//! category: the name of the list of editions, number, title, document and the items with the time of day; then a
+//! line per edition, oldest first: its name, number and profile.
 
 macro_rules! items {
     () => {};

@@ -1,7 +1,7 @@
-//! Records: where one ends, and where its items lie.
+//! Records, with the positions of their items.
 //!
-//! Reading a record here means finding its items, not decoding them: one pass over the FSPEC and the lengths, into
-//! a fixed array of offsets. That is all the hot path pays for the items it does not use.
+//! Reading a record finds its items without decoding: a pass over the FSPEC and the lengths, into a fixed array of
+//! offsets. Unused items cost the hot path nothing else.
 
 use super::bits::{bits, fspec_bits, goes_on};
 use super::block::{Block, HEADER_OCTETS};
@@ -14,7 +14,7 @@ use super::table::{Category, Frn, Item, Layout, MAX_FRN, MAX_FSPEC_OCTETS, Profi
 /// Item 010, the sender, in every category: [`registry`](crate::registry) makes sure of it.
 pub(crate) const SENDER: Frn = Frn(1);
 
-/// A record whose items have been found.
+/// A record with known positions of its items.
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
     table: &'static Category,
@@ -139,7 +139,8 @@ impl<'a> Record<'a> {
     }
 }
 
-/// The records of one block. Ends after the first error: without the length of one record there is no next.
+/// Iterator over the records of a block. Ends after the first error, because the start of the next record is then
+/// unknown.
 #[derive(Debug, Clone)]
 pub struct Records<'a> {
     table: &'static Category,
@@ -197,7 +198,7 @@ impl<'a> Iterator for Records<'a> {
     }
 }
 
-/// Splits a compound item into one bit for each subitem announced, the first lowest, and the octets behind its FSPEC.
+/// Splits a compound item into a bit per announced subitem, the first lowest, and the bytes behind the FSPEC.
 #[inline]
 fn split_fspec(item: &[u8]) -> (u64, &[u8]) {
     let mut present = 0;
@@ -277,7 +278,7 @@ fn find_items<'a>(table: &'static Category, mode: Mode, bytes: &'a [u8], offset:
     Ok(record)
 }
 
-/// The FSPEC as one bit per FRN, and its octets.
+/// Returns the FSPEC as a bit per FRN, and its length in bytes.
 fn read_fspec(category: u8, bytes: &[u8], offset: usize) -> Result<(u64, usize), Error> {
     let mut present = 0;
     for i in 0..MAX_FSPEC_OCTETS {

@@ -1,9 +1,9 @@
-//! Records written item by item: for senders that know their category and must not allocate.
+//! Writer of records, item by item, for senders of a fixed category that must not allocate.
 //!
-//! The sender gives numbers for elements; where they go the tables say, through [`Field`]. An item begins as zeros, as
-//! many octets as its layout has at least, and so spare bits and elements that are not put are zero. An extended item
-//! grows by the extensions that the numbers need. The writer sets the FSPEC as short as the last item allows, and in
-//! debug builds checks that items come in the profile's order and that numbers fit.
+//! The sender supplies numbers for elements; the tables determine their positions, through [`Field`]. An item begins
+//! as zeros of the least length of its layout, so that spare bits and missing elements are zero. An extended item
+//! grows by the extensions needed for its elements. The FSPEC ends with the last item. Debug builds check that items
+//! come in the profile's order and that numbers fit.
 //!
 //! ```
 //! use asterix::categories::CAT034;
@@ -23,10 +23,10 @@ use super::bits::fspec_octet;
 use super::field::{Elements, Field};
 use super::table::{Category, Frn, Item, Layout, MAX_FSPEC_OCTETS, Uap, extent_of_part};
 
-/// The octets that are reserved for a record when the writer is made; a longer one makes it grow once.
+/// Bytes reserved for a record by a new writer; a longer record enlarges the buffer once.
 const RESERVED_OCTETS: usize = 256;
 
-/// Writes one record after the other, each from its first item to [`finish`](Self::finish).
+/// Writes records in sequence, each from its first item to [`finish`](Self::finish).
 #[derive(Debug, Clone)]
 pub struct RecordWriter {
     table: &'static Category,
@@ -74,7 +74,8 @@ impl RecordWriter {
         }
     }
 
-    /// Begins an item of zeros; its elements follow. Items come in the order of their field reference numbers.
+    /// Begins an item of zeros, to be followed by its elements. Items come in the order of their field reference
+    /// numbers.
     ///
     /// # Panics
     /// If the edition has no such item.

@@ -7,7 +7,7 @@ use super::table::{Category, Edition};
 
 pub use super::categories::{EXPANSIONS, REGISTRY};
 
-// Makes sure of what is relied on in every table: the sender comes first, and times of day have one form.
+// Checks assumptions about every table: the sender is the first item, and times of day have the same form.
 const _: () = {
     let mut i = 0;
     while i < REGISTRY.len() {

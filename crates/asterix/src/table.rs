@@ -1,9 +1,8 @@
 //! The words in which a category's table is written.
 //!
-//! A table is constant data: [`Category`] → [`Item`] → [`Layout`] → [`Part`] → [`Content`]. The constructors are
-//! `const` and check what they can (whole octets, element widths, names in the profile), so a table with such a
-//! mistake does not compile. What no check can find, a wrong width that happens to fit or a wrong LSB, is left to
-//! the reader's eye and to the comparison with recordings.
+//! A table is constant data: [`Category`] → [`Item`] → [`Layout`] → [`Part`] → [`Content`]. The `const` constructors
+//! check whole bytes, element widths and names in the profile, so that a table with such an error does not compile. A
+//! wrong width that happens to fit, or a wrong LSB, is found only by a reader or by comparison with recordings.
 
 use std::fmt;
 use std::ptr;
@@ -32,8 +31,8 @@ pub struct Category {
 }
 
 impl Category {
-    /// A category of one profile: its number, edition, title and document, the items of the profile, and those that
-    /// hold the time of day.
+    /// Returns a category with a single profile: number, edition, title and document, the items of the profile, and
+    /// the items with the time of day.
     pub(crate) const fn new(
         number: u8,
         edition: Edition,
@@ -129,7 +128,7 @@ impl fmt::Display for Edition {
 
 /// A text that is no edition number.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{found:?} is no edition; write it as in 1.9 or 0.23")]
+#[error("{found:?} is no edition; write an edition as in 1.9 or 0.23")]
 pub struct EditionError {
     /// Text that was given.
     pub found: String,
@@ -155,7 +154,8 @@ pub enum Profile {
     Depends {
         /// The deciding item.
         item: &'static str,
-        /// The deciding element in it, which every such item has: one of a group, or of an extended item's first part.
+        /// The deciding element, mandatory in such an item: an element of a group, or of the first part of an
+        /// extended item.
         element: &'static str,
         /// The value of that element, and its profile.
         cases: &'static [(u64, Uap)],
@@ -192,7 +192,7 @@ impl Uap {
         }
     }
 
-    /// The field reference number of a named item, if it has one.
+    /// Returns the field reference number of a named item, if present.
     pub(crate) const fn find(&self, name: &str) -> Option<Frn> {
         let mut i = 0;
         while i < self.items.len() {
@@ -280,15 +280,15 @@ pub enum Layout {
     Extended(&'static [&'static [Part]]),
     /// A count octet, then so many of the inner layout.
     Repetitive(&'static Layout),
-    /// The inner layout and an FX bit that says whether another follows. The inner layout is an [`Element`] or a
-    /// [`Group`] one bit short of whole octets.
+    /// An inner layout followed by an FX bit that announces another repetition. The inner layout is an [`Element`] or
+    /// a [`Group`] one bit short of whole bytes.
     ///
     /// [`Element`]: Layout::Element
     /// [`Group`]: Layout::Group
     RepetitiveFx(&'static Layout),
     /// An octet with the length, itself included, then content that this table does not describe.
     Explicit,
-    /// An FSPEC and the subitems it announces; `None` where a bit of it has no meaning.
+    /// An FSPEC and the announced subitems; `None` for a bit without a meaning.
     Compound(&'static [Option<Item>]),
     /// Random field sequencing: a count octet, then so many times a field reference number, in one octet, and the
     /// item that the profile has there. So a sender may give items in another order, or one more than once.
@@ -463,7 +463,7 @@ pub const fn pow2(exponent: u32) -> f64 {
     (1u64 << exponent) as f64
 }
 
-/// The octets of one part of an extended item, and whether the last bit of them is an FX bit.
+/// Returns the length of a part of an extended item in bytes, and whether its last bit is an FX bit.
 pub(super) fn extent_of_part(part: &[Part]) -> (usize, bool) {
     let bits = bit_count(part) as usize;
     (bits.div_ceil(8), !bits.is_multiple_of(8))

@@ -1,10 +1,9 @@
 //! Characters as ASTERIX packs them.
 //!
-//! The six-bit alphabet of Mode S (ICAO Annex 10 volume IV, 3.1.2.9) has letters, digits and the space; 27 of its
-//! 64 codes stand for nothing, and transponders do send them: all zero where no identification was set. Leaving
-//! such a code out, as some decoders do, moves the characters behind it and makes another call sign; so each is
-//! shown as [`UNDEFINED`], and the number of characters stays what it was. Trailing spaces stay as well: they are
-//! what was sent.
+//! The six-bit alphabet of Mode S (ICAO Annex 10 volume IV, 3.1.2.9) has letters, digits and the space; 27 of its 64
+//! codes are undefined, but transponders send them, for example all zeros without an identification. Omitting such a
+//! code, as some decoders do, would shift the later characters and make another call sign. Therefore each undefined
+//! code is shown as [`UNDEFINED`], and the number of characters is kept. Trailing spaces are also kept.
 
 use super::bits::{bits, put};
 use super::encode_error::EncodeFault;

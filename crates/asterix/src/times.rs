@@ -1,7 +1,7 @@
 //! Times of day of records: read from octets, and moved there.
 //!
-//! A recording that is sent again is of another time than its records say. Moving all of them by the same number of
-//! ticks of 1/128 s, round midnight, is the same recording of another hour; every other octet stays.
+//! A recording sent again later has outdated times in its records. Moving all times by the same number of ticks of
+//! 1/128 s, across midnight if necessary, gives the same recording at another time; all other bytes are unchanged.
 
 use crate::block::blocks;
 use crate::mode::Mode;

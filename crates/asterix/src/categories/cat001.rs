@@ -2,9 +2,9 @@
 //!
 //! EUROCONTROL-SPEC-0149-2a, once SUR.ET1.ST05.2000-STD-02a-01, ed 1.2 to 1.4 (August 2022), of one layout.
 //!
-//! Plots and tracks have profiles of their own, which agree up to I001/020, whose first bit says which it is. A station
-//! may send I001/010 with the first record of a block only: it then holds for all of them. The time is cut off at 512 s
-//! and has to be completed by the receiver.
+//! Plots and tracks have separate profiles with the same items up to I001/020; the first bit of I001/020 selects the
+//! profile. A station may send I001/010 with the first record of a block only, for all records of the block. The time
+//! is modulo 512 s; the receiver must complete it.
 
 use super::{MODE_C, PULSE_QUALITY, RFS, SP};
 use crate::categories::{MODE_2, MODE_3A, SOURCE};

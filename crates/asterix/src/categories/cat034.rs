@@ -102,7 +102,7 @@ items! {
         THETAEND: 16 unsigned(360.0 / pow2(16), "°"),
     }
 
-    // what is filtered out: 1 weather, 2 jamming strobes, 3 PSR, 4 SSR and Mode S, 5 both, …
+    // filtered data: 1 weather, 2 jamming strobes, 3 PSR, 4 SSR and Mode S, 5 both, …
     I110 "110" "Data Filter" (8)
 
     I120 "120" "3D-Position Of Data Source" {

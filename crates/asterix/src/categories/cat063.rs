@@ -1,4 +1,4 @@
-//! CAT063: what a surveillance data processing system says of its sensors: their state and biases.
+//! CAT063: state and biases of the sensors of a surveillance data processing system.
 //!
 //! EUROCONTROL-SPEC-0149-10, ed 1.6 and 1.7 (June 2025), which adds a part to I063/060.
 

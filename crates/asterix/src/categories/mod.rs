@@ -1,21 +1,20 @@
-//! The tables: one file for each category, with all its editions.
+//! Tables of categories: a file per category, with all editions.
 //!
-//! Item numbers, titles, element names, widths and LSBs are those of the document; enumerated values are summed up
-//! behind their element. Where a table departs from a published layout on purpose, a comment says so and why.
+//! Item numbers, titles, element names, widths and LSBs are those of the document; a comment after an element
+//! summarises its enumerated values. A comment also explains each intended difference from a published layout.
 //!
-//! An item that changed has a constant for each of its layouts: the one without edition in its name is that of the
-//! first edition here, and `I020_V1_31` is item 020 from ed 1.31 on. At the end of a file each edition is put together
-//! from its items, so that the last lines show in what the editions differ.
+//! A changed item has a constant per layout: the constant without an edition in its name is the layout of the first
+//! edition here; `I020_V1_31` is item 020 from ed 1.31 on. The end of a file lists the items of each edition, so that
+//! the last lines show the differences between editions.
 //!
-//! The editions in one list, such as [`CAT048`], have the same field reference numbers; their items only gained parts,
-//! names for spare bits and the like, so that one reader can be written for all of them. [`CAT021_V0`] is the
-//! exception.
+//! The editions in a list, such as [`CAT048`], have the same field reference numbers; later editions only added parts
+//! or names for spare bits, so that a single reader serves all editions. [`CAT021_V0`] is the exception.
 //!
-//! # What tables do not say
+//! # Limits of the tables
 //!
-//! - Which items a record must have, and on what condition: a receiver lives with what is sent.
+//! - Conditions for mandatory items: a receiver accepts records without them.
 //! - The range of a quantity within its width, and which codes are in use. A code without meaning stays a number.
-//! - What a Comm-B message holds (ICAO Doc 9871 does): the 56 bits and the register's number are given as numbers.
+//! - Content of Comm-B messages (see ICAO Doc 9871): the 56 bits and the register's number are given as numbers.
 //! - The content of special purpose fields. For that of reserved expansion fields see
 //!   [`expansion`](crate::expansion).
 

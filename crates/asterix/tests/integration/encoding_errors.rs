@@ -82,7 +82,7 @@ fn a_profile_is_decided_by_a_value_that_is_there() {
 #[test]
 fn a_group_is_whole() {
     let group = |names: &[&'static str]| Value::group(names.iter().map(|name| (*name, 0u64.into())));
-    let missing = "is missing, and what it belongs to is sent whole";
+    let missing = "is missing, but its group is always sent completely";
     refused("010", group(&["F", "LOW"]), &format!("I250/010 HIGH: {missing}"));
     refused("010", group(&[]), &format!("I250/010 F: {missing}"));
     refused("010", group(&["F", "HIGH", "F"]), "I250/010 F: is given twice");
@@ -103,7 +103,7 @@ fn parts_of_an_extended_item_are_whole_and_follow_one_another() {
     let b = ("B", Value::from(-2.0));
     let c = ("C", Value::from(1u64));
     let beyond = (UNKNOWN_EXTENSION, Value::Bytes(vec![0x42]));
-    let missing = |name: &str| format!("I250/060 {name}: is missing, and what it belongs to is sent whole");
+    let missing = |name: &str| format!("I250/060 {name}: is missing, but its group is always sent completely");
     refused("060", Value::group([]), &missing("A"));
     refused("060", Value::group([b.clone()]), &missing("A"));
     refused("060", Value::group([a.clone(), c.clone()]), &missing("B"));
@@ -258,7 +258,7 @@ fn texts_have_the_characters_of_their_coding_and_no_more_than_fit() {
 #[test]
 fn lists_and_contents_have_the_length_that_can_be_given() {
     refused("070", list(&[0; 256]), "I250/070: has 256 values, the most is 255");
-    refused("080", list(&[]), "I250/080: has no value, and takes at least one");
+    refused("080", list(&[]), "I250/080: has no value, but needs at least one");
     refused(
         "RE",
         Value::Bytes(vec![0; 255]),

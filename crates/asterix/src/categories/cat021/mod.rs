@@ -1,9 +1,9 @@
 //! CAT021: ADS-B target reports.
 //!
-//! EUROCONTROL-SPEC-0149-12, once SUR.ET1.ST05.2000-STD-12-01, in two layouts that have little but the category in
-//! common: editions 0.23 (November 2003) to 0.26, of which many ground stations still send the first, and editions 2.1
-//! to 2.7 (July 2025), each an addition to the one before. Nothing in a block tells the two apart: the receiver must
-//! know its sender.
+//! EUROCONTROL-SPEC-0149-12, formerly SUR.ET1.ST05.2000-STD-12-01, in two layouts with little in common: editions
+//! 0.23 (November 2003) to 0.26, of which many ground stations still send the first, and editions 2.1 to 2.7 (July
+//! 2025), each an extension of the previous edition. A block does not contain its edition: the receiver must know the
+//! sender's edition.
 
 mod re;
 mod v0;
@@ -40,7 +40,7 @@ items! {
     ])
 }
 
-/// Air speed: indicated, or a Mach number, as the flag before it says.
+/// Air speed: indicated, or a Mach number, depending on the flag before the value.
 const AIR_SPEED: Content = Content::Depends {
     on: "IM",
     cases: &[(0, unsigned(1.0 / pow2(14), "NM/s")), (1, unsigned(0.001, "Mach"))],

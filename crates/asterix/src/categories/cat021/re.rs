@@ -58,7 +58,7 @@ items! {
     }]
 
     sub STA_V1_5 "STA" "Aircraft Status" [
-        // In these and the next groups: EP says whether VAL has a meaning.
+        // In this and the next groups, EP states whether VAL has a meaning.
         {
             ES: 1,                  // receives 1090 MHz extended squitter
             UAT: 1,                 // receives UAT

@@ -1,8 +1,8 @@
 //! CAT048: target reports of a radar.
 //!
-//! EUROCONTROL-SPEC-0149-4, ed 1.27 (June 2020) to 1.32 (July 2024), with one order of items. What later editions added
-//! are further parts of I048/020, and codes of I048/030. Ed 1.32 says that the flight level in I048/090 is in two's
-//! complement; before, the document said nothing of a sign, and these tables have none.
+//! EUROCONTROL-SPEC-0149-4, ed 1.27 (June 2020) to 1.32 (July 2024), with the same order of items. Later editions
+//! added parts of I048/020, and codes of I048/030. Ed 1.32 defines the flight level in I048/090 in two's complement;
+//! earlier editions and their tables have no sign.
 
 mod re;
 
@@ -32,7 +32,7 @@ items! {
     }
 
     parts I020_PART_3 {
-        // In these and the next: EP says whether VAL has a meaning.
+        // In this and the next groups, EP states whether VAL has a meaning.
         ADSB: { EP: 1, VAL: 1 }, // ADS-B information available on site
         SCN: { EP: 1, VAL: 1 },  // surveillance cluster network information available
         PAI: { EP: 1, VAL: 1 },  // passive acquisition interface information available

@@ -1,7 +1,7 @@
 //! CAT062: tracks of a surveillance data processing system.
 //!
-//! EUROCONTROL-SPEC-0149-9, ed 1.16 to 1.21 (June 2025), with one order of items: what was spare in I062/060 and 080
-//! got a meaning, the height in I062/340 a sign, and one subitem of I062/380 another name.
+//! EUROCONTROL-SPEC-0149-9, ed 1.16 to 1.21 (June 2025), with the same order of items. Spare bits in I062/060 and 080
+//! got a meaning, the height in I062/340 a sign, and a subitem of I062/380 another name.
 
 mod re;
 
@@ -334,7 +334,7 @@ items! {
     ])
 }
 
-/// Air speed: indicated, or a Mach number, as the flag before it says.
+/// Air speed: indicated, or a Mach number, depending on the flag before the value.
 const AIR_SPEED: Content = Content::Depends {
     on: "IM",
     cases: &[(0, unsigned(1.0 / pow2(14), "NM/s")), (1, unsigned(0.001, "Mach"))],

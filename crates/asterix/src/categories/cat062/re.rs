@@ -1,6 +1,6 @@
 //! Content of the reserved expansion field I062/RE in editions 1.2 and 1.3 of its coding rules.
 //!
-//! EUROCONTROL-SPEC-0149-9A. Ed 1.3 adds what ADS-B version 3 says of an aircraft.
+//! EUROCONTROL-SPEC-0149-9A. Ed 1.3 adds data of ADS-B version 3.
 
 use crate::expansion::Expansion;
 use crate::table::*;
