@@ -1,4 +1,4 @@
-//! Alarms as CSV rows: one when an alarm is raised, one when it is cleared.
+//! Alarms as CSV rows: a row when an alarm is raised, and a row when it is cleared.
 //!
 //! `time_s` is the time of the event, `raised_s` that at which the alarm was raised; `sensor_id` and `partner_id` are
 //! the sources concerned and `process` the process, empty where there is none.
@@ -13,7 +13,7 @@ use crate::columns::columns;
 pub struct AlarmRow {
     /// Word for the kind of the alarm.
     pub word: &'static str,
-    /// Event that the row tells.
+    /// Event of the row.
     pub event: AlarmEvent,
     /// The alarm.
     pub alarm: Alarm,

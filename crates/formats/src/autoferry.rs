@@ -6,16 +6,15 @@
 //! 252, 2022). Each scenario is a JSON list of scans and, in a second file, one list of true positions per scan, joined
 //! by their place.
 //!
-//! What a scan measured has as many shapes as the tool that wrote it found convenient. A camera gives bearings: a list,
-//! an empty list, or for a single one the number itself. Lidar and radar give positions: an empty list, for a single
-//! one a flat list (north, east), and for several a list of all norths followed by a list of all easts. Their positions
-//! count from the ferry, parallel to north and east, so the ferry's own position is added; bearings need nothing, being
-//! clockwise from north. Detections read so lie within metres of the true positions, and read otherwise do not.
+//! The measurement of a scan has several shapes. A camera gives bearings: a list, an empty list, or a number for a
+//! single bearing. Lidar and radar give positions: an empty list, a flat list (north, east) for a single position,
+//! and for several positions a list of all norths followed by a list of all easts. Positions are relative to the
+//! ferry, with axes to north and east; the ferry's own position is added. Bearings are clockwise from north.
+//! Detections interpreted in this way are within metres of the true positions.
 //!
-//! Scans stand in the order in which they were recorded, which in some scenarios is not that of their times: a camera's
-//! image takes longer to work on than a radar's turn. The order is kept, since a tracker that cannot take late
-//! detections should learn so from data like these. Times are seconds since 1970 with seven decimals of a
-//! floating-point number, good for a microsecond.
+//! Scans are in the order of the recording, which in some scenarios is not the order of their times: processing of a
+//! camera's image takes longer than a radar's turn. The order is kept, so that the data set also tests late
+//! detections. Times are seconds since 1970 as floating-point numbers with seven decimals, accurate to a microsecond.
 
 use std::fmt;
 
@@ -28,7 +27,7 @@ use observations::{Detection, DetectionKind, Quantity};
 /// Latitude and longitude (degrees) and height above the ellipsoid (metres) of the point from which positions count.
 pub const ORIGIN: [f64; 3] = [63.438_902_908_3, 10.399_082_78, 39.923];
 
-/// Latest time that is accepted, seconds since 1970: what nanoseconds in 64 bits can hold.
+/// Latest accepted time, seconds since 1970: the range of nanoseconds in 64 bits.
 const TIME_MAX_S: f64 = 9.2e9;
 /// Characters of a value that an error shows.
 const SHOWN_MAX: usize = 60;
@@ -46,7 +45,7 @@ pub enum Sensor {
     Camera,
 }
 
-/// One turn or image of one sensor, with or without detections.
+/// A turn or an image of a sensor, with or without detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
     /// Sensor that made it.
@@ -87,7 +86,7 @@ pub enum AutoferryError {
         reason: serde_json::Error,
     },
 
-    /// A value is not what its field holds.
+    /// A value is invalid for its field.
     #[error("{file}, entry {entry}, {field}: {value} {reason}")]
     Value {
         /// Name of the file: one of two.
@@ -98,7 +97,7 @@ pub enum AutoferryError {
         field: &'static str,
         /// The value, or its beginning.
         value: String,
-        /// Fault of the value, and what should stand there.
+        /// Fault of the value, and the permitted values.
         reason: &'static str,
     },
 
@@ -139,7 +138,7 @@ struct RawTruth {
 /// Reads a scenario from the contents of its two files, in the order of recording.
 ///
 /// # Errors
-/// [`AutoferryError`] at the first value that is not what it should be.
+/// [`AutoferryError`] at the first invalid value.
 pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
     let mut scans = read_detections(detections)?;
     let truths: Vec<Vec<RawTruth>> = parse(TRUTH, ground_truth)?;
@@ -158,7 +157,7 @@ pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, Autofer
 /// Reads the detections of a scenario alone, in the order of recording; the scans have no truth then.
 ///
 /// # Errors
-/// [`AutoferryError`] at the first value that is not what it should be.
+/// [`AutoferryError`] at the first invalid value.
 pub fn read_detections(detections: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
     let scans: Vec<RawScan> = parse(DETECTIONS, detections)?;
     let mut next_numbers = [0; Sensor::ALL.len()];
@@ -246,7 +245,7 @@ const NO_POSITIONS: &str =
     "is neither an empty list, nor one position [north, east], nor as many norths as easts [[…], […]]";
 const NO_BEARINGS: &str = "is neither a bearing in radians nor a list of them";
 
-/// Norths and easts, whatever shape they have.
+/// Returns norths and easts, for any shape of the measurement.
 fn positions(measurement: &Value) -> Option<Vec<[f64; 2]>> {
     let rows = measurement.as_array()?;
     match &rows[..] {
@@ -262,7 +261,7 @@ fn positions(measurement: &Value) -> Option<Vec<[f64; 2]>> {
     }
 }
 
-/// Bearings, whatever shape they have.
+/// Returns bearings, for any shape of the measurement.
 fn bearings(measurement: &Value) -> Option<Vec<f64>> {
     let bearing = |value: &Value| value.as_f64().filter(|value| Quantity::Bearing.fault(*value).is_none());
     match measurement {

@@ -1,7 +1,7 @@
 //! Bearings as CSV rows (FM-7).
 //!
-//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, where known, `heading_rad`, `frequency_hz` and
-//! `pulse_interval_s`. An empty `emitter_id` says that the direction finder cannot tell its emitters apart.
+//! `time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz` and, if known, `heading_rad`, `frequency_hz` and
+//! `pulse_interval_s`. An empty `emitter_id` means that the direction finder does not distinguish emitters.
 
 use std::f64::consts::TAU;
 use std::io::Read;
@@ -13,12 +13,12 @@ use crate::cells::Time;
 use crate::columns::columns;
 use crate::rows::{Columns, RowReader, RowWriter};
 
-/// A standard deviation beyond this says nothing about a direction, radians.
+/// Largest standard deviation of a usable direction, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
 
 /// Reads bearings.
 pub type BearingReader<R> = RowReader<R, BearingColumns>;
-/// Writes bearings. What was written and read again is the same to the last bit.
+/// Writer of bearings. Values read back are equal to the last bit.
 pub type BearingWriter<W> = RowWriter<Bearing, W>;
 
 columns! {

@@ -1,7 +1,7 @@
 //! Decisions of fusion as CSV rows (BF-4), in the order in which they were made.
 //!
-//! Times are rounded to milliseconds: people read this table. What a decision does not speak of is empty. `value` and
-//! `limit` are what was compared; what they are is said with each kind ([`messages::DecisionKind`]).
+//! Times are rounded to milliseconds, for human readers. Unused columns of a decision are empty. `value` and `limit`
+//! are the compared values; their meaning depends on the kind ([`messages::DecisionKind`]).
 
 use messages::{Decision, DecisionKind};
 

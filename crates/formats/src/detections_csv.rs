@@ -1,8 +1,8 @@
 //! Detections as CSV rows (FM-6).
 //!
-//! The measured values stand in `m0`, `m1`, `m2` in the order of their kind, the range rate in `m3`, and their standard
-//! deviations in the `s` columns below the same numbers. What a kind does not measure is left empty, and must be: a
-//! value in such a place means that columns have been mixed up. A row states all of its standard deviations or none.
+//! The measured values are in `m0`, `m1`, `m2` in the order of their kind, the range rate is in `m3`, and their
+//! standard deviations are in the `s` columns with the same numbers. Values not measured by a kind must be empty: a
+//! value there indicates mixed-up columns. A row states all of its standard deviations or none.
 
 use std::io::{self, Read, Write};
 
@@ -18,7 +18,7 @@ const RANGE_RATE: usize = QUANTITIES_MAX;
 
 /// Reads detections.
 pub type DetectionReader<R> = RowReader<R, DetectionColumns>;
-/// Writes detections. What was written and read again is the same to the last bit.
+/// Writer of detections. Values read back are equal to the last bit.
 pub type DetectionWriter<W> = RowWriter<Detection, W>;
 
 columns! {
@@ -105,7 +105,7 @@ impl DetectionColumns {
         Ok(values)
     }
 
-    /// The standard deviations of what was measured: of all of it, or of nothing.
+    /// Returns the standard deviations of all measured values, or `None` if none is stated.
     fn sigmas(
         &self,
         row: Cells<'_>,

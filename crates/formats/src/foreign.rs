@@ -1,7 +1,7 @@
 //! Kinds of files that are given as recordings of ASTERIX and are none.
 //!
-//! Raw data blocks have no mark of their own, so any file can be taken for them. Whoever could decode nothing asks here
-//! what the file is instead. A file that can be decoded is never asked about: a data block may look like anything.
+//! Raw data blocks have no mark, so that any file could be raw data blocks. After a failure to decode, this module
+//! identifies the kind of the file. Decodable files are not examined: a data block may look like any other format.
 
 use std::fmt;
 
@@ -98,7 +98,7 @@ impl fmt::Display for Foreign {
             Self::Sbs => "it is an SBS log (BaseStation), which an adapter reads: [source.recorded] format = \"sbs\"",
             Self::ModeS => "it is a log of Mode S frames as text (AVR), which nothing here reads",
             Self::Hex => "it is hexadecimal text: turn it into octets, as `xxd -r -p` does",
-            Self::Json => "it is JSON; records of ASTERIX as JSON are what `koseki encode` reads",
+            Self::Json => "it is JSON; `koseki encode` reads records of ASTERIX as JSON",
             Self::Csv => "it is a table of text",
             Self::Text => "it is text",
         })
@@ -209,7 +209,7 @@ mod tests {
         for (bytes, expected) in cases {
             assert_eq!(Foreign::of(bytes), expected, "{:?}", String::from_utf8_lossy(bytes));
         }
-        // A letter of several octets at the edge of what is looked at.
+        // A character of several bytes at the edge of the examined bytes.
         let long = [&vec![b'x'; TEXT_BYTES - 1][..], "Ω and more".as_bytes()].concat();
         assert_eq!(Foreign::of(&long), Some(Foreign::Text));
     }

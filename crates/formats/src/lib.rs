@@ -1,12 +1,11 @@
 //! Wire and file formats of sensors: bytes in, values out.
 //!
-//! A format here is a pure function of its input. It opens no file and no socket, reads no clock and starts no thread;
-//! whoever has the bytes, from a network, a recording or a test, calls it. So the same code serves the live system, the
-//! replay of a recording and a command-line decoder, and every byte offset in an error is an offset in what the caller
-//! passed.
+//! A format is a pure function of its input: without files, sockets, clocks and threads. The same code serves the
+//! live system, the replay of a recording and the command-line decoder, and every byte offset in an error is an
+//! offset in the caller's bytes.
 //!
-//! - [`containers`]: what recordings of [`asterix`] come packed in: captures of networks, recorders' frames;
-//! - [`recording`]: a recording as a whole: which of its records can be believed, and statistics of them;
+//! - [`containers`]: containers of [`asterix`] recordings: network captures, recorders' frames;
+//! - [`recording`]: a recording as a whole: its credible records, and statistics;
 //! - [`foreign`]: kinds of files that are taken for recordings of ASTERIX and are none;
 //! - [`sbs`]: lines of transponder receivers (SBS-1, BaseStation);
 //! - [`autoferry`]: a public data set of detections;

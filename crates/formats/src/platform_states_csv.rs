@@ -1,9 +1,9 @@
 //! States of moving platforms as CSV rows.
 //!
-//! `time_s,sensor_id,px,py,pz` and, where known, `vx,vy,vz`, `heading_rad`, `pitch_rad`, `roll_rad`, `position_sigma_m`
-//! and `heading_sigma_rad`: metres in the system frame, metres per second, radians (heading clockwise from north, nose
-//! above the horizon, right wing below it). `sensor_id` is the sensor that the platform carries. Every number is
-//! written with as many decimals as it takes to get it back.
+//! `time_s,sensor_id,px,py,pz` and, if known, `vx,vy,vz`, `heading_rad`, `pitch_rad`, `roll_rad`, `position_sigma_m`
+//! and `heading_sigma_rad`: metres in the system frame, metres per second, radians (heading clockwise from north,
+//! nose above the horizon, right wing below the horizon). `sensor_id` is the sensor on the platform. Every number has
+//! as many decimals as needed to read back the same value.
 
 use messages::{PlatformState, platform_state_bits as bits};
 

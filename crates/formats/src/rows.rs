@@ -1,8 +1,8 @@
 //! Rows of text: how any kind of them is read and written.
 //!
-//! A kind of row says which columns it has and what its values are ([`Row`]), or how a value is made of them
-//! ([`Columns`]); everything else is the same for all kinds. Times are seconds since midnight (UTC) of the first day,
-//! exact to the nanosecond. What was written and read again is the same, to the last bit where a kind does not round.
+//! A kind of row defines its columns and its values ([`Row`]), or the construction of a value from columns
+//! ([`Columns`]); everything else is common to all kinds. Times are seconds since midnight (UTC) of the first day,
+//! exact to the nanosecond. Values read back are equal, to the last bit unless a kind rounds.
 
 use std::fmt;
 use std::io::{self, Read, Write};
@@ -91,7 +91,7 @@ impl<T: Row, W: Write> RowWriter<T, W> {
         Ok(Self::resume(writer, first_day_ns))
     }
 
-    /// Goes on writing to something that has its header line.
+    /// Continues a file that already has its header line.
     pub fn resume(writer: W, first_day_ns: i64) -> Self {
         Self {
             writer,
@@ -148,7 +148,7 @@ pub trait Columns {
 
 /// Reads values, row by row.
 ///
-/// After an error in one row the next one may be asked for; what that is worth is for the caller to say.
+/// After an error in a row, the caller may request the next row.
 #[derive(Debug)]
 pub struct RowReader<R, C> {
     pub(crate) table: Table<R>,

@@ -1,11 +1,11 @@
 //! Sensor tracks as CSV rows (FM-5).
 //!
-//! A row is one report: time, whose track it is, state vector, the covariance's upper triangle, and the track's state.
-//! Who the target says it is, the method, the trace, and whether height and velocity were observed may follow; where
-//! those last two columns are missing, both were. A source that gives no covariance but its trace leaves those columns
-//! empty, or out (TI-1). So may what the track follows (`kind`: `single`, or `group` with its
-//! `members`) and the target's `type` with its `type_confidence`. A column `truth_id` is never read: fusion must not
-//! see it.
+//! A row is a report: time, identity of the track, state vector, upper triangle of the covariance, and state of the
+//! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
+//! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
+//! empty, or omits them (TI-1). Further optional columns are the subject of the track (`kind`: `single`, or `group`
+//! with its `members`) and the target's `type` with its `type_confidence`. A column `truth_id` is never read: it must
+//! stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 
@@ -83,8 +83,8 @@ pub struct SensorTrackColumns<F> {
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
-    /// Reads the header line. The rows' times count from `first_day_ns` (UTC, nanoseconds). `source_of` says which
-    /// source a `sensor_id` is; `None` rejects the row.
+    /// Reads the header line. Times of rows count from `first_day_ns` (UTC, nanoseconds). `source_of` maps a
+    /// `sensor_id` to a source; `None` rejects the row.
     ///
     /// # Errors
     /// [`CsvError`] if a column is missing or the input fails.
@@ -264,7 +264,7 @@ impl<F> SensorTrackColumns<F> {
     }
 }
 
-/// A column of zeros and ones; where it is missing or empty, ones.
+/// Returns a flag (0 or 1); a missing or empty column means 1.
 fn flag(row: Cells<'_>, column: Option<Column>) -> Result<bool, CsvError> {
     let Some(column) = column else { return Ok(true) };
     match row.text(column)? {

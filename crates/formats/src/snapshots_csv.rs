@@ -1,7 +1,7 @@
 //! Snapshots of an antenna array as CSV rows (EL-1).
 //!
-//! `time_s,px,py,pz,heading_rad,frequency_hz,re_1,im_1,re_2,im_2,…`: a row per snapshot, with the complex sample of
-//! each antenna. Rows of one time belong to one measurement.
+//! `time_s,px,py,pz,heading_rad,frequency_hz,re_1,im_1,re_2,im_2,…`: a row per array snapshot, with the complex
+//! sample of each antenna. Rows with the same time belong to the same measurement.
 
 use std::f64::consts::TAU;
 use std::io::Read;

@@ -24,11 +24,11 @@ pub type TrackerTrackWriter<W> = RowWriter<TrackerTrack, W>;
 /// A track that a tracker has made of several sensors' detections.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackerTrack {
-    /// The track as a sensor would report it; its source does not matter.
+    /// The track in the form of a sensor's report; its source number has no meaning.
     pub track: SensorTrack,
     /// Number of hypotheses of its cluster.
     pub hypotheses: u32,
-    /// Sum of the reliabilities of those that contain it, 0 to 1.
+    /// Sum of the reliabilities of the hypotheses with this track, 0 to 1.
     pub reliability: f64,
 }
 
@@ -163,7 +163,7 @@ mod tests {
             ("0", "1")
         );
         assert_eq!((value(&columns, "kind"), value(&columns, "members")), ("group", "4"));
-        // What somebody published without checking it is not written as if it were known.
+        // Values published without a check are not written as known values.
         let mut writer = SensorTrackWriter::begin(Vec::new(), 1_000).unwrap();
         let mut hostile = SensorTrack { members: 0, ..track };
         hostile.target_type.confidence = 7.0;

@@ -1,9 +1,9 @@
 //! Reports of wide-area sensors as CSV rows (FM-6).
 //!
-//! Columns: `time_s` of the observation, `arrival_s` (absolute, not before it), position and velocity of the targets'
-//! middle, their `count`, and optionally `route`: where they have been, oldest place first, east and north of each
-//! joined with `|`. Of the route the first place is kept: where they came from. Whether a report makes sense is for its
-//! user to judge; here only what is no report is refused.
+//! Columns: `time_s` of the observation, `arrival_s` (absolute, not before `time_s`), position and velocity of the
+//! targets' centre, their `count`, and optionally `route`: earlier places, oldest first, east and north of each
+//! joined with `|`. Only the first place of the route, the origin, is kept. This reader rejects only malformed rows;
+//! the user of the report checks plausibility.
 
 use std::io::Read;
 
@@ -19,7 +19,7 @@ const ROUTE_MAX: usize = 2000;
 
 /// Reads wide-area reports.
 pub type WideAreaReader<R> = RowReader<R, WideAreaColumns>;
-/// Writes wide-area reports. What was written and read again is the same to the last bit, but for the route.
+/// Writer of wide-area reports. Values read back are equal to the last bit, except the route.
 pub type WideAreaWriter<W> = RowWriter<WideAreaReport, W>;
 
 columns! {

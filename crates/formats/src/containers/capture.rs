@@ -1,7 +1,7 @@
 //! Writing captures, in the newer format.
 //!
-//! A capture is a section with one interface, whose packets begin with the header of IP and have stamps of nanoseconds.
-//! Headers of IP and UDP are made up from the addresses; the payload is what came.
+//! A capture is a section with a single interface; packets begin with the IP header and have stamps in nanoseconds.
+//! Headers of IP and UDP are constructed from the addresses; the payload is unchanged.
 
 use core::net::{IpAddr, SocketAddr};
 use std::io;
@@ -96,7 +96,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever anybody sends is read again as it came, of captures put together, too.
+        /// Any datagrams are read back unchanged, also from concatenated captures.
         #[test]
         fn what_is_written_is_read_back(
             sent in prop::collection::vec(
@@ -126,7 +126,7 @@ mod tests {
             prop_assert_eq!(read, expected.collect::<Vec<_>>());
         }
 
-        /// A capture that ends in the middle of a packet gives those before it.
+        /// A capture that ends within a packet gives the earlier packets.
         #[test]
         fn a_torn_capture_gives_what_is_whole(payload in prop::collection::vec(any::<u8>(), 1..100), cut in 1usize..40) {
             let way = Way {

@@ -56,7 +56,7 @@ impl<'a> Frames<'a> {
         Some(Ok(Datagram::of(payload, Some(time_stamp), begin + HEADER_OCTETS)))
     }
 
-    /// Skips what is no frame, up to behind the next trailer: there the next frame begins, or the next attempt.
+    /// Skips bytes outside frames, up to the end of the next trailer, where the next attempt begins.
     fn skip(&self, begin: usize, rest: &[u8]) -> Skipped {
         let length = length(rest);
         let trailer = rest.windows(TRAILER.len()).position(|octets| octets == TRAILER);

@@ -1,8 +1,8 @@
 //! Datagrams put together again from the fragments that IP cut them into.
 //!
-//! Fragments of one datagram carry the same addresses and the same identification, and each its place. They come in
-//! any order, mixed with those of other datagrams, and some never come. So a limited number of datagrams is kept open;
-//! where one more is begun, the oldest is given up.
+//! Fragments of a datagram have the same addresses and the same identification, and each has its position. Fragments
+//! arrive in any order, mixed with fragments of other datagrams, and some are lost. A limited number of datagrams is
+//! kept open; a further datagram replaces the oldest.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -37,8 +37,9 @@ struct Open {
 }
 
 impl Fragments {
-    /// Takes a fragment in. Gives the datagram that it completes and the octets of all its packets, or what had to be
-    /// given up for it: the oldest datagram, or its own where it contradicts what came before.
+    /// Adds a fragment. Returns the completed datagram and the number of bytes of all its packets, or the skipped
+    /// datagram: the oldest open datagram, or the fragment's own datagram if the fragment contradicts earlier
+    /// fragments.
     pub(super) fn add(
         &mut self,
         fragment: &Fragment<'_>,

@@ -1,17 +1,17 @@
-//! Containers of ASTERIX recordings: one iterator of datagrams over all of them.
+//! Containers of ASTERIX recordings: a single iterator of datagrams for all kinds.
 //!
 //! # The containers
 //!
-//! A sensor sends its data blocks in datagrams, and a recording keeps them in one of four ways:
+//! A sensor sends its data blocks in datagrams, and a recording stores them in one of four ways:
 //!
 //! - *raw*: the blocks one after the other and nothing else (`.ast`, `.raw`). When a block came is lost;
 //! - *pcap* and *pcapng*: captures of network packets, with headers of every layer around the blocks and a time stamp
 //!   from the capturing machine;
 //! - *final*: frames of a recorder, each with a length, the recorder's time of day and a trailer (`.ff`).
 //!
-//! Names of files lie, so the kind is told by content: captures have magic numbers, a frame of the final format ends
-//! in four octets A5 exactly where its length says. Whatever is none of these is taken as raw blocks, which have no
-//! mark of their own.
+//! File names are unreliable, so the content determines the kind: captures have magic numbers, and a frame of the
+//! final format ends with four bytes A5 exactly at its stated length. Any other content is treated as raw blocks,
+//! which have no mark.
 //!
 //! ```text
 //! bytes ── Container::detect ──► pcap, pcapng ── packet ── link ── IP ── UDP ──┬──► Datagram
@@ -19,19 +19,19 @@
 //!                            └─► raw ──────────────────────────────────────────┘
 //! ```
 //!
-//! # What is a datagram in a capture
+//! # Datagrams in a capture
 //!
 //! The payload of a UDP datagram over IPv4 or IPv6, put together again where IP cut it into fragments, or the payload
 //! of an IEEE 802.3 frame behind its three octets of logical link control (DSAP, SSAP, unnumbered information), as
 //! older radar networks send it. The length fields bound the payload, so the padding of short frames is cut. Tags of
 //! virtual networks are stepped over. Everything else that a network carries is passed over and counted.
 //!
-//! # What is damaged
+//! # Damaged recordings
 //!
-//! A recording that ends in the middle of a packet is the usual damage: everything before it is used. The same holds
-//! for packets of which the capture kept the begin only. A frame of the final format without its trailer is passed
-//! over up to the next trailer; pcap and pcapng have no mark to find the next packet by, so an impossible length ends
-//! them. [`Counts`] says what became of every octet.
+//! The usual damage is a recording that ends within a packet: everything before the end is used. The same applies to
+//! packets captured only partly. A frame of the final format without its trailer is skipped up to the next trailer.
+//! pcap and pcapng have no mark for the next packet, so that an impossible length ends the recording. [`Counts`]
+//! accounts for every byte.
 //!
 //! # Limits
 //!
@@ -71,14 +71,14 @@ pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
     Datagrams::new(Container::detect(bytes), bytes)
 }
 
-/// One datagram of a recording: data blocks, if it is ASTERIX at all.
+/// Datagram of a recording, with data blocks if it is ASTERIX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Datagram<'a> {
     /// Octets of the datagram; owned only where they were put together from fragments.
     pub bytes: Cow<'a, [u8]>,
     /// Time of recording, where the container states one.
     pub time_stamp: Option<TimeStamp>,
-    /// Place of its begin in the recording; of a fragmented one, that of its first fragment to be captured.
+    /// Offset of the datagram's start in the recording; for fragments, the offset of the first captured fragment.
     pub offset: usize,
 }
 
@@ -179,8 +179,8 @@ impl FromStr for Container {
 
 /// The iterator that [`datagrams`] returns: each datagram, and each part of the recording that gave none.
 ///
-/// What was skipped is no reason to stop: a caller who has nothing to say to it drops it, [`counts`](Self::counts)
-/// keeps the sum.
+/// A skipped part does not end the iteration; callers may ignore it, because [`counts`](Self::counts) contains the
+/// sums.
 #[derive(Debug)]
 pub struct Datagrams<'a> {
     container: Container,
@@ -192,7 +192,7 @@ pub struct Datagrams<'a> {
     accounted: usize,
 }
 
-/// Source of the pieces of a recording. Each goes through it from begin to end, and has a position in it.
+/// Iterator over the parts of a recording, from start to end, with a position.
 #[derive(Debug)]
 enum Source<'a> {
     Raw { bytes: &'a [u8], position: usize },
@@ -209,7 +209,7 @@ enum Piece<'a> {
 }
 
 impl<'a> Datagrams<'a> {
-    /// The datagrams of a recording that is said to be of this kind.
+    /// Returns the datagrams of a recording of this kind.
     pub fn new(container: Container, bytes: &'a [u8]) -> Self {
         let source = match container {
             Container::Raw => Source::Raw { bytes, position: 0 },
@@ -232,12 +232,12 @@ impl<'a> Datagrams<'a> {
         self.container
     }
 
-    /// Sums over what was met so far.
+    /// Returns the counts up to the present position.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// A packet's datagram; nothing while it waits for the other fragments of one.
+    /// Returns a packet's datagram; `None` while fragments of the datagram are missing.
     fn unpack(&mut self, packet: &Packet<'a>, octets: usize) -> Option<Result<Datagram<'a>, Skipped>> {
         let framing = (octets - packet.bytes.len()) as u64;
         match packet::payload(packet) {
@@ -264,7 +264,7 @@ impl<'a> Datagrams<'a> {
         }
     }
 
-    /// Fragments left when the recording has ended, whose rest never came.
+    /// Returns a datagram still incomplete at the end of the recording.
     fn finish(&mut self) -> Option<Result<Datagram<'a>, Skipped>> {
         self.counts.framing_octets += (self.bytes.len() - self.accounted) as u64;
         self.accounted = self.bytes.len();

@@ -16,7 +16,7 @@ const OTHER_SERVICES: [u8; 5] = [0x42, 0xAA, 0xE0, 0xF0, 0xFE];
 /// The control field of a frame that simply carries data: unnumbered information.
 const UNNUMBERED_INFORMATION: u8 = 0x03;
 
-/// One packet as it was captured.
+/// Captured packet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Packet<'a> {
     pub(super) interface: u32,
@@ -44,7 +44,8 @@ impl Packet<'_> {
         self.offset + (part.as_ptr() as usize - self.bytes.as_ptr() as usize)
     }
 
-    /// Why a header or what it announces does not fit: part of the packet is not there, or it is nonsense.
+    /// Returns the reason of a misfit between a header and its packet: a part of the packet is missing, or the header
+    /// is invalid.
     fn unfit(&self, layer: &'static str) -> Reason {
         let captured = self.bytes.len();
         match self.original_octets {
@@ -90,11 +91,13 @@ pub(super) fn payload<'a>(packet: &Packet<'a>) -> Result<Payload<'a>, Reason> {
     let bytes = packet.bytes;
     let behind = |octets, layer| bytes.get(octets..).ok_or_else(|| packet.unfit(layer));
     match packet.link_type {
-        // An address family in four octets, by the byte order of some machine; the IP header says the same.
+        // An address family in four bytes, in the byte order of the capturing machine; the IP header has the same
+        // information.
         0 | 108 => ip(packet, behind(4, "loopback")?),
         1 => ethernet(packet),
         101 | 228 | 229 => ip(packet, bytes),
-        // What Linux captures on all interfaces at once: its own header with the EtherType at the end, or the begin.
+        // Linux captures of all interfaces have a special header with the EtherType at the end, or in a later version
+        // at the beginning.
         113 => tagged(packet, ether_type(bytes, 14, packet)?, behind(16, "Linux cooked")?),
         276 => tagged(packet, ether_type(bytes, 0, packet)?, behind(20, "Linux cooked")?),
         link_type => Err(Reason::LinkType { link_type }),

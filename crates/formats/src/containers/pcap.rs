@@ -1,6 +1,7 @@
 //! Captures in the older format: a file header, and packets behind headers of 16 octets.
 //!
-//! The magic number tells the byte order of all headers and whether fractions of a second are micro- or nanoseconds.
+//! The magic number determines the byte order of all headers and the unit of fractions of a second (micro- or
+//! nanoseconds).
 
 use pcap_parser::{PcapHeader, parse_pcap_frame, parse_pcap_frame_be, parse_pcap_frame_modified, parse_pcap_header};
 

@@ -1,10 +1,10 @@
 //! Captures in the newer format: blocks with their length at both ends, in sections of either byte order.
 //!
 //! A section describes its interfaces, each with a link type and a resolution of time stamps, before packets that
-//! refer to them by number. Blocks are walked by their lengths here, and both must agree, so that damage in a block
-//! harms only this block; what is in a block is left to the parser.
+//! refer to interfaces by number. This module finds the blocks by their two lengths, which must agree, so that damage
+//! within a block affects only this block; the parser reads the content of blocks.
 //!
-//! Time stamps are counted here and not by the parser, whose helpers know no resolutions in powers of two and read the
+//! Time stamps are calculated here, because the parser's helpers support no resolutions in powers of two and read the
 //! offset in one byte order only.
 
 use pcap_parser::traits::PcapNGPacketBlock;
@@ -23,7 +23,7 @@ const BLOCK_OCTETS_MIN: usize = 12;
 /// The longest block to be parsed. A packet has 64 kB; the parser's list of options takes some ten times the memory
 /// of the options themselves, so that a longer block is no packet but an attack.
 const BLOCK_OCTETS_MAX: usize = 1 << 20;
-/// Blocks that hold no packets: names, statistics, a journal, secrets, processes, and what vendors add.
+/// Types of blocks without packets: names, statistics, a journal, secrets, processes, and vendors' types.
 const WITHOUT_PACKETS: [u32; 7] = [
     NRB_MAGIC, ISB_MAGIC, SJE_MAGIC, DSB_MAGIC, PIB_MAGIC, CB_MAGIC, DCB_MAGIC,
 ];
@@ -96,7 +96,7 @@ impl<'a> Packets<'a> {
     /// The type and all octets of the block at the begin of `rest`.
     ///
     /// # Errors
-    /// If it is no block, and so the end of what can be read.
+    /// If the bytes are no block, which ends the recording.
     fn next_block(&mut self, rest: &'a [u8]) -> Result<(u32, &'a [u8]), Reason> {
         let cut = |needed| Reason::FileCut {
             needed,
@@ -127,7 +127,7 @@ impl<'a> Packets<'a> {
         Ok((block_type, block))
     }
 
-    /// The packet in a block, if it has one; or what the block says about packets to come.
+    /// Reads a block: returns its packet, if any, or stores its data about later packets.
     fn read(&mut self, block_type: u32, block: &'a [u8], begin: usize) -> Result<Option<Packet<'a>>, Reason> {
         if WITHOUT_PACKETS.contains(&block_type) {
             return Ok(None);
@@ -173,8 +173,8 @@ impl<'a> Packets<'a> {
         })
     }
 
-    /// A simple packet is of the first interface, has no time stamp, and says how many octets of it were kept only by
-    /// the interface's limit.
+    /// Reads a simple packet: of the first interface, without a time stamp, and with a captured length known only
+    /// from the interface's limit.
     fn simple(&self, packet: &SimplePacketBlock<'a>, block: &'a [u8], begin: usize) -> Result<Packet<'a>, Reason> {
         let interface = self.interface(0)?;
         let limit = match interface.snap_octets {

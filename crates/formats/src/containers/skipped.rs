@@ -6,9 +6,9 @@ use super::{Container, Datagram};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("byte {offset}: {why}")]
 pub struct Skipped {
-    /// Place of its begin: a captured packet behind its record's header, anything else with its first octet.
+    /// Offset of its start: for a captured packet behind its record's header, otherwise of its first byte.
     pub offset: usize,
-    /// Number of its octets; of fragments, those of all that were captured.
+    /// Number of bytes; for fragments, of all captured fragments.
     pub octets: usize,
     /// Why.
     pub why: Reason,
@@ -17,10 +17,10 @@ pub struct Skipped {
 /// Why a part of a recording gave no datagram.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Reason {
-    /// The recording is not of the kind it was said to be.
+    /// The recording is not of the given kind.
     #[error("this is no {expected} recording; leave the kind to be found out, or name another")]
     OtherContainer {
-        /// The kind it was said to be.
+        /// The given kind.
         expected: Container,
     },
     /// The recording ends in the middle of something.
@@ -38,7 +38,7 @@ pub enum Reason {
     BlockLength {
         /// The length at the begin of the block.
         length: usize,
-        /// The same length at its end, if it could be read.
+        /// The length at the end of the block, if readable.
         trailing: Option<usize>,
     },
     /// A pcapng section without a byte-order mark.
@@ -47,7 +47,7 @@ pub enum Reason {
         /// Octets that stand in its place.
         mark: u32,
     },
-    /// A pcapng block whose content contradicts its length.
+    /// A pcapng block with a contradiction between content and length.
     #[error("pcapng block of type {block_type:#X} with content that does not fit its {octets} octets")]
     BlockContent {
         /// The type.
@@ -75,7 +75,7 @@ pub enum Reason {
         /// The length it gives.
         length: usize,
     },
-    /// A packet from a link whose headers are not known.
+    /// A packet from a link with unsupported headers.
     #[error("packet of link type {link_type}; known are 0, 1, 101, 108, 113, 228, 229 and 276")]
     LinkType {
         /// The number of the link type.
@@ -89,8 +89,8 @@ pub enum Reason {
         /// The octets that came.
         original: usize,
     },
-    /// A packet whose headers contradict each other or its length.
-    #[error("packet of {captured} octets whose {layer} header is impossible")]
+    /// A packet with headers that contradict each other or the packet's length.
+    #[error("packet of {captured} octets whose {layer} header is invalid")]
     Header {
         /// The protocol.
         layer: &'static str,
@@ -156,11 +156,11 @@ pub struct Counts {
     pub datagram_octets: u64,
     /// Headers, padding, trailers, and blocks of a capture that hold no packets.
     pub framing_octets: u64,
-    /// Octets of what was skipped.
+    /// Bytes skipped.
     pub octets_skipped: u64,
     /// Packets of other protocols.
     pub packets_other: u64,
-    /// Packets that were not captured whole, or whose headers are impossible, or whose link is not known.
+    /// Packets captured only partly, with impossible headers, or from an unsupported link.
     pub packets_refused: u64,
     /// IP packets of which fragments are missing.
     pub packets_incomplete: u64,
@@ -169,7 +169,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Label, a sentence and the value of each counter, for whoever shows them.
+    /// Returns label, description and value of each counter.
     pub fn entries(&self) -> [(&'static str, &'static str, u64); 9] {
         [
             ("datagrams", "datagrams given", self.datagrams),
@@ -184,7 +184,7 @@ impl Counts {
                 "octets of headers, padding and trailers",
                 self.framing_octets,
             ),
-            ("octets_skipped", "octets of what was skipped", self.octets_skipped),
+            ("octets_skipped", "bytes skipped", self.octets_skipped),
             ("packets_other", "packets of other protocols", self.packets_other),
             (
                 "packets_refused",
@@ -211,7 +211,7 @@ impl Counts {
         self.framing_octets += (octets - datagram.bytes.len()) as u64;
     }
 
-    /// Counts what was skipped, and the octets of framing around it.
+    /// Counts a skipped part and the framing bytes around the part.
     pub(super) fn skip(&mut self, skipped: Skipped, framing_octets: u64) -> Skipped {
         self.framing_octets += framing_octets;
         self.octets_skipped += skipped.octets as u64;

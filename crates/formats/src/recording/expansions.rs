@@ -3,7 +3,7 @@
 use asterix::choice::ChosenEdition;
 use asterix::{Expansion, NamedRecord, Record};
 
-/// The item whose content has coding rules of its own.
+/// The item with separate coding rules for its content.
 const EXPANSION_FIELD: &str = "RE";
 
 /// Coding rules of reserved expansion fields, and how often fields did not follow them.
@@ -32,7 +32,7 @@ impl Expansions {
         Self { rules: rules.collect() }
     }
 
-    /// Puts the content of a record's field in the place of its octets. A field that follows other rules keeps them.
+    /// Replaces the bytes of a record's field by the decoded content. A field with other rules keeps its bytes.
     pub fn read(&mut self, record: &Record<'_>, named: &mut NamedRecord) {
         for (rules, failures) in &mut self.rules {
             match rules.read(record) {

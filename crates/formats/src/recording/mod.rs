@@ -1,29 +1,28 @@
-//! A recording as a whole: what it is packed in, which of its records can be believed, and those records.
+//! A recording as a whole: its container, and its credible records.
 //!
 //! # The problem
 //!
-//! A block does not say by which edition of its category it was made, and nothing in a record marks its end. Read with
-//! the wrong edition, most blocks end in an error; but an error is noticed late, where an item runs off the block or
-//! an FSPEC bit has no meaning, and the records before it were nonsense already. Some blocks even fit by accident.
-//! Two recordings read with a wrong edition: of 49,330 blocks of ADS-B (0.23, read as 2.4) 3 % fitted, of 100 blocks of
-//! system tracks (an early edition, read as 1.18) 13 %. Who decodes record by record prints thousands of positions that
-//! nobody ever sent.
+//! A block does not contain the edition of its category, and records have no end mark. With a wrong edition, most
+//! blocks end with an error, but an error is detected late, when an item exceeds the block or an FSPEC bit has no
+//! meaning; the records before the error are already wrong. Some blocks even fit by accident. In two recordings read
+//! with a wrong edition, 3 % of 49,330 blocks of ADS-B (0.23, read as 2.4) and 13 % of 100 blocks of system tracks
+//! (an early edition, read as 1.18) fitted. A decoder of single records would print thousands of wrong positions.
 //!
 //! # The rule
 //!
-//! - A **block** is given as a whole or not at all: only if its records fill it to the last octet.
-//! - A **category** is given only if at least half of its blocks fit. Otherwise it is *withheld*, and the survey says
-//!   which other editions fit the blocks that this one does not.
+//! - A **block** is accepted only if its records fill it to the last byte.
+//! - A **category** is accepted only if at least half of its blocks fit. Otherwise it is *withheld*, and the survey
+//!   lists other editions that fit the remaining blocks.
 //! - A block with a latitude beyond a pole does not fit if another edition fits the block without such a value. An
 //!   edition that the caller has chosen is not doubted so.
 //!
-//! So a recording is read twice: once to [survey](Recording::survey) it, once to give its
-//! [records](Recording::for_each). Finding the items of all records costs little beside decoding them.
+//! A recording is therefore read twice: first to [survey](Recording::survey) it, then for its
+//! [records](Recording::for_each). Finding the items of all records costs little compared with decoding.
 //!
 //! # Limits
 //!
-//! The rule looks at whole categories. Where two senders use different editions of one, the lesser of them loses its
-//! blocks, and some of those fit by accident; give each sender's recording its own edition.
+//! The rule applies to whole categories. If two senders use different editions of a category, the smaller sender
+//! loses its blocks, of which some fit by accident; decode each sender's recording separately with its own edition.
 
 mod expansions;
 mod refusals;
@@ -49,7 +48,7 @@ pub struct Recording<'a> {
     bytes: &'a [u8],
     container: Container,
     tables: BTreeMap<u8, &'static Category>,
-    /// Categories whose edition the caller has chosen.
+    /// Categories with an edition chosen by the caller.
     chosen: BTreeSet<u8>,
     mode: Mode,
 }
@@ -57,7 +56,7 @@ pub struct Recording<'a> {
 /// A record of a recording.
 #[derive(Debug, Clone, Copy)]
 pub struct Found<'r, 'b> {
-    /// The record; its offset counts from the begin of the recording, unless its datagram came in fragments.
+    /// The record; its offset is relative to the start of the recording, unless its datagram was fragmented.
     pub record: &'r Record<'b>,
     /// Time at which its datagram was recorded, where that is known.
     pub time_stamp: Option<TimeStamp>,
@@ -89,12 +88,12 @@ pub struct CategorySurvey {
     pub records: u64,
     /// For each other edition, how many of the blocks refused fit it; the default first, then by number.
     pub others: Vec<(Edition, u64)>,
-    /// Latitudes in its records, where impossible ones count against the edition.
+    /// Elements with latitudes, if impossible latitudes count against the edition.
     latitudes: Vec<Elements<1>>,
 }
 
 impl<'a> Recording<'a> {
-    /// A recording whose kind its bytes tell, in the default edition of every category.
+    /// Returns a recording of the kind determined by its bytes, with the default edition of every category.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self {
             bytes,
@@ -230,7 +229,7 @@ impl CategorySurvey {
         }
     }
 
-    /// Whether so few blocks fit that those may do so by accident: none of its records is given.
+    /// Whether too few blocks fit, so that fits may be accidental: none of the category's records is returned.
     pub fn is_withheld(&self) -> bool {
         2 * self.blocks_refused > self.blocks
     }
@@ -268,7 +267,8 @@ impl CategorySurvey {
         fitted.map(|_| ())
     }
 
-    /// The number of records in a block, if they fill the block and their latitudes do not tell of another edition.
+    /// Returns the number of records in a block, if they fill the block and their latitudes do not indicate another
+    /// edition.
     ///
     /// # Errors
     /// Fault of the first that does not fit.
@@ -296,8 +296,8 @@ fn fits_well(block: &Block<'_>, table: &'static Category, mode: Mode) -> bool {
     matches!(fit(block, table, mode, &latitudes(table)), Ok((_, None)))
 }
 
-/// The number of records in a block, if they fill it, and the first of these `latitudes` beyond a pole, if there is
-/// one.
+/// Returns the number of records in a block, if they fill the block, and the first of these `latitudes` beyond a
+/// pole, if any.
 ///
 /// # Errors
 /// Fault of the first that does not fit.

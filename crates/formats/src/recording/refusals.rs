@@ -1,6 +1,7 @@
 //! Parts of a recording that are not given: how often, why, and where for the first time.
 //!
-//! Reasons are few and their occurrences many, so each is counted, and the first is kept with everything it says.
+//! There are few reasons with many occurrences: each reason is counted, and the first occurrence is kept with all its
+//! details.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,7 @@ use asterix::Error;
 pub struct Refusal {
     /// The category of the blocks; none for packets and frames, and where no category could be read.
     pub category: Option<u8>,
-    /// The item in which it was noticed, if it was in one.
+    /// The item with the error, if within an item.
     pub item: Option<&'static str>,
     /// The reason in a few words.
     pub reason: &'static str,

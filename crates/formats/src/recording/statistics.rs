@@ -1,9 +1,9 @@
 //! Statistics of senders: how much, and when.
 //!
-//! Records are counted for each sender, that is, for each system identification (SAC/SIC, item 010) in each category,
-//! and for each second. The second is that of the record's own time of day where its category has one, else that of
-//! the recording. Times of day are followed across midnight; both kinds of time are times of day here, so that a sender
-//! whose records carry one only sometimes has one axis.
+//! Records are counted per sender, that is, per system identification (SAC/SIC, item 010) in each category, and per
+//! second. The second is that of the record's own time of day if its category has one, otherwise that of the
+//! recording. Times of day are followed across midnight. Both kinds of time are times of day here, so that a sender
+//! with times in some of its records has a single axis.
 //!
 //! Rates are records per second over the sender's whole time, silent seconds included. The first and the last second
 //! are rarely recorded whole and are left out where there are others.

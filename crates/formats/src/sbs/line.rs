@@ -1,4 +1,4 @@
-//! One line, as it was written.
+//! Parser of a line.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -31,7 +31,7 @@ pub enum Line {
     Other(OtherKind),
 }
 
-/// Message of an aircraft, as far as one transmission says.
+/// Message of an aircraft, with the content of a single transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Message {
     /// Number of the transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude,
@@ -55,7 +55,7 @@ pub struct Message {
     pub position_rad: Option<[f64; 2]>,
     /// Rate of climb, metres per second.
     pub vertical_rate_mps: Option<f64>,
-    /// Mode 3/A code. Receivers write 0000 where they know none, so that code counts as unknown.
+    /// Mode 3/A code. Receivers write 0000 for an unknown code; 0000 is therefore treated as unknown.
     pub mode_3a: Option<u16>,
     /// Whether the code has changed lately.
     pub alert: Option<bool>,
@@ -63,7 +63,7 @@ pub struct Message {
     pub emergency: Option<bool>,
     /// Whether the pilot has pressed the identification button.
     pub identifies: Option<bool>,
-    /// Whether the aircraft says that it is on the ground.
+    /// Whether the aircraft reports itself on the ground.
     pub on_ground: Option<bool>,
 }
 
@@ -87,7 +87,7 @@ pub struct Date {
     pub day: u8,
 }
 
-/// Kinds of line that say nothing about aircraft.
+/// Kinds of line without data about aircraft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OtherKind {
     /// `SEL`: the user has selected an aircraft.
@@ -175,7 +175,7 @@ impl Rejection {
         Self::Flag,
     ];
 
-    /// Fault, and what would be right.
+    /// Returns the fault, and the permitted values.
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Text => "is not UTF-8 text",

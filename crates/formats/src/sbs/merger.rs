@@ -1,20 +1,20 @@
-//! Lines of one aircraft into one observation.
+//! Merger of the lines of an aircraft into observations.
 //!
-//! Positions come twice a second from an aircraft that is heard well, velocities as often but in lines of their own,
-//! and callsign and code every few seconds. The merger remembers the latest of each per aircraft, and completes every
-//! position with what is recent enough to be true still:
+//! Under good reception, positions of an aircraft come twice a second, velocities as often but in separate lines, and
+//! callsign and code every few seconds. The merger stores the latest of each per aircraft, and completes every
+//! position with values that are still recent enough:
 //!
-//! - velocity, rate of climb, altitude and on-ground flag for 5 s: in that time an aircraft in a standard turn changes
-//!   its heading by 15°, and a fast climbing one its altitude by 100 m;
-//! - callsign and code for a minute: they hardly change, and lines that carry them may be missed.
+//! - velocity, rate of climb, altitude and on-ground flag for 5 s: in this time an aircraft in a standard turn
+//!   changes its heading by 15°, and a fast climbing aircraft its altitude by 100 m;
+//! - callsign and code for a minute: both seldom change, and their lines may be missed.
 //!
-//! A position in the same line as one of these goes with it, of course. A surface position says that the aircraft is on
-//! the ground, and its altitude is none: receivers fill in zero.
+//! Values in the same line as the position are used as well. A surface position means that the aircraft is on the
+//! ground; its altitude is ignored, because receivers fill in zero.
 //!
-//! Ages are differences of the lines' own times, so that a recording read as fast as possible gives what the live feed
-//! gave. Lines of one aircraft may be out of order by as much as the ages allow. After a minute of silence nothing that
-//! is remembered of an aircraft can be used any more, and its place in the table may be given to another one. Where
-//! every place is taken by an aircraft heard within the last minute, positions of others are refused and counted.
+//! Ages are differences of the lines' own times, so that a replayed recording gives the same result as the live feed.
+//! Lines of an aircraft may be out of order by up to these ages. After a minute of silence, all stored values of an
+//! aircraft are outdated, and another aircraft may take its place in the table. If all places are occupied by
+//! aircraft received within the last minute, positions of further aircraft are rejected and counted.
 
 use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Callsign, Identity, TrackState, alert_bits};
@@ -48,7 +48,7 @@ pub struct SbsSettings {
 }
 
 impl Default for SbsSettings {
-    /// UTC, and more aircraft than one receiver hears in a minute.
+    /// UTC, and more aircraft than a receiver receives in a minute.
     fn default() -> Self {
         Self {
             ahead_of_utc_min: 0,
@@ -60,9 +60,9 @@ impl Default for SbsSettings {
 /// Counts of lines. Each line is in exactly one of `messages`, `others` and `rejected`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SbsCounters {
-    /// Lines that hold what an aircraft sent.
+    /// Lines with a transmission of an aircraft.
     pub messages: u64,
-    /// Lines that speak of the receiver's window.
+    /// Lines about the receiver's window.
     pub others: u64,
     /// Lines that were rejected, by [`Rejection`].
     pub rejected: [u64; Rejection::ALL.len()],
@@ -110,7 +110,7 @@ struct Dated<T> {
 }
 
 impl Merger {
-    /// A merger that has heard nothing yet; its table is allocated.
+    /// Returns an empty merger with an allocated table.
     pub fn new(settings: SbsSettings) -> Self {
         let mut aircraft = FxHashMap::default();
         aircraft.reserve(settings.aircraft_max);
@@ -125,8 +125,8 @@ impl Merger {
     /// The time of receipt is used where the line has no time.
     ///
     /// # Errors
-    /// [`SbsError`] if the line was rejected. It is counted already; a caller that reports its counters has nothing to
-    /// do.
+    /// [`SbsError`] if the line was rejected. The rejection is already counted; a caller with published counters
+    /// needs no further action.
     pub fn take<'a>(&mut self, line: &'a [u8], received_utc_ns: i64) -> Result<Option<Observation>, SbsError<'a>> {
         match Line::parse(line) {
             Ok(Line::Message(message)) => {
@@ -207,7 +207,7 @@ impl Heard {
         put(&mut self.alerts, time_ns, own.alerts);
     }
 
-    /// The message's position with its own values, and what it lacks from those before.
+    /// Returns the message's position with the message's own values, completed with stored values.
     fn observation(&self, message: &Message, position: [f64; 2], time_ns: i64) -> Observation {
         let own = Own::of(message);
         let motion = MOTION_AGE_MAX_NS;
@@ -248,7 +248,7 @@ struct Own {
     velocity: Option<[f64; 2]>,
     altitude: Option<f64>,
     on_ground: Option<bool>,
-    /// `alert_bits`, where the message speaks of any.
+    /// `alert_bits`, if the message contains any.
     alerts: Option<u8>,
 }
 
@@ -277,7 +277,7 @@ fn alerts(message: &Message) -> Option<u8> {
     said.reduce(|all, bit| all | bit)
 }
 
-/// Replaces what is older.
+/// Replaces an older value.
 fn put<T>(place: &mut Option<Dated<T>>, time_ns: i64, value: Option<T>) {
     let newer = |dated: &Dated<T>| age_ns(time_ns, dated.time_ns) >= 0;
     if let Some(value) = value
@@ -323,7 +323,7 @@ mod tests {
         })
     }
 
-    /// Takes a line of an aircraft, heard at a time; the line continues with the callsign.
+    /// Takes a line of an aircraft with a time of reception; the line continues with the callsign.
     fn take(merger: &mut Merger, kind: u8, address: &str, time: &str, rest: &str) -> Option<Observation> {
         let line = format!("MSG,{kind},1,1,{address},1,2026/01/02,{time},2026/01/02,23:00:00.000,{rest}");
         merger.take(line.as_bytes(), 0).unwrap()

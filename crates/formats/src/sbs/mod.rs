@@ -1,13 +1,13 @@
 //! Lines of transponder receivers, as BaseStation writes them (SBS-1, TCP port 30003).
 //!
-//! The format is that of a hobby receiver of 2005, and has become what nearly every receiver of aircraft transponders
-//! can speak. No standard defines it; what is known comes from a description by its users
-//! (<http://woodair.net/SBS/Article/Barebones42_Socket_Data.htm>) and from the programs that write it, which differ in
-//! details. A line is 22 values separated by commas:
+//! The format comes from a hobby receiver of 2005; nearly every receiver of aircraft transponders supports it today.
+//! No standard defines the format; the sources are a description by its users
+//! (<http://woodair.net/SBS/Article/Barebones42_Socket_Data.htm>) and the programs that write it, which differ in
+//! details. A line has 22 values separated by commas:
 //!
 //! | places | value |
 //! | --- | --- |
-//! | 1, 2 | `MSG`, and which of eight kinds of transmission was heard |
+//! | 1, 2 | `MSG`, and the kind of the transmission, 1 to 8 |
 //! | 3, 4, 6 | numbers in the receiver's own database: not used |
 //! | 5 | the aircraft's 24-bit address, hexadecimal |
 //! | 7, 8 | date and time of reception |
@@ -20,13 +20,13 @@
 //! | 18 | Mode 3/A code, octal |
 //! | 19 to 22 | code changed, emergency, identification pressed, on the ground: 0 for no, anything else for yes |
 //!
-//! A line holds only what its one transmission said: a position here, a velocity there, a callsign now and then.
-//! [`Line::parse`] reads one; [`Merger`] puts the recent ones of each aircraft together, and gives an
-//! [`Observation`](observations::Observation) whenever a position comes in. The other kinds of line, `SEL`, `ID`,
-//! `AIR`, `STA` and `CLK`, speak of what happens in the receiver's window, and are passed over.
+//! A line contains only the data of a single transmission: a position, a velocity, or sometimes a callsign.
+//! [`Line::parse`] reads a line; [`Merger`] combines the recent lines of each aircraft, and gives an
+//! [`Observation`](observations::Observation) for each position. The other kinds of line, `SEL`, `ID`, `AIR`, `STA`
+//! and `CLK`, describe events in the receiver's window, and are ignored.
 //!
-//! Times carry no zone. As a rule they are the local time of the computer that writes them, whatever that is set to, so
-//! the offset from UTC must be configured where it is not zero.
+//! Times have no time zone. Usually they are the local time of the writing computer; a nonzero offset from UTC must
+//! be configured.
 
 mod line;
 mod merger;
