@@ -1,9 +1,8 @@
-//! iceoryx2 as it is: the floor that nothing built on top of it can go below.
+//! Plain iceoryx2 ports: the lower bound for everything built on iceoryx2.
 //!
-//! Whoever measures what Koseki's processes add to the transport needs the transport alone, with the same payload, in
-//! the same number of hops. So these ports have no header, no sequence numbers and no counters: what is sent is written
-//! in place, what is received is looked at in place, and that is all. They are for measuring; nothing counts what they
-//! lose.
+//! A measurement of the time added by Koseki's processes needs the transport alone, with the same payload and the
+//! same number of hops. These ports have no header, no sequence numbers and no counters: samples are written and read
+//! in place. They serve measurements only; losses are not counted.
 
 use std::marker::PhantomData;
 use std::time::Duration;
@@ -26,7 +25,7 @@ use crate::waiter::BACKSTOP;
 type Slices = publish_subscribe::PortFactory<SharedMemory, Octets, Header>;
 type WakeUps = event::PortFactory<SharedMemory>;
 
-/// Places of a service: one process at each end, and their successors.
+/// Places of a service: a process at each end, and the successor of each.
 const ENDS: usize = 2;
 
 /// Settings that both ends must agree upon.
@@ -64,7 +63,8 @@ impl<T: Payload> BareSender<T> {
         })
     }
 
-    /// Sends one slice of `count` samples, each written in place by `fill`, which is told its place in the slice.
+    /// Sends a slice of `count` samples, each written in place by `fill`, which receives the sample's index in the
+    /// slice.
     ///
     /// # Errors
     /// If iceoryx2 refuses.

@@ -1,20 +1,19 @@
 //! The base folder: where deployments live on this machine.
 //!
-//! Whoever starts a deployment and whoever joins it must look in the same place, so there is one rule, [`find`], and no
-//! other code chooses a folder:
+//! The process that starts a deployment and the processes that join must look in the same place. Therefore [`find`]
+//! is the only rule, and no other code chooses a folder:
 //!
 //! | | base folder | taken if |
 //! |---|---|---|
-//! | 1 | `$KOSEKI_ROOT` (`koseki --root DIR` sets it, for its children too) | it is set |
+//! | 1 | `$KOSEKI_ROOT` (`koseki --root DIR` sets the variable, for child processes too) | if set |
 //! | 2 | `/run/koseki` | it is there and belongs to this user |
 //! | 3 | `$XDG_RUNTIME_DIR/koseki` | that folder belongs to this user |
 //! | 4 | `/tmp/koseki-<user number>` | it is free, or belongs to this user |
 //! | 5 | `/tmp/koseki-<user number>-<8 random digits>` | another user sits on the fourth |
 //!
-//! The last two lie where every user can make files, so names there prove nothing. What counts is the owner, which
-//! nobody can forge: a folder that belongs to this user, is no link, can be written by no other, and lies below folders
-//! in which no other user can exchange it (`check`). Such a folder needs no further care, and nothing in one that is
-//! not such is read, let alone written.
+//! The last two are in folders in which every user can create files, so that their names prove nothing. The owner
+//! cannot be forged: a valid folder belongs to this user, is no link, is writable by no other user, and is below
+//! folders in which no other user can replace it (`check`). Nothing in any other folder is read or written.
 
 use std::fs::{self, DirBuilder, Metadata};
 use std::io;
@@ -62,7 +61,7 @@ fn in_common_folder(folder: &Path) -> PathBuf {
     own.unwrap_or_else(|| folder.join(format!("{begin}{:08x}", seal::random())))
 }
 
-/// Makes the folder if it is not there, and checks it.
+/// Creates the folder if missing, and checks it.
 pub(crate) fn make(base: &Path) -> Result<(), BusError> {
     if !check(base)? {
         DirBuilder::new()
@@ -78,7 +77,7 @@ pub(crate) fn make(base: &Path) -> Result<(), BusError> {
 /// Whether the folder is there.
 ///
 /// # Errors
-/// [`BusError::BaseNotPrivate`] if another user could plant files in it, or exchange it.
+/// [`BusError::BaseNotPrivate`] if another user could create files in the folder or replace the folder.
 pub(crate) fn check(base: &Path) -> Result<bool, BusError> {
     let refused = |path: &Path, fault: &'static str| {
         Err(BusError::BaseNotPrivate {
@@ -105,14 +104,14 @@ pub(crate) fn check(base: &Path) -> Result<bool, BusError> {
     }
     let above = base.parent().unwrap_or(base);
     let above = fs::canonicalize(above).map_err(io_error("find", above))?;
-    // In a container, what belongs to the machine may seem to belong to nobody.
+    // In a container, the machine's files may seem to have no owner.
     let system = fs::metadata("/").map_err(io_error("read", Path::new("/")))?.uid();
     for folder in above.ancestors() {
         let found = fs::symlink_metadata(folder).map_err(io_error("read", folder))?;
         if !is_own(&found) && found.uid() != system && found.uid() != 0 {
             return refused(folder, "belongs to another user");
         }
-        // In a sticky one, only the owners of files can rename them.
+        // In a sticky folder, only the owners of files can rename them.
         if found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0 {
             return refused(folder, "may be written by others");
         }
@@ -162,7 +161,7 @@ mod tests {
         let folder = folder_of_all();
         let plain = folder.path().join(format!("koseki-{}", geteuid().as_raw()));
         assert_eq!(in_common_folder(folder.path()), plain);
-        // What is planted may be a file, a link, or the folder of another user.
+        // A planted path may be a file, a link, or the folder of another user.
         fs::create_dir(folder.path().join("mine")).unwrap();
         symlink(folder.path().join("mine"), &plain).unwrap();
         let other = in_common_folder(folder.path());

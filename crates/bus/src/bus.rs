@@ -1,8 +1,8 @@
 //! One process's connection to an instance.
 //!
-//! One process, the keeper, *holds* every topic, all others only open them. That is not a matter of taste: a process
-//! that creates a service and is killed at the wrong moment leaves one that nobody can open, and whoever opens first
-//! would decide about sizes. With a holder, a topic exists before anybody needs it and as long as the instance runs.
+//! A single process, the keeper, *holds* every topic; all other processes only open topics. If every process created
+//! services, a kill at the wrong moment would leave a service that no process can open, and the first process would
+//! decide about sizes. With a holder, a topic exists before its first use and as long as the instance runs.
 
 use std::time::Duration;
 
@@ -27,18 +27,18 @@ use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
 const OPEN_PATIENCE: Duration = Duration::from_millis(500);
 /// Publishers of a topic with few of them that may leave between two looks of a subscriber without loss.
 const FEW_LEAVERS: usize = 8;
-/// With what names begin that no other process sees.
+/// Start of names used within a process only.
 const PREFIX_IN_PROCESS: &str = "k_";
 
-/// One process's connection to an instance. It may move to another thread; ports stay on the thread that made them.
-/// Ports outlive it.
+/// Connection of a process to an instance. A connection may move to another thread; ports stay on the thread that
+/// made them, and outlive the connection.
 #[derive(Debug)]
 pub struct Bus<S: Transport> {
     node: Kept<Node<S>>,
     // After the node.
     _membership: Option<Membership>,
     root: Root,
-    /// With what names of its memory begin.
+    /// Start of the names of the instance's memory.
     prefix: String,
     patience: Duration,
 }
@@ -53,9 +53,9 @@ impl<S: Transport> Bus<S> {
         Self::open_keeping(root, process, LEAVERS_MAX)
     }
 
-    /// The same for a process that reads topics of few publishers each, and often: at most eight of a topic may leave
-    /// between two looks, else slices that they have left behind are lost (and counted). iceoryx2 looks at the places
-    /// of all that may have left on every look, which is most of what a look costs.
+    /// Joins like [`Self::join`], for a process that reads topics of few publishers often. At most eight publishers
+    /// of a topic may leave between two reads; beyond that, unread slices are lost (and counted). iceoryx2 checks the
+    /// places of all possible leavers on every read, which is most of the cost of a read.
     ///
     /// # Errors
     /// As [`Bus::open`].
@@ -101,8 +101,8 @@ impl<S: Transport> Bus<S> {
         &self.root
     }
 
-    /// Whether the run of the instance that this process has joined goes on: it has neither ended nor been replaced by
-    /// another of the same name. Always [in process](crate::InProcess).
+    /// Returns whether the joined run of the instance continues: it has neither ended nor been replaced by another
+    /// run of the same name. Always true [in process](crate::InProcess).
     ///
     /// # Errors
     /// If the instance's files cannot be read.
@@ -111,13 +111,13 @@ impl<S: Transport> Bus<S> {
         Ok(!S::CROSSES_PROCESSES || (self.root.holder()?.is_some() && is_same()?))
     }
 
-    /// Creates `topic`, or opens it if it exists, and keeps it in existence as long as the result lives.
+    /// Creates `topic`, or opens an existing topic, and keeps the topic in existence during the life of the result.
     ///
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
     pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
         if S::CROSSES_PROCESSES {
-            // Before the topic: whoever finds that finds its lines.
+            // Lines are created first, so that every process that finds the topic finds the lines.
             Lines::create(&self.prefix, &topic.name, topic.capacity.publishers)?;
         }
         S::hold(&self.node, &self.service(topic))
@@ -134,11 +134,11 @@ impl<S: Transport> Bus<S> {
         Ok(())
     }
 
-    /// The writer of the log of `topic`: there must be one at a time. [In process](crate::InProcess) nobody reads what
-    /// it writes.
+    /// Returns the writer of the log of `topic`; only one writer may exist at a time. [In process](crate::InProcess)
+    /// the log has no reader.
     ///
     /// # Errors
-    /// If nobody holds the log.
+    /// If no process holds the log.
     pub fn log_writer<T: Payload>(&self, topic: &Topic<T>) -> Result<LogWriter<T>, BusError> {
         LogWriter::open(S::CROSSES_PROCESSES.then_some(&self.prefix), topic)
     }
@@ -146,7 +146,7 @@ impl<S: Transport> Bus<S> {
     /// A reader of the log of `topic`, from the oldest sample on.
     ///
     /// # Errors
-    /// If nobody holds the log.
+    /// If no process holds the log.
     pub fn log_reader<T: Payload>(&self, topic: &Topic<T>) -> Result<LogReader<T>, BusError> {
         LogReader::open(S::CROSSES_PROCESSES.then_some(&self.prefix), topic)
     }
@@ -161,12 +161,12 @@ impl<S: Transport> Bus<S> {
         }
     }
 
-    /// A publisher on `topic`. `incarnation` is the monotonic time at which the publisher started, in nanoseconds: it
-    /// tells a restarted publisher from its predecessor.
+    /// Returns a publisher on `topic`. `incarnation` is the monotonic time of the publisher's start, nanoseconds, and
+    /// distinguishes a restarted publisher from its predecessor.
     ///
     /// # Errors
-    /// [`BusError::NoSuchTopic`] if nobody holds the topic; [`BusError::Full`] if it has no place left, even after
-    /// dead processes were removed.
+    /// [`BusError::NoSuchTopic`] if no process holds the topic; [`BusError::Full`] if the topic has no free place,
+    /// even after the removal of dead processes.
     pub fn publisher<T: Payload>(&self, topic: &Topic<T>, incarnation: u64) -> Result<Publisher<S, T>, BusError> {
         let opened = S::publish(&self.node, &self.service(topic))?;
         let who = Identity {
@@ -179,13 +179,13 @@ impl<S: Transport> Bus<S> {
         Ok(Publisher::new(opened, line, topic, incarnation))
     }
 
-    /// A subscriber to `topic`. `now_ns` reads the same monotonic clock from which publishers have their incarnation;
-    /// it is called once, when the subscriber is in place: what publishers that started later sent must arrive, and is
-    /// lost if it does not, while of older publishers only what follows their first slice taken is expected.
+    /// Returns a subscriber to `topic`. `now_ns` reads the monotonic clock of the publishers' incarnations; it is
+    /// called once, when the subscriber is connected. Samples of publishers started later must arrive, and count as
+    /// lost otherwise; of older publishers, only samples after the first taken slice are expected.
     ///
     /// # Errors
-    /// [`BusError::NoSuchTopic`] if nobody holds the topic; [`BusError::Full`] if it has no place left, even after
-    /// dead processes were removed.
+    /// [`BusError::NoSuchTopic`] if no process holds the topic; [`BusError::Full`] if the topic has no free place,
+    /// even after the removal of dead processes.
     pub fn subscriber<T: Payload>(
         &self,
         topic: &Topic<T>,
@@ -201,7 +201,7 @@ impl<S: Transport> Bus<S> {
     /// [`PublisherLine`]. None [in process](crate::InProcess), where publishers end with all others.
     ///
     /// # Errors
-    /// If nobody holds the topic.
+    /// If no process holds the topic.
     pub fn publisher_lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Vec<PublisherLine>, BusError> {
         let lines = self.lines(topic)?;
         let of_schema = |line: &PublisherLine| line.schema == T::SCHEMA;
@@ -223,7 +223,7 @@ impl<S: Transport> Bus<S> {
     pub fn remove_dead(&self) -> DeadProcesses {
         let dead = S::remove_dead(&self.node);
         if S::CROSSES_PROCESSES {
-            // What cannot be removed now is found again the next time.
+            // Files that cannot be removed now are found again at the next removal.
             let _ = self.root.remove_remains(&self.prefix);
             line::mark_dead(&self.prefix, || self.root.nodes());
         }
@@ -268,7 +268,7 @@ mod tests {
             let name = iceoryx2::prelude::ServiceName::new(topic.name.as_str()).unwrap();
             bus.node().service_builder(&name)
         };
-        // As programs in other languages open it, by the name, size and alignment of its samples.
+        // As in other languages: by the name, size and alignment of the samples.
         let tracks = service().publish_subscribe::<[SensorTrack]>();
         tracks.user_header::<BatchHeader>().open().unwrap();
         let others = service().publish_subscribe::<[SystemTrack]>();

@@ -1,7 +1,7 @@
-//! Errors, each with what to do about it.
+//! Errors, each with a remedy.
 //!
-//! Every message names the thing concerned, what was tried, the limit where there is one, and the remedy. Errors that
-//! can occur in the steady state own no heap memory of their own: a topic's name is shared with the port.
+//! Every message names the object, the attempted action, the limit (if any), and the remedy. Errors possible in the
+//! steady state own no heap memory: a topic's name is shared with the port.
 
 use std::fmt;
 use std::io;
@@ -47,7 +47,7 @@ pub enum BusError {
         path.display()
     )]
     BaseNotPrivate {
-        /// The folder, or one above it.
+        /// The folder, or a folder above.
         path: PathBuf,
         /// Why it is refused.
         fault: &'static str,
@@ -55,11 +55,11 @@ pub enum BusError {
 
     /// Something that Koseki has not made has the place of an instance's folder or lock.
     #[error(
-        "{} is none of Koseki's, and stays as it is: move it away, or take another instance name or base folder",
+        "{} was not created by Koseki, and is not changed: move it away, or use another instance name or base folder",
         path.display()
     )]
     NotOurs {
-        /// Whatever is there.
+        /// Path of the existing file or folder.
         path: PathBuf,
     },
 
@@ -87,7 +87,7 @@ pub enum BusError {
         processes: Vec<Process>,
     },
 
-    /// Nobody runs this instance.
+    /// The instance does not run.
     #[error("instance {instance} is not running: start it with `koseki up`, or name the instance that runs")]
     NotRunning {
         /// The instance.
@@ -145,7 +145,7 @@ pub enum BusError {
     },
 
     /// The topic has no place left.
-    #[error("topic {topic} has no place left for another {role}: its limit is {limit}; end one that is not needed")]
+    #[error("topic {topic} has no free place for another {role}: the limit is {limit}; end an unneeded {role}")]
     Full {
         /// The topic.
         topic: Arc<str>,
@@ -155,8 +155,8 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// The topic could not be opened or created, or one of its ports could not be made.
-    #[error("topic {topic}: cannot {action}: {reason}; if the instance was killed while it started, start it anew")]
+    /// The topic could not be opened or created, or a port of the topic could not be created.
+    #[error("topic {topic}: cannot {action}: {reason}; if the instance was killed during its start, start it again")]
     Topic {
         /// The topic.
         topic: Arc<str>,
@@ -175,7 +175,8 @@ pub enum BusError {
         limit: usize,
     },
 
-    /// A slice could not be sent. Its samples keep their sequence numbers, so that subscribers count them as lost.
+    /// A slice could not be sent. The slice's samples keep their sequence numbers, so that subscribers count them as
+    /// lost.
     #[error(
         "topic {topic}: {samples} samples were not sent: {reason}; remove dead processes, they may hold the memory"
     )]
@@ -199,7 +200,7 @@ pub enum BusError {
 
     /// The subscriber keeps as many slices as it may.
     #[error(
-        "topic {topic}: {limit} slices are kept, and that is the limit: give one back, or copy what is needed longer"
+        "topic {topic}: {limit} slices are kept, which is the limit: release a slice, or copy its samples"
     )]
     Borrowed {
         /// The topic.
@@ -280,7 +281,7 @@ impl fmt::Display for Processes<'_> {
     }
 }
 
-/// For `map_err`: what was tried with `path` when the operating system refused.
+/// Returns a closure for `map_err` that names the action on `path` refused by the operating system.
 pub(crate) fn io_error(action: &'static str, path: &Path) -> impl Fn(io::Error) -> BusError {
     let path = path.to_owned();
     move |source| BusError::Io {

@@ -1,30 +1,30 @@
-//! Topics in shared memory: the only crate that knows iceoryx2 (PL-2, PL-5, PL-8, PL-11).
+//! Topics in shared memory: the only crate that uses iceoryx2 (PL-2, PL-5, PL-8, PL-11).
 //!
-//! Processes of one deployment exchange slices of fixed-layout samples (see the `messages` crate) without copying
-//! them: a publisher writes them where its subscribers read them. This crate turns iceoryx2's building blocks into
-//! the seven things that the rest of Koseki needs:
+//! Processes of a deployment exchange slices of fixed-layout samples (see the `messages` crate) without copies: a
+//! publisher writes samples where subscribers read them. This crate has seven parts, built on iceoryx2:
 //!
-//! | type | what it is |
+//! | type | purpose |
 //! |---|---|
-//! | [`Root`], [`Claim`] | where one deployment lives, who runs it, and how nothing of it stays behind |
-//! | [`Bus`], [`Held`] | one process's connection; the keeper holds every topic, the others only open them |
+//! | [`Root`], [`Claim`] | folder of a deployment, right to run the deployment, and removal of all its files |
+//! | [`Bus`], [`Held`] | connection of a process; the keeper holds every topic, other processes only open topics |
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
-//! | [`Subscriber`] | takes slices and counts, per publisher, what it missed |
-//! | [`LogWriter`], [`LogReader`] | write down, at the cost of a few stores, what readers follow at their own pace |
+//! | [`Subscriber`] | takes slices, and counts missing samples per publisher |
+//! | [`LogWriter`], [`LogReader`] | a log, written with a few stores per sample, for readers at any speed |
 //! | [`OrderPort`] | gives orders to fusion and receives their states |
 //! | [`Waiter`] | waits for work on several topics: spinning, blocked, or first one, then the other |
 //!
-//! All of them are generic over a [`Transport`]. [`SharedMemory`] connects processes; [`InProcess`] is its twin that
-//! connects threads and leaves no trace outside of the process. One conformance suite runs over both.
+//! All parts are generic over a [`Transport`]. [`SharedMemory`] connects processes; [`InProcess`] connects threads,
+//! and creates no files. The same conformance suite tests both.
 //!
 //! Four rules hold throughout:
-//! - **A publisher never waits.** A subscriber that stops, dies or is slow loses its oldest slices, and counts them.
+//! - **A publisher never waits.** A stopped, dead or slow subscriber loses its oldest slices, and counts the loss.
 //! - **Loss is counted, not guessed**, from the sequence number in the header of every slice.
-//! - **The steady state allocates nothing** once every port has met its peers: `take` and `wait` nothing at all, `send`
-//!   nothing of its own (iceoryx2 0.10 takes one block of some fifty bytes per slice, and gives it back at once).
-//! - **Nobody cleans up behind another's back.** Dead processes are removed when [`Bus::remove_dead`] is called (by
-//!   the keeper) or a topic has no place left; the remains of a dead deployment, when [`Root::claim`] succeeds, or when
-//!   the last process that had joined it leaves.
+//! - **The steady state allocates nothing** once every port is connected to its peers: `take` and `wait` nothing at
+//!   all, `send` nothing of its own (iceoryx2 0.10 allocates a block of some fifty bytes per slice, and frees the
+//!   block at once).
+//! - **Removal is explicit.** Dead processes are removed when the keeper calls [`Bus::remove_dead`] or a topic has no
+//!   free place; the remains of a dead deployment, when [`Root::claim`] succeeds, or when the last joined process
+//!   leaves.
 //!
 //! ```
 //! use bus::{Bus, InProcess, Mark, Root, WaitMode, Woken};

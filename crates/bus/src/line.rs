@@ -1,21 +1,20 @@
 //! The publisher's line: last words that outlive their publisher.
 //!
-//! A slice says how many samples its publisher had sent before it, so what is missing shows with the next slice. After
-//! the last one nothing follows: of a publisher that was killed, nobody would know which samples died with it. So each
-//! publisher has a line of shared memory, one cache line long. Before each send it writes there which number follows
-//! that send, and after it the time. The line stays when its publisher is gone, and a subscriber that has emptied the
-//! queue compares: numbers up to the line's that it has not taken are lost to it.
+//! A slice states how many samples its publisher had sent before, so that the next slice reveals missing samples.
+//! After the last slice there is no such check: samples that died with a killed publisher would go unnoticed.
+//! Therefore each publisher has a *line* of shared memory, one cache line long. Before each send the publisher writes
+//! the sequence number after this send to the line, and afterwards the time. The line remains after the publisher's
+//! end. A subscriber with an empty queue compares: numbers below the line's number that were not taken are lost.
 //!
-//! The lines of a topic are one file in shared memory, made by the topic's holder: a head, then twice as many lines as
-//! there can be publishers at a time, so that the lines of those that ended last can still be read when their places
-//! are filled again. A publisher that leaves marks its line as ended; that of a killed one is marked by whoever removes
-//! the dead ([`Bus::remove_dead`](crate::Bus::remove_dead)). Each mark raises a count in the head, which tells
-//! subscribers to look: until then a look at an empty queue costs them one load.
+//! The lines of a topic are a file in shared memory, created by the topic's holder: a head, and twice as many lines
+//! as simultaneous publishers, so that the lines of recently ended publishers remain readable when their places are
+//! reused. A publisher that leaves marks its line as ended; the line of a killed publisher is marked by the process
+//! that removes the dead ([`Bus::remove_dead`](crate::Bus::remove_dead)). Each mark increments a count in the head;
+//! until the count changes, a check of an empty queue costs a subscriber one load.
 //!
-//! Limits: a publisher in another language has no line, and what is missing of it shows by gaps only. Any process of
-//! the same user can write into the file. Readers believe a line only if its fields agree with each other, and use
-//! nothing of it as a place or a length. A line whose place was filled again before a subscriber looked is not missed
-//! by it.
+//! Limits: a publisher in another language has no line; its missing samples are detected by gaps only. Any process of
+//! the same user can write to the file. Readers accept a line only if its fields are consistent, and use no field as
+//! an index or a length. A line reused before a subscriber reads it is not counted.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -49,7 +48,7 @@ struct Head {
 
 #[repr(C, align(64))]
 struct Line {
-    /// The process that has or had the line, and the line's state; 0 if nobody ever had it.
+    /// Process of the line's present or former publisher, and the line's state; 0 if the line was never used.
     owner: AtomicU64,
     origin: AtomicU64,
     incarnation: AtomicU64,
@@ -84,7 +83,7 @@ pub struct PublisherLine {
 /// State of a publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Life {
-    /// It lives, or its death was not found yet.
+    /// The publisher lives, or its death is not detected yet.
     Lives,
     /// It left.
     Ended,
@@ -92,7 +91,7 @@ pub enum Life {
     Died,
 }
 
-/// Identity of a publisher, as its line states it.
+/// Identity of a publisher in its line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Identity {
     /// iceoryx2's number of the process.
@@ -111,7 +110,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Creates the lines of `topic`, which so many `publishers` can have at a time, or opens them if they exist.
+    /// Creates the lines of `topic` for this number of simultaneous `publishers`, or opens existing lines.
     ///
     /// # Errors
     /// If the file cannot be made, or is another user's.
@@ -126,7 +125,7 @@ impl Lines {
     /// Opens the lines of `topic`.
     ///
     /// # Errors
-    /// If nobody holds the topic, or they are another user's.
+    /// If no process holds the topic, or the lines belong to another user.
     pub(crate) fn open(prefix: &str, topic: &TopicName) -> Result<Self, BusError> {
         let path = path_of(prefix, topic);
         Mapping::open(&path)
@@ -158,8 +157,8 @@ impl Lines {
         self.list().iter().filter_map(Line::read)
     }
 
-    /// Takes a line for the publisher `who`: one that nobody ever had, else the one that ended first. `None` if all
-    /// publishers live, or wait to be removed.
+    /// Assigns a line to the publisher `who`: an unused line, or else the line that ended first. `None` if all
+    /// publishers live, or wait for removal.
     fn claim(&self, who: &Identity) -> Option<usize> {
         let mut places: Vec<(u64, usize, u64)> = self
             .list()
@@ -187,7 +186,7 @@ impl Lines {
         }
     }
 
-    /// Places and owners of the lines whose publishers live, or died.
+    /// Returns indices and owners of the lines of living or dead publishers.
     fn owners(&self) -> Vec<(usize, u64)> {
         let owners = self.list().iter().map(|line| line.owner.load(Acquire)).enumerate();
         owners
@@ -286,16 +285,16 @@ impl Drop for OwnLine {
     }
 }
 
-/// Tells a subscriber of publishers that have ended.
+/// Reports ended publishers to a subscriber.
 #[derive(Debug)]
 pub(crate) struct Ends {
     lines: Lines,
     schema: u64,
     /// Count of ends when it was last looked.
     seen: u64,
-    /// Which publisher's end was told last, for each line.
+    /// For each line, the last publisher with a reported end.
     told: Vec<u64>,
-    /// Ended publishers to be told of.
+    /// Ended publishers not reported yet.
     waiting: Vec<PublisherLine>,
 }
 
@@ -315,7 +314,8 @@ impl Ends {
         ends
     }
 
-    /// Whether publishers have ended. What they sent may still be in the queue: empty it, then [settle](Self::settle).
+    /// Returns whether publishers have ended. Their last slices may still be in the queue: empty the queue, then
+    /// [settle](Self::settle).
     #[inline]
     pub(crate) fn news(&mut self) -> bool {
         let ends = self.lines.head().ends.load(Acquire);
@@ -347,7 +347,7 @@ impl Ends {
         }
     }
 
-    /// Tells of each publisher that had ended before the queue was last asked and found empty.
+    /// Reports each publisher that ended before the last check with an empty queue.
     #[inline]
     pub(crate) fn settle(&mut self, mut tell: impl FnMut(&PublisherLine)) {
         for ended in self.waiting.drain(..) {
@@ -380,7 +380,7 @@ fn scramble(word: u64) -> u64 {
     word ^ (word >> 31)
 }
 
-/// What the name of each file of lines begins with.
+/// Returns the start of the names of files of lines.
 fn name_start(prefix: &str) -> String {
     format!("{prefix}lines.")
 }
@@ -394,14 +394,14 @@ fn io_error(action: &'static str, path: PathBuf, source: io::Error) -> BusError 
     BusError::Io { action, path, source }
 }
 
-/// Marks as dead all publishers of the instance whose process is not among the `nodes` any more. Names of its memory
-/// begin with `prefix`; a file that cannot be opened is left out.
+/// Marks all publishers of the instance as dead whose processes are missing in `nodes`. Names of the instance's
+/// memory begin with `prefix`; files that cannot be opened are skipped.
 pub(crate) fn mark_dead<E>(prefix: &str, nodes: impl FnOnce() -> Result<Vec<u128>, E>) {
     let start = name_start(prefix);
     let Ok(folder) = std::fs::read_dir(SHARED_MEMORY_DIR) else {
         return;
     };
-    // Before the processes are listed: whoever has a line by now is among them, if it lives.
+    // Read before the list of processes: every living owner of a line is then in the list.
     let had: Vec<(Lines, Vec<(usize, u64)>)> = folder
         .flatten()
         .filter(|entry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&start)))

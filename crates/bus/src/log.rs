@@ -1,13 +1,13 @@
-//! A log in shared memory: what one process writes down, sample by sample, for others to follow at their own pace.
+//! A log in shared memory: samples of one writer, for readers at any speed.
 //!
-//! A topic costs its publisher some thousand instructions a slice. Where each sample must be out before what comes of
-//! it, that is dear. A log costs some ten: the writer puts the sample into the next place of a ring of memory, and then
-//! counts. No reader is known to it, none can slow it, and what it wrote stays when it is killed, in the middle of
-//! whatever. Its successor goes on with the next place; there must be one writer at a time.
+//! A topic costs its publisher some thousand instructions per slice, which is expensive if each sample must be
+//! published before its result. A log costs some ten: the writer stores the sample in the next place of a ring, and
+//! increments a count. The writer has no list of readers, no reader can slow the writer, and written samples survive
+//! a kill at any instruction. A successor continues at the next place; only one writer may exist at a time.
 //!
-//! The ring is one file in shared memory, made by whoever holds it: a head with when it was made and how many samples
-//! were ever written, then as many places as the topic has depth, a power of two. A reader copies places, then looks at
-//! the count again: what the writer may have come round to in the meantime is lost to that reader.
+//! The ring is a file in shared memory, created by its holder: a head with the time of creation and the number of
+//! samples ever written, and as many places as the topic has depth, a power of two. A reader copies places, then
+//! reads the count again: places overwritten in the meantime are lost to this reader.
 
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
@@ -82,12 +82,12 @@ pub(crate) fn create<T: Payload>(prefix: &str, topic: &Topic<T>, created_ns: u64
         path,
         source,
     })?;
-    // Whoever made it first has said so.
+    // The first creator stores the time.
     let _ = ring.words()[CREATED].compare_exchange(0, created_ns, Relaxed, Relaxed);
     Ok(())
 }
 
-/// Maps the log of `topic`; without a `prefix`, one of its own that nobody else sees.
+/// Maps the log of `topic`; without a `prefix`, a private log.
 fn open<T: Payload>(prefix: Option<&str>, topic: &Topic<T>) -> Result<Ring<T>, BusError> {
     let path = path_of(prefix.unwrap_or_default(), topic);
     let mapping = match prefix {
@@ -130,7 +130,7 @@ impl<T: Payload> LogWriter<T> {
         }
         self.next += 1;
         self.ring.words()[NEXT].store(self.next, Release);
-        // Whoever sees a word of the next sample sees this count.
+        // A reader that sees a word of the next sample also sees this count.
         fence(Release);
     }
 }
@@ -152,18 +152,20 @@ impl<T: Payload> LogReader<T> {
         })
     }
 
-    /// When the log was made, monotonic, nanoseconds: tells it from another one.
+    /// Returns the time of creation, monotonic, nanoseconds; identifies the log.
     pub fn created_ns(&self) -> u64 {
         self.ring.words()[CREATED].load(Relaxed)
     }
 
-    /// Goes on with the sample of this number, or the oldest that there is, unless it has come further already.
+    /// Continues with the sample of this number, or with the oldest sample available, unless the reader is already
+    /// further.
     pub fn go_on(&mut self, next: u64) {
         self.next = self.next.max(next);
     }
 
-    /// The samples that come next, a few hundred at most, and the number of the first: how many were ever written
-    /// before it. `None` if there are none. A number that is not the one expected says how many were lost.
+    /// Returns the next samples, a few hundred at most, and the number of the first: the count of samples ever
+    /// written before it. `None` without new samples. A number above the expected number gives the number of lost
+    /// samples.
     pub fn read(&mut self) -> Option<(u64, &[T])> {
         let first = loop {
             let written = self.ring.words()[NEXT].load(Acquire);

@@ -1,4 +1,4 @@
-//! Files in shared memory that are mapped as they are: words that outlive whoever wrote them.
+//! Mapped files in shared memory: words that outlive their writer.
 
 use std::fs::OpenOptions;
 use std::io;
@@ -13,18 +13,18 @@ const ACCESS: ProtFlags = ProtFlags::READ.union(ProtFlags::WRITE);
 /// Populated: no page is to be fetched in the loop.
 const FLAGS: MapFlags = MapFlags::SHARED.union(MapFlags::POPULATE);
 
-/// A file, mapped whole. Begins at a page, with zeros where nobody wrote.
+/// A completely mapped file, aligned to a page; unwritten bytes are zero.
 #[derive(Debug)]
 pub(crate) struct Mapping {
     start: NonNull<u8>,
     bytes: usize,
 }
 
-// SAFETY: the mapping belongs to the process, not to a thread; its users hold atomic words in it only.
+// SAFETY: the mapping belongs to the process, not to a thread; its users access atomic words only.
 unsafe impl Send for Mapping {}
 
 impl Mapping {
-    /// Creates the file with so many `bytes`, or opens it if it exists.
+    /// Creates the file with this number of `bytes`, or opens an existing file.
     ///
     /// # Errors
     /// If it cannot be made, or is another user's.

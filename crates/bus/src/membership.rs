@@ -6,8 +6,8 @@ use crate::error::BusError;
 use crate::root::{Root, Wiped, wipe_memory};
 use crate::seal::{SEAL, Seal, is_same_file};
 
-/// A process's part in an instance. It ends when dropped, which must be after the process's last port. If nobody runs
-/// the instance any more and nobody else has joined it, the instance ends with it.
+/// Membership of a process in an instance. Ends when dropped, which must be after the process's last port. If the
+/// instance has no launcher any more and no other member, the instance ends with the membership.
 #[derive(Debug)]
 pub(crate) struct Membership {
     root: Root,
@@ -15,7 +15,7 @@ pub(crate) struct Membership {
 }
 
 impl Membership {
-    /// Joins the instance; also says with what the names of its memory begin. `None` if nobody runs it.
+    /// Joins the instance; also returns the start of the names of its memory. `None` if the instance does not run.
     pub(crate) fn begin(root: &Root) -> Result<Option<(Self, String)>, BusError> {
         if root.holder()?.is_none() {
             return Ok(None);
@@ -23,8 +23,8 @@ impl Membership {
         let Some(seal) = Seal::open(root.path())? else {
             return Ok(None);
         };
-        // Where it cannot be locked, the instance is being removed; and if it was removed before it was locked, another
-        // may have taken its place.
+        // A failed lock means that the instance is being removed; and if the folder was removed before the lock,
+        // another instance may have taken its place.
         if flock(&seal.file, FlockOperation::NonBlockingLockShared).is_err()
             || !is_same_file(&seal.file, &root.path().join(SEAL))
         {
@@ -38,11 +38,12 @@ impl Membership {
 
 impl Drop for Membership {
     fn drop(&mut self) {
-        // The last one that leaves is the only one who can lock it alone, for all have given up their locks before they
-        // try. If something fails, as where a launcher that was killed still holds its lock, the next start clears up.
+        // Only the last leaving member can lock alone, because all members release their locks before the attempt.
+        // After a failure, for example because a killed launcher's lock remains, the next start removes the files.
         let _ = flock(&self.seal.file, FlockOperation::Unlock);
         if !is_same_file(&self.seal.file, &self.root.path().join(SEAL)) {
-            // The memory was replaced while this process had it. What it made there since then is nobody's.
+            // The memory was replaced during this membership. Memory created by this process since then belongs to no
+            // instance.
             if let Some(prefix) = self.seal.prefix.as_ref().filter(|_| self.is_last()) {
                 let _ = wipe_memory(prefix, &mut Wiped::default());
             }

@@ -47,13 +47,13 @@ impl<S: Transport> OrderPort<S> {
         self.pending = Some((order, i64::MIN));
     }
 
-    /// Ceases to send the pending order, whose sender waits no longer. Fusion may have obeyed the order already.
+    /// Stops sending the pending order after its sender's time limit. Fusion may have obeyed the order already.
     pub fn withdraw(&mut self) {
         self.pending = None;
     }
 
-    /// Sends what is due at `mono_ns` (monotonic, nanoseconds) and takes the published states. Returns the state of the
-    /// pending order, if fusion has published it.
+    /// Sends the orders due at `mono_ns` (monotonic, nanoseconds) and takes the published states. Returns the state
+    /// of the pending order, if published by fusion.
     ///
     /// # Errors
     /// If shared memory fails.

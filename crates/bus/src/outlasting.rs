@@ -1,16 +1,16 @@
 //! Memory that outlasts the processes of an instance, and the instance's other memory with them.
 //!
-//! Memory that a process leaves to its successor, even where the launcher dies too and the next start removes all
-//! remains, lies in a file of its own: `/dev/shm/kept_<of the instance>_<name>.<random>`, to which the link
-//! `<base>/<instance>.<name>` leads. The base folder is private, so whoever follows the link finds what this user's
-//! processes have made; the name of the file itself, which lies where every user can make some, proves nothing. A
-//! successor fills a file of its own and then has the link lead there, which happens at once or not at all.
+//! Memory for a process's successor must survive the launcher's death and the removal of all remains by the next
+//! start. It is a separate file, `/dev/shm/kept_<of the instance>_<name>.<random>`, with a link to it,
+//! `<base>/<instance>.<name>`. The base folder is private: the link leads only to files made by this user's
+//! processes. The file's own name proves nothing, because every user can create files in its folder. A successor
+//! fills a new file and then redirects the link, which is atomic.
 //!
 //! Only an orderly end of the instance removes it ([`Root::remove_outlasting`]).
 //!
-//! The machine's death ends it, too. What must outlast that is copied to a folder on disk now and then
-//! ([`Root::copy_outlasting`]), and revived from there ([`Root::revive_outlasting`]). Records that are written
-//! meanwhile may be torn in the copy, as they may be when their writer is killed.
+//! The machine's death ends this memory. For data that must survive a reboot, the memory is copied to a folder on
+//! disk at times ([`Root::copy_outlasting`]), and restored from this folder ([`Root::revive_outlasting`]). A record
+//! written during the copy may be torn, as after a kill of its writer.
 
 use std::fs::{self, File};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -27,9 +27,9 @@ use crate::mapping::Mapping;
 use crate::root::Root;
 use crate::seal::{SHARED_MEMORY_DIR, random};
 
-/// With what the name of a file ends that was revived; other names end with a hexadecimal digit.
+/// End of the name of a restored file; other names end with a hexadecimal digit.
 const REVIVED: &str = "-revived";
-/// Words of a page: what is blank takes no room in a copy.
+/// Words per page: blank pages take no room in a copy.
 const PAGE: usize = 512;
 
 /// Words that outlast their process, mapped.
@@ -44,7 +44,8 @@ pub struct Outlasting {
 unsafe impl Sync for Outlasting {}
 
 impl Root {
-    /// New words, all 0, which nobody finds before they are [published](Outlasting::publish) under `name`.
+    /// Returns new words, all 0, which are visible to others only after they are [published](Outlasting::publish)
+    /// under `name`.
     ///
     /// # Errors
     /// If there is no memory left for them.
@@ -106,8 +107,8 @@ impl Root {
         folder_itself.map_err(io_error("write", folder))
     }
 
-    /// Publishes what was copied to `folder`, but for what is there still; how many of them. In the place of a copy
-    /// that is empty or cannot be read, one blank word is published.
+    /// Publishes the copies in `folder`, except names that still exist; returns the number of published copies. An
+    /// empty or unreadable copy is published as one blank word.
     ///
     /// # Errors
     /// If there is no memory for it.
@@ -124,8 +125,8 @@ impl Root {
                 continue;
             }
             let path = entry.path();
-            // One that is empty or cannot be read becomes a blank word, which every reader refuses: that there was a
-            // copy matters to a successor, also where its contents are lost.
+            // An empty or unreadable copy becomes a blank word, which every reader rejects: a successor needs to know
+            // that a copy existed, even if its contents are lost.
             let octets = fs::read(&path).unwrap_or_default();
             let words = octets.as_chunks::<{ size_of::<u64>() }>().0;
             let count = words.len().max(1);
@@ -139,7 +140,7 @@ impl Root {
         Ok(revived)
     }
 
-    /// Removes what was copied to `folder`.
+    /// Removes the copies in `folder`.
     pub fn remove_copies(&self, folder: &Path) {
         let prefix = format!("{}.", self.instance());
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -156,7 +157,7 @@ impl Root {
         let links = entries
             .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_symlink()))
             .filter_map(|entry| Some(entry.file_name().to_str()?.strip_prefix(&links)?.to_owned()));
-        // Those with a point are on their way to be published.
+        // Names with a dot are not published yet.
         links.filter(|name| !name.contains('.')).collect()
     }
 
@@ -164,8 +165,8 @@ impl Root {
         folder.join(format!("{}.{name}", self.instance()))
     }
 
-    /// Removes all that was published, and what others left that were killed before they could publish. What was
-    /// [put aside](Self::put_outlasting_aside) stays.
+    /// Removes all published memory, and the files of processes killed before publication. Memory [put
+    /// aside](Self::put_outlasting_aside) remains.
     pub fn remove_outlasting(&self) {
         let links = format!("{}.", self.instance());
         for entry in fs::read_dir(self.base()).into_iter().flatten().flatten() {
@@ -177,15 +178,15 @@ impl Root {
         remove_files(&self.kept_prefix(), None);
     }
 
-    /// Copies what is published under `name` to a file beside it, whose name has the `ending`, for somebody to look at;
-    /// where it is then.
+    /// Copies the memory published under `name` to a file beside it, with a name that ends with `ending`, for
+    /// analysis; returns the path.
     pub fn copy_outlasting_aside(&self, name: &str, ending: &str) -> Option<PathBuf> {
         let link = self.outlasting_link(name);
         let aside = link.with_extension(format!("{name}-{ending}"));
         fs::copy(&link, &aside).is_ok().then_some(aside)
     }
 
-    /// Puts what was published under `name` aside, for somebody to look at; where it is then.
+    /// Moves the memory published under `name` aside for analysis; returns the path.
     pub fn put_outlasting_aside(&self, name: &str) -> Option<PathBuf> {
         let aside = self.copy_outlasting_aside(name, "refused");
         let _ = fs::remove_file(self.outlasting_link(name));
@@ -196,7 +197,7 @@ impl Root {
         self.base().join(format!("{}.{name}", self.instance()))
     }
 
-    /// With what the names of all files in shared memory begin that are to outlast the instance's processes.
+    /// Returns the start of the names of all files in shared memory that outlast the instance's processes.
     pub fn kept_prefix(&self) -> String {
         let of_path = self.path().as_os_str().as_encoded_bytes().iter();
         let of_instance = of_path.fold(u128::from(rustix::process::geteuid().as_raw()), |hash, octet| {
@@ -207,7 +208,7 @@ impl Root {
 }
 
 impl Outlasting {
-    /// Whether it was revived from a copy, and may lack what was written last.
+    /// Returns whether the memory was restored from a copy, and may lack the last records.
     pub fn is_revived(&self) -> bool {
         self.path.to_str().is_some_and(|path| path.ends_with(REVIVED))
     }
@@ -260,7 +261,7 @@ fn write_copy(path: &Path, words: &[AtomicU64]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Removes this user's files in shared memory whose names begin with `prefix`, but for one.
+/// Removes this user's files in shared memory with names that begin with `prefix`, except one file.
 fn remove_files(prefix: &str, but: Option<&Path>) {
     let entries = fs::read_dir(SHARED_MEMORY_DIR).into_iter().flatten().flatten();
     for entry in entries {

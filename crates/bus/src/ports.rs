@@ -1,8 +1,8 @@
 //! Ports of both transports, compiled once.
 //!
-//! A function that is generic over the transport is compiled again in every crate that calls it, with all of iceoryx2
-//! that it calls: that was more than half of what a service compiled. A method of a concrete type is compiled with the
-//! type. So everything that iceoryx2 does goes through the methods of [`Ports`], and what it made is dropped here, too
+//! A function generic over the transport is compiled again in every calling crate, with all the iceoryx2 code it
+//! needs: this was more than half of a service's compile time. A method of a concrete type is compiled with the type.
+//! Therefore all iceoryx2 code is called through methods of [`Ports`], and iceoryx2's values are dropped here, too
 //! ([`Kept`]).
 
 use std::io;
@@ -26,7 +26,7 @@ use crate::transport::{InProcess, SharedMemory};
 
 /// The medium of a [`Bus`](crate::Bus). Implemented by the media of this crate, and by nothing else.
 pub trait Transport: Ports {
-    /// Whether other processes can see the topics, so that one of them must hold the instance's claim.
+    /// Whether the topics are visible to other processes, so that a process must hold the instance's claim.
     const CROSSES_PROCESSES: bool;
 }
 
@@ -77,7 +77,7 @@ pub struct Receiving<S: Medium> {
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
 
-/// A value that is dropped by code of this crate, whoever drops it.
+/// A value that is always dropped by code of this crate.
 #[derive(Debug)]
 pub struct Kept<T> {
     value: ManuallyDrop<T>,
@@ -122,7 +122,7 @@ impl<T> Drop for Kept<T> {
     }
 }
 
-/// Both transports' listeners have a descriptor, but only their concrete types say so.
+/// Listeners of both transports have a descriptor, but only their concrete types give access to it.
 macro_rules! transport {
     ($name:ty, $crosses:literal) => {
         impl Transport for $name {
@@ -131,8 +131,8 @@ macro_rules! transport {
 
         impl Ports for $name {
             fn descriptor(listener: &Listener<Self>) -> BorrowedFd<'_> {
-                // SAFETY: the listener keeps its descriptor open and unchanged as long as it lives, and the result
-                // cannot outlive the borrow of the listener.
+                // SAFETY: the listener keeps its descriptor open and unchanged during its life, and the result cannot
+                // outlive the borrow of the listener.
                 unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
             }
 
@@ -191,7 +191,7 @@ macro_rules! transport {
             }
 
             fn has_slices(port: &SubscriberPort<Self>) -> bool {
-                // An error is what a take would say.
+                // The next take returns the error.
                 port.has_samples().unwrap_or(true)
             }
         }

@@ -1,7 +1,7 @@
 //! Sends slices.
 //!
-//! A publisher writes samples straight into shared memory, numbers them, and never waits: where a subscriber has no
-//! room left, its oldest slice gives way. That the subscriber missed it shows in the numbers ([`BatchHeader`]).
+//! A publisher writes samples directly into shared memory, numbers the samples, and never waits: a full subscriber
+//! loses its oldest slice, and detects the loss by the numbers ([`BatchHeader`]).
 //!
 //! Progress marks need care where a send is longer than a slice. "No later sample is older than this" is true of the
 //! last of its slices only: the samples of the others are still followed by some of the same send. So all slices but
@@ -25,7 +25,7 @@ use crate::transport::Payload;
 pub struct Publisher<S: Transport, T: Payload> {
     port: Kept<PublisherPort<S>>,
     notifier: Kept<Notifier<S>>,
-    /// After the port: whoever reads that the publisher has ended finds nothing new in the queue.
+    /// Dropped after the port: when the line is marked as ended, no further slice enters the queue.
     line: Option<OwnLine>,
     samples: PhantomData<fn(T)>,
     topic: Arc<str>,
@@ -95,7 +95,7 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
-    /// States in every slice from now on that this fusion goes on with the tracks of the one before it.
+    /// States in every later slice that this epoch of fusion continues the tracks of the previous epoch.
     pub fn go_on(&mut self) {
         self.header.flags |= BatchHeader::GOES_ON;
     }
@@ -117,17 +117,17 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
         self
     }
 
-    /// This publisher, stating in every slice the deployment that its samples come from, where that is another one.
+    /// Returns this publisher, with the number of the samples' original deployment in every slice.
     #[must_use]
     pub fn of_origin(mut self, origin: u32) -> Self {
         self.header.origin = origin;
         self
     }
 
-    /// Sends `count` samples, in as many slices as they need; with none, one empty slice that carries the mark.
+    /// Sends `count` samples in as many slices as needed; for 0 samples, an empty slice with the watermark.
     ///
-    /// `fill` is called once per sample, in order, with its place in this send (from 0) and its sequence number, and
-    /// its result is written where subscribers read it. Subscribers that wait are woken.
+    /// `fill` is called once per sample, in order, with its index in this send (from 0) and its sequence number; the
+    /// result is written to the place read by subscribers. Waiting subscribers are woken.
     ///
     /// # Errors
     /// [`BusError::Send`] if a slice could not be sent; those before it were. The samples that were not sent are

@@ -1,12 +1,11 @@
 //! Every setting of every topic, in one place.
 //!
-//! iceoryx2 refuses to open a service with larger demands than its creator made, and its defaults (two publishers,
-//! buffers of two, a publisher that waits) suit nobody here. So all who create or open a topic describe it through
-//! [`describe_slices`] and [`describe_wake_ups`], from the topic's own [`Capacity`], and no setting is left to a
-//! default.
+//! iceoryx2 refuses to open a service with larger demands than its creator's, and its defaults (two publishers,
+//! buffers of two, a waiting publisher) are unsuitable. Every process that creates or opens a topic therefore uses
+//! [`describe_slices`] and [`describe_wake_ups`], with the topic's own [`Capacity`]; no setting has a default value.
 //!
-//! A topic is two iceoryx2 services of one name: *slices* (publish-subscribe of `[T]` with a
-//! [`BatchHeader`] as user header) and *wake-ups* (events). They are apart so that one who spins, or polls, costs a
+//! A topic is two iceoryx2 services of the same name: *slices* (publish-subscribe of `[T]` with a [`BatchHeader`] as
+//! user header) and *wake-ups* (events). The services are separate so that spinning and polling readers cost a
 //! publisher nothing.
 
 use iceoryx2::node::Node;
@@ -19,9 +18,9 @@ use messages::{BatchHeader, Capacity, TopicName};
 
 use crate::error::BusError;
 
-/// Samples of a slice, as iceoryx2's ports for whatever type name them. Ports of this one type are compiled once, not
-/// once per type of sample: that was half of what each service compiled. The type's name, size and alignment are
-/// checked all the same, and readers in other languages see no difference.
+/// Type of the samples of a slice in iceoryx2's ports, for all sample types. Ports of this single type are compiled
+/// once instead of once per sample type, which was half of each service's compile time. The name, size and alignment
+/// of the sample type are checked all the same, and are visible to readers in other languages.
 pub(crate) type Octets = [CustomPayloadMarker];
 
 /// Header of a slice, likewise: a [`BatchHeader`].
@@ -39,7 +38,7 @@ pub const BORROWED_MAX: usize = 2;
 /// Slices that a publisher writes at a time.
 pub(crate) const LOANED_MAX: usize = 2;
 
-/// Everything about the slices of the topic called `name`, whose samples are `samples`.
+/// Describes the slices of the topic `name` with samples of the type `samples`.
 pub(crate) fn describe_slices<S: Medium>(
     node: &Node<S>,
     name: &TopicName,
@@ -86,7 +85,7 @@ pub(crate) fn describe_wake_ups<S: Medium>(
         .max_listeners(capacity.subscribers)
         .event_id_max_value(0)
         .disable_deadline()
-        // A new publisher wakes those who wait, so that they connect to it before its first slice comes.
+        // A new publisher wakes waiting readers, so that they connect before the first slice.
         .notifier_created_event(EventId::new(0))
         .disable_notifier_dropped_event()
         .disable_notifier_dead_event())
@@ -102,10 +101,10 @@ fn service_name(name: &TopicName) -> Result<ServiceName, BusError> {
 
 /// Slices for which a publisher reserves memory.
 ///
-/// iceoryx2 would reserve `subscribers × (depth + borrowed)`, in case every subscriber holds different slices. Here
-/// they cannot: what waits for a subscriber is always among the last `depth` slices sent, because overflow drops the
-/// oldest. So `depth` slices wait at most, for all subscribers together, and each subscriber looks at a few more. The
-/// second `depth` is for a dead subscriber whose queue stands still while it is being removed.
+/// iceoryx2 would reserve `subscribers × (depth + borrowed)`, for subscribers that all hold different slices. Here
+/// this is impossible: the waiting slices of a subscriber are always among the last `depth` slices sent, because
+/// overflow drops the oldest. Therefore at most `depth` slices wait for all subscribers together, and each subscriber
+/// borrows a few more. The second `depth` is for a dead subscriber with an unchanged queue during its removal.
 pub(crate) fn reserved_slices(capacity: Capacity) -> usize {
     let shared = 2 * capacity.depth + capacity.subscribers * BORROWED_MAX + LOANED_MAX;
     shared.min(worst_case_slices(capacity))

@@ -76,7 +76,7 @@ fn process_of(number: u128) -> i32 {
     (number >> 64) as i32
 }
 
-/// Whether the process lives, or waits for its parent to collect its exit code.
+/// Returns whether the process lives, or waits for the collection of its exit code.
 fn is_process(process: i32) -> bool {
     Pid::from_raw(process).is_some_and(|pid| test_kill_process(pid) != Err(rustix::io::Errno::SRCH))
 }

@@ -1,23 +1,22 @@
-//! Where a deployment lives, who runs it, and how nothing of it stays behind.
+//! Root of an instance: its folder, the right to run it, and the complete removal of its files.
 //!
 //! Several deployments (and any number of tests) run on one machine without seeing each other. Each is an *instance*
 //! with a name, and all its traces have known places:
 //!
-//! - `<base>/<instance>/`: iceoryx2's files (which services and processes exist, and sockets for wake-ups), and the
-//!   instance's [seal](crate::seal), which says with what the names of its memory begin;
+//! - `<base>/<instance>/`: iceoryx2's files (lists of services and processes, and sockets for wake-ups), and the
+//!   instance's [seal](crate::seal), with the start of the names of its memory;
 //! - `/dev/shm/<prefix>…`: the memory itself;
 //! - `<base>/<instance>.lock`: locked by the process that runs the instance, and holding its number;
-//! - `<base>/<instance>.checkpoint` and what it leads to: see [`outlasting`](crate::outlasting).
+//! - `<base>/<instance>.checkpoint` and its target: see [`outlasting`](crate::outlasting).
 //!
 //! The [base folder](crate::base) is private, and only a folder that bears the seal is ever removed.
 //!
-//! A process that is killed leaves files behind, and iceoryx2 can get stuck on them: a service that was being created
-//! when its only process was killed can never be opened again. The obvious remedy, removing files that look old, would
-//! take the memory from under live processes. Instead, one process, the launcher, *claims* the instance: it takes the
-//! lock (which the system gives back when the process dies, however it dies), makes sure that no process uses the
-//! instance any more, and then removes everything, knowing that nobody can be using it. All other processes only open
-//! what its keeper created, and while they use it they hold the seal, so that nobody can join an instance that is just
-//! being removed. Where the launcher has ended before its readers, the last of them to leave removes the instance.
+//! A killed process leaves files behind, and iceoryx2 can get stuck on such files: a service whose only process was
+//! killed during its creation can never be opened again. Removing files by age would take memory from live processes.
+//! Instead, a single process, the launcher, *claims* the instance: it takes the lock (released by the system at any
+//! death of the process), checks that no process uses the instance, and then removes everything. All other processes
+//! only open objects created by the keeper; meanwhile they hold the seal, so that no process can join an instance
+//! during its removal. If the launcher ends before its readers, the last leaving reader removes the instance.
 //!
 //! Limits: Linux only (`/dev/shm`); all processes of an instance belong to one user and must name the base folder by
 //! the same path.
@@ -53,11 +52,11 @@ const ROOT_PATH_MAX: usize = SOCKET_PATH_MAX - SOCKET_NAME_LEN - PREFIX_LEN;
 pub(crate) const NODES: &str = "nodes";
 /// End of the name of iceoryx2's count of processes.
 const COUNTER_SUFFIX: &str = ".global_mgmt";
-/// How long iceoryx2 waits for another process that is about to create something. It is also the longest time that a
-/// publisher can be held up by a subscriber that was killed in the middle of connecting to it.
+/// Time for which iceoryx2 waits for another process in the middle of a creation. It also bounds the delay of a
+/// publisher by a subscriber killed in the middle of a connection.
 pub(crate) const CREATION_TIMEOUT: Duration = Duration::from_millis(250);
 
-/// An instance: its name and its places. Making one touches no file.
+/// An instance: its name and its paths. Creating a value touches no file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Root {
     instance: String,
@@ -120,8 +119,8 @@ impl Root {
         &self.path
     }
 
-    /// With what the names of the instance's memory begin: iceoryx2's `prefix`, for its tools and other languages. It
-    /// is drawn anew for each run. `None` if the instance neither runs nor was left behind.
+    /// Returns the start of the names of the instance's memory: iceoryx2's `prefix`, for its tools and other
+    /// languages. Each run has a new random prefix. `None` if the instance neither runs nor has remains.
     ///
     /// # Errors
     /// If the seal cannot be read, or is none.
@@ -129,7 +128,7 @@ impl Root {
         Ok(Seal::open(&self.path)?.and_then(|seal| seal.prefix))
     }
 
-    /// Makes this process the one that runs the instance, and removes what an earlier, killed run left behind.
+    /// Makes this process the runner of the instance, and removes the remains of an earlier, killed run.
     ///
     /// # Errors
     /// [`BusError::AlreadyRunning`] if a live process holds the claim; [`BusError::StillUsed`] if processes outlived
@@ -147,7 +146,7 @@ impl Root {
                 wiped,
             }),
             Err(error) => {
-                // The lock file tells of an instance, where there is one.
+                // The lock file shows that an instance exists.
                 if !matches!(Seal::open(&self.path), Ok(Some(_))) {
                     let _ = fs::remove_file(self.lock_path());
                 }
@@ -156,7 +155,8 @@ impl Root {
         }
     }
 
-    /// The process that runs the instance: `None` if nobody does, `Some(None)` if its number cannot be read.
+    /// Returns the process that runs the instance: `None` without such a process, `Some(None)` with an unreadable
+    /// number.
     ///
     /// # Errors
     /// If the lock file cannot be read, or the base folder is not safe.
@@ -253,9 +253,9 @@ impl Root {
         Ok(instances)
     }
 
-    /// iceoryx2's settings for this instance. No file is read: what the machine's administrator configured for other
-    /// users of iceoryx2 does not apply. Names of memory begin with `prefix`; subscribers keep what `leavers`
-    /// publishers left unread.
+    /// Returns iceoryx2's settings for this instance. No file is read: the machine's own configuration of iceoryx2
+    /// does not apply. Names of memory begin with `prefix`; subscribers keep the unread slices of `leavers` ended
+    /// publishers.
     pub(crate) fn config(&self, prefix: &str, leavers: usize) -> Result<Config, BusError> {
         let unusable = |error: String| io_error("use", &self.path)(io::Error::other(error));
         let path = self.path.as_os_str().as_encoded_bytes();
@@ -265,7 +265,7 @@ impl Root {
         config.global.prefix = FileName::new(prefix.as_bytes()).map_err(|e| unusable(format!("{e:?}")))?;
         config.global.creation_timeout = CREATION_TIMEOUT;
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = leavers;
-        // Dead processes are removed when somebody asks for it, not whenever any process comes or goes.
+        // Dead processes are removed on request, not whenever a process joins or leaves.
         config.global.service.cleanup_dead_nodes_on_open = false;
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
@@ -290,7 +290,7 @@ impl Root {
                 .open(&path)
                 .map_err(io_error("open", &path))?;
             match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
-                // The file may have been removed, by one that ended the instance, after it was opened here.
+                // The file may have been removed after it was opened here, by a process that ended the instance.
                 Ok(()) if seal::is_same_file(&lock, &path) => {
                     let empty = lock.metadata().is_ok_and(|found| found.len() == 0);
                     if !empty && read_pid(&mut lock).is_none() {
@@ -315,7 +315,7 @@ impl Root {
         }
     }
 
-    /// Removes all files of the instance but its lock, if nobody uses them. Only for the holder of the lock.
+    /// Removes all files of an unused instance except its lock. Only for the holder of the lock.
     fn wipe(&self) -> Result<Wiped, BusError> {
         let Some(seal) = Seal::open(&self.path)? else {
             return Ok(Wiped::default());
@@ -335,10 +335,10 @@ impl Root {
         self.wipe_sealed(&seal)
     }
 
-    /// Removes the instance without a trace, for the last process that leaves it: nobody runs it any more, and `seal`
-    /// is locked for this process alone.
+    /// Removes the instance completely, for the last leaving member: the instance does not run any more, and `seal`
+    /// is locked exclusively.
     pub(crate) fn clear_alone(&self, seal: &Seal) -> Result<(), BusError> {
-        // Who runs it by now will find what is to be removed.
+        // A process that runs the instance by now removes the files itself.
         let _lock = self.lock(&seal::Patience::begin_short())?;
         if self.processes()?.is_empty() {
             self.wipe_sealed(seal)?;
@@ -366,9 +366,9 @@ impl Root {
     }
 }
 
-/// iceoryx2 counts processes in a file that every user of the machine may write, and one cut short would kill whoever
-/// counts next. So that file is replaced by a copy for this user alone as soon as it is there: whoever has opened the
-/// first one has nothing.
+/// iceoryx2 counts processes in a file writable by every user of the machine; a truncated file would kill the next
+/// process that counts. Therefore this file is replaced by a private copy as soon as it exists: an opened original
+/// has no effect any more.
 pub(crate) fn close_to_others(prefix: &str) -> Result<(), BusError> {
     let folder = Path::new(SHARED_MEMORY_DIR);
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))?.flatten() {
@@ -391,7 +391,7 @@ pub(crate) fn close_to_others(prefix: &str) -> Result<(), BusError> {
     Ok(())
 }
 
-/// Removes the memory whose names begin with `prefix`. Files of other users, which have chosen such names, are theirs.
+/// Removes the memory with names that begin with `prefix`, except files of other users.
 pub(crate) fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusError> {
     let folder = Path::new(SHARED_MEMORY_DIR);
     for entry in fs::read_dir(folder).map_err(io_error("read", folder))? {
@@ -411,8 +411,8 @@ pub(crate) fn wipe_memory(prefix: &str, wiped: &mut Wiped) -> Result<(), BusErro
     Ok(())
 }
 
-/// The right to run an instance. When it is dropped, the instance is removed, if nobody uses it; after a kill, the next
-/// claim does that.
+/// Right to run an instance. Dropping it removes the instance, if unused; after a kill, the next claim removes the
+/// instance.
 #[derive(Debug)]
 #[must_use = "the instance is held only as long as the claim lives"]
 pub struct Claim {
@@ -432,8 +432,8 @@ impl Claim {
         self.wiped
     }
 
-    /// Removes every file of the instance but its lock, whoever still uses them, and begins anew: for one whose memory
-    /// is corrupt. Processes that have joined it keep what they have mapped.
+    /// Removes every file of the instance except its lock, even in use, and starts again: for corrupt memory. Joined
+    /// processes keep their mappings.
     ///
     /// # Errors
     /// If a file cannot be removed.
@@ -464,7 +464,7 @@ impl Claim {
 
 impl Drop for Claim {
     fn drop(&mut self) {
-        // What is still used stays, and so does the lock file, which tells of it.
+        // Files in use remain, together with the lock file.
         let _ = self.clear();
     }
 }
@@ -480,7 +480,7 @@ pub struct Wiped {
 
 impl Wiped {
     fn add(&mut self, found: &fs::Metadata) {
-        /// Unit of `st_blocks`, whatever the file system's own block size is.
+        /// Unit of `st_blocks`, independent of the file system's block size.
         const BLOCK_BYTES: u64 = 512;
         self.files += 1;
         self.bytes += found.blocks() * BLOCK_BYTES;
@@ -498,7 +498,7 @@ pub struct Instance {
     pub pid: Option<u32>,
 }
 
-/// Keeps iceoryx2 from printing anything but errors. `IOX2_LOG_LEVEL` overrides that, for those who look for one.
+/// Restricts iceoryx2's output to errors. `IOX2_LOG_LEVEL` overrides the restriction for debugging.
 pub(crate) fn tame_logging() {
     static ONCE: std::sync::Once = std::sync::Once::new();
     ONCE.call_once(|| {

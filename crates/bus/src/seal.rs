@@ -1,13 +1,12 @@
-//! The seal of an instance: a file in its folder that proves that Koseki made the folder, and whose lock proves that
-//! the folder is used.
+//! Seal of an instance: a file that proves that Koseki created the instance's folder, and whose lock proves that the
+//! folder is in use.
 //!
-//! The file holds the *prefix*, with which the names of the instance's memory begin. That memory lies in a folder in
-//! which every user of the machine can make files, so a prefix that could be foreseen could be occupied beforehand.
-//! It is drawn at random for each run, and drawn again if anything begins with it already.
+//! The file contains the *prefix*, the start of the names of the instance's memory. This memory is in a folder in
+//! which every user of the machine can create files, so that a predictable prefix could be occupied beforehand. The
+//! prefix is random for each run, and drawn again if files with this prefix exist.
 //!
-//! Every process that joins the instance holds a shared lock of the file until it leaves; whoever removes the instance
-//! takes the exclusive one first. So nobody joins while it is being removed, which would bring some of its files back
-//! after their removal.
+//! Every member of the instance holds a shared lock of the file until it leaves; removal takes the exclusive lock
+//! first. Therefore no process can join during a removal and recreate removed files.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Read, Write as _};
@@ -86,7 +85,7 @@ impl Seal {
         written.map_err(io_error("write", &path))
     }
 
-    /// Whether nobody has joined, and nobody can any more as long as this seal lives.
+    /// Returns whether there is no member, and no process can join during the life of this seal.
     pub(crate) fn lock_alone(&self) -> io::Result<bool> {
         let patience = Patience::begin();
         while !self.try_lock_alone()? {
@@ -98,7 +97,8 @@ impl Seal {
         Ok(true)
     }
 
-    /// The same without waiting for those who are just looking. A process's own membership is given up by it.
+    /// Like [`Self::lock_alone`], without waiting for processes that only look. Gives up the process's own
+    /// membership.
     pub(crate) fn try_lock_alone(&self) -> io::Result<bool> {
         match flock(&self.file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => Ok(true),
@@ -108,8 +108,7 @@ impl Seal {
     }
 }
 
-/// How long one waits for a lock that others hold for a moment: a status command that looks, or a process between its
-/// start by another thread and its becoming another program.
+/// Time limit for a lock held briefly by others: by a status command, or by a process between fork and exec.
 #[derive(Debug)]
 pub(crate) struct Patience(Instant);
 
@@ -118,7 +117,7 @@ impl Patience {
         Self(Instant::now() + Duration::from_millis(250))
     }
 
-    /// So little that another one who waits for what is held meanwhile is still waiting afterwards.
+    /// Returns a limit short enough that another process waiting in the meantime does not run out of time.
     pub(crate) fn begin_short() -> Self {
         Self(Instant::now() + Duration::from_millis(50))
     }
@@ -140,7 +139,7 @@ pub(crate) fn is_same_file(file: &File, path: &Path) -> bool {
     }
 }
 
-/// A number that nobody can foresee.
+/// Returns an unpredictable number.
 pub(crate) fn random() -> u32 {
     let mut octets = [0; 4];
     // The kernel refuses it only while the machine starts, and then the place is checked all the same.

@@ -1,7 +1,7 @@
-//! Topics as iceoryx2's services: how they are held and opened, and how their ports send, take and wake.
+//! Topics as iceoryx2 services: creation, opening, sending, taking and waking.
 //!
-//! These functions are generic over iceoryx2's media, and whoever calls them compiles all of iceoryx2 that they need.
-//! So only [`ports`](crate::ports) calls them, once for each medium.
+//! These functions are generic over iceoryx2's media, and a caller compiles all the iceoryx2 code they need.
+//! Therefore only [`ports`](crate::ports) calls them, once for each medium.
 
 use std::any::Any;
 use std::io;
@@ -44,11 +44,11 @@ type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
 
 /// Pause between two tries.
 const OPEN_PAUSE: Duration = Duration::from_millis(10);
-/// Attempts to drain one listener at a time: a publisher that never pauses must not keep its reader from reading.
+/// Largest number of attempts to drain a listener: a publisher without pauses must not block its reader.
 const DRAIN_MAX: usize = 16;
 
-/// Joins the instance as `process`, whose subscribers keep what `leavers` publishers left unread. Names of memory begin
-/// with `prefix`.
+/// Joins the instance as `process`; subscribers keep the unread slices of `leavers` ended publishers. Names of memory
+/// begin with `prefix`.
 ///
 /// # Errors
 /// As [`Bus::open`](crate::Bus::open).
@@ -78,7 +78,7 @@ pub(crate) fn remove_dead<S: Medium>(node: &Node<S>) -> DeadProcesses {
     }
 }
 
-/// A topic as iceoryx2 sees it: octets, and the type that they are.
+/// A topic in iceoryx2's view: bytes, and their sample type.
 #[derive(Debug)]
 pub struct Service<'a> {
     pub(crate) name: &'a TopicName,
@@ -89,7 +89,7 @@ pub struct Service<'a> {
 }
 
 impl Service<'_> {
-    /// Creates the topic, or opens it if it exists, and keeps it in existence as long as the result lives.
+    /// Creates the topic, or opens an existing topic, and keeps the topic in existence during the life of the result.
     pub(crate) fn hold<S: Medium + 'static>(&self, node: &Node<S>) -> Result<Held, BusError> {
         let slices = describe_slices(node, self.name, self.capacity, &self.samples)?
             .open_or_create()
@@ -117,7 +117,7 @@ impl Service<'_> {
                 .max_loaned_samples(LOANED_MAX)
                 .override_sample_preallocation(move |_| reserved)
                 .backpressure_strategy(BackpressureStrategy::DiscardData)
-                // One damaged subscriber must not keep the others from their slices: count it, and go on.
+                // A damaged subscriber must not affect the others: the failure is counted, and sending continues.
                 .set_degradation_handler(move |_, _| {
                     counter.fetch_add(1, Ordering::Relaxed);
                     DegradationAction::Ignore
@@ -142,8 +142,8 @@ impl Service<'_> {
             let counter = Arc::clone(&failed_connections);
             slices
                 .subscriber_builder()
-                // One publisher that died while it connected must not keep the others' slices away: count it, and go
-                // on.
+                // A publisher that died during its connection must not affect the others: the failure is counted, and
+                // reading continues.
                 .set_degradation_handler(move |_, _| {
                     counter.fetch_add(1, Ordering::Relaxed);
                     DegradationAction::Ignore
@@ -222,7 +222,7 @@ impl Service<'_> {
     }
 }
 
-/// Makes a port. If all places are taken, dead processes may have them: removes those, and tries once more.
+/// Creates a port. If all places are taken, removes dead processes, and tries once more.
 fn in_place<S: Medium, P, E>(
     node: &Node<S>,
     make: impl Fn() -> Result<P, E>,
@@ -255,7 +255,7 @@ impl Held {
 /// Outcome of [`crate::Bus::remove_dead`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DeadProcesses {
-    /// Dead processes whose memory and places were taken back.
+    /// Number of removed dead processes.
     pub removed: u64,
     /// Dead processes of which something could not be removed; another process may be at it. Try again.
     pub failed: u64,
@@ -267,7 +267,7 @@ pub(crate) fn loan<S: Medium>(port: &PublisherPort<S>, length: usize) -> Result<
     unsafe { port.loan_custom_payload(length) }.map_err(loan_reason)
 }
 
-/// Sends a slice, and wakes those who wait by `notifier`.
+/// Sends a slice, and wakes the waiting readers by `notifier`.
 ///
 /// # Safety
 /// Every sample and the header must have been written.

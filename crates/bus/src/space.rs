@@ -1,8 +1,8 @@
 //! Whether the shared memory is large enough.
 //!
-//! Memory in `/dev/shm` is taken page by page, when first written, and a write to a page that cannot be had kills the
-//! writer with SIGBUS: no error to handle, and no message. So whoever creates the topics checks first that there is
-//! room for all that they may ever take.
+//! Memory in `/dev/shm` is allocated page by page at the first write; a write to an unavailable page kills the writer
+//! with SIGBUS, without an error or a message. Therefore the creator of topics first checks the room for their
+//! largest size.
 
 use std::path::Path;
 
@@ -23,9 +23,9 @@ const QUEUE_ENTRY_BYTES: usize = 32;
 /// Fixed part of each file in shared memory, with the rounding to whole pages.
 const FILE_BYTES: usize = 8192;
 
-/// Most bytes that `topic` takes in shared memory while `publishers` of them exist: a dead one counts until it is
-/// removed. `topic.capacity.publishers` gives the worst case; most topics have one publisher, and during its restart
-/// two.
+/// Returns the largest size of `topic` in shared memory with this number of `publishers`, bytes; a dead publisher
+/// counts until its removal. `topic.capacity.publishers` gives the worst case; most topics have one publisher, and
+/// two during its restart.
 pub fn needed_bytes<T>(topic: &Topic<T>, publishers: usize) -> u64 {
     let capacity = topic.capacity;
     let slice = SLICE_HEADER_BYTES + size_of::<BatchHeader>() + capacity.slice_len * size_of::<T>();

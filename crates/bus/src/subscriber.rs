@@ -1,27 +1,27 @@
-//! Takes slices, and counts what is missing.
+//! Subscriber: takes slices, and counts missing samples.
 //!
-//! Overflow in shared memory is silent: the oldest slice is gone, and nothing says so. But every slice says how many
-//! samples its publisher had sent before, so a subscriber knows for each publisher which number must come next. What
-//! it skips is lost; what is smaller is out of order.
+//! Overflow in shared memory is silent: the oldest slice disappears. But every slice states how many samples its
+//! publisher had sent before, so that a subscriber can expect the next number of each publisher. Skipped numbers are
+//! lost; smaller numbers are out of order.
 //!
-//! The number expected *first* is the difficult one. Counting from 0 would call everything lost that was sent before
-//! the subscriber existed; counting from the first slice taken would overlook what overflowed before the first take.
-//! Publishers state when they started, and the subscriber knows when it joined. One that started later must be heard
-//! from its first sample; of an older one, counting begins with the first slice taken. Limit: if a subscriber joins
-//! an older publisher and lets its queue overflow before it takes anything, that loss goes unnoticed; so take soon.
+//! The difficult case is the *first* expected number. Counting from 0 would count samples sent before the subscriber
+//! existed; counting from the first taken slice would overlook an overflow before the first take. Publishers state
+//! the time of their start, and the subscriber stores the time of its connection. Of a later publisher, all samples
+//! are expected; of an older publisher, samples after the first taken slice. Limit: an overflow between the
+//! connection to an older publisher and the first take is not detected; therefore take soon.
 //!
-//! A subscriber connects to a new publisher when it next looks ([`Subscriber::take`], [`Subscriber::has_slices`]; a
-//! waiter is woken for it). From then on, slices survive their publisher's end. But what a publisher sent that came
-//! and went while the subscriber did not look once is gone: a source that ends must stay until its readers say that
-//! they have everything (`messages::Progress`). What is gone is counted all the same, as is what died with a killed
-//! publisher: each leaves a [line](crate::line) that says how far it had come, and a subscriber that finds its queue
-//! empty looks at the lines of those that ended.
+//! A subscriber connects to a new publisher at its next check ([`Subscriber::take`], [`Subscriber::has_slices`]; a
+//! waiter is woken). From then on, slices survive their publisher's end. But slices of a publisher that started and
+//! ended between two checks are lost: a recorded source must remain until its readers have confirmed everything
+//! (`messages::Progress`). Lost samples are counted in all cases, also those that died with a killed publisher: each
+//! publisher leaves a [line](crate::line) with its last number, and a subscriber with an empty queue reads the lines
+//! of ended publishers.
 //!
-//! Of a topic with an *epoch* (see `messages::Epochs`), the latest one that was heard is the present one: slices
-//! of older epochs, of a fusion that has been replaced, are dropped and counted, unless they are asked for.
+//! For a topic with *epochs* (see `messages::Epochs`), the latest received epoch is the present epoch: slices of
+//! older epochs, of a replaced fusion process, are dropped and counted, unless requested.
 //!
-//! Slices of one publisher come in the order in which they were sent. Between publishers there is no order, and all
-//! that waits from one comes before the next one's: sources that must not displace each other have separate topics.
+//! Slices of a publisher arrive in the order of sending. Between publishers there is no order, and all waiting slices
+//! of a publisher precede the next publisher's: sources that must not displace each other have separate topics.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -97,7 +97,7 @@ pub struct SubscriberCounts {
     /// Samples that are missing from the publishers' sequences: dropped because this subscriber fell behind, or lost
     /// with their publisher.
     pub lost: u64,
-    /// Those of them that come after the last slice of a publisher that ended or was killed.
+    /// Part of the lost samples that followed the last slice of an ended or killed publisher.
     pub lost_at_end: u64,
     /// Samples with a sequence number that had been passed already.
     pub out_of_order: u64,
@@ -109,7 +109,7 @@ pub struct SubscriberCounts {
     pub failed_connections: u64,
 }
 
-/// A publisher that a subscriber has heard from.
+/// A publisher with received slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Heard {
     /// When the publisher started, by its own statement.
@@ -134,15 +134,15 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         }
     }
 
-    /// Has slices of older epochs taken as well: for those who write down or judge what was published.
+    /// Includes slices of older epochs, for recorders and judges.
     #[must_use]
     pub fn of_all_epochs(mut self) -> Self {
         self.takes_older = true;
         self
     }
 
-    /// Takes up to `budget` slices and shows each to `visit`, in the order in which its publisher sent them. Returns
-    /// how many were taken from the queue: fewer than `budget` means that it is empty.
+    /// Takes up to `budget` slices and passes each to `visit`, in each publisher's order. Returns the number of
+    /// slices taken: fewer than `budget` means an empty queue.
     ///
     /// Slices of another layout or an older epoch count towards the budget, but are not shown.
     ///
@@ -159,8 +159,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         Ok(budget)
     }
 
-    /// Takes the next slice out of the queue, to be kept as long as its reader needs it: its memory is not written
-    /// to before it is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
+    /// Takes the next slice out of the queue, for as long as its reader needs it: the memory is not reused before the
+    /// slice is dropped. A subscriber can keep [`BORROWED_MAX`](crate::BORROWED_MAX) at a time.
     ///
     /// # Errors
     /// [`BusError::Borrowed`] if too many slices are kept; [`BusError::Take`] if the memory of a publisher cannot be
@@ -195,7 +195,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         Ok(Received::Slice(slice))
     }
 
-    /// The next slice. If there is none, and publishers have ended, what they have not left in the queue is lost.
+    /// Returns the next slice. With an empty queue, the missing samples of ended publishers are counted as lost.
     fn receive_any(&mut self) -> Result<Option<Kept<Taken<S>>>, BusError> {
         let topic = &self.topic;
         let failed = |error| match error {
@@ -217,7 +217,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         if !ends.news() && !ends.are_waiting() {
             return Ok(None);
         }
-        // What they sent before they ended may have come since the first look.
+        // Last slices of ended publishers may have arrived since the first check.
         let slice = S::receive(&self.port).map_err(failed)?;
         if slice.is_none() {
             ends.settle(|ended| {
@@ -229,12 +229,12 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         Ok(slice)
     }
 
-    /// Whether something waits to be taken (or a take would say what is wrong). Costs some hundred nanoseconds.
+    /// Returns whether a slice waits (or a take would return an error). Costs some hundred nanoseconds.
     pub fn has_slices(&self) -> bool {
         S::has_slices(&self.port)
     }
 
-    /// The publishers heard from, the dead ones included until their places are needed.
+    /// Returns the known publishers, including dead publishers until their places are needed.
     pub fn heard(&self) -> impl Iterator<Item = Heard> + '_ {
         self.publishers.list.iter().map(|each| Heard {
             incarnation: each.incarnation,
@@ -271,7 +271,7 @@ struct Publishers {
     room: usize,
     /// Where the last slice's publisher stands in the list: most often, the next slice is from the same one.
     recent: usize,
-    /// Counts slices, to know whose last one is the oldest.
+    /// Count of slices at the last slice; the smallest belongs to the oldest.
     age: u64,
 }
 

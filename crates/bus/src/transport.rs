@@ -1,10 +1,10 @@
-//! Shared memory, and its twin within one process.
+//! Transports: shared memory, and its equivalent within a process.
 //!
-//! iceoryx2 has the same ports over several media, and each with or without a lock around every port. Here they have
-//! none: a port stays on the thread that made it (a [`Bus`](crate::Bus) may move). The lock would never be contended,
-//! but makes asking an empty topic for work twice as expensive (90 ns instead of 40), and a spinning process does
-//! little else. Programs of others may not be built so: for them there is a medium with locks (feature `any-thread`),
-//! whose ports meet those of the first one.
+//! iceoryx2 has the same ports over several media, each with or without a lock around every port. Here ports have no
+//! lock: a port stays on its thread (a [`Bus`](crate::Bus) may move). The lock would never be contended, but would
+//! double the cost of checking an empty topic (90 ns instead of 40), the main work of a spinning process. Programs of
+//! users may need ports that move between threads: for these there is a medium with locks (feature `any-thread`),
+//! compatible with the first.
 
 use std::fmt::Debug;
 
@@ -14,7 +14,7 @@ use messages::layout::Sample;
 /// Connects the processes of one machine through shared memory.
 pub type SharedMemory = ipc::Service;
 
-/// Connects the threads of one process; nothing exists outside of it.
+/// Connects the threads of a process; nothing is visible outside.
 pub type InProcess = local::Service;
 
 /// The same, with a lock around every port, which may then move to another thread.

@@ -1,13 +1,13 @@
 //! Memory that was begun and is never made.
 //!
-//! iceoryx2 makes a file of shared memory in two steps: it comes into being empty, and is then given its size. If a
-//! process is killed between the two, the file stays empty, and whoever opens it waits until it has a size: for ever,
-//! where permissions do not keep it out, as they do not keep out root (iceoryx2 0.10 limits the time of every later
-//! step, but not of this one). So one reader that dies in a wrong microsecond would stop the keeper that removes it and
-//! every publisher that it was about to read.
+//! iceoryx2 creates a file of shared memory in two steps: an empty file, and then its size. After a kill between the
+//! steps, the file stays empty, and every process that opens the file waits for a size: for ever, unless permissions
+//! prevent opening, which they do not for root (iceoryx2 0.10 limits the time of every later step, but not of this
+//! step). A reader killed in this microsecond would thus stop the keeper that removes it, and every publisher about
+//! to connect.
 //!
-//! Who waits tries again and again by the file's name, and goes on as soon as the file is gone. So somebody who opens
-//! none has to remove it: whoever runs the instance.
+//! A waiting process retries by the file's name, and continues as soon as the file is gone. Therefore a process that
+//! opens no such file must remove it: the process that runs the instance.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,28 +1,26 @@
 //! Waits for work on several topics.
 //!
-//! Spinning reacts within a microsecond and burns a core; blocking costs nothing and reacts within tens of
-//! microseconds; the hybrid spins first and blocks when nothing comes for a while (PL-5). Whichever it is, a waiter
-//! asks the same question, "is there work?", and the answer comes from the queues, never from a notification: a
-//! notification only says that it is worth asking again.
+//! Spinning reacts within a microsecond and uses a core; blocking costs nothing and reacts within tens of
+//! microseconds; the hybrid spins first and blocks after a while without work (PL-5). Each mode asks the same
+//! question, "is there work?", and the queues give the answer, never a notification: a notification only triggers the
+//! question.
 //!
-//! # Why no wake-up is lost
-//! The dangerous moment is between finding the queues empty and going to sleep. A publisher first delivers a slice,
-//! then notifies; a notification stays in the listener's socket until it is drained. The waiter drains only
-//! sockets that were readable, and always asks for work *after* draining and *before* sleeping. So a slice whose
-//! notification was drained is seen by that question, and one that comes later leaves the socket readable, and the
-//! sleep ends at once.
+//! # No wake-up is lost
+//! The critical moment is between finding the queues empty and going to sleep. A publisher first delivers a slice,
+//! then notifies; a notification stays in the listener's socket until drained. The waiter drains only readable
+//! sockets, and always asks for work *after* draining and *before* sleeping. Therefore the question finds a slice
+//! with a drained notification, and a later slice leaves the socket readable, which ends the sleep at once.
 //!
-//! iceoryx2 0.10 adds a difficulty of its own. To save system calls, a publisher skips writing to the socket while
-//! the listener's state says that an earlier notification is still in it; and draining sets that state back *before*
-//! it empties the socket. A notification that arrives in between has its byte removed, but leaves the state set: from
-//! then on nobody writes, and a listener that only watches its socket sleeps for ever. Draining until nothing is left
-//! sets the state right again, except if a publisher is preempted within a few nanoseconds' stretch; two such drains
-//! in a row make that negligible, and [`BACKSTOP`] bounds what remains: no sleep lasts longer before the waiter looks
-//! for itself.
+//! iceoryx2 0.10 adds a difficulty. To save system calls, a publisher does not write to the socket while the
+//! listener's state indicates an earlier notification in it; draining resets this state *before* it empties the
+//! socket. A notification in between has its byte removed, but leaves the state set: from then on no publisher
+//! writes, and a listener that only waits for its socket sleeps for ever. Draining until the socket is empty resets
+//! the state again, except if a publisher is preempted within a few nanoseconds; two such drains in a row make this
+//! negligible, and [`BACKSTOP`] bounds the remaining risk: no sleep lasts longer before the waiter asks for work.
 //!
 //! # Why not iceoryx2's `WaitSet`
-//! It borrows its listeners, so it cannot be kept in one place with them, and it allocates on every wake-up. `poll` on
-//! the listeners' descriptors does the same with neither.
+//! It borrows its listeners, so that a struct cannot own both, and it allocates at every wake-up. `poll` on the
+//! listeners' descriptors has neither disadvantage.
 
 use std::hint;
 use std::io;
@@ -40,7 +38,7 @@ use crate::ports::{Kept, Transport};
 /// Most topics that one waiter watches.
 pub const WATCHED_MAX: usize = 256;
 
-/// Longest sleep before a blocked waiter asks for work although nobody notified it.
+/// Longest sleep of a blocked waiter before it asks for work without a notification.
 pub const BACKSTOP: Duration = Duration::from_millis(100);
 
 /// While spinning, the clock is read once in so many questions; a shared core is then offered to others.
@@ -102,8 +100,8 @@ impl<S: Transport> Waiter<S> {
         }
     }
 
-    /// This waiter, on a core of its own: while it spins it makes no system call at all. On a core that others need too
-    /// it would keep them waiting, and then they it.
+    /// Returns this waiter for a core of its own: while it spins, it makes no system call. On a shared core it would
+    /// delay other processes, and be delayed by them.
     #[must_use]
     pub fn without_yielding(mut self) -> Self {
         self.yields = false;
@@ -138,8 +136,8 @@ impl<S: Transport> Waiter<S> {
         self.missed
     }
 
-    /// Descriptors that become readable when a topic that is watched has work, for a program that waits for other
-    /// things, too. They stay readable until they are [drained](Self::drain).
+    /// Returns descriptors that become readable when a watched topic has work, for a program that also waits for
+    /// other events. They stay readable until [drained](Self::drain).
     pub fn descriptors(&self) -> impl Iterator<Item = BorrowedFd<'_>> {
         self.descriptors.iter().map(AsFd::as_fd)
     }
@@ -153,9 +151,9 @@ impl<S: Transport> Waiter<S> {
         self.sleep(Duration::ZERO).map(|_| ())
     }
 
-    /// Waits until `has_work` says yes, `timeout` has passed, or a signal came. `has_work` is asked first, so work
-    /// that is there is found without delay; it should ask every subscriber ([`has_slices`]), and whatever else the
-    /// caller waits for. In the blocking modes only topics that are watched end a sleep early.
+    /// Waits until `has_work` returns true, `timeout` has passed, or a signal arrived. `has_work` is called first, so
+    /// that present work is found without delay; it should check every subscriber ([`has_slices`]), and the caller's
+    /// other events. In the blocking modes only watched topics end a sleep early.
     ///
     /// [`has_slices`]: crate::Subscriber::has_slices
     ///
@@ -223,7 +221,7 @@ fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl 
             if has_work() {
                 return true;
             }
-            // On a core of its own nobody gains by a pause, and the answer comes later by it.
+            // On a core of its own a pause has no benefit, and delays the answer.
             if yields {
                 hint::spin_loop();
             }

@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum Error {
     /// The deployment has ended, or another run has taken its place.
-    #[error("instance {instance} has ended, or was started anew: close what was opened, and open it again")]
+    #[error("instance {instance} has ended, or was restarted: close its ports, and open them again")]
     Ended {
         /// The instance.
         instance: String,
@@ -17,7 +17,7 @@ pub enum Error {
     /// A slice came from a publisher that was built with another layout of its samples.
     #[error(
         "topic {topic}: a publisher uses another layout of its samples (schema): build this program and the deployment \
-         from one version"
+         from the same version"
     )]
     Schema {
         /// The topic.

@@ -36,7 +36,7 @@ pub struct Slice<T: Payload> {
 pub struct Counts {
     /// Samples taken.
     pub taken: u64,
-    /// Samples missing: the reader was too slow, or they died with their publisher.
+    /// Samples missing: the reader was too slow, or the samples were lost with their publisher.
     pub lost: u64,
     /// Samples dropped because they came from a fusion that has been replaced since.
     pub of_older_epochs: u64,

@@ -1,4 +1,4 @@
-//! Copy of a part of a recording, or of all its files into one.
+//! Copy of a part of a recording, or of all its files into a single file.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, Write};

@@ -46,8 +46,8 @@ pub use crate::queues::{Queues, Whole};
 
 /// Number of buffers for health entries.
 const BUFFERS: usize = 2;
-/// Slices of a snapshot that are published at a time. A reader that takes slices once in several pauses loses none,
-/// whatever the size of the snapshot.
+/// Number of slices of a snapshot published at a time. A slow reader loses none of the slices, for a snapshot of any
+/// size.
 const RESTORED_SLICES: usize = 4;
 /// Period of the housekeeper.
 const PAUSE: Duration = Duration::from_millis(10);

@@ -81,7 +81,7 @@ impl Instance {
         let wiped = claim.wiped();
         if wiped.files > 0 {
             say(&format!(
-                "removed what an earlier run of instance {instance} had left: {} files, {:.1} MB",
+                "removed the remains of an earlier run of instance {instance}: {} files, {:.1} MB",
                 wiped.files,
                 wiped.bytes as f64 / 1e6
             ));
@@ -137,7 +137,7 @@ impl Instance {
             Ok(_) => Ok(()),
             Err(BusError::StillUsed { processes, .. }) => {
                 say(&format!(
-                    "the shared memory stays, because it is still read by {}; the next start removes it",
+                    "the shared memory remains, because it is still read by {}; the next start removes the memory",
                     list(&processes)
                 ));
                 Ok(())
@@ -248,8 +248,8 @@ fn claim(root: &Root, stop: &Stop, say: fn(&str)) -> anyhow::Result<Claim> {
             Err(BusError::AlreadyRunning { instance, pid }) => {
                 let pid = pid.map_or_else(|| "(unknown)".to_owned(), |pid| pid.to_string());
                 anyhow::bail!(
-                    "instance {instance} is already run by process {pid}: stop that one first, or start this one beside \
-                     it with --instance NAME"
+                    "instance {instance} is already run by process {pid}: stop that process first, or start another \
+                     instance with --instance NAME"
                 );
             }
             result => return Ok(result?),

@@ -13,7 +13,7 @@ use crate::queues::Queues;
 /// Orders that a sender may give at once, and time for one more, nanoseconds: far more than operators need.
 const BURST: i64 = 32;
 const ORDER_NS: i64 = 50_000_000;
-/// Number of senders with an allowance of their own; a further sender replaces the longest silent one.
+/// Number of senders with their own allowance; a further sender replaces the longest silent sender.
 const SENDERS_MAX: usize = 16;
 /// Time between two publications of an unchanged list, nanoseconds.
 const REPEAT_NS: i64 = 500_000_000;
