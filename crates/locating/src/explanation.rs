@@ -69,10 +69,10 @@ impl DecisionKind {
     pub fn reason(self) -> &'static str {
         match self {
             Self::EmitterStarted => "first bearing of it",
-            Self::EmitterDropped => "silent while its place was needed",
-            Self::ModelChosen(_) => "the simplest that nothing speaks against",
-            Self::BearingsSetAside(_) => "they are off to one side together",
-            Self::BearingsAgree(_) => "they are where they are expected",
+            Self::EmitterDropped => "silent while another emitter needed its place",
+            Self::ModelChosen(_) => "the simplest model consistent with the bearings",
+            Self::BearingsSetAside(_) => "they have errors to the same side",
+            Self::BearingsAgree(_) => "they are at their expected values",
             Self::ModelRestarted(_) => "bearings disagreed for long without a turn",
             Self::Selection(_, reason) => reason.sentence(),
         }

@@ -81,8 +81,8 @@ settings::settings! {
         position_sigma_max_m: f64 = 500.0, in [above 0];
         /// Time between selections; longer than between fixes.
         interval_s: f64 = 250.0, in [above 0];
-        /// Motion above the threshold: `continue`, direction and speed stay as they are; `use-crossings`, they become
-        /// those up to the fix at which the variance rose, and after it fell.
+        /// Motion above the threshold: `continue` keeps direction and speed; `use-crossings` uses the direction and
+        /// speed between the fix before the variance rose and the fix after it fell.
         above_threshold: AboveThreshold = AboveThreshold::Continue;
         /// Share by which the variance must have risen above a minimum for that to count; 0: every one does.
         minimum_rise: f64 = 0.3, in [from 0];

@@ -64,7 +64,7 @@ settings::settings! {
     pub struct AssociationSettings {
         /// Difference up to which two frequencies may be of one emitter.
         frequency_tolerance_hz: f64 = 10e3, in [from 0];
-        /// Standard deviations by which a bearing of an emitter may differ from what is expected.
+        /// Gate of a bearing of an emitter, standard deviations from the expected bearing.
         gate: f64 = 4.0, in [above 0];
         /// How fast the bearing of an emitter without a fix may change.
         rate_max_deg_per_s: Degrees = Degrees::of_rad(0.02), in [from 0];

@@ -1,4 +1,4 @@
-//! The filter: all bearings at once for as long as it matters, then one after the other (EL-2).
+//! Filter of an emitter: all bearings together while the geometry is poor, later recursively (EL-2).
 //!
 //! A bearing contains no range; range comes from the change of the bearings while the platform flies. The obvious
 //! filter, an extended Kalman filter, linearises each bearing once, at the emitter position estimated at that time.
@@ -18,12 +18,12 @@
 //!
 //! # Bearings that are wrong
 //!
-//! One that is off by more than four standard deviations counts the less the farther off it is (as in Huber's
-//! estimator). But a platform that turns gives bearings that are wrong *together*: each by little, all to one side, and
-//! a filter averages them in. A running sum of the normalised innovations, in which the last ten or so count, sees
-//! that: it is Gaussian with known variance as long as bearings and state are right. When it leaves its bounds, the
-//! last lines are taken back and new ones set aside until they agree again. If they never do, it is the state that is
-//! wrong; [`crate::bank`] decides that.
+//! A bearing with an error above four standard deviations gets a weight that decreases with the error (as in Huber's
+//! estimator). But a turning platform gives bearings that are wrong *together*: each by little, all to the same side,
+//! and a filter averages these errors in. A running sum of the normalised innovations, over about the last ten
+//! bearings, detects such errors: while bearings and state are right, the sum is Gaussian with known variance. When
+//! the sum leaves its bounds, the last lines are removed and new lines are set aside until they agree again. Without
+//! an agreement the state is wrong; [`crate::bank`] makes this decision.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation* (Wiley,
 //! 2001), chapters 3 and 10; B. M. Bell, F. W. Cathey, *The iterated Kalman filter update as a Gauss–Newton method*,

@@ -1,9 +1,9 @@
 //! The last lines of bearing, in bounded memory.
 //!
-//! Lines that are kept can be looked at again when the emitter turns out to be somewhere else than was thought. A
-//! direction finder may give ten a second, though, and it may take minutes until the platform has flown far enough. So
-//! neighbours become one where nothing is lost by it: two bearings taken a distance s apart, of an emitter at range r,
-//! are as good as their mean taken half-way, but for s²/8r² radians.
+//! Stored lines can be processed again if the emitter turns out to be at another place. But a direction finder may
+//! give ten lines a second, and the platform may need minutes for a sufficient baseline. Therefore neighbouring lines
+//! are merged if no information is lost: two bearings taken a distance s apart, of an emitter at range r, are as good
+//! as their mean taken half-way, except for s²/8r² radians.
 
 use crate::line_of_bearing::LineOfBearing;
 

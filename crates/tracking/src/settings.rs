@@ -182,7 +182,7 @@ impl Settings {
         sensors
             .find(|(_, sensor_id)| !known.insert(*sensor_id))
             .map_or(Ok(()), |(index, sensor_id)| {
-                let what = format!("{sensor_id} is the id of an earlier sensor; say everything of it there");
+                let what = format!("{sensor_id} is the id of an earlier sensor; move its keys there");
                 Err(SettingsError::new(format!("sensor[{index}].id"), what))
             })
     }

@@ -131,7 +131,7 @@ impl Guard {
                 return refuse(
                     Refusal::Malformed,
                     StatusCode::BAD_REQUEST,
-                    "One Host is to be named.\n",
+                    "Exactly one Host is required.\n",
                 );
             }
         }
@@ -157,7 +157,7 @@ impl Guard {
             return refused.map(|answer| with(answer, header::ALLOW, "GET, HEAD"));
         }
         if request.headers().contains_key(header::UPGRADE) && !is_same_origin(request.headers()) {
-            let text = "A page of another site may not look on.\n";
+            let text = "A page of another site has no access.\n";
             return refuse(Refusal::Origin, StatusCode::FORBIDDEN, text);
         }
         let token = self.token.as_deref()?;

@@ -15,16 +15,16 @@ settings::settings! {
         frequency_max_hz: f64, in [above 0];
         /// Direction of the array's forward axis, clockwise from the platform's heading.
         forward_deg: Degrees = Degrees::of(0.0), in [-360, 360];
-        /// Sector in which the antennas hear, clockwise from the first angle to the second, from the forward axis. What
-        /// comes from elsewhere is left out; so a line of antennas, which hears left and right alike, is told which
-        /// side is meant.
+        /// Sector covered by the antennas, clockwise from the first angle to the second, from the forward axis.
+        /// Bearings outside are omitted; for a line of antennas, which cannot distinguish left from right, the sector
+        /// selects a side.
         sector_deg: [Degrees; 2] = [Degrees::of(0.0), Degrees::of(360.0)], in [-360, 360];
         /// Number of transmitters, where it is known.
         transmitters: Option<usize> = None, in [1, 1000], usually "estimated";
-        /// How the number is estimated: minimum description length, or Akaike's criterion, which finds weak ones
-        /// earlier and one too many now and then.
+        /// Estimator of the number: minimum description length, or Akaike's criterion, which finds weak transmitters
+        /// earlier but sometimes one too many.
         criterion: Criterion = Criterion::Mdl;
-        /// Standard deviation of what calibration leaves of an antenna's phase error.
+        /// Standard deviation of the phase error of an antenna after calibration.
         phase_sigma_deg: Degrees = Degrees::of(0.0), in [0, 180];
     }
 

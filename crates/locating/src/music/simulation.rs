@@ -49,7 +49,7 @@ impl SimulatedWaves {
             return refused(
                 "snr_db (number of values)",
                 powers as f64,
-                "one per bearing, and at least one",
+                "as many as bearings, at least 1",
             );
         }
         if let Some(&bearing) = self.bearings_rad.iter().find(|bearing| !bearing.is_finite()) {

@@ -172,7 +172,7 @@ impl Knowledge {
         for (index, target) in self.types.iter().enumerate() {
             if self.types[..index].iter().any(|other| other.name == target.name) {
                 let what = format!(
-                    "{:?} is the name of an earlier type; say everything of it there",
+                    "{:?} is the name of an earlier type; move its keys there",
                     target.name
                 );
                 return Err(SettingsError::new(format!("type[{index}].name"), what));
@@ -186,7 +186,7 @@ impl Knowledge {
             }
             if let Some(other) = self.priors[..index].iter().position(|other| other.overlaps(prior)) {
                 let what = format!(
-                    "priors {} and {} speak of the same place; let them adjoin, or join them",
+                    "priors {} and {} overlap; separate or join them",
                     other + 1,
                     index + 1
                 );
@@ -218,7 +218,7 @@ impl Knowledge {
 impl Prior {
     fn check(&self) -> Result<(), SettingsError> {
         if self.sector.is_some() == self.circle.is_some() {
-            let what = "needs exactly one of sector and circle: say of which place this is known";
+            let what = "needs exactly one of sector and circle: configure its place";
             return Err(SettingsError::new("", what));
         }
         let mut sizes = BTreeSet::new();
@@ -232,7 +232,7 @@ impl Prior {
                 }
                 Some(members) if !sizes.insert(members) => {
                     return error(format!(
-                        "formations of {members} are stated twice; leave one of them out"
+                        "formations of {members} are stated twice; remove one entry"
                     ));
                 }
                 Some(_) => (),
