@@ -175,10 +175,10 @@ fn what_is_not_configured_is_named() {
     let mut site = Site::new("");
     let running = site.start();
     let stranger = block(48, None, 9);
-    let words = "adapter lan hears senders that no source is configured for: SAC/SIC 1/9, ";
+    let words = "adapter lan receives data from senders without a configured source: SAC/SIC 1/9, ";
     site.until_said(&running, words, |site| drop(site.socket.send_to(&stranger, site.to)));
     let old = block(21, Some(Edition::new(0, 23)), 2);
-    let words = "of ads-b cannot be read as configured, and fit category 021 edition 0.23.";
+    let words = "of ads-b do not fit the configured edition, but fit category 021 edition 0.23.";
     site.until_said(&running, words, |site| drop(site.socket.send_to(&old, site.to)));
     let (_, said) = running.stop();
     let report: serde_json::Value =
@@ -208,9 +208,9 @@ fn a_flood_and_a_killed_process_are_told() {
             let _ = site.socket.send_to(&[48, 0, 4, 0], site.to);
         }
     };
-    site.until_said(&running, "alarm, major: The kernel has dropped ", flood);
+    site.until_said(&running, "alarm, major: The kernel dropped ", flood);
     kill(site.home.status_row("out").pid, Signal::KILL);
-    running.until_said("alarm, major: out was restarted, 1 time so far: the last one was killed by SIGKILL.");
+    running.until_said("alarm, major: out was restarted, 1 time so far: the last process was killed by SIGKILL.");
     site.until_said(&running, "alarm cleared: The kernel has dropped ", |_| {});
     running.stop();
 }

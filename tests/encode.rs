@@ -111,7 +111,7 @@ fn what_cannot_be_written_is_named_with_its_line_place_and_value() {
     let folder = Folder::new();
     let good = r#"{"_c":48,"010":{"SAC":1,"SIC":2}}"#;
     let cases = [
-        ("{\"_c\":48", "JSON", "line 2: no JSON object on one line"),
+        ("{\"_c\":48", "JSON", "line 2: no JSON object on a line"),
         (r#"{"010":{"SAC":1,"SIC":2}}"#, "_c", "the category is missing: add it"),
         (
             r#"{"_c":250}"#,
@@ -131,7 +131,7 @@ fn what_cannot_be_written_is_named_with_its_line_place_and_value() {
         (
             r#"{"_c":48,"010":{"SAC":1}}"#,
             "I048/010",
-            "I048/010 SIC: is missing, and what it belongs to is sent whole",
+            "I048/010 SIC: is missing, but its group is always sent completely",
         ),
         (
             r#"{"_c":48,"010":{"SAC":"x","SIC":2}}"#,

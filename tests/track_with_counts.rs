@@ -397,7 +397,7 @@ fn what_makes_no_sense_is_refused_before_anything_is_written() {
     for (arguments, expected) in [
         (
             "--emissions heard.csv",
-            "heard.csv: emissions tell types of targets, and none is described",
+            "heard.csv: emissions identify types of targets, but no type is configured",
         ),
         (
             "--emissions plots.csv",

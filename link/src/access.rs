@@ -1,8 +1,8 @@
 //! Access control: which other link may have, and give, which keys.
 //!
-//! Where a link names those it deals with, whatever is not listed here is refused: each of them may ask for the topics
-//! that it may have, may give what this link takes of its own deployment, and may compare clocks. Zenoh's interceptors
-//! see to that at the network's edge, by the common name of the certificate or by the user.
+//! If a link lists its peers, all rights not listed here are refused: each peer may request its permitted topics, may
+//! send the topics that this link takes for its own deployment, and may compare clocks. Zenoh's interceptors enforce
+//! the rules at the network's edge, by the common name of the certificate or by the user.
 
 use configuration::Link;
 use messages::{SystemTrack, system_tracks};
@@ -22,7 +22,8 @@ const ALL: [&str; 9] = [
     "liveliness_query",
 ];
 
-/// Rules of `deployment`'s `link` in the form of Zenoh's configuration; `None` if it deals with everybody.
+/// Returns the rules of `deployment`'s `link` in the form of Zenoh's configuration; `None` for a link without a list
+/// of peers.
 pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
     if link.peers.is_empty() {
         return None;
@@ -36,7 +37,7 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
     let mut rules: Vec<Value> = Vec::new();
     let mut common = Vec::new();
     let mut allow = |to: &mut Vec<String>, id: &str, keys: &[String], ingress: &[&str], egress: &[&str]| {
-        // Zenoh knows no rule about nothing.
+        // Zenoh has no rule with an empty list.
         if !keys.is_empty() {
             rules.push(rule(id, keys, "ingress", ingress));
             rules.push(rule(id, keys, "egress", egress));

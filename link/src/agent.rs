@@ -83,7 +83,7 @@ impl LinkAgent {
         }
         let publishers = open.keys.iter().map(|key| {
             let publisher = session.declare_publisher(key.clone());
-            // Whoever is slow loses messages, and counts them; others do not wait for it.
+            // A slow reader loses messages, and counts the loss; other readers are not delayed.
             let publisher = publisher.congestion_control(CongestionControl::Drop);
             publisher.wait().map_err(|error| refused(key, error))
         });
@@ -136,7 +136,7 @@ struct Open<'a> {
     /// Keys of the lanes.
     keys: Vec<String>,
     picture: Option<SharedPicture>,
-    /// What was sent lately, with the place of its lane.
+    /// Histories of sent messages, with the index of their stream.
     histories: Vec<(usize, SharedHistory)>,
     /// Bytes of each history.
     history_room: usize,
@@ -153,7 +153,7 @@ impl Visitor for &mut Open<'_> {
         let outbound: Box<dyn Outbound> = match any.downcast_ref::<Topic<SystemTrack>>() {
             Some(topic) => {
                 let picture = SharedPicture::default();
-                // Whoever joins late asks for that of the system.
+                // Late readers request the present state of the system topic.
                 if topic.name.as_str() == messages::system_tracks().name.as_str() {
                     self.picture = Some(Arc::clone(&picture));
                 }
@@ -173,7 +173,7 @@ impl Visitor for &mut Open<'_> {
     }
 }
 
-/// Answers whoever asks for the picture as it is now.
+/// Answers requests for the present track picture.
 fn tell_picture(
     session: &Session,
     deployment: &str,
@@ -191,14 +191,14 @@ fn tell_picture(
                 part: Some(Part { index, of }),
                 ..sender.head(now, 0)
             };
-            // Whoever asked is gone if it fails.
+            // A failure means that the requesting reader is gone.
             let _ = query.reply(of_answers.as_str(), ZBytes::from(part.finish(head))).wait();
         }
     };
     session.declare_queryable(key).callback(answer).wait()
 }
 
-/// Sends what was sent to `key` lately again, to whoever has missed some.
+/// Sends recent messages of `key` again, to readers that missed some.
 fn send_again(session: &Session, key: &str, sender: Sender, history: SharedHistory) -> zenoh::Result<Queryable<()>> {
     let key = keys::again(key);
     let of_answers = key.clone();
@@ -209,7 +209,7 @@ fn send_again(session: &Session, key: &str, sender: Sender, history: SharedHisto
         };
         let answers = history::lock(&history).after(position, sender.head(Now::read(), 0));
         for answer in answers {
-            // Whoever asked is gone if it fails.
+            // A failure means that the requesting reader is gone.
             let _ = query.reply(of_answers.as_str(), ZBytes::from(answer)).wait();
         }
     };
@@ -262,8 +262,8 @@ impl Agent for LinkAgent {
     }
 }
 
-/// Says in `entry`, which becomes one of the `entries`, who of those expected is missing, and who is there, how far
-/// away and how their clocks differ. What finds no room in one note is in others, an entry for each peer.
+/// Writes the missing peers, and distance and clock offset of the present peers, to `entry`, which is added to
+/// `entries`. Peers without room in a note get further entries, an entry per peer.
 pub(crate) fn peers(
     entries: &mut Vec<HealthEntry>,
     mut entry: HealthEntry,

@@ -1,8 +1,8 @@
 //! The clocks of other hosts, compared with this one's.
 //!
-//! Each link asks all others for their clocks once a second (Cristian's method): an answer that came back after the
-//! round trip `d` was written somewhere within it, so the other clock's offset is known to ± `d`/2. Of the last
-//! answers the one with the shortest round trip says most.
+//! Each link requests the clocks of all others once a second (Cristian's method): an answer with the round trip `d`
+//! was written within this time, so that the other clock's offset is known to ± `d`/2. Of the last answers, the
+//! answer with the shortest round trip is the most accurate.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -31,7 +31,7 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Compares by an answer that says `theirs`, asked for at `asked`, here at `answered`.
+    /// Compares clocks by an answer with the times `theirs`, requested at `asked` and received at `answered`.
     fn of(asked: Now, theirs: Now, answered: Now) -> Self {
         let round_trip_ns = answered.mono_ns - asked.mono_ns;
         Self {
@@ -43,7 +43,8 @@ impl Comparison {
 }
 
 impl Comparison {
-    /// Offset of its UTC for certain, whichever way: what is left beyond half of the round trip, nanoseconds.
+    /// Returns the certain part of the UTC offset, in either direction: the offset beyond half of the round trip,
+    /// nanoseconds.
     pub(crate) fn certain_offset_ns(&self) -> i64 {
         (self.utc_offset_ns.abs() - self.round_trip_ns / 2).max(0)
     }
@@ -127,7 +128,7 @@ impl Clocks {
             }
         };
         let question = session.get(keys::CLOCKS).target(QueryTarget::All);
-        // Without anybody there is no answer, which is said elsewhere.
+        // Without peers there is no answer; the missing peers are reported elsewhere.
         let _ = question.consolidation(ConsolidationMode::None).callback(take).wait();
     }
 }
@@ -138,7 +139,7 @@ pub(crate) fn answer(session: &Session, key: &str, pretended_ns: i64) -> zenoh::
     let answer = move |query: Query| {
         let now = Now::read();
         let octets = [now.mono_ns.to_le_bytes(), (now.utc_ns + pretended_ns).to_le_bytes()].concat();
-        // Whoever asked is gone if it fails.
+        // A failure means that the requesting link is gone.
         let _ = query.reply(of_answers.as_str(), ZBytes::from(octets)).wait();
     };
     session.declare_queryable(key.to_owned()).callback(answer).wait()

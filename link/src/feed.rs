@@ -21,7 +21,7 @@ use crate::keys;
 use crate::stand_in::{Numbers, StandIn};
 use crate::wire::{Head, Slice};
 
-/// What `link` receives, for external sources of the deployment that `config` describes.
+/// Returns the topics that `link` receives for external sources of the deployment `config`.
 ///
 /// # Errors
 /// If something is no topic that is fed from outside.
@@ -65,19 +65,19 @@ pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>
     link.receive.iter().map(wanted).collect()
 }
 
-/// Makes a sample here of one that came; `None` if it is left out.
+/// Converter from a received to a local sample; `None` if the sample is omitted.
 type Reading<R, T> = Box<dyn Fn(&R) -> Option<T>>;
 
 struct Feed<R, T: Payload> {
     stand_in: StandIn<T>,
     reading: Reading<R, T>,
     frame: SystemFrame,
-    /// Frame of what came last, and the change from there; `None` where it is this deployment's.
+    /// Frame of the latest sample, and the change from this frame; `None` if it is this deployment's frame.
     change: (FrameOrigin, Option<FrameChange>),
 }
 
 impl<R: Payload, T: Outgoing + Payload + Placed> Feed<R, T> {
-    /// Takes what comes to `topic` here; what is missing can be had at the key `again`.
+    /// Opens an inlet to the local `topic`; missing samples are requested at the key `again`.
     fn open(
         again: Option<String>,
         frame: SystemFrame,

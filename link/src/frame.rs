@@ -6,7 +6,8 @@ use messages::{Covariance, FrameOrigin, SensorTrack, SystemTrack, WideArea, sens
 /// Distance of two origins below which they are the same, metres.
 const SAME_M: f64 = 1e-6;
 
-/// The change from the frame at `origin` into `own`: `None` if there is no such place, `Some(None)` if they are one.
+/// Returns the change from the frame at `origin` to `own`: `None` for an invalid origin, `Some(None)` for equal
+/// frames.
 pub(crate) fn change(origin: &FrameOrigin, own: &SystemFrame) -> Option<Option<FrameChange>> {
     let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m).ok()?;
     let away = own.to_local(place).into_iter().all(|distance| distance.abs() < SAME_M);
@@ -55,13 +56,13 @@ impl Placed for WideArea {
     }
 }
 
-/// Without a height, what the tilt of the frames makes of the plane says nothing.
+/// Without a height, the vertical components caused by the tilt of the frames are meaningless.
 fn at_height([east, north, up]: [f64; 3], has_height: bool) -> [f64; 3] {
     [east, north, if has_height { up } else { 0.0 }]
 }
 
-/// The covariance of a turned state: rotation × covariance × its transpose, for position and velocity alike. Without a
-/// height, the variances upwards say nothing and stay as they are.
+/// Returns the covariance of a rotated state: rotation × covariance × transpose, for position and velocity alike.
+/// Without a height, the vertical variances are meaningless and remain unchanged.
 fn turned(covariance: &Covariance, change: &FrameChange, has_height: bool) -> Covariance {
     let axes = if has_height { 3 } else { 2 };
     let rotation = change.rotation();

@@ -1,9 +1,9 @@
 //! The gate before a link's listener: connections that send nothing reach the listener never.
 //!
-//! Zenoh's listener works off failed handshakes one after the other, so that some thousand silent connections keep
-//! everybody else out. The gate accepts at the configured endpoint, waits for the first byte, and only then passes the
-//! connection on to Zenoh on loopback. Silent connections are bounded in time and, for each address, in number, where
-//! the oldest gives way. Connections that have sent something are bounded for each address while their handshakes last.
+//! Zenoh's listener processes failed handshakes in sequence, so that some thousand silent connections block all
+//! others. The gate accepts at the configured endpoint, waits for the first byte, and only then forwards the
+//! connection to Zenoh on loopback. Silent connections are limited in time and, for each address, in number; the
+//! oldest is closed first. Active connections are limited for each address during their handshakes.
 
 use std::collections::{HashMap, VecDeque};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener as StdListener, ToSocketAddrs as _};
@@ -23,9 +23,9 @@ use crate::refused;
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Silent connections of one address at a time.
 const SILENT_MAX: usize = 256;
-/// Connections of one address whose handshakes may still last, at a time.
+/// Largest number of simultaneous handshakes of an address.
 const BEGUN_MAX: usize = 128;
-/// Time after its first byte for which a connection counts as one of those.
+/// Time after its first byte during which a connection counts as a handshake.
 const BEGINS: Duration = Duration::from_secs(3);
 /// Connections that wait to be accepted.
 const BACKLOG: u32 = 4096;
@@ -103,7 +103,7 @@ struct Addresses(HashMap<IpAddr, Pending>);
 
 #[derive(Debug, Default)]
 struct Pending {
-    /// Silent ones, the oldest first, each with what ends it.
+    /// Silent connections, oldest first, each with the notification that closes it.
     silent: VecDeque<Arc<Notify>>,
     begun: usize,
 }
@@ -115,7 +115,7 @@ fn lock(addresses: &Shared) -> MutexGuard<'_, Addresses> {
 }
 
 impl Addresses {
-    /// A connection has come. Returns what ends it if later ones take its place.
+    /// Adds a connection. Returns the notification that closes it if later connections replace it.
     fn come(&mut self, from: IpAddr) -> Arc<Notify> {
         let pending = self.0.entry(from).or_default();
         if pending.silent.len() >= SILENT_MAX

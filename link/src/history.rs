@@ -1,7 +1,7 @@
 //! Messages of a topic that were sent lately, for readers that miss some.
 //!
-//! The network drops what is sent while a connection is interrupted. A reader finds the gap by the sequence numbers of
-//! what comes next, and asks for all that follows its own position. The history answers from its bounded memory.
+//! The network drops messages sent during an interruption. A reader detects the gap by the next sequence numbers, and
+//! requests everything after its own position. The history answers from its bounded memory.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -89,8 +89,8 @@ impl History {
         }
     }
 
-    /// Messages with all that follows `position`, as far as the history reaches back, and an empty slice at the end
-    /// that states how far the topic is. Readers drop what they have already.
+    /// Returns messages with the slices after `position`, as far as the history reaches back, and an empty slice at
+    /// the end with the topic's present position. Readers drop known slices.
     pub(crate) fn after(&self, position: Position, head: Head) -> Vec<Vec<u8>> {
         let Some(reached) = self.reached else {
             return Vec::new();

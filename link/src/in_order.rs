@@ -1,8 +1,8 @@
-//! Topics whose samples are published without a gap, as far as the sender still has what was lost.
+//! Topics published without gaps, as far as the sender still has the lost samples.
 //!
-//! A gap in the sequence numbers shows that a connection was interrupted. What comes after the gap is held, and the
-//! sender is asked for what is missing ([`history`](crate::history)). When the answer has come, or nobody answers, what
-//! is held is published; what is still missing then is counted as lost.
+//! A gap in the sequence numbers indicates an interrupted connection. Samples after the gap are held, and the missing
+//! samples are requested from the sender ([`history`](crate::history)). After the answer, or without an answer in
+//! time, the held samples are published; samples still missing count as lost.
 //!
 //! An answer may hold a minute of reports. Readers here have short queues: a recovery publishes full slices, and pauses
 //! after each [`BURST_SLICES`] slices or [`BURST_SAMPLES`] samples.
@@ -19,7 +19,7 @@ use crate::inbound::{Arrival, Counts, Inlet, Question, WAITING_OCTETS};
 use crate::stand_in::Numbers;
 use crate::wire::{Head, Slice};
 
-/// Questions about one gap at most, where nobody answers.
+/// Largest number of requests for a gap without an answer.
 const QUESTIONS_MAX: u32 = 4;
 /// Time after a recovery in which samples may come twice: once in the answer and once on their own, nanoseconds.
 const TWICE_NS: i64 = 10_000_000_000;
@@ -58,7 +58,7 @@ pub(crate) trait Outlet {
     ) -> anyhow::Result<()>;
 }
 
-/// A topic whose gaps are filled.
+/// A topic with repair of gaps.
 pub(crate) struct InOrder<O: Outlet> {
     outlet: O,
     /// Key at which the sender answers; `None`: the topic has no history, since newer samples replace older ones.
@@ -118,7 +118,7 @@ impl<O: Outlet> InOrder<O> {
         }
     }
 
-    /// Publishes what is held: the answer has come, or none will.
+    /// Publishes the held samples, after the answer or without hope of an answer.
     fn close(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
         self.closed_ns = arrival.now.mono_ns;
         (self.held_bytes, self.questions, self.is_asked, self.has_answer) = (0, 0, false, false);
@@ -146,7 +146,7 @@ impl<O: Outlet> InOrder<O> {
                 self.publish_paced(arrival, (&of, &slices), counts)?;
             }
             match self.outlet.numbers().missing(&slice.0) {
-                // A repeated slice is rejected on its own: a slice that follows it may be new.
+                // A repeated slice is rejected alone: a slice after it may be new.
                 None => self.publish(arrival, (&head, &slice), counts)?,
                 Some(_) => full = Some((head, slice)),
             }

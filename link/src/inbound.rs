@@ -1,7 +1,7 @@
-//! What comes in: topics of other deployments.
+//! Incoming direction: topics of other deployments.
 //!
-//! Messages wait for a thread of their own, which sleeps until one comes. An [`Inlet`] checks it and publishes its
-//! slices here.
+//! Messages wait for a separate thread, which sleeps until a message arrives. An [`Inlet`] checks the message and
+//! publishes its slices locally.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -25,19 +25,19 @@ use crate::session::MESSAGE_MAX;
 
 /// Messages that wait to be published at most.
 const WAITING: usize = 1024;
-/// Their octets at most, whoever sends them.
+/// Largest total size of waiting messages of all senders, bytes.
 pub(crate) const WAITING_OCTETS: usize = 4 * MESSAGE_MAX;
 /// Longest sleep, so that the end is noticed.
 const SLEEP: Duration = Duration::from_millis(100);
-/// Time after which a question that nobody answers is at its end.
+/// Time limit of a request without an answer.
 const ANSWER_PATIENCE: Duration = Duration::from_secs(5);
-/// Time between two questions for what is lacking, nanoseconds.
+/// Time between two requests for missing samples, nanoseconds.
 const ASK_NS: i64 = 500_000_000;
-/// The same at most, where something is lost again as soon as it has been had: a whole picture is much to send, and
-/// must not be what makes the network too slow.
+/// Largest time between two requests if losses continue after each answer: a snapshot is large, and must not be the
+/// cause of the overload.
 const ASK_MAX_NS: i64 = 8_000_000_000;
 
-/// Counts of what comes in.
+/// Counts of the incoming direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     /// Messages that were received.
@@ -52,7 +52,7 @@ pub(crate) struct Counts {
     pub(crate) published: u64,
     /// Samples that are missing from the senders' sequences.
     pub(crate) missing: u64,
-    /// Samples that the senders left out because newer ones took their place.
+    /// Samples omitted by the senders because newer samples replaced them.
     pub(crate) conflated: u64,
 }
 
@@ -69,7 +69,7 @@ pub(crate) struct Wanted {
     pub(crate) deployment: String,
     /// Its name there.
     pub(crate) topic: String,
-    /// Makes what takes its messages, in the thread that does.
+    /// Constructor of the inlet for the messages, called in the receiving thread.
     pub(crate) inlet: Box<dyn FnOnce() -> Box<dyn Inlet> + Send>,
 }
 
@@ -97,7 +97,7 @@ enum What {
     EndOfAnswers,
 }
 
-/// Where what comes waits for the thread.
+/// Queue of received messages for the thread.
 #[derive(Clone)]
 struct Entrance {
     sender: SyncSender<Arrived>,
@@ -110,7 +110,8 @@ impl Entrance {
         let octets = sample.payload().len();
         let has_room = self.octets.fetch_add(octets, Ordering::Relaxed) + octets <= WAITING_OCTETS;
         let message = has_room.then(|| sample.payload().to_bytes().into_owned());
-        // What finds no room is missing from the sequence, and counted there; what is dropped at the end is not.
+        // Messages without room are missing in the sequence, and counted there; messages dropped at the end are not
+        // counted.
         let offered = message.map(|message| {
             let what = What::Message(message);
             self.sender.try_send(Arrived { index, what })
@@ -122,7 +123,7 @@ impl Entrance {
     }
 }
 
-/// Takes the answers to one question, and tells of their end.
+/// Receiver of the answers to a request, and of their end.
 struct Answers {
     index: usize,
     entrance: Entrance,
@@ -150,7 +151,7 @@ impl Drop for Answers {
 }
 
 impl Inbound {
-    /// Receives over `session` what is `wanted`, for the deployment at `root`.
+    /// Receives the `wanted` topics over `session`, for the deployment at `root`.
     pub(crate) fn open(session: &Session, root: &Root, wanted: Vec<Wanted>, clocks: &Clocks) -> anyhow::Result<Self> {
         let counts = Arc::new(Mutex::new(Counts::default()));
         let (sender, receiver) = sync_channel(WAITING);
@@ -192,7 +193,7 @@ impl Inbound {
         *lock(&self.counts)
     }
 
-    /// Counts what came in, and what was turned away, as links and mirrors do alike.
+    /// Reports received and rejected messages, for links and mirrors alike.
     pub(crate) fn report(&self, entry: &mut HealthEntry) {
         let came = self.counts();
         entry.set(Counter::Published, came.published);
@@ -202,19 +203,19 @@ impl Inbound {
         entry.set(Counter::RequestsRejected, refused::so_far());
     }
 
-    /// Messages that were dropped because they came faster than they could be published.
+    /// Returns the number of messages dropped because they arrived faster than publication.
     fn overrun(&self) -> u64 {
         self.overrun.load(Ordering::Relaxed)
     }
 
-    /// Fails if what comes in can no longer be published.
+    /// Fails if received messages can no longer be published.
     pub(crate) fn check(&mut self) -> anyhow::Result<()> {
         let Some(thread) = self.thread.take_if(|thread| thread.is_finished()) else {
             return Ok(());
         };
         thread
             .join()
-            .map_err(|_| anyhow!("publishing what comes in has panicked"))?
+            .map_err(|_| anyhow!("publishing received samples has panicked"))?
     }
 }
 
@@ -278,7 +279,7 @@ impl Work {
                 *lock(&self.counts) = counts;
             }
             for (index, (_, inlet)) in inlets.iter_mut().enumerate() {
-                // It may be a while until somebody answers.
+                // An answer may take a while.
                 if let Some(Question { key, payload }) = asking[index].is_due(inlet.lacks(), now) {
                     let answers = Answers {
                         index,
@@ -301,7 +302,7 @@ impl Work {
     }
 }
 
-/// When it was asked for what a topic lacks.
+/// Times of the requests for a topic's missing samples.
 #[derive(Clone, Copy)]
 struct Asking {
     at_ns: i64,
@@ -317,7 +318,7 @@ impl Asking {
         was_had: true,
     };
 
-    /// What is to be asked for now, of what is lacking.
+    /// Returns the request that is due now for missing samples.
     fn is_due(&mut self, lacks: Option<Question>, now: Now) -> Option<Question> {
         self.was_had |= lacks.is_none();
         let since_ns = now.mono_ns.saturating_sub(self.at_ns);
@@ -355,7 +356,7 @@ pub(crate) trait Inlet {
     /// If shared memory fails.
     fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()>;
 
-    /// Question for what it lacks; `None` if it lacks nothing.
+    /// Returns the request for missing samples; `None` if none are missing.
     fn lacks(&self) -> Option<Question>;
 
     /// The question has been asked.
@@ -370,12 +371,12 @@ pub(crate) trait Inlet {
     }
 }
 
-/// Question for what a topic lacks.
+/// Request for a topic's missing samples.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Question {
-    /// Key at which somebody answers.
+    /// Key of the request.
     pub(crate) key: String,
-    /// What there is already.
+    /// Description of the samples already present.
     pub(crate) payload: Vec<u8>,
 }
 

@@ -12,7 +12,7 @@ pub(crate) fn topic_of_any_layout(deployment: &str, topic: &str) -> String {
     format!("koseki/*/{deployment}/{topic}")
 }
 
-/// Key at which what was sent to a topic's `key` lately can be had again.
+/// Returns the key at which recent messages of a topic's `key` can be requested again.
 pub(crate) fn again(key: &str) -> String {
     format!("{key}/again")
 }
@@ -22,7 +22,7 @@ pub(crate) fn picture<T: Sample>(deployment: &str) -> String {
     format!("koseki/{:016x}/{deployment}/picture", T::SCHEMA)
 }
 
-/// Key at which a link tells its clocks, and which lives as long as it does.
+/// Returns the key at which a link publishes its clocks; the key exists as long as the link.
 pub(crate) fn clock(deployment: &str, link: &str) -> String {
     format!("koseki-clock/{deployment}/{link}")
 }
@@ -30,7 +30,7 @@ pub(crate) fn clock(deployment: &str, link: &str) -> String {
 /// Keys of all links' clocks.
 pub(crate) const CLOCKS: &str = "koseki-clock/*/*";
 
-/// Deployment and link whose clock is at `key`.
+/// Returns deployment and link of the clock at `key`.
 pub(crate) fn of_clock(key: &str) -> Option<(&str, &str)> {
     key.strip_prefix("koseki-clock/")?.split_once('/')
 }

@@ -1,8 +1,8 @@
 //! `koseki-link`: exchanges topics of deployments between hosts (PL-13).
 //!
-//! A link is a process of its deployment like any other: it subscribes to what is to go out, and publishes what comes
-//! in for sources that are `external`. Between hosts, Eclipse Zenoh carries the slices as they lie in shared memory.
-//! Whatever happens to the network or to this process, fusion does not notice more than sources that are silent.
+//! A link is a normal process of its deployment: it subscribes to outgoing topics, and publishes incoming topics for
+//! `external` sources. Between hosts, Eclipse Zenoh carries the slices in their shared-memory layout. Faults of the
+//! network or of this process appear to fusion only as silent sources.
 
 mod access;
 mod agent;
@@ -88,7 +88,7 @@ struct Mirror {
     /// Name of the instance here [default: the configuration's name]
     #[arg(long, value_name = "NAME")]
     instance: Option<String>,
-    /// Process number of whoever started it, whose end this process follows
+    /// Process number of the parent; this process ends with the parent
     #[arg(long, value_name = "PID", hide = true)]
     launcher: Option<u32>,
 }
@@ -107,7 +107,7 @@ struct Join {
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Process number of the launcher, whose end this process follows
+    /// Process number of the launcher; this process ends with the launcher
     #[arg(long, value_name = "PID", hide = true)]
     launcher: Option<u32>,
 }

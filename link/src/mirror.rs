@@ -1,9 +1,9 @@
-//! A deployment of another host as an instance here, for whoever reads: displays, gateways, recorders, programs.
+//! Mirror: a deployment of another host as a local instance, for local readers: displays, gateways, recorders,
+//! programs.
 //!
-//! The mirror claims an instance, holds its topics, and publishes what the deployment's link sends as it was published
-//! there. Whoever joins late, here or as a mirror, asks for the picture as it is now; so does a mirror that has lost
-//! something. States that are older than what is known of a track are left aside; a track that the picture has no
-//! longer is told ended.
+//! The mirror claims an instance, holds its topics, and publishes the slices sent by the deployment's link unchanged.
+//! A late reader, local or another mirror, requests the present snapshot; so does a mirror after a loss. States older
+//! than the known state of a track are ignored; tracks missing in the snapshot are reported as terminated.
 
 use std::any::Any;
 use std::path::PathBuf;
@@ -47,7 +47,7 @@ impl std::fmt::Display for Usage {
 
 impl std::error::Error for Usage {}
 
-/// Runs a mirror until it is told to stop.
+/// Runs a mirror until a stop request.
 ///
 /// # Errors
 /// If the instance runs already, or an endpoint cannot be had.
@@ -72,7 +72,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
         ..Link::default()
     };
     let link = match config.links.first() {
-        // With what this host shows and asks for.
+        // With the certificate and the trust of this host.
         Some(own) if mirror.certificates => Link {
             tls: own.tls.clone(),
             user: own.user.clone(),
@@ -209,8 +209,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// Adds a part of the answer that was sent at that time; all of them when it is the last. The first part of an
-    /// answer begins anew; another one that is not next is of an answer that is not whole.
+    /// Adds a part of the answer sent at that time; returns all parts with the last. The first part of an answer
+    /// starts again; any other unexpected part belongs to an incomplete answer.
     fn add(
         &mut self,
         sent_mono_ns: i64,
@@ -245,7 +245,7 @@ impl Inlet for Tracks {
         }
         for (header, states) in slices {
             counts.came += states.len() as u64;
-            // The picture may have come first; then there is no news in it, and nothing lacks that it had.
+            // The snapshot may have arrived first; then the slice has no news, and its samples are not missing.
             let missing = self.stand_in.missing(&header).unwrap_or(0);
             counts.missing += missing;
             self.lacks |= missing > 0 && header.first_sequence > self.reaches;
@@ -282,7 +282,8 @@ impl Tracks {
             .publish(arrival.bus, (header, origin), states, arrival.now, |_, _| {})
     }
 
-    /// Tells what the whole picture has that is not known, and what it has no longer.
+    /// Publishes states of the complete snapshot that are not known yet, and the ends of tracks missing in the
+    /// snapshot.
     fn complete(
         &mut self,
         arrival: &Arrival<'_>,
@@ -291,13 +292,13 @@ impl Tracks {
         counts: &mut Counts,
     ) -> anyhow::Result<()> {
         self.lacks = false;
-        // The last one says how far it reaches.
+        // The last slice states the position of the snapshot.
         let Some((header, _)) = slices.last() else {
             return Ok(());
         };
         let states = || slices.iter().flat_map(|(_, states)| states);
         let news = states().copied().filter(|state| self.picture.is_news(header, state));
-        // What was told after the picture was drawn is in order.
+        // States sent after the snapshot was taken follow in order.
         let gone = self.picture.states().filter(|known| {
             known.sequence < header.first_sequence && !states().any(|state| state.track_number == known.track_number)
         });

@@ -1,9 +1,9 @@
-//! What goes out: topics of this deployment, to whoever asks for them.
+//! Outgoing direction: topics of this deployment, for all requesting readers.
 //!
-//! Slices are taken from shared memory as any subscriber takes them, put together into messages of some tens of
-//! kilobytes, and handed to the [`Outbox`]. Where that is full, the network is slower than what comes. Then the newest
-//! samples of an ordinary topic are left out; of system tracks, the newest state of each track takes the place of older
-//! ones, so that a slow reader sees all targets where they are now, only less often. Either is counted.
+//! Slices are taken from shared memory by a normal subscriber, combined into messages of some tens of kilobytes, and
+//! passed to the [`Outbox`]. A full outbox means that the network is too slow. Then the newest samples of an ordinary
+//! topic are omitted. Of system tracks, the newest state of each track replaces older states, so that a slow reader
+//! sees all targets at their present positions, only less often. Both are counted.
 
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -21,13 +21,13 @@ use crate::wire::{Head, Message};
 const SLICES_PER_TURN: usize = 256;
 /// Size at which a message goes out.
 const MESSAGE_OCTETS: usize = 60_000;
-/// Silence after which a lane says again how far it is, nanoseconds. Whoever lost the last samples before a pause would
-/// not miss them.
+/// Silence after which a stream repeats its position, nanoseconds. Otherwise a reader would not notice the loss of
+/// the last samples before a pause.
 const SILENCE_NS: i64 = 500_000_000;
-/// States that go out in one slice when they have been held back.
+/// Number of held-back states in a slice.
 const HELD_BACK_PER_SLICE: usize = 32;
 
-/// Counts of what goes out.
+/// Counts of the outgoing direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub(crate) taken: u64,
@@ -40,7 +40,7 @@ pub(crate) struct Counts {
 
 /// A topic on its way out.
 pub(crate) trait Outbound {
-    /// Takes what has been published and offers it to the outbox; whether more may be waiting.
+    /// Takes published slices and offers them to the outbox; returns whether more may be waiting.
     fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool>;
 
     /// Whether slices are waiting.
@@ -71,7 +71,7 @@ impl Sender {
     }
 }
 
-/// A lane: its place among those of the outbox, and who sends.
+/// A stream: its index in the outbox, and the sender.
 pub(crate) type Lane = (usize, Sender);
 
 /// How far a lane is.
@@ -101,7 +101,7 @@ impl Reached {
     }
 }
 
-/// A topic whose samples all go out.
+/// A topic with all samples sent.
 pub(crate) struct Stream<T: Payload> {
     lane: Lane,
     subscriber: Subscriber<SharedMemory, T>,
@@ -111,7 +111,7 @@ pub(crate) struct Stream<T: Payload> {
 }
 
 impl<T: Payload> Stream<T> {
-    /// Opens a topic, what is sent of which is kept in `history`.
+    /// Opens a topic; sent messages are kept in `history`.
     pub(crate) fn open(
         bus: &Bus<SharedMemory>,
         topic: &Topic<T>,
@@ -181,7 +181,7 @@ impl<T: Payload> Outbound for Stream<T> {
     }
 }
 
-/// The picture that is handed out to whoever joins late.
+/// The snapshot for late readers.
 pub(crate) type SharedPicture = Arc<Mutex<Picture>>;
 
 pub(crate) fn lock(picture: &SharedPicture) -> MutexGuard<'_, Picture> {
@@ -192,7 +192,7 @@ pub(crate) fn lock(picture: &SharedPicture) -> MutexGuard<'_, Picture> {
 pub(crate) struct Tracks {
     stream: Stream<SystemTrack>,
     picture: SharedPicture,
-    /// Tracks whose newest state has not gone out.
+    /// Tracks with an unsent newest state.
     held_back: BTreeSet<u32>,
     /// States that have been taken since something is held back.
     conflated: u64,
@@ -220,7 +220,7 @@ impl Tracks {
         })
     }
 
-    /// Sends what was held back, in the order of its numbers, as far as there is room.
+    /// Sends held-back states in the order of their numbers, as far as there is room.
     fn catch_up(&mut self, now: Now, outbox: &Outbox) {
         let picture = lock(&self.picture);
         let held_back = self
@@ -233,7 +233,7 @@ impl Tracks {
         for states in states.chunks(HELD_BACK_PER_SLICE) {
             let mut message = Message::new();
             for state in states {
-                // Numbers that are missing between them are those that newer ones have replaced.
+                // Missing numbers in between belong to replaced states.
                 let header = BatchHeader {
                     first_sequence: state.sequence,
                     ..self.header

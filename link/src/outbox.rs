@@ -1,8 +1,8 @@
 //! Messages that wait for the network, and the thread that hands them over.
 //!
-//! Zenoh's queues are bounded; where one is full, a message waits a millisecond and is dropped without a word. So that
-//! neither the wait nor the silence reaches the deployment, messages wait here first, for a thread of their own. What
-//! the outbox has no room for comes back to whoever offered it, who knows what can be left out.
+//! Zenoh's queues are bounded; with a full queue, a message waits a millisecond and is dropped silently. To keep
+//! waiting and losses away from the deployment, messages first wait here, for a separate thread. Messages without
+//! room in the outbox return to their sender, which decides about omissions.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -43,13 +43,13 @@ struct Waiting {
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, Waiting> {
-        // Whoever panicked in between has left it whole.
+        // A panic in another thread leaves the queue consistent.
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Outbox {
-    /// An outbox of `room` octets for the lanes whose messages `publishers` take.
+    /// Opens an outbox of `room` bytes for the streams of `publishers`.
     pub(crate) fn open(room: usize, publishers: Vec<Publisher<'static>>) -> anyhow::Result<Self> {
         let shared = Arc::new(Shared::default());
         let of_thread = Arc::clone(&shared);
@@ -91,7 +91,7 @@ impl Drop for Outbox {
     }
 }
 
-/// Waits until somebody reads, but not for long: links that are there already need a moment to say what they want.
+/// Waits for a reader for a limited time: existing links need a moment to declare their subscriptions.
 fn wait_for_readers(shared: &Shared, publishers: &[Publisher<'static>]) {
     let begun = instant();
     let is_read = |publisher: &Publisher<'_>| publisher.matching_status().wait().is_ok_and(|status| status.matching());

@@ -26,7 +26,7 @@ const PART_OCTETS: usize = 4_000_000;
 const ENDED_MAX: usize = 4096;
 
 impl Picture {
-    /// Takes a slice of states. What comes from a fusion before the one heard last is left aside.
+    /// Adds a slice of states. Slices of an older epoch of fusion are ignored.
     pub(crate) fn hear(&mut self, header: &BatchHeader, states: &[SystemTrack]) {
         if self.epochs.compare(header).is_lt() {
             return;
@@ -50,7 +50,7 @@ impl Picture {
         }
     }
 
-    /// Whether a state of a slice with this header is newer than what is known of its track.
+    /// Returns whether a state of a slice with this header is newer than the known state of its track.
     pub(crate) fn is_news(&self, header: &BatchHeader, state: &SystemTrack) -> bool {
         match self.epochs.compare(header) {
             Ordering::Less => return false,
@@ -72,8 +72,8 @@ impl Picture {
         self.states.get(&number)
     }
 
-    /// All of it, in parts: each state as a slice under its own sequence number, and at the end an empty one that says
-    /// how far it reaches.
+    /// Returns the snapshot in parts: each state as a slice with its own sequence number, and at the end an empty
+    /// slice with the snapshot's position.
     pub(crate) fn tell(&self) -> Vec<Message> {
         let mut parts = vec![Message::new()];
         for state in self.states.values() {

@@ -1,4 +1,5 @@
-//! Connections that fail, and why: those of others that this process turns away, and its own that others refuse.
+//! Failed connections with their causes: incoming connections rejected by this process, and outgoing connections
+//! rejected by peers.
 //!
 //! Zenoh reports both in its log alone. So this process listens to the few places of that log, and puts each message
 //! into one of the [`Cause`]s.
@@ -86,7 +87,7 @@ impl Cause {
         found.map_or(Self::NoHandshake, |(_, cause)| *cause)
     }
 
-    /// What was wrong with the connection of another host.
+    /// Returns the description of a fault in another host's connection.
     fn of_other(self) -> &'static str {
         match self {
             Self::Expired => "certificate has expired",
@@ -168,7 +169,7 @@ pub(crate) fn own() -> Option<&'static str> {
 fn take((target, level): (&str, Level), message: &str) {
     let place = |place: Place| place == (target, level);
     if place(OWN) {
-        // What both sides have begun at once is there already.
+        // A connection begun by both sides at once exists already.
         if message.starts_with(FAILED) && !message.to_lowercase().contains(TWICE) {
             failures().own = Some((Cause::of(message), mono_ns()));
         }

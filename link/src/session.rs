@@ -36,13 +36,13 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<(Session, Ga
         config.insert_json5(key, &value.to_string()).map_err(refused)
     };
     set("mode", json!("peer"))?;
-    // Nobody is looked for: whom a link meets, its configuration says.
+    // No scouting: the configuration lists a link's peers.
     set("scouting/multicast/enabled", json!(false))?;
     set("scouting/gossip/enabled", json!(false))?;
     let (gates, behind) = Gates::open(&link.listen)?;
     let behind: Vec<String> = behind.iter().map(|endpoint| with_patience(endpoint)).collect();
     set("listen/endpoints", json!(behind))?;
-    // Silent connections are closed soon, and keep nobody else out meanwhile.
+    // Silent connections are closed soon, and do not block others meanwhile.
     set("transport/unicast/accept_timeout", json!(HANDSHAKE_MS))?;
     set("transport/unicast/accept_pending", json!(HANDSHAKES_MAX))?;
     set("connect/endpoints", json!(link.connect))?;

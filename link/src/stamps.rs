@@ -1,6 +1,6 @@
 //! Stamps of another host's monotonic clock, as this one's.
 //!
-//! Each host counts its monotonic clock from a start of its own. Whoever reads here compares stamps with this host's.
+//! The monotonic clock of each host has its own start. Local readers compare stamps with the local clock.
 
 use std::any::Any;
 
@@ -10,8 +10,8 @@ use messages::{
 };
 use runtime::Now;
 
-/// Changes the stamps of a sample that has come `now`. `offset_ns`: the other clock less this one's; `None` while it is
-/// not known: then stages have not been reached, and health is as it is now.
+/// Converts the stamps of a sample received `now`. `offset_ns` is the other clock minus the local clock; while `None`
+/// (unknown), stages count as not reached, and health as of now.
 pub(crate) fn bring_here<T: Payload>(sample: &mut T, offset_ns: Option<i64>, now: Now) {
     let any: &mut dyn Any = sample;
     if let Some(said) = any.downcast_mut::<Health>() {

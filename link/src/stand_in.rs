@@ -1,8 +1,8 @@
 //! A publisher here that stands for one on another host.
 //!
-//! Slices are published as they were there: the same samples under the same marks of progress, and gaps in the numbers
-//! where something was lost on the way, so that whoever reads here counts it. When the other publisher is replaced, so
-//! is this one. A topic of many publishers has one stand-in for all of them, which follows the numbers of each.
+//! Slices are published as in the other deployment: with the same samples, watermarks and sequence gaps, so that
+//! local readers count losses. When the other publisher is replaced, the endpoint is replaced as well. A topic of
+//! many publishers has a single endpoint, which follows the numbers of each publisher.
 
 use std::collections::BTreeMap;
 
@@ -16,19 +16,20 @@ use crate::inbound::{Arrival, Counts};
 use crate::stamps;
 use crate::wire::{self, Head, Slice};
 
-/// Place of samples that are told apart from their sequence.
+/// Index of samples outside the sequence.
 pub(crate) const UNNUMBERED: u64 = u64::MAX;
-/// A topic of more publishers than this is one of many processes at a time; others have one and its successor.
+/// Largest number of publishers of a topic with a publisher and its successor; a topic with more has many publishers
+/// at a time.
 const SUCCESSORS_MAX: usize = 8;
-/// Publishers of a topic whose numbers are followed, at most.
+/// Largest number of followed publishers of a topic.
 const FOLLOWED_MAX: usize = 256;
 
-/// Publishers here that stand, one after another, for those of a topic elsewhere.
+/// Bridge endpoint: local publishers in the place of the successive publishers of another host's topic.
 pub(crate) struct StandIn<T: Payload> {
     pub(crate) topic: Topic<T>,
     open: Option<Publisher<SharedMemory, T>>,
     pub(crate) numbers: Numbers,
-    /// Samples left out, as the sender said last.
+    /// Samples omitted, as last stated by the sender.
     conflated: u64,
 }
 
@@ -68,7 +69,7 @@ impl Numbers {
         self.next.clear();
     }
 
-    /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
+    /// Returns the number of samples missing before a slice with this header; `None` for a repeated slice.
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         let next = self.next.get(&header.incarnation).filter(|_| self.is_of(header));
         let next = next.copied().unwrap_or(header.first_sequence);
@@ -137,13 +138,13 @@ impl<T: Payload> StandIn<T> {
         Some((head, slices))
     }
 
-    /// Number of samples that are missing before a slice with this header; `None` if it repeats what has been.
+    /// Returns the number of samples missing before a slice with this header; `None` for a repeated slice.
     pub(crate) fn missing(&self, header: &BatchHeader) -> Option<u64> {
         self.numbers.missing(header)
     }
 
-    /// Publishes samples of a slice with this header, of the deployment whose number is `origin`. `last` is called for
-    /// each with its number here.
+    /// Publishes samples of a slice with this header, of the deployment with the number `origin`. `last` is called
+    /// for each sample with its local number.
     ///
     /// # Errors
     /// If shared memory fails.
@@ -161,7 +162,7 @@ impl<T: Payload> StandIn<T> {
             self.missing(header).unwrap_or(0)
         };
         if !self.numbers.is_of(header) {
-            // The one before is gone first: a topic has room for one and its successor.
+            // The previous publisher is closed first: a topic has room for a publisher and its successor.
             self.open = None;
             let publisher = bus.publisher(&self.topic, now.mono_ns as u64)?;
             let publisher = publisher.of_sensor(header.sensor_uid).of_origin(origin);
@@ -190,8 +191,8 @@ impl<T: Payload> StandIn<T> {
         }
     }
 
-    /// Nothing has come of the other publisher before a slice with this header, or how far it is stays as it is: what
-    /// came apart from the sequence makes nothing less missing.
+    /// Sets the position of the other publisher before its first slice, or leaves a known position: samples outside
+    /// the sequence do not close gaps.
     pub(crate) fn begin(&mut self, header: &BatchHeader) {
         self.numbers.follow(header);
     }
@@ -201,7 +202,7 @@ impl<T: Payload> StandIn<T> {
 mod tests {
     use super::*;
 
-    /// Takes slices of one sample each, given by incarnation and number; what is missing before each.
+    /// Takes slices of one sample each, given by incarnation and number; returns the number missing before each.
     fn missing(publishers: usize, slices: &[(u64, u64)]) -> Vec<Option<u64>> {
         let mut numbers = Numbers::new(publishers);
         let take = |(incarnation, first_sequence): &(u64, u64)| {

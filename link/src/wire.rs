@@ -1,8 +1,8 @@
 //! The form in which slices travel between hosts.
 //!
-//! A message is a [`Head`] and then slices, each as it lies in shared memory: its [`BatchHeader`], the number of its
-//! samples in eight octets, and the samples. Which type they are is in the key that the message goes to, and in the
-//! header's fingerprint. Octets are in the order of the processors that Koseki runs on, little end first.
+//! A message is a [`Head`] followed by slices in their shared-memory layout: the [`BatchHeader`], the number of
+//! samples in eight bytes, and the samples. The message's key and the header's fingerprint determine the sample type.
+//! Bytes are in the processors' order, little-endian.
 
 use messages::layout::Sample;
 use messages::{BatchHeader, FrameOrigin};
@@ -17,7 +17,7 @@ const SLICE_HEAD: usize = size_of::<BatchHeader>() + 8;
 /// Statements of a message besides its slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Head {
-    /// Samples that the sender has left out so far because newer ones took their place.
+    /// Number of samples omitted by the sender because newer samples replaced them.
     pub(crate) conflated: u64,
     /// When it was sent by the sender's clocks: UTC, nanoseconds.
     pub(crate) sent_utc_ns: i64,
@@ -25,13 +25,13 @@ pub(crate) struct Head {
     pub(crate) sent_mono_ns: i64,
     /// Origin of the frame that its samples' positions are in.
     pub(crate) frame: FrameOrigin,
-    /// Number of the deployment that sent it; 0: it has none.
+    /// Number of the sending deployment; 0 without a number.
     pub(crate) origin: u32,
-    /// Which part it is of the whole picture, for who asked; `None`: it is what comes next.
+    /// Part of a requested snapshot; `None` for a message of the sequence.
     pub(crate) part: Option<Part>,
 }
 
-/// Part of an answer that is too large for one message. All parts say that they were sent at the same time.
+/// Part of an answer too large for one message. All parts have the same time of sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part {
     /// Its place, from 0.
@@ -119,7 +119,7 @@ impl Message {
 /// A slice of a message, its samples copied.
 pub(crate) type Slice<T> = (BatchHeader, Vec<T>);
 
-/// Reads a message. `None` if it is none, holds a slice of more than `slice_len` samples, or one of another layout than
+/// Reads a message. `None` if malformed, with a slice of more than `slice_len` samples, or with another layout than
 /// `T`.
 pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, Vec<Slice<T>>)> {
     let (head, mut rest) = octets.split_at_checked(HEAD)?;
@@ -161,7 +161,7 @@ pub(crate) fn slices_of(message: &[u8]) -> &[u8] {
     message.get(HEAD..).unwrap_or_default()
 }
 
-/// Whether the first slice of a message that could not be read says that it is of another layout than `T`.
+/// Returns whether the first slice of an unreadable message has another layout than `T`.
 pub(crate) fn is_of_another_layout<T: Sample>(octets: &[u8]) -> bool {
     let header = octets.get(HEAD..HEAD + size_of::<BatchHeader>());
     let schema = header.and_then(BatchHeader::of_octets).map(|header| header.schema);
@@ -242,7 +242,7 @@ mod tests {
         for place in 0..good.len() {
             let mut bad = good.clone();
             bad[place] ^= 0x80;
-            // Whatever it is, nothing panics and nothing is longer than it may be.
+            // For any input, there is no panic and no length beyond the limit.
             if let Some((_, slices)) = read::<SensorTrack>(&bad, 64) {
                 assert!(slices.iter().all(|(_, samples)| samples.len() <= 64));
             }

@@ -7,7 +7,7 @@ use messages::AlarmSeverity;
 use crate::registry::AlarmKind;
 
 const HEAD: &str = "\
-# Alerts of Prometheus: one for each alarm of the registry, and one for a deployment that cannot be asked.
+# Alerting rules of Prometheus: a rule per alarm of the registry, and a rule for a deployment that does not answer.
 groups:
   - name: koseki
     rules:
@@ -17,7 +17,7 @@ groups:
         labels: {severity: critical}
         annotations:
           summary: The monitor at {{ $labels.instance }} does not answer.
-          description: Look whether the deployment runs (`koseki status`), and at `monitor.prometheus` in its configuration.
+          description: Check that the deployment runs (`koseki status`), and `monitor.prometheus` in its configuration.
 ";
 
 /// Returns the rules, a YAML file. The monitor applies the delays before it raises an alarm, so no rule waits

@@ -6,19 +6,20 @@ use crate::registry::AlarmKind;
 
 const HEAD: &str = "# Alarms
 
-An alarm tells that somebody should look at something, what it is, and what to do. The monitor raises and clears them; they
-are on the topic `system/alarms`, in `koseki status` and `koseki top`, in the final report, on standard error (one line
-each, at most one a second after the first few), in the recorder's `alarms.csv`, and as `koseki_alarm` among the metrics.
-In CAT063 a sensor with an alarm is degraded, one that is silent has NPW set, and one whose clock is off TSV; in CAT065 a
-critical one degrades the system, and losses or a table that is full set OVL.
+An alarm reports a condition that needs attention, its cause, and the remedy. The monitor raises and clears alarms.
+They appear on the topic `system/alarms`, in `koseki status` and `koseki top`, in the final report, in the recorder's
+`alarms.csv`, as `koseki_alarm` among the metrics, and on standard error (a line each, at most one line a second after the
+first few).
+CAT063 reports a sensor with an alarm as degraded, sets NPW for a silent sensor, and TSV for a sensor with a wrong clock.
+In CAT065 a critical alarm degrades the system; losses and full tables set OVL.
 
-Every slice of the topic holds all alarms that stand, and those that have just been cleared; it replaces the one before.
-One comes at least twice a second, so whoever joins late, or misses one, soon knows what stands. A monitor that was
-restarted finds out anew what stands.
+Every slice of the topic contains all present alarms and the alarms cleared just before; a slice replaces the previous
+slice. The monitor publishes at least twice a second. A late or interrupted reader is therefore soon up to date. A
+restarted monitor detects the present alarms again.
 
-An alarm is raised when its condition has held for the first of the two times below, and cleared when it has not held for
-the second; while a value lies between the limit for raising and that for clearing, nothing changes. Words in braces are
-filled in.
+An alarm is raised when its condition has held for the first time below, and cleared when its condition has been absent
+for the second time. Between the limit for raising and the limit for clearing, nothing changes. The monitor replaces the
+words in braces.
 
 This page is written by `UPDATE_GOLDEN=1 cargo test -p alarms reference`.
 ";

@@ -1,7 +1,7 @@
 //! Registry of alarms: a line each.
 //!
-//! A code never changes and is never reused, because recordings and other systems identify alarms by code. Words in
-//! braces are filled in when the alarm is raised; `source`, `partner` and `process` are the names of its subject.
+//! A code never changes and is never reused, because recordings and other systems identify alarms by code. The monitor
+//! replaces words in braces when it raises the alarm; `source`, `partner` and `process` name the subject.
 
 use messages::AlarmSeverity;
 
@@ -82,111 +82,115 @@ impl AlarmKind {
 alarms! {
     SourceSilent = 1, "source-silent", Major, raise 0 s, clear 0 s,
         "{source} has sent nothing for {silence}, {periods} of its periods.",
-        "Look whether the sensor transmits and the network delivers (address, port, group, interface of the receiver). \
-         A source that may be quiet for so long gets a larger `silent_periods`.";
+        "Check that the sensor transmits and the network delivers (address, port, group, interface of the receiver). \
+         For a source with long pauses, raise `silent_periods`.";
     ClockOff = 2, "clock-off", Major, raise 5 s, clear 30 s,
-        "The clock of {source} is {offset} off, by the times at which its reports are received.",
-        "Set the sensor's clock, or this machine's: `[source.limits] time_step_s` says how far it may be off.";
+        "The clock of {source} is {offset} off, compared with the times of receipt of its reports.",
+        "Correct the sensor's clock, or this machine's. `[source.limits] time_step_s` sets the permitted offset.";
     SourceIsolated = 3, "source-isolated", Major, raise 0 s, clear 30 s,
-        "{source} is isolated: {share} of its reports of the last minute ({bad} of {all}) claim times that cannot be, and are \
-         kept out of the tracks.",
-        "Set the sensor's clock; its reports are used again as soon as their times can be.";
+        "{source} is isolated: {share} of its reports of the last minute ({bad} of {all}) have impossible times and \
+         are not used.",
+        "Correct the sensor's clock; fusion uses its reports again when their times are possible.";
     BiasChanged = 4, "bias-changed", Warning, raise 10 s, clear 60 s,
         "The {error} of {source} has changed from {before} to {now}.",
-        "Look whether the sensor was moved, turned or set anew. What is known of the error is removed from reports.";
+        "Check whether the sensor was moved, turned or adjusted. Fusion removes the estimated bias from reports.";
     AccuracyOverstated = 5, "accuracy-overstated", Warning, raise 30 s, clear 60 s,
-        "{source} claims too much accuracy: its covariances are enlarged {factor} times.",
-        "Give it larger sigmas in `[source.covariance]`; until then fusion enlarges them itself.";
+        "The accuracy of {source} is overstated: its covariances are enlarged {factor} times.",
+        "Configure larger sigmas in `[source.covariance]`; until then fusion enlarges the covariances.";
     DetectionFell = 6, "detection-fell", Warning, raise 30 s, clear 60 s,
-        "{source} sees its targets in {now} of its scans, {before} before.",
-        "Look at the sensor's transmitter, receiver and antenna, at its thresholds, and at the weather.";
+        "{source} detects its targets in {now} of its scans, {before} before.",
+        "Check the sensor's transmitter, receiver, antenna and thresholds, and the weather.";
     SenderUnknown = 7, "sender-unknown", Warning, raise 0 s, clear 30 s,
-        "{process} hears senders that no source is configured for: {sender}, {blocks}{others}.",
-        "Write these codes as `sac` and `sic` of the source that they are of, or keep the sender out with `senders`.";
+        "{process} receives data from senders without a configured source: {sender}, {blocks}{others}.",
+        "Configure these codes as `sac` and `sic` of a source, or exclude the sender with `senders`.";
     EditionWrong = 8, "edition-wrong", Major, raise 0 s, clear 30 s,
-        "{fitting} of {source} cannot be read as configured, and fit category {category} edition {edition}.",
-        "Write that edition into the source's `editions`; `koseki decode --statistics` looks at a recording of it.";
+        "{fitting} of {source} do not fit the configured edition, but fit category {category} edition {edition}.",
+        "Configure this edition in the source's `editions`; `koseki decode --statistics` examines a recording.";
     NeverJoined = 9, "never-joined", Warning, raise 30 s, clear 30 s,
-        "{source} and {partner} have no track in common, and {pairs} of each fly side by side, all {shift} apart.",
-        "Compare the places of the two sensors: one of them is configured wrongly, or both are of one place.";
+        "{source} and {partner} have no common track, but {pairs} of each move in parallel, all {shift} apart.",
+        "Compare the positions of the two sensors: one position is wrong, or both sensors have the same position.";
     SamplesLost = 10, "samples-lost", Major, raise 0 s, clear 10 s,
         "{process} has lost {count}{of}: {process} fell behind, or a connection between hosts was interrupted.",
-        "If `lost-on-the-way` stands as well, look at the network between the hosts. Else give the process more of the \
-         machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
+        "With the alarm `lost-on-the-way`, check the network between the hosts. Otherwise give the process more of \
+         the machine (`[fusion] core`, fewer sources, fewer readers), or send less.";
     DatagramsDropped = 11, "datagrams-dropped", Major, raise 0 s, clear 10 s,
-        "The kernel has dropped {count} before {process} had read them.",
+        "The kernel dropped {count} before {process} read them.",
         "Raise `buffer_bytes` of the receiver, and `net.core.rmem_max` of the machine.";
     SendFailed = 12, "send-failed", Major, raise 0 s, clear 10 s,
         "{process} could not send {count}.",
-        "Look at the interface, the route and the group that the gateway sends to.";
+        "Check the interface, the route and the group of the gateway.";
     CapacityReached = 13, "capacity-reached", Major, raise 0 s, clear 10 s,
         "{process} had no room for {count}{of}.",
-        "Raise `[fusion.capacity]` or `[source.limits] tracks`, or find out who sends so much.";
+        "Raise `[fusion.capacity]` or `[source.limits] tracks`, or find the sender with too many targets.";
     LayoutMismatch = 14, "layout-mismatch", Major, raise 0 s, clear 10 s,
-        "{process} has rejected {count}, whose publisher was built with another layout.",
+        "{process} has rejected {count} of a publisher with another layout.",
         "Build the publisher with the samples of this version.";
     ProcessRestarted = 15, "process-restarted", Major, raise 0 s, clear 60 s,
-        "{process} was restarted, {times} so far: the last one {end}.",
-        "Read what it wrote to standard error before it ended.";
+        "{process} was restarted, {times} so far: the last process {end}.",
+        "Read the last output of the process on standard error.";
     ProcessDown = 16, "process-down", Critical, raise 1 s, clear 5 s,
         "{process} does not run: {end}.",
-        "Read what it wrote to standard error; it is started again after a while.";
+        "Read the last output of the process on standard error; the launcher starts the process again after a pause.";
     ProcessHung = 17, "process-hung", Critical, raise 0 s, clear 2 s,
-        "{process} says nothing for {silence}.",
-        "Look whether the machine is overloaded, or the process was stopped.";
+        "{process} has published no health for {silence}.",
+        "Check whether the machine is overloaded or the process was stopped.";
     DiskLow = 18, "disk-low", Major, raise 2 s, clear 10 s,
-        "{free} are left on the disk of {folder}.",
-        "Make room: a full disk ends the recording.";
+        "Only {free} are left on the disk of {folder}.",
+        "Free space on the disk: a full disk ends the recording.";
     MemoryLow = 19, "memory-low", Critical, raise 2 s, clear 10 s,
-        "{free} are left of {what}.",
-        "End what else runs on the machine, or give it more; a process that gets none is killed.";
+        "Only {free} are left of {what}.",
+        "Stop other programs on the machine, or add memory; the kernel kills a process without memory.";
     MemoryCorrupt = 20, "memory-corrupt", Critical, raise 0 s, clear 60 s,
-        "The shared memory was corrupt, and the deployment was rebuilt, {times} so far.",
-        "Find out which process of this user writes where it should not, or test the machine's memory.";
+        "The shared memory was corrupt; the deployment was rebuilt, {times} so far.",
+        "Find the process of this user that writes outside its own memory, or test the machine's memory.";
     GrossError = 21, "gross-error", Major, raise 2 s, clear 30 s,
-        "{source} is off by {error}, as the tracks of {partner} show{verdict}.",
-        "Correct the sensor, or its place, `north_offset_deg` or clock, by that. `[fusion.registration] gross = true` takes \
-         it off where a third source, a `reference_source` or addresses tell whose error it is.";
+        "{source} has a bias of {error} relative to the tracks of {partner}{verdict}.",
+        "Correct the sensor, its position, `north_offset_deg` or its clock by this bias. `[fusion.registration] gross \
+         = true` removes the bias if a third source, a `reference_source` or addresses identify the faulty sensor.";
     FusionTakenOver = 22, "fusion-taken-over", Major, raise 0 s, clear 60 s,
-        "The fusion that stood by has taken over, {times} so far, {still} from one that stood still.",
-        "Read what the one before it wrote to standard error before it ended. One that stands still was kept from \
-         running: give fusion a core of its own, or raise `takeover_ms`.";
+        "The standby fusion process has taken over, {times} so far, {still} because the active process did not \
+         advance.",
+        "Read the last output of the previous process on standard error. If a process did not advance, give fusion a \
+         core of its own, or raise `takeover_ms`.";
     RecordingFailed = 23, "recording-failed", Major, raise 0 s, clear 5 s,
-        "{process} cannot write its recording: {count} in vain.",
-        "Make room on the disk, or mend what it said on standard error; it goes on by itself, and what is missing is \
-         counted.";
+        "{process} cannot write its recording: {count} failed.",
+        "Free space on the disk, or remove the error reported on standard error. Recording resumes automatically; \
+         missing samples are counted.";
     PeerMissing = 24, "peer-missing", Major, raise 3 s, clear 0 s,
-        "{process} does not hear all that it is to receive from: {note}.",
-        "Look whether the other host and its link run, and whether the network lets the connection pass.";
+        "{process} does not receive from all configured peers: {note}.",
+        "Check that the other host and its link run, and that the network permits the connection.";
     HostClockOff = 25, "host-clock-off", Major, raise 3 s, clear 30 s,
-        "The clock of another host is {offset} off by the comparison of {process}: {note}.",
-        "Synchronise the clocks of both hosts (NTP, PTP): reports are used by the time that they state.";
+        "The clock of another host is {offset} off, as compared by {process}: {note}.",
+        "Synchronise the clocks of both hosts (NTP, PTP): fusion uses the times stated in reports.";
     TrackerIdle = 26, "tracker-idle", Warning, raise 0 s, clear 5 s,
-        "The tracker of {source} has made {reports} of tracks of its last {detections}, in {scans} of {period}.",
-        "Compare `period_s` with the time of a turn (`koseki check` shows that of a recording; left out, it is found in the \
-         data), and the sigmas, `detection_probability` and `clutter_density` with the sensor. Where there are only \
-         false detections, there is nothing to do.";
+        "The tracker of {source} made {reports} of tracks from its last {detections}, in {scans} of {period}.",
+        "Compare `period_s` with the duration of an antenna turn: `koseki check` prints the duration in a recording, \
+         and without the key the adapter measures it. Compare the sigmas, `detection_probability` and \
+         `clutter_density` with the sensor. If all detections are clutter, there is no fault.";
     ReportsLate = 27, "reports-late", Warning, raise 0 s, clear 10 s,
-        "{source} sends late: {share} of its reports of the last minute ({bad} of {all}) came after later ones, and are not used.",
-        "Raise `reorder_s` of its `[source.recorded]`, or `wait_s` of its `[source.tracker]`, to what its reports are late by.";
+        "{source} sends late: {share} of its reports of the last minute ({bad} of {all}) arrived after later reports \
+         and are not used.",
+        "Raise `reorder_s` of its `[source.recorded]`, or `wait_s` of its `[source.tracker]`, to the delay of its \
+         reports.";
     DataOff = 28, "data-off", Major, raise 5 s, clear 10 s,
-        "The newest system tracks are {offset} off the clock of this machine.",
-        "Set this machine's clock, or that of the source that has a `clock-off`. Tracks that are behind without one show \
-         that fusion does not keep up: look at the latencies.";
+        "The newest system tracks are {offset} off this machine's clock.",
+        "Set this machine's clock, or that of the source with the alarm `clock-off`. Late tracks without `clock-off` \
+         mean that fusion is overloaded: check the latencies.";
     MachineClockOff = 30, "machine-clock-off", Critical, raise 1 s, clear 30 s,
-        "This machine's clock is {offset} off: the clocks of {sources} agree with each other, and not with it.",
-        "Set this machine's clock (NTP, PTP). Fusion goes on meanwhile, in the time of the sources.";
+        "This machine's clock is {offset} off: the clocks of {sources} agree with each other, but not with this \
+         machine.",
+        "Set this machine's clock (NTP, PTP). Until then fusion uses the time of the sources.";
     ClocksDiffer = 31, "clocks-differ", Major, raise 1 s, clear 30 s,
-        "The clocks of {source} and of this machine are {offset} apart, and no other source shows which one is wrong.",
-        "Compare both with a third clock, and set the wrong one. Fusion goes on meanwhile, in the time of the source.";
+        "The clocks of {source} and of this machine are {offset} apart; no other source identifies the wrong clock.",
+        "Compare both with a third clock, and set the wrong clock. Until then fusion uses the time of the source.";
     ReportQuarantined = 32, "report-quarantined", Major, raise 0 s, clear 60 s,
-        "{process} died twice while it worked off the same report of a source, and passes over it: {count} so far.",
-        "Report the fault with the file that the log of fusion names (the report, and the checkpoint before it) and, if \
-         there is one, the recording. All other reports are used.";
+        "{process} died twice while processing the same report of a source, and skips this report: {count} so far.",
+        "Report the fault with the file named in fusion's log (the report and the checkpoint before the report) and, \
+         if available, the recording. Fusion uses all other reports.";
     LostOnTheWay = 33, "lost-on-the-way", Major, raise 0 s, clear 10 s,
-        "{count} of another host did not reach {process}: the connection was interrupted, or is too slow.",
-        "Look at cable and network between the hosts. Reports of sensors come again after an interruption, as far as \
-         `queue_mb` of the sender's link holds them.";
+        "{count} of another host did not reach {process}: the connection was interrupted or is too slow.",
+        "Check cable and network between the hosts. After an interruption the sender's link repeats reports of \
+         sensors, up to `queue_mb`.";
 }
 
 #[cfg(test)]

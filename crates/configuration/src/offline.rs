@@ -102,7 +102,7 @@ impl OfflineTable {
             let key = |part: &str| format!("sensor[{index}].{part}");
             if !ids.insert(sensor.id) {
                 let what = format!(
-                    "{} is the id of an earlier sensor; say everything of it there",
+                    "{} is the id of an earlier sensor; move its keys there",
                     sensor.id
                 );
                 return Err(SettingsError::new(key("id"), what));

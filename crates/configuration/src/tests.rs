@@ -317,7 +317,7 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
 
 #[test]
 fn what_is_missing_is_named() {
-    assert!(refused("name = \"x\"\n").contains("frame: missing; it must be given"));
+    assert!(refused("name = \"x\"\n").contains("frame: missing; the key is mandatory"));
     let frame = "name = \"x\"\n[frame]\nlatitude_deg = 1.0\nlongitude_deg = 2.0\n";
     assert!(refused(frame).contains("at least one"));
     let bare = format!("{frame}[[source]]\nname = \"a\"\n");

@@ -172,17 +172,17 @@ counters! {
     Records = "records", Flow by [Adapter],
         "Records decoded from the source, of any kind.";
     ServiceMessages = "service_messages", AdapterRemark by [Adapter],
-        "Records that speak of the sensor, not of a target.";
+        "Records about the sensor itself, not about a target.";
     BytesRejected = "bytes_rejected", AdapterRemark by [Adapter],
-        "Bytes of blocks that could not be explained and were skipped.";
+        "Bytes of blocks that could not be decoded and were skipped.";
     BlocksRejected = "blocks_rejected", AdapterRemark by [Adapter],
-        "Blocks that could not be explained, wholly or in part.";
+        "Blocks that could not be decoded completely.";
     Published = "published", Flow by [Adapter, Fusion, Link],
         "Samples published.";
     Reports = "reports", Flow by [Adapter],
         "Reports of targets that passed every check.";
     RejectedFieldMonitor = "rejected_field_monitor", Rejection by [Adapter],
-        "Reports of a fixed field monitor, which is no aircraft.";
+        "Reports of a fixed field monitor, not of an aircraft.";
     RejectedTestTarget = "rejected_test_target", Rejection by [Adapter],
         "Reports marked as simulated or test targets.";
     RejectedNoPosition = "rejected_no_position", Rejection by [Adapter],
@@ -190,191 +190,191 @@ counters! {
     RejectedNoTrackNumber = "rejected_no_track_number", Rejection by [Adapter, Gateway],
         "Reports with neither track number nor address.";
     RejectedPosition = "rejected_position", Rejection by [Adapter, Gateway],
-        "Reports with a position that cannot be: outside the sensor's range, the globe, or what a category can express.";
+        "Reports with an impossible position: outside the sensor's range, the globe, or the range of the category's items.";
     RejectedHeight = "rejected_height", AdapterRemark by [Adapter],
-        "Heights that cannot be; the report is used without its height.";
+        "Impossible heights; the report is used without a height.";
     RejectedSpeed = "rejected_speed", Rejection by [Adapter],
-        "Reports with a speed that no target has.";
+        "Reports with an impossible speed.";
     RejectedJump = "rejected_jump", Rejection by [Adapter],
-        "Reports that would need an impossible speed since the track's previous ones.";
+        "Reports at an impossible distance from the previous reports of the same track.";
     RejectedTime = "rejected_time", Rejection by [Adapter],
-        "Reports with a time of day far from that of their neighbours.";
+        "Reports with a time of day far from the times of neighbouring reports.";
     RejectedLate = "rejected_late", Rejection by [Adapter],
-        "Reports older than the source's own progress mark.";
+        "Reports older than the source's own watermark.";
     RejectedQuality = "rejected_quality", Rejection by [Adapter],
-        "Reports whose own quality figure says that the position cannot be used.";
+        "Reports marked as unusable by their own quality figure.";
     RejectedSource = "rejected_source", Rejection by [Adapter],
         "Reports of another SAC/SIC, or observed by another method, than configured.";
     TracksEnded = "tracks_ended", AdapterRemark by [Adapter],
-        "Sensor tracks that their source declared ended.";
+        "Sensor tracks terminated by their source.";
     TracksDropped = "tracks_dropped", Rejection by [Adapter, Gateway],
         "Reports of tracks dropped because the process's table was full.";
     WaitedForConsumers = "waited_for_consumers", Flow by [Adapter],
-        "Times a recorded source waited for its consumers so that nothing is lost.";
+        "Times that a recorded source waited for its consumers, so that no sample is lost.";
     Taken = "taken", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Samples taken from the source's topic.";
     Lost = "lost", Flow by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Samples missing from the source's sequence: dropped because the reader fell behind, or lost between hosts.";
     RejectedOutOfOrder = "rejected_out_of_order", FusionRejection by [Fusion, Monitor],
-        "Samples not newer than one already worked off: repeated, or out of order.";
+        "Samples not newer than a sample already processed: repeated, or out of order.";
     RejectedInvalid = "rejected_invalid", FusionRejection by [Fusion, Monitor],
-        "Samples rejected because a value is not finite or beyond its limit, or a code unknown.";
+        "Samples with a value that is not finite or beyond its limit, or with an unknown code.";
     RejectedSchema = "rejected_schema", FusionRejection by [Fusion, Monitor, Recorder, Gateway, Simulator, Display, Link],
         "Batches rejected because their publisher was built with another layout.";
     DroppedQueue = "dropped_queue", FusionRejection by [Fusion],
-        "Reports dropped because the source's queue in fusion was full, oldest first.";
+        "Reports dropped because the source's queue in fusion was full; the oldest are dropped first.";
     DroppedTable = "dropped_table", FusionRejection by [Fusion],
-        "Reports dropped because a table was full, or full for their source: others may have their share.";
+        "Reports dropped because a table, or the source's share of the table, was full.";
     TracksStarted = "tracks_started", Picture by [Fusion],
         "System tracks started.";
     TracksConfirmed = "tracks_confirmed", Picture by [Fusion],
         "System tracks confirmed.";
     TracksTerminated = "tracks_terminated", Picture by [Fusion],
-        "System tracks ended.";
+        "System tracks terminated.";
     TracksMerged = "tracks_merged", Picture by [Fusion],
-        "System tracks found to be the same target as another, and merged into it.";
+        "System tracks recognised as duplicates, and merged.";
     ContributionsSplit = "contributions_split", Picture by [Fusion],
-        "Sensor tracks taken out of a system track they no longer fitted.";
+        "Sensor tracks removed from a system track because they no longer fitted.";
     RejectedDuplicate = "rejected_duplicate", FusionRejection by [Fusion],
-        "Reports of a second track of one source on one target: recognised, not used.";
+        "Reports of a second track of one source for the same target: recognised, not used.";
     RejectedExtrapolated = "rejected_extrapolated", FusionRejection by [Fusion],
-        "Reports that are their source's own extrapolation: no observation, so not used.";
+        "Reports extrapolated by their source: no observation, therefore not used.";
     IdentityConflicts = "identity_conflicts", FusionRemark by [Fusion],
-        "Reports whose identity contradicted that of the system track they had belonged to.";
+        "Reports with an identity in contradiction to their previous system track.";
     HandOvers = "hand_overs", Picture by [Fusion],
         "Changes of the selected source.";
     LiveTracks = "live_tracks", Level by [],
-        "Level: system tracks that are confirmed or coasted now.";
+        "Level: system tracks, confirmed or coasted.";
     TentativeTracks = "tentative_tracks", Level by [],
-        "Level: system tracks that are tentative now.";
+        "Level: tentative system tracks.";
     CoastedTracks = "coasted_tracks", Level by [],
-        "Level: system tracks that are coasted now.";
+        "Level: coasted system tracks.";
     DeadlineMisses = "deadline_misses", Latency by [Fusion, Monitor],
-        "Reports that took longer through fusion than the configured deadline.";
+        "Reports with a longer time in fusion than the configured deadline.";
     OrdersObeyed = "orders_obeyed", Process by [Fusion],
-        "Orders that fusion has obeyed.";
+        "Orders obeyed by fusion.";
     OrdersRejected = "orders_rejected", Process by [Fusion],
-        "Orders that fusion has rejected: unknown kinds, conditions that no source names.";
+        "Orders rejected by fusion: unknown kinds, conditions without a source.";
     RowsWritten = "rows_written", Process by [Recorder],
         "Rows written to files.";
     Datagrams = "datagrams", Network by [Adapter],
         "Datagrams received, or pieces read from a connection.";
     DatagramsRejected = "datagrams_rejected", NetworkTrouble by [Adapter],
-        "Datagrams from senders that are not on the receiver's list.";
+        "Datagrams from senders missing in the receiver's list.";
     DatagramsRejectedLength = "datagrams_rejected_length", NetworkTrouble by [Adapter],
-        "Datagrams that were empty or longer than the receiver's buffer.";
+        "Empty datagrams, and datagrams longer than the receiver's buffer.";
     DatagramsDropped = "datagrams_dropped", NetworkTrouble by [Adapter],
-        "Datagrams that the kernel dropped because the receiver's buffer was full.";
+        "Datagrams dropped by the kernel because the receiver's buffer was full.";
     Connections = "connections", Network by [Adapter],
-        "Connections to a feed that were made.";
+        "Connections made to a feed.";
     RecordsSent = "records_sent", Network by [Gateway, Simulator, Link],
         "Records sent to other systems.";
     DatagramsSent = "datagrams_sent", Network by [Gateway, Simulator],
         "Datagrams sent to other systems.";
     SendFailures = "send_failures", NetworkTrouble by [Gateway, Simulator, Link],
-        "Datagrams or messages that could not be sent.";
+        "Datagrams or messages not sent because of an error.";
     HeightAssumed = "height_assumed", AdapterRemark by [Adapter],
-        "Reports without height whose slant range was turned into a place by an assumed one.";
+        "Reports without height, converted from slant range to a position with an assumed height.";
     TracesRejected = "traces_rejected", FusionRemark by [Fusion],
-        "Times a covariance trace was asked for and missing or no trace; the configured weights held.";
+        "Covariance traces needed for a weight but missing or invalid; the configured weights were used.";
     CovariancesRepaired = "covariances_repaired", FusionRemark by [Fusion],
-        "Times a covariance was not positive definite, and was repaired or left out.";
+        "Covariances that were not positive definite, and were repaired or ignored.";
     StagesLate = "stages_late", Latency by [Monitor],
-        "Stages of reports that took longer than their configured deadline, as the monitor has seen it.";
+        "Stages of reports with a longer duration than their configured deadline, as measured by the monitor.";
     Detections = "detections", Tracking by [Adapter],
-        "Detections published, of which the source's adapter makes tracks.";
+        "Detections published for the tracker in the source's adapter.";
     DetectionsRejected = "detections_rejected", Rejection by [Adapter],
-        "Detections that the adapter's tracker rejected, or dropped because it was full.";
+        "Detections rejected by the adapter's tracker, or dropped because a table was full.";
     Scans = "scans", Tracking by [Adapter],
-        "Scans that the adapter's tracker worked off, silent ones included.";
+        "Scans processed by the adapter's tracker, including empty scans.";
     RejectedTargets = "rejected_targets", Rejection by [Adapter],
-        "Wide-area reports with more targets than any cluster can have.";
+        "Wide-area reports with more targets than the largest permitted cluster.";
     WideAreaReports = "wide_area_reports", Tracking by [Adapter],
-        "Wide-area reports that the adapter's tracker took.";
+        "Wide-area reports accepted by the adapter's tracker.";
     WideAreaRejected = "wide_area_rejected", Tracking by [Adapter],
-        "Wide-area reports that the adapter's tracker rejected, or dropped because it was full.";
+        "Wide-area reports rejected by the adapter's tracker, or dropped because a table was full.";
     WideAreaLost = "wide_area_lost", Tracking by [Adapter, Recorder],
-        "Wide-area reports that were published and did not reach their reader, a tracker or the recorder.";
+        "Wide-area reports lost between their publisher and their reader (a tracker or the recorder).";
     WideAreaLate = "wide_area_late", Tracking by [Adapter],
-        "Wide-area reports that came when the scan they were for had been worked off: used in the next one.";
+        "Wide-area reports received after their scan had been processed, and used in the next scan.";
     WideAreaUsed = "wide_area_used", Tracking by [Adapter],
-        "Wide-area reports that the adapter's tracker used.";
+        "Wide-area reports used by the adapter's tracker.";
     WideAreaUnmatched = "wide_area_unmatched", Tracking by [Adapter],
-        "Wide-area reports, of those used, that were near no track.";
+        "Wide-area reports used, but not near any track.";
     Emissions = "emissions", Tracking by [Adapter],
-        "Emissions of direction finders that the adapter's tracker took, to identify its tracks.";
+        "Emissions of direction finders accepted by the adapter's tracker to identify tracks.";
     EmissionsRejected = "emissions_rejected", Tracking by [Adapter],
-        "Emissions rejected: without a frequency, with a value that cannot be, too late, without room, or lost on the way.";
+        "Emissions rejected: no frequency, an impossible value, too late, no room, or lost before arrival.";
     EmissionsUnclear = "emissions_unclear", Tracking by [Adapter],
-        "Emissions in whose direction there was no track, or more than one.";
+        "Emissions from a direction with no track, or with several tracks.";
     Cues = "cues", Tracking by [Adapter],
-        "Cues published: where the sensor should look next.";
+        "Cues published: places where the sensor should look next.";
     DetectionsWithoutFix = "detections_without_fix", Tracking by [Adapter],
-        "Bearings of transmitters whose place the geometry does not yet allow to be told.";
+        "Bearings of transmitters without a fix, because the geometry does not allow a fix yet.";
     UnknownSender = "unknown_sender", Level by [],
-        "Level: SAC × 256 + SIC of the sender that was heard most, of those that no source is configured for.";
+        "Level: SAC × 256 + SIC of the unknown sender with the most blocks.";
     UnknownSenderBlocks = "unknown_sender_blocks", Level by [],
-        "Level: blocks that were heard of that sender.";
+        "Level: blocks received from that sender.";
     UnknownSenders = "unknown_senders", Level by [],
-        "Level: senders that no source is configured for.";
+        "Level: senders without a configured source.";
     BlocksOfOtherEdition = "blocks_of_other_edition", AdapterRemark by [Adapter],
-        "Blocks that cannot be read as configured and fit another edition of their category.";
+        "Blocks that do not fit the configured edition but fit another edition of their category.";
     OtherEdition = "other_edition", Level by [],
-        "Level: category × 65536 + edition (before the point) × 256 + edition (after it) that most of those blocks fit.";
+        "Level: category × 65536 + edition (before the point) × 256 + edition (after the point) that fits most of those blocks.";
     DetectionPermille = "detection_permille", Level by [],
-        "Level: scans in which the source sees a target that it tracks, of a thousand.";
+        "Level: scans with a detection of a tracked target, per thousand scans.";
     RejectedClock = "rejected_clock", FusionRejection by [Fusion],
-        "Reports kept out of the tracks because their source's clock is wild: far from the time of receipt, or jumping.";
+        "Reports not used because of their source's clock: far from the time of receipt, or jumping.";
     RejectedContradicted = "rejected_contradicted", FusionRejection by [Fusion],
-        "Reports kept out of a track because other sources that agree with each other contradict them.";
+        "Reports not used because several other sources, in agreement with each other, contradict them.";
     EstimatesRestarted = "estimates_restarted", FusionRemark by [Fusion],
-        "Estimates that were not finite or beyond reason (a track's state, a source's errors): not used, and begun anew.";
+        "Estimates restarted because they were not finite or not plausible: a track's state, or a source's biases.";
     Rebuilds = "rebuilds", Process by [Launcher],
-        "Times that the deployment was torn down and rebuilt because its shared memory was corrupt.";
+        "Times that the deployment was stopped and rebuilt because its shared memory was corrupt.";
     MissingRows = "missing_rows", Level by [],
-        "Level: samples of a recorded source that are in none of the recorder's rows.";
+        "Level: samples of a recorded source missing in the recorder's rows.";
     RecordedSamples = "recorded_samples", Process by [Recorder, Adapter],
-        "Samples taken for the recording of all topics; of adapters, datagrams and lines written to captures.";
+        "Samples taken for the recording of all topics; in adapters, datagrams and lines written to captures.";
     RecordedLost = "recorded_lost", Process by [Recorder, Adapter],
-        "Samples that the recording of all topics lacks, or datagrams and lines that captures lack: dropped, or not written.";
+        "Samples missing in the recording of all topics, or datagrams and lines missing in captures: dropped, or not written.";
     RecordingFailures = "recording_failures", Process by [Recorder, Adapter],
-        "Times that the recording of all topics, or a capture, could not be written; it is tried again every second.";
+        "Failures to write the recording of all topics or a capture; writing is retried every second.";
     RecordingsDeleted = "recordings_deleted", Process by [Recorder, Adapter],
-        "Files of the recording of all topics, or captures, that were deleted to make room for later ones.";
+        "Files of the recording of all topics, or captures, deleted to make room for later files.";
     DecisionsDropped = "decisions_dropped", Process by [Fusion],
-        "Decisions of fusion that were not published because they came faster than its second thread took them.";
+        "Decisions of fusion not published because the second thread of fusion was too slow.";
     TakeOvers = "take_overs", Process by [Fusion],
-        "Times that the fusion that stood by took over.";
+        "Times that the standby fusion process took over.";
     TakeOversFromStill = "take_overs_from_still", Process by [Fusion],
-        "Times that it did so because the one before it stood still.";
+        "Take-overs because the active fusion process did not advance.";
     PicturesSent = "pictures_sent", Process by [Display],
-        "Pictures sent to pages that look on.";
+        "Pictures sent to connected pages.";
     PicturesSkipped = "pictures_skipped", Process by [Display],
-        "Pictures that were not made because the page that they were for was still behind.";
+        "Pictures not made because their page had not yet received the previous picture.";
     RequestsRejected = "requests_rejected", Process by [Display, Link],
-        "Requests and connections of browsers, scripts and other hosts that were turned away.";
+        "Requests and connections of browsers, scripts and other hosts that were rejected.";
     Conflated = "conflated", Process by [Link],
-        "States that were not sent to other hosts because a newer one of the same track took their place.";
+        "States not sent to other hosts because a newer state of the same track replaced them.";
     MessagesRejected = "messages_rejected", Process by [Link],
         "Messages of other hosts that were rejected: malformed, repeated, or too many at a time.";
     LostOnTheWay = "lost_on_the_way", Process by [Link],
-        "Samples of other hosts that were sent and did not arrive; subscribers here count them as lost.";
+        "Samples of other hosts that were sent but did not arrive; subscribers on this host count these samples as lost.";
     Unsent = "unsent", Process by [Link],
-        "Samples that were not sent to other hosts because the network is slower than they come.";
+        "Samples not sent to other hosts because the network is too slow for their rate.";
     MissingPeers = "missing_peers", Level by [],
-        "Level: deployments of other hosts that a link is to receive from, and does not hear.";
+        "Level: deployments of other hosts from which a link should receive but does not.";
     HostClockOffUs = "host_clock_off_us", Level by [],
-        "Level: microseconds by which the clock (UTC) of another host is off for certain: beyond what the comparison leaves open.";
+        "Level: certain offset of another host's clock (UTC), microseconds: the part beyond the uncertainty of the comparison.";
     RejectedEpoch = "rejected_epoch", FusionRejection by [Monitor, Gateway, Display],
-        "Samples rejected because they came from a fusion that has been replaced since.";
+        "Samples of an earlier epoch of fusion, rejected after the first sample of a later epoch.";
     Stopping = "stopping", Level by [],
-        "Level: 1 once the launcher stops the deployment.";
+        "Level: 1 while the launcher stops the deployment.";
     ScanPeriodMs = "scan_period_ms", Level by [],
-        "Level: milliseconds that a turn takes, by which an adapter cuts detections into scans; 0 until it is known.";
+        "Level: duration of an antenna turn by which the adapter divides detections into scans, milliseconds; 0 while unknown.";
     Quarantined = "quarantined", FusionRejection by [Fusion],
-        "Reports passed over because fusion had died twice while it worked them off.";
+        "Reports skipped because fusion had died twice while processing them.";
     RejectedByOrder = "rejected_by_order", FusionRejection by [Fusion],
-        "Reports of sources that an order keeps out.";
+        "Reports of sources excluded by an order.";
 }
 
 #[cfg(test)]

@@ -295,10 +295,10 @@ impl Writing {
         }
         if self.shared.failures.fetch_add(1, Ordering::Relaxed) == 0 {
             let (lead, folder) = (
-                "koseki: the capture of what is received cannot be written",
+                "koseki: the capture of received data cannot be written",
                 self.folder.display(),
             );
-            let rest = "what comes meanwhile is missing in it, and counted";
+            let rest = "data received meanwhile are missing in the capture, and counted";
             runtime::notice(format_args!("{lead} ({folder}: {error}); {rest}"));
         }
         self.retry_ns = now_ns + RETRY_NS;

@@ -154,7 +154,7 @@ fn line(table: &mut Table, name: &str, before: f64, after: f64, change: &str, sh
 /// Returns the conclusion from two ranges of runs.
 fn judged(before: (f64, f64), after: (f64, f64), runs: usize) -> &'static str {
     if runs < RUNS_MIN {
-        "too few runs to tell"
+        "too few runs for a result"
     } else if after.0 > before.1 {
         "MORE, beyond the runs' spread"
     } else if after.1 < before.0 {
@@ -206,7 +206,7 @@ mod tests {
         );
         assert!(line(4_000, 2_000).contains("less, beyond"));
         assert!(line(2_000, 2_030).contains("within the runs' spread"));
-        assert_eq!(judged((1.0, 2.0), (5.0, 6.0), 3), "too few runs to tell");
+        assert_eq!(judged((1.0, 2.0), (5.0, 6.0), 3), "too few runs for a result");
     }
 
     #[test]

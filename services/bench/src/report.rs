@@ -205,7 +205,7 @@ impl Report {
         let sent: u64 = accounts().map(|account| account.sent).sum();
         let (unanswered_text, sent) = (count(unanswered), count(sent));
         (unanswered > 0).then(|| {
-            format!("{unanswered_text} of {sent} reports were not answered: the figures speak of the others only")
+            format!("{unanswered_text} of {sent} reports were not answered: the figures cover the other reports only")
         })
     }
 

@@ -313,7 +313,7 @@ fn remove_left_behind() {
             && claim.remove().is_ok()
         {
             remove_folders(&folder_prefix(name));
-            progress::say(&format!("removed what the killed bench of instance {name} had left"));
+            progress::say(&format!("removed the remains of a killed bench in instance {name}"));
         }
     }
 }

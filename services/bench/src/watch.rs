@@ -243,7 +243,7 @@ fn shown(watched: &Watched<'_>) -> String {
         ]);
     }
     if !watched.carried.is_empty() {
-        text.push_str("\nWhat the link had to send, and what became of it at all mirrors together:\n\n");
+        text.push_str("\nSamples sent by the link, and their fate at all mirrors together:\n\n");
         text.push_str(&table.to_string());
     }
     text

@@ -1,8 +1,8 @@
 //! `koseki bearings`: snapshots of an antenna array into bearings (EL-1), as `koseki locate` reads them (FM-7).
 //!
-//! The measurement itself is that of [`locating::music`]; here rows of one time are gathered, and of what was measured
-//! the bearings are written that say one thing: inside the sector in which the antennas hear, and with no other bearing
-//! there that explains the snapshots as well.
+//! [`locating::music`] makes the measurement. This module collects rows with the same time, and writes unambiguous
+//! bearings: inside the sector covered by the antennas, and without another bearing there that explains the snapshots
+//! as well.
 
 use std::f64::consts::TAU;
 use std::fs;
@@ -18,13 +18,13 @@ use serde_json::json;
 
 use crate::args::MeasureBearings;
 
-/// A bearing whose standard deviation exceeds this says nothing of a direction, radians.
+/// Largest standard deviation of a usable bearing, radians.
 const SIGMA_MAX_RAD: f64 = 1.0;
 
 /// Measures.
 ///
 /// # Errors
-/// If what is asked for makes no sense, or a file cannot be read or written.
+/// If the arguments are invalid, or a file cannot be read or written.
 pub(crate) fn run(command: &MeasureBearings) -> anyhow::Result<()> {
     check_outputs([&command.snapshots, &command.array], &[("--out", Some(&command.out))])?;
     let settings = array(&command.array)?;
@@ -70,14 +70,14 @@ struct Finder<'a> {
     settings: ArraySettings,
     music: Music,
     out: BearingWriter<OutputFile>,
-    /// Rows of the measurement at hand: the first of them and its line, and all samples.
+    /// Rows of the present measurement: the first row with its line number, and all samples.
     first: Option<(Snapshot, u64)>,
     samples: Vec<Complex<f64>>,
     refusals: Refusals,
     summary: Summary,
 }
 
-/// Counts of what was measured.
+/// Counts of measurements and bearings.
 #[derive(Debug, Default)]
 struct Summary {
     snapshots: u64,
@@ -110,7 +110,7 @@ impl<'a> Finder<'a> {
         }
     }
 
-    /// Takes the row of `line`; one of another time ends the measurement before it.
+    /// Adds the row of `line`; a row with another time ends the previous measurement.
     fn take(&mut self, snapshot: Snapshot, line: u64) -> anyhow::Result<()> {
         if let Some((first, _)) = &self.first {
             if snapshot.time_ns < first.time_ns {
@@ -124,7 +124,7 @@ impl<'a> Finder<'a> {
             } else if place(&snapshot) != place(first) {
                 let why = "it has the time of the row above, and another place, heading or frequency";
                 self.refusals
-                    .refused("two measurements at one time", self.path, line, why);
+                    .refused("two measurements with the same time", self.path, line, why);
                 return Ok(());
             }
         }
@@ -135,7 +135,7 @@ impl<'a> Finder<'a> {
         Ok(())
     }
 
-    /// Measures what was gathered, and writes the bearings that say one thing.
+    /// Evaluates the collected rows, and writes the unambiguous bearings.
     fn measure(&mut self) -> anyhow::Result<()> {
         let Some((at, line)) = self.first.take() else {
             return Ok(());
@@ -171,7 +171,7 @@ impl<'a> Finder<'a> {
 }
 
 impl Summary {
-    /// Counts what was measured, and gives the bearings to be written.
+    /// Counts the results, and returns the bearings to write.
     fn sort<'m>(&mut self, settings: &ArraySettings, measured: &'m Measured) -> Vec<&'m music::Bearing> {
         self.measurements += 1;
         self.unresolved += measured.unresolved as u64;
@@ -180,7 +180,7 @@ impl Summary {
         self.outside_sector += elsewhere.len() as u64;
         let of = |some: &[&music::Bearing], source| some.iter().filter(|other| other.source == source).count();
         let mut clear = heard.clone();
-        // One that was ambiguous only with bearings from where nothing is heard is so no longer.
+        // A bearing ambiguous only with bearings outside the covered sector is unambiguous.
         clear.retain(|one: &&music::Bearing| {
             !one.ambiguous || (of(&heard, one.source) == 1 && of(&elsewhere, one.source) > 0)
         });

@@ -1,14 +1,14 @@
-//! `koseki bench`: measures, and prints what came of it.
+//! `koseki bench`: runs a measurement, and prints the results.
 
 use bench_service::Outcome;
 
 use crate::args::Bench;
 use crate::print;
 
-/// Carries out what was asked for.
+/// Runs a measurement.
 ///
 /// # Errors
-/// If it makes no sense, the machine cannot do it, or a process fails.
+/// If the arguments are invalid, the machine cannot run the measurement, or a process fails.
 pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
     match what {
         Bench::Latency(latency) => {

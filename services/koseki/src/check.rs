@@ -1,4 +1,4 @@
-//! `koseki check`: is a configuration sound, are its recordings there, and what would it run?
+//! `koseki check`: validates a configuration and its recordings, and summarises the deployment.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -110,7 +110,8 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
     })
 }
 
-/// Time from one report of a target by the source to the next, seconds; `None` if its adapter finds it in the data.
+/// Returns the time between two reports of a target by the source, seconds; `None` if the source's adapter measures
+/// it.
 fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f64> {
     let period_ns = match source.tracker() {
         Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
@@ -122,7 +123,7 @@ fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f
 /// How often a source reports a target, and how that is known where it is not configured.
 fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let Some(period_s) = period_s(source, config, found) else {
-        return "every turn, whose time its adapter finds in the data".to_owned();
+        return "every antenna turn, with a duration measured by the adapter".to_owned();
     };
     let is_configured = source
         .tracker()
@@ -197,7 +198,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         format!("a table every {seconds} s, {files}; {}", watching(monitor)),
     );
     let late = match config.order {
-        ReportOrder::Arrival => format!("late is what takes longer than: {}", deadlines(monitor)),
+        ReportOrder::Arrival => format!("deadline: {}", deadlines(monitor)),
         ReportOrder::Time => "nothing is late: reports wait for each other by intention".to_owned(),
     };
     row("", late);
@@ -251,7 +252,7 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             format!("simulated; observes a world of {world}")
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
-        (Input::External, _) => "external, published by a process of its own".to_owned(),
+        (Input::External, _) => "external, published by a separate process".to_owned(),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
             let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();
@@ -285,12 +286,12 @@ fn describe_world(world: &ScenarioSettings) -> String {
     let formations: u32 = world.formations.iter().map(|kind| kind.count).sum();
     match (world.targets, formations) {
         (targets, 0) => format!("{targets} targets"),
-        (0, formations) => format!("formations only, {formations} of them"),
+        (0, formations) => format!("{formations} formations only"),
         (targets, formations) => format!("{targets} targets beside {formations} formations"),
     }
 }
 
-/// Further tasks of a tracker, as far as it was asked to do them.
+/// Returns the tracker's optional tasks, if configured.
 fn links(tracker: &TrackerSettings, source: &Source, config: &Config) -> String {
     let mut text = String::new();
     if let Some(period_ns) = tracker.outputs.period_ns {
@@ -322,7 +323,7 @@ fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
             let (period, group) = (tracks.period_ns as f64 / NS as f64, tracks.group_m);
             format!("another system's tracks, {from}; those within {group} m are counted every {period} s")
         }
-        WideAreaInput::External => "counts, external, published by a process of its own".to_owned(),
+        WideAreaInput::External => "counts, external, published by a separate process".to_owned(),
     };
     let listens = |source: &&Source| source.links.wide_area_sensors.contains(&sensor.number);
     let listeners: Vec<&str> = config
@@ -457,7 +458,7 @@ mod tests {
         assert_eq!(found["sources"][0]["period_s"], 7.630_123_456);
         let (text, found) = told("", None);
         assert!(
-            text.contains("radar, every turn, whose time its adapter finds in the data: "),
+            text.contains("radar, every antenna turn, with a duration measured by the adapter: "),
             "{text}"
         );
         assert!(found["sources"][0]["period_s"].is_null());
@@ -525,7 +526,7 @@ mod tests {
         let summary = summary(path, &Config::parse(path, &text, &[]).unwrap(), &[], None);
         assert!(
             summary.contains(
-                "wide area 0  own: counts, external, published by a process of its own; the tracker of radar-south"
+                "wide area 0  own: counts, external, published by a separate process; the tracker of radar-south"
             ),
             "{summary}"
         );
@@ -546,7 +547,7 @@ mod tests {
         let text = summary(&[]);
         assert!(text.contains("woken for each slice"), "{text}");
         assert!(
-            text.contains("late is what takes longer than: fusion 1.00 ms\n"),
+            text.contains("deadline: fusion 1.00 ms\n"),
             "{text}"
         );
         assert!(!text.contains("metrics"), "{text}");

@@ -1,8 +1,7 @@
 //! `koseki encode`: records as lines of JSON into data blocks of ASTERIX (FM-11), the inverse of `koseki decode`.
 //!
-//! Successive records of one category share a block as long as it fits a datagram. A record that cannot be written as
-//! it stands is left out, counted by place and told on standard error; what was written instead would be read as
-//! something else.
+//! Successive records of a category share a block up to the size of a datagram. A record without an exact encoding is
+//! omitted, counted by place and reported on standard error, because a substitute would be read as other data.
 
 use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Write};
@@ -19,14 +18,13 @@ use crate::args::Encode;
 
 /// Standard input, or standard output.
 const STANDARD: &str = "-";
-/// Longest block of several records, octets: with the headers of UDP and IP it passes an Ethernet in one piece.
+/// Largest size of a block of several records, bytes: with the headers of UDP and IP it fits an Ethernet frame.
 const BLOCK_OCTETS_MAX: u16 = 1400;
 
 /// Encodes.
 ///
 /// # Errors
-/// If what is asked for makes no sense, a file cannot be read or written or, where `strict`, a record cannot be
-/// written.
+/// If the arguments are invalid, if a file cannot be read or written, or, with `strict`, if a record has no encoding.
 pub(crate) fn run(encode: &Encode) -> anyhow::Result<()> {
     if is_same_file(&encode.out, &encode.file) {
         return Err(Usage(format!(
@@ -120,7 +118,7 @@ impl Encoder {
         let record: Value = serde_json::from_str(line).map_err(|error| {
             fault(
                 "JSON",
-                format!("no JSON object on one line, as `koseki decode` writes it: {error}"),
+                format!("no JSON object on a line, as written by `koseki decode`: {error}"),
             )
         })?;
         let category = record.get("_c").ok_or_else(|| {
@@ -207,7 +205,7 @@ impl<W: Write> Blocks<W> {
     }
 }
 
-/// Counts of what was written and left out.
+/// Counts of written and omitted records.
 #[derive(Default)]
 struct Written {
     records: u64,
@@ -222,7 +220,7 @@ impl Written {
         self.left_out.entry(fault.place).or_insert_with(first).0 += 1;
     }
 
-    /// A line for what was written, and one for each place at which records were left out.
+    /// Returns a line about written records, and a line per place with omitted records.
     fn notes(&self, out: &Path) -> String {
         let several = |number: u64, what: &str| {
             let plural = if number == 1 { "" } else { "s" };

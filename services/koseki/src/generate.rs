@@ -1,4 +1,4 @@
-//! `koseki generate`: files that belong beside the executable, made of what it knows itself.
+//! `koseki generate`: completions, man pages and alerting rules, generated from the executable's own definitions.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -8,7 +8,7 @@ use clap::CommandFactory as _;
 
 use crate::args::{Cli, Generate};
 
-/// Writes what is asked for.
+/// Writes the requested files.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -24,7 +24,7 @@ pub(crate) fn run(generate: &Generate) -> anyhow::Result<()> {
     }
 }
 
-/// Writes a page for `koseki`, and one for each of its commands.
+/// Writes a page for `koseki`, and a page for each of its commands.
 fn man_pages(folder: &Path) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
     clap_mangen::generate_to(Cli::command(), folder).with_context(|| format!("writing to {}", folder.display()))?;

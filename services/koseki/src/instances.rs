@@ -1,4 +1,4 @@
-//! Instances that a command line names. A wrong name is wrong usage, whatever the command.
+//! Instances named on a command line. For every command, a wrong name is wrong usage.
 
 use bus::Root;
 use offline::Usage;
@@ -27,6 +27,6 @@ pub(crate) fn running(name: &str) -> anyhow::Result<Root> {
 /// Refusal of a name that no instance has.
 pub(crate) fn nothing_runs_as(name: &str) -> Usage {
     Usage(format!(
-        "nothing runs as instance {name}; `koseki status` shows what runs"
+        "no instance {name} runs; `koseki status` shows the running instances"
     ))
 }

@@ -1,6 +1,7 @@
-//! `koseki link`: finds `koseki-link`, a program of its own, and becomes it.
+//! `koseki link`: finds the program `koseki-link`, and executes it.
 //!
-//! What joins hosts stands on more than a hundred crates that nobody needs on one machine, so it is built apart.
+//! The connection of hosts needs more than a hundred further crates, which a single machine does not need; therefore
+//! it is built separately.
 
 use std::os::unix::process::CommandExt as _;
 use std::path::PathBuf;
@@ -35,7 +36,7 @@ pub(crate) fn run(serve: Serve) -> anyhow::Result<()> {
     Err(refusal).with_context(|| format!("starting {}", program.display()))
 }
 
-/// Path of the program; `None` if it is in none of its places.
+/// Returns the path of the program; `None` if not found.
 pub(crate) fn find() -> Option<PathBuf> {
     let given = std::env::var_os("KOSEKI_LINK").map(PathBuf::from);
     let itself = std::env::current_exe().ok();

@@ -1,10 +1,10 @@
 //! `koseki`: one executable that contains every process of a deployment (PL-1).
 //!
-//! What a process does is in the crates of the services; here is only what belongs to a command line: what can be
-//! written on it ([`args`]), whether the recordings are what the configuration says ([`recordings`]), and the commands
-//! that answer questions ([`check`], [`mod@doctor`], [`status`], [`top`]), measure ([`mod@bench`]), cause faults
-//! ([`mod@torture`]), give orders ([`order`]), make files for the machine ([`mod@generate`]) or work on files
-//! ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`], [`send`]); those on tables are in [`offline`].
+//! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
+//! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
+//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`mod@torture`]), orders ([`order`]), files for the
+//! machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
+//! [`send`]). Commands on tables are in [`offline`].
 //!
 //! Every command ends with exit code 0, with 2 after wrong usage or configuration, or with 1 after a failure while
 //! running or with a result that is worth nothing; the latter two after one line on standard error (FM-16). A judge
@@ -78,8 +78,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Sets the base folder of instances. Environment variables can only be set for a new program, so this one becomes
-/// itself once more, unless it has the right one already.
+/// Sets the base folder of instances. Environment variables can only be set for a new program, so that the process
+/// executes itself again, unless the variable has this value already.
 fn with_root(root: &Path) -> anyhow::Result<()> {
     let root = std::path::absolute(root).map_err(|error| Usage(format!("--root {}: {error}", root.display())))?;
     if std::env::var_os("KOSEKI_ROOT").is_some_and(|set| set == root.as_os_str()) {
@@ -153,8 +153,7 @@ fn run(command: Command) -> anyhow::Result<()> {
     }
 }
 
-/// Makes the folder for what is recorded and tries to write there, before processes that need it fail one after the
-/// other.
+/// Creates the folder of recordings and tests writing there, before several processes fail for this reason.
 fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
     if !config.recorder && !config.monitor.files {
         return Ok(());
@@ -196,7 +195,7 @@ fn run_service(
     service(&process).map_err(named)
 }
 
-/// Adapters, gateways and links have the names that the configuration gives them; the others may have any, or that of
+/// Adapters, gateways and links have configured names; other processes may have any name, by default the name of
 /// their kind.
 fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Result<String, Usage> {
     let names: Vec<&str> = match kind {

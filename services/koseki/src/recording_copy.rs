@@ -32,7 +32,7 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
 /// Copies several files into one.
 ///
 /// # Errors
-/// If they are not of one recording, one cannot be read, or the copy not be written.
+/// If the files belong to different recordings, a file cannot be read, or the copy cannot be written.
 pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
     let mut paths = Vec::new();
     for path in &merge.paths {

@@ -1,4 +1,4 @@
-//! `koseki recording export`: what a recording of all topics holds, in other formats.
+//! `koseki recording export`: content of a recording of all topics in other formats.
 
 use std::fs::File;
 use std::io::{self, BufReader, Write as _};
@@ -19,7 +19,7 @@ use crate::recording_foxglove::Pictures;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};
 
-/// Longest data block, octets: with the headers of UDP and IP it passes an Ethernet in one piece.
+/// Largest size of a data block, bytes: with the headers of UDP and IP it fits an Ethernet frame.
 const BLOCK_OCTETS_MAX: usize = 1400;
 /// Category of system tracks.
 const SYSTEM_TRACKS: u8 = 62;
@@ -66,7 +66,7 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
 /// Midnight from which the recorder's tables count their seconds.
 fn first_day_ns(facts: &Facts) -> Result<i64, Usage> {
     let said = facts.get("first_day_ns").and_then(|text| text.parse().ok());
-    said.ok_or_else(|| Usage("the recording does not say from which day its times are counted".to_owned()))
+    said.ok_or_else(|| Usage("the recording does not contain the day of its times".to_owned()))
 }
 
 /// System tracks as data blocks.
@@ -84,7 +84,7 @@ impl Blocks {
             technology: source.technology,
         });
         let sources: Vec<_> = sources.collect();
-        // As a gateway of this deployment says it, where there is one.
+        // With the settings of this deployment's gateway, if present.
         let of_tracks = |gateway: &&configuration::Gateway| gateway.table.number == SYSTEM_TRACKS;
         let gateway = config.gateways.iter().find(of_tracks);
         let table = gateway.map_or(table, |gateway| gateway.table);

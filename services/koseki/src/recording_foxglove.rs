@@ -1,8 +1,8 @@
 //! System tracks as messages that Foxglove and Lichtblick draw: on a map, and in space.
 //!
-//! For each second of the data there are two messages: `foxglove.LocationFixes`, where the tracks are and how surely,
-//! and `foxglove.SceneUpdate`, the tracks in the system frame with their velocities and labels. Both are JSON in a file
-//! of MCAP; the viewers know them by the names of their schemas.
+//! Each second of the data gives two messages: `foxglove.LocationFixes`, positions and covariances of the tracks, and
+//! `foxglove.SceneUpdate`, the tracks in the system frame with velocities and labels. Both are JSON in an MCAP file;
+//! viewers recognise them by the names of their schemas.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ const PERIOD_NS: i64 = 1_000_000_000;
 const AGE_MAX_NS: i64 = 30 * PERIOD_NS;
 /// Time that a line ahead of a track is long, seconds.
 const AHEAD_S: f64 = 60.0;
-/// Colours that also those can tell apart who see few: confirmed, coasted.
+/// Colours distinguishable with colour blindness: confirmed, coasted.
 const CONFIRMED: [f64; 3] = [0.0, 0.45, 0.7];
 const COASTED: [f64; 3] = [0.9, 0.6, 0.0];
 /// Name of the frame.

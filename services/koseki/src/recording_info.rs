@@ -1,4 +1,4 @@
-//! `koseki recording info`: what a recording of all topics holds.
+//! `koseki recording info`: summary of a recording of all topics.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -16,7 +16,7 @@ use crate::args::RecordingInfo;
 /// Gaps that are listed in text.
 const GAPS_SHOWN: usize = 10;
 
-/// Prints what a recording holds.
+/// Prints the summary of a recording.
 ///
 /// # Errors
 /// If there is none, or it cannot be read.

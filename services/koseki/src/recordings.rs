@@ -1,11 +1,11 @@
-//! Whether the recordings are what the configuration says, before anything is started.
+//! Check of the recordings against the configuration, before the start of processes.
 //!
-//! A recording that is not there, is of another sensor, or was cut short would otherwise show only as a source that
-//! stays silent, or falls silent early. So each file is read, its data blocks are walked from header to header, and its
-//! first target report is decoded; `koseki check` decodes all of it. What is wrong is one line: file, byte, what was
-//! found, what was expected, and what to do.
+//! A missing recording, a recording of another sensor, or a truncated recording would otherwise appear only as a
+//! source that is silent, or falls silent early. Therefore each file is read, the headers of its data blocks are
+//! followed, and its first target report is decoded; `koseki check` decodes everything. An error is one line: file,
+//! byte, found value, expected value, and remedy.
 //!
-//! Limit: damage inside a block is not looked for. The adapter skips what it cannot explain, and counts it.
+//! Limit: damage within a block is not detected here. The adapter skips and counts undecodable bytes.
 
 use std::fs;
 use std::io;
@@ -52,8 +52,7 @@ pub(crate) struct Found {
     pub(crate) first_time_ns: Option<i64>,
     /// Time of day of the last target report that was looked at, nanoseconds.
     pub(crate) last_time_ns: Option<i64>,
-    /// Turn of the antenna that it shows, of a source whose tracks are made of its plots, if every record was looked
-    /// at.
+    /// Duration of the antenna turn in the data, for a source tracked from its plots, if every record was decoded.
     pub(crate) turn: Option<Turn>,
 }
 
@@ -130,7 +129,7 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
     Ok(found)
 }
 
-/// Looks at the recording of a wide-area sensor, if it has one. Rows that cannot be read are its adapter's to count.
+/// Checks the recording of a wide-area sensor, if present. The adapter counts unreadable rows.
 fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Result<(), RecordingError> {
     let Some(file) = sensor.recording().map(|file| data.join(file)) else {
         return Ok(());
@@ -184,7 +183,7 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Fo
     })
 }
 
-/// Counts the blocks. What is of another sensor altogether is said first: its blocks need not even be blocks.
+/// Counts the blocks. Data of another sensor are reported first: they need not even be blocks.
 fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, String> {
     let expected = expected_categories(recorded);
     let (mut count, mut known, mut others) = (0, false, Vec::new());
@@ -203,7 +202,7 @@ fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, String> {
                         others.push(block.category);
                     }
                 }
-                // A capture holds what a network carries, some of which is no ASTERIX; that is counted, not refused.
+                // A capture may contain other network traffic, which is counted, not an error.
                 Err(error) if is_raw => wrong = Some(error),
                 Err(_) => {}
             }
@@ -315,7 +314,7 @@ fn read_lines(bytes: &[u8], key: &Key) -> Result<Found, String> {
     found.records = merger.counters().messages;
     if found.records > 0 && !timed {
         return Err(format!(
-            "no line has a time (values 7 to 10): when {} saw its aircraft cannot be known; record the lines with their \
+            "no line has a time (values 7 to 10): the times of {} are unknown; record the lines with their \
              times, or as a capture (pcap)",
             key.whose
         ));
@@ -338,7 +337,7 @@ fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, String> {
 
 /// `010, 019 or 020`.
 fn categories(numbers: &[u8], last: &str) -> String {
-    /// Nobody reads more of them; a file that is no ASTERIX at all has dozens.
+    /// Largest number of printed items: a file without ASTERIX has dozens.
     const SHOWN_MAX: usize = 8;
     let mut words: Vec<String> = numbers
         .iter()

@@ -1,7 +1,7 @@
-//! `koseki status`: what runs on this machine.
+//! `koseki status`: running instances of this machine.
 //!
-//! It looks on like any reader would: joins each instance that runs, listens to two rounds of health messages, and
-//! leaves. Rates are the differences between the two rounds.
+//! The command is a normal reader: it joins each running instance, takes two rounds of health messages, and leaves.
+//! Rates are the differences between the two rounds.
 
 use std::collections::BTreeMap;
 use std::panic::{self, AssertUnwindSafe};
@@ -53,7 +53,7 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
     crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
 
-/// What is known of one instance.
+/// State of an instance.
 #[derive(Debug, Serialize)]
 struct InstanceStatus {
     instance: String,
@@ -82,7 +82,7 @@ struct OrderStatusLine {
 enum InstanceState {
     Runs,
     StartsOrStops,
-    /// Running, and what is in its shared memory cannot be meant.
+    /// Running, with invalid data in shared memory.
     Unreadable,
     /// It does not run, and the run before was killed.
     Killed,
@@ -120,14 +120,14 @@ impl InstanceStatus {
             orders: Vec::new(),
         };
         if !instance.runs {
-            // A start that is refused leaves its lock at most, a run its folder.
+            // A rejected start leaves at most its lock, a run leaves its folder.
             status.state = match instance.root.path().exists() {
                 true => InstanceState::Killed,
                 false => InstanceState::Refused,
             };
             return Ok(status);
         }
-        // Reading memory that somebody has overwritten may end in a panic of the library that lies beneath.
+        // Reading overwritten memory may cause a panic in the underlying library.
         let Ok(listened) = without_panic(|| listen(&instance.root)) else {
             status.state = InstanceState::Unreadable;
             return Ok(status);
@@ -170,11 +170,11 @@ impl InstanceStatus {
             ),
             InstanceState::StartsOrStops => format!("instance {name}: process {pid} is starting or stopping it\n"),
             InstanceState::Unreadable => format!(
-                "instance {name}: process {pid} runs it, and its shared memory cannot be read: look again when it has \
-                 been rebuilt\n"
+                "instance {name}: process {pid} runs it, but its shared memory is unreadable: try again after the \
+                 rebuild\n"
             ),
             InstanceState::Killed => format!(
-                "instance {name}: does not run; an earlier run was killed, and the next start removes what it left in {folder}\n"
+                "instance {name}: does not run; an earlier run was killed; the next start removes its remains in {folder}\n"
             ),
             InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
         };
@@ -211,12 +211,12 @@ impl AlarmStatus {
     }
 }
 
-/// First and last message of one process, or of the launcher about it.
+/// First and last message of a process, or of the launcher about the process.
 #[derive(Clone, Debug)]
 struct Heard {
     first: Health,
     last: Health,
-    /// What a link says of each of its peers.
+    /// A link's notes about each of its peers.
     peers: BTreeMap<u16, String>,
 }
 
@@ -230,7 +230,7 @@ const LOSSES: [(Counter, &str); 6] = [
     (Counter::RequestsRejected, "connections refused"),
 ];
 
-/// Everything that is said while listening, and who has joined the instance.
+/// Messages received in the two rounds, and members of the instance.
 struct Listened {
     speakers: Vec<Heard>,
     /// By number of the source.
@@ -242,7 +242,7 @@ struct Listened {
     orders: Vec<OrderState>,
 }
 
-/// Result of `work`; `Err` if it panicked, which nobody is told of.
+/// Returns the result of `work`; `Err` after a panic, without a message.
 fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
     let told = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
@@ -289,7 +289,7 @@ fn listen(root: &Root) -> Result<Listened, BusError> {
 }
 
 fn note(heard: &mut Vec<Heard>, health: &Health) {
-    // The launcher speaks of its children by their names; a child's process number changes.
+    // The launcher names its children; a child's process number changes.
     let same = |other: &&mut Heard| {
         let other = &other.last;
         (other.kind, other.name) == (health.kind, health.name)
@@ -315,7 +315,7 @@ fn is_launcher(health: &Health) -> bool {
     health.kind == ProcessKind::Launcher as u8
 }
 
-/// First the launcher and its children, then what else has joined the instance.
+/// Returns rows: first the launcher and its children, then other members of the instance.
 fn rows(heard: &[Heard], processes: &[Process]) -> Vec<Row> {
     let mut rows = Vec::new();
     let launched: Vec<&Heard> = heard.iter().filter(|each| is_launcher(&each.last)).collect();
@@ -345,7 +345,7 @@ fn rows(heard: &[Heard], processes: &[Process]) -> Vec<Row> {
 
 /// One line per process.
 fn table(rows: &[Row]) -> String {
-    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
+    // Numbers have room for eight digits, so that columns stay in place from call to call.
     let mut table = Table::new(&[
         ("process", Align::Left),
         ("     pid", Align::Right),
@@ -367,11 +367,11 @@ struct Row {
     name: String,
     pid: Option<u32>,
     state: Option<&'static str>,
-    /// `None` for a process that nobody restarts.
+    /// `None` for a process without restarts.
     restarts: Option<u32>,
     /// Samples or records taken per second; `None` if there were none, or it is not known.
     taken_per_s: Option<f64>,
-    /// The same of what it published, wrote or sent.
+    /// Rate of published, written or sent samples.
     published_per_s: Option<f64>,
     note: String,
 }
@@ -392,7 +392,7 @@ impl Row {
         ]
     }
 
-    /// A child, as the launcher speaks of it, and as it speaks of itself if it does.
+    /// Row of a child, from the launcher's and, if present, the child's own messages.
     fn of_child(child: &Health, own: Option<&Heard>) -> Self {
         let is_launcher_itself = child.name() == ProcessKind::Launcher.word();
         let of_itself = own.map(Self::of_process).unwrap_or_default();
@@ -412,7 +412,7 @@ impl Row {
         }
     }
 
-    /// A process, as it speaks of itself.
+    /// Row of a process, from its own messages.
     fn of_process(heard: &Heard) -> Self {
         let last = &heard.last;
         let (taken, published) = match last.kind() {
@@ -443,7 +443,7 @@ fn state(health: &Health) -> &'static str {
 }
 
 impl Heard {
-    /// What a link says of its peers, and of what was lost and refused.
+    /// Returns a link's notes about its peers, and its losses and rejections.
     fn of_peers(&self) -> String {
         let losses = LOSSES.iter().filter_map(|(counter, what)| {
             let count = Some(self.last.counters[*counter]).filter(|count| *count > 0)?;
@@ -457,7 +457,7 @@ impl Heard {
             .join(", ")
     }
 
-    /// How fast a counter grew; `None` if it stands at 0, or only one message was heard.
+    /// Returns the rate of a counter; `None` if it is 0, or only one message was received.
     fn per_s(&self, counter: Counter) -> Option<f64> {
         let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
         let (first, last) = (self.first.counters[counter], self.last.counters[counter]);

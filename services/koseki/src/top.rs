@@ -7,7 +7,7 @@ use offline::Usage;
 use crate::args::Top;
 use crate::instances;
 
-/// Looks on at the instance that is named, or at the only one that runs.
+/// Watches the named instance, or the only running instance.
 ///
 /// # Errors
 /// If none runs, several do and none is named, or looking on fails.

@@ -35,7 +35,7 @@ impl Copying {
                     Ok(()) => fails = false,
                     Err(error) if !fails => {
                         fails = true;
-                        say(&format!("what is kept for a successor is not copied to disk: {error}"));
+                        say(&format!("memory for a successor is not copied to disk: {error}"));
                     }
                     Err(_) => {}
                 }

@@ -256,7 +256,7 @@ impl<'a> Supervisor<'a> {
                 "removed shared memory that a killed process had only begun ({files} in number)"
             )),
             // Another look follows.
-            Err(error) => say(&format!("looking for what killed processes had begun: {error}")),
+            Err(error) => say(&format!("searching the remains of killed processes: {error}")),
         }
     }
 
@@ -366,7 +366,7 @@ impl<'a> Supervisor<'a> {
             }
             // The old keeper is gone, and the new keeper needs all facts.
             Sequel::RestartIn(_) if self.children.has_outlived_a_reader(index) => {
-                anyhow::bail!("{title} {end} near the end of the recordings: what it had still to do is missing")
+                anyhow::bail!("{title} {end} near the end of the recordings: its remaining work is missing")
             }
             Sequel::RestartIn(pause) => {
                 let pause = if self.children.hasten_fusion(now, index) {
@@ -385,7 +385,7 @@ impl<'a> Supervisor<'a> {
                     1 => "once".to_owned(),
                     failures => format!("{failures} times in a row"),
                 };
-                anyhow::bail!("{title} failed {times} at its start; the last time it {end}. What it said is above")
+                anyhow::bail!("{title} failed {times} at its start; the last time it {end}. Its output is above")
             }
         }
     }
@@ -415,7 +415,7 @@ impl<'a> Supervisor<'a> {
     /// Kills all children, and restarts them in new shared memory.
     fn rebuild(&mut self, reason: &str, now: Instant) -> anyhow::Result<()> {
         if self.children.readers().any(Child::is_finished) {
-            anyhow::bail!("{reason} near the end of the recordings: what was still to do is missing");
+            anyhow::bail!("{reason} near the end of the recordings: the remaining work is missing");
         }
         self.rebuilds += 1;
         let lived = now.duration_since(self.start.begun);

@@ -15,7 +15,7 @@ use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_se
 /// A command on tables.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Write what simulated sensors see of a simulated world, and the truth
+    /// Write the reports of simulated sensors in a simulated world, and the truth
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
     /// Fuse files of sensor tracks into one file of system tracks
@@ -27,7 +27,7 @@ pub enum Command {
     /// Locate emitters from files of bearings, measured by a moving platform
     #[command(after_help = locate_examples())]
     Locate(Locate),
-    /// Run every fusion rule on the same sensor tracks, and show them side by side
+    /// Run every fusion rule on the same sensor tracks, and show the results side by side
     #[command(after_help = COMPARE_EXAMPLES)]
     Compare(Compare),
     /// Score tracks or fixes against a known truth
@@ -74,25 +74,25 @@ Examples:
   koseki simulate --scenario my.toml --seed 1 --out mine
   koseki simulate --scenario wide-area --set scenario.formation[0].count=1 --seed 1 --for 200 --out pair
 
-NAME  demo       a busy airport and its surroundings, seen by five sensors: what `koseki demo` shows
-      en-route   the same sensors; all targets fly en route, and all of them meet another one on their way
+NAME  demo       a busy airport and its surroundings with five sensors, as in `koseki demo`
+      en-route   the same sensors; all targets fly en route, and every target meets another target
       dense      demo with 400 targets
-      wide-area  formations that two radars do not resolve, and a remote sensor that counts them: config/wide-area.toml
+      wide-area  formations not resolved by two radars but counted by a remote sensor: config/wide-area.toml
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
-DIR/truth.csv            a row per whole second and target that some sensor could see there
-DIR/sensor_tracks_K.csv  what sensor K reports, for `koseki fuse`
-DIR/detections_K.csv     what it detected before its own tracker made tracks of it; truth_id -1 is a false target,
-                         merged are several that it saw as one
-DIR/asterix_K.ast        with --asterix, what sensor K sends: for `koseki decode` and `koseki send`
-DIR/bearings_K.csv       in place of both, what direction finder K hears, for `koseki locate`; emitter_id is the target's
-DIR/wide_area_NAME.csv   what the wide-area sensor of this name counts, for `koseki track --wide-area`
+DIR/truth.csv            a row per whole second and visible target
+DIR/sensor_tracks_K.csv  reports of sensor K, for `koseki fuse`
+DIR/detections_K.csv     detections of sensor K, the input of its own tracker; truth_id -1 is a false target, merged are
+                         several targets in the same detection
+DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki decode` and `koseki send`
+DIR/bearings_K.csv       in place of both, bearings of direction finder K, for `koseki locate`; emitter_id is the target's
+DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for `koseki track --wide-area`
 Times begin at 0. The same scenario and seed give the same bytes.";
 
 /// `koseki simulate`.
 #[derive(Debug, Args)]
 pub struct Simulate {
-    /// Name of a scenario, or a configuration with one
+    /// Name of a scenario, or a configuration with a scenario
     #[arg(long, value_name = "NAME|FILE")]
     pub(crate) scenario: PathBuf,
     /// Seed of the simulated world: the same seed gives the same traffic
@@ -101,10 +101,10 @@ pub struct Simulate {
     /// Folder for the files
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// How long a time is simulated, seconds
+    /// Simulated time, seconds
     #[arg(long = "for", value_name = "SECONDS", default_value = "120", value_parser = seconds)]
     pub(crate) seconds: Duration,
-    /// Write what each sensor sends in ASTERIX, too
+    /// Write the ASTERIX data of each sensor, too
     #[arg(long)]
     pub(crate) asterix: bool,
     /// Replace a value of the scenario's configuration (repeatable)
@@ -120,23 +120,22 @@ Examples:
   koseki fuse --tracks radar.csv adsb.csv --out fused.csv --picture seven.svg --track 7
 
 FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state   a row per report, in the order of time
-         and, where known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and of what `koseki track`
-         knows of targets kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the
-         covariance row by row, or in its place only its trace over east and north; state is tentative, confirmed,
-         coasted or terminated. A file may hold several sensors; several files are merged by time. Rows that cannot be
-         used are left out and counted.
+         and, if known, address,mode_3a,callsign,method,trace,height_valid,velocity_valid, and from `koseki track`
+         kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
+         row, or instead only its trace over east and north; state is tentative, confirmed, coasted or terminated. A file
+         may contain several sensors; several files are merged by time. Unusable rows are omitted and counted.
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
-         and more, a row per update. With --refresh a row at every whole multiple of it for each track that is confirmed or
-         coasted. Several values in a column are joined with |.
+         and more, a row per update. With --refresh a row per confirmed or coasted track at every whole multiple of the
+         interval. Several values in a column are joined with |.
 --explain {DECISION}
-         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value is what was
-         compared with limit.
+         decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value was compared
+         with limit.
 --config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
            [fusion.rule]
            name = \"best-source\"
            [[sensor]]
-{KEYS}         docs/configuration.md says what [fusion] may hold, and which values are possible.
-         What is not configured, a first pass over the files tells: sensors, periods, accuracy as stated, sizes of tables.
+{KEYS}         docs/configuration.md lists the keys of [fusion] and their permitted values.
+         A first pass over the files determines missing settings: sensors, periods, stated accuracy, sizes of tables.
 
 The same files and options give the same bytes.";
 
@@ -151,25 +150,25 @@ fn fuse_examples() -> String {
 pub struct Fuse {
     #[command(flatten)]
     pub(crate) input: OfflineInput,
-    /// How sources are weighed; auto is the best there is for unknown data [default: what --config says, else auto]
+    /// Rule for the weights of sources; auto suits unknown data best [default: the rule in --config, else auto]
     #[arg(long, value_name = "RULE")]
     pub(crate) rule: Option<String>,
-    /// Write rows at whole multiples of so many seconds [default: a row per update]
+    /// Write rows at whole multiples of this interval, seconds [default: a row per update]
     #[arg(long, value_name = "SECONDS", value_parser = refresh)]
     pub(crate) refresh: Option<Duration>,
     /// File for the system tracks
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// File for what was decided and why, a row per decision
+    /// File for decisions with their reasons, a row per decision
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
-    /// File for a picture (SVG): the system tracks over the reports that they were made from
+    /// File for a plot (SVG): the system tracks over their reports
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
-    /// The system track that the picture is about [default: all]
+    /// The system track in the plot [default: all]
     #[arg(long, value_name = "N", requires = "picture")]
     pub(crate) track: Option<u32>,
-    /// Print what was read and found as one JSON object
+    /// Print the summary as a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -196,28 +195,28 @@ Examples:
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
-         bearing, bearing_elevation; m: values in that order, m3 the range rate where there is one; s: their standard
-         deviations; p: where the sensor was; all in metres, radians, m/s, and what a kind does not measure left empty.
-         Detections with the same sensor_id and scan are one scan: what the sensor saw in a turn or an image. A scan number
-         that is left out is a scan without detections. Several files are merged by time. Rows that cannot be used are left
-         out and counted. A recording of the Autoferry data set (scenarioN_detections.json) is read as it is: sensors 1 lidar,
-         2 radar (position2), 3 infrared camera, 4 camera (bearing); it states no standard deviations, so --config must.
---wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row for each report of how many targets there were around a
-         place (docs/wide-area.md); arrival_s counts like time_s; route: east and north of the places passed, oldest first,
-         joined with |.
---emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,pulse_interval_s]    a row for each emission that
-         was heard, as for `koseki locate`; with the types and priors of --config it tells what the tracks are.
+         bearing, bearing_elevation; m: values in that order, m3 the range rate, if any; s: the standard deviations of m;
+         p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
+         Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
+         number is a scan without detections. Several files are merged by time. Unusable rows are omitted and counted. A
+         recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
+         (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config.
+--wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place
+         (docs/wide-area.md); arrival_s counts like time_s; route: east and north of earlier places, oldest first, joined
+         with |.
+--emissions    time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz,frequency_hz[,pulse_interval_s]    a row per received
+         emission, as for `koseki locate`; with the types and priors of --config, emissions identify the tracks.
 --out    time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,…,P55,state,…,kind,members,type,type_confidence,hypotheses,
          reliability    a row for each confirmed track after each scan, or with --period at its whole multiples; state is
-         confirmed, or coasted after a scan without it; sensor_id is 0, the tracker; kind is group where targets are not told
-         apart, with their expected number, and type is what the target is, if that is known.
---cues   {CUE}    after each scan, where
-         each sensor should look for each confirmed track when it looks next: an ellipse, its longer axis clockwise from north.
---explain what became of each scan, cluster, hypothesis and track, and why; docs/tracking.md says what the columns are
---config a deployment as for `koseki up` (sensor_id 1 is its first source, whose [source.tracker] holds), or the
-         following alone. Nothing of it has to be given; what is said of a sensor are facts, the rest serves all alike:
-{KEYS}         docs/tracking.md says when to choose what, docs/wide-area.md what stands in [wide_area] and [selection],
-         docs/configuration.md which values are possible.
+         confirmed, or coasted after a scan without a detection of the target; sensor_id is 0, the tracker; kind is group for
+         unresolved targets, with their expected number; type is the target's type, if known.
+--cues   {CUE}    after each scan, an
+         ellipse per sensor and confirmed track for the sensor's next look; its longer axis is clockwise from north.
+--explain the results for each scan, cluster, hypothesis and track, with reasons; docs/tracking.md describes the columns
+--config a deployment as for `koseki up` (sensor_id 1 is its first source; the source's [source.tracker] applies), or the
+         following keys. All keys are optional; keys of a sensor state facts, the other keys apply to all sensors:
+{KEYS}         Advice on settings: docs/tracking.md; [wide_area] and [selection]: docs/wide-area.md; permitted values:
+         docs/configuration.md.
 
 The same files and options give the same bytes.";
 
@@ -233,10 +232,10 @@ pub struct Track {
     /// Detections: CSV files, or recordings of the Autoferry data set
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
-    /// How many targets a wide-area sensor has seen, which reports late: a CSV file
+    /// Counts of a wide-area sensor, which reports late: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) wide_area: Option<PathBuf>,
-    /// Emissions that an on-board receiver has heard, to tell types of targets by: a CSV file of bearings
+    /// Emissions received by an on-board receiver, to identify types of targets: a CSV file of bearings
     #[arg(long, value_name = "FILE")]
     pub(crate) emissions: Option<PathBuf>,
     /// Description of the sensors, and settings of the tracker: a TOML file
@@ -245,16 +244,16 @@ pub struct Track {
     /// File for the tracks
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Give the tracks out at the whole multiples of this period, instead of after each scan
+    /// Write the tracks at whole multiples of this period, instead of after each scan, seconds
     #[arg(long, value_name = "SECONDS", value_parser = refresh)]
     pub(crate) period: Option<Duration>,
-    /// File for what was considered and decided
+    /// File for decisions with their reasons
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
-    /// File for where each sensor should look next
+    /// File for cues: places for each sensor's next look
     #[arg(long, value_name = "FILE")]
     pub(crate) cues: Option<PathBuf>,
-    /// Print what was read and found as one JSON object
+    /// Print the summary as a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -266,24 +265,24 @@ Examples:
   koseki locate --bearings flight.csv --out fixes.csv --picture emitter7.svg --emitter 7
 
 FILE     time_s,emitter_id,bearing_rad,sigma_rad,px,py,pz[,heading_rad,frequency_hz]   a row per bearing, in the order of time
-         Radians clockwise from north, metres east, north and up; p is where the platform was. Any number of emitters in
-         one file. Where emitter_id is empty, bearings find their emitter by frequency and direction, and emitters are
-         numbered from 1000001 on. Rows that cannot be used are left out and counted.
---filter auto      the data decide: fixed point, straight motion or manoeuvring, the simplest that explains the bearings
-         fixed     a fixed point, or one that wanders
+         Radians clockwise from north, metres east, north and up; p is the position of the platform. A file may contain any
+         number of emitters. If emitter_id is empty, frequency and direction identify the emitter, numbered from 1000001
+         on. Unusable rows are omitted and counted.
+--filter auto      by the data: fixed point, straight motion or manoeuvring, the simplest model that explains the bearings
+         fixed     a fixed or wandering point
          straight  straight motion, or manoeuvring
---select auto      every fix steers the output, which never jumps: the best there is for unknown data
-         none      fixes as they are
-         interval  a fix each interval sets the direction of the output, which moves in straight lines
+--select auto      every fix steers the output, which never jumps: the best choice for unknown data
+         none      fixes without selection
+         interval  a fix per interval sets the direction of the output, which moves in straight lines
          minimum   … a fix at each minimum of the variance
-         staged    intervals at first, minima once they come often enough
+         staged    intervals at first, later minima if they are frequent enough
 --out    {FIX}
-         a row per bearing once the geometry allows a fix: the output; the trace of the filter's covariance; the filter's own
-         fix (raw) with its covariance; the model that is believed; 0 in agreed while its bearings are set aside.
---explain {DECISION}    value is what was compared with limit
+         a row per bearing as soon as the geometry allows a fix: the output; the trace of the filter's covariance; the
+         filter's own fix (raw) with its covariance; the most likely model; 0 in agreed while its bearings are not used.
+--explain {DECISION}    value was compared with limit
 --config a TOML file; every key has a default:
 {KEYS}
-The same file and options give the same bytes. `koseki score fixes` scores them against a truth.";
+The same file and options give the same bytes. `koseki score fixes` scores the output against a truth.";
 
 /// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
@@ -298,10 +297,10 @@ pub struct Locate {
     /// Bearings: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) bearings: PathBuf,
-    /// How emitters may move: auto, fixed or straight [default: what --config says, else auto]
+    /// Motion of emitters: auto, fixed or straight [default: the value in --config, else auto]
     #[arg(long, value_name = "FILTER")]
     pub(crate) filter: Option<String>,
-    /// Which fixes are used: auto, none, interval, minimum or staged [default: what --config says, else auto]
+    /// Selection of fixes: auto, none, interval, minimum or staged [default: the value in --config, else auto]
     #[arg(long, value_name = "SELECTION")]
     pub(crate) select: Option<String>,
     /// Settings of filters and selection: a TOML file
@@ -310,16 +309,16 @@ pub struct Locate {
     /// File for the fixes
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// File for what was decided and why, a row per decision
+    /// File for decisions with their reasons, a row per decision
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
-    /// File for a picture (SVG) of one emitter's fixes and output
+    /// File for a plot (SVG) of an emitter's fixes and output
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,
-    /// The emitter of the picture [default: the first]
+    /// The emitter in the plot [default: the first]
     #[arg(long, value_name = "N", requires = "picture")]
     pub(crate) emitter: Option<u32>,
-    /// Print what was read and found as one JSON object
+    /// Print the summary as a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -330,34 +329,34 @@ Examples:
   koseki compare --tracks all.csv --truth truth.csv --c 100 --gate 50 --markdown
   koseki compare --tracks all.csv --config sensors.toml --json
 
-Inputs are those of `koseki fuse`, figures those of `koseki score` (see their --help); without --truth those that need
-none. us_per_report is the time of the engine alone. Every rule has an engine of its own; nothing is written.";
+Inputs as for `koseki fuse`, figures as from `koseki score` (see the --help of both); without --truth only figures that
+need no truth. us_per_report is the time of the engine alone. Every rule has a separate engine. There are no output files.";
 
 /// `koseki compare`.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Compare {
-    /// Pictures that are there already.
+    /// Existing pictures.
     #[command(subcommand)]
     pub(crate) what: Option<CompareWhat>,
     #[command(flatten)]
     pub(crate) input: OfflineInput,
-    /// Where the targets are: a CSV file as for `koseki score`
+    /// Positions of the targets: a CSV file as for `koseki score`
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
-    /// System tracks are compared at whole multiples of so many seconds
+    /// Interval of the comparison, at whole multiples, seconds
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = refresh)]
     pub(crate) refresh: Duration,
-    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    /// Cut-off of GOSPA and OSPA: largest distance between a track and its target, metres
     #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
     pub(crate) c: f64,
-    /// Distance up to which a target keeps its track, metres
+    /// Largest distance at which a target keeps its track, metres
     #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
     pub(crate) gate: f64,
     /// First whole second to score
     #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t0: i64,
-    /// Print one JSON object
+    /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,
     /// Print the table as Markdown
@@ -368,7 +367,7 @@ pub struct Compare {
 /// Further things to compare.
 #[derive(Debug, Subcommand)]
 pub(crate) enum CompareWhat {
-    /// Say how two pictures of the same time differ: as recorded, and fused again with other settings
+    /// Compare two track pictures of the same time, for example as recorded and fused again with other settings
     #[command(after_help = COMPARE_PICTURES_EXAMPLES)]
     Pictures(ComparePictures),
 }
@@ -379,30 +378,30 @@ Examples:
   koseki compare pictures records/tower/latest other.csv
   koseki compare pictures before.csv after.csv --max-age 5 --json
 
-The first picture stands in the place of the truth: its confirmed and coasted tracks are the targets that the second one is
-held against at each whole second, with the figures of `koseki score`. A missed target is a track that only the first has, a
-false one a track that only the second has. Columns are found by name: time_s,system_track_id,x,y,z,vx,vy,vz,state.";
+The first picture serves as the truth: its confirmed and coasted tracks are the targets for the comparison at each whole
+second, with the figures of `koseki score`. A missed target is a track only in the first picture, a false target a track
+only in the second picture. Columns are found by name: time_s,system_track_id,x,y,z,vx,vy,vz,state.";
 
 /// `koseki compare pictures`.
 #[derive(Debug, Args)]
 pub(crate) struct ComparePictures {
-    /// System tracks of the first picture: a CSV file, or the folder of a start
+    /// System tracks of the first picture: a CSV file, or the folder of a recording
     pub(crate) first: PathBuf,
-    /// System tracks of the second one
+    /// System tracks of the second picture
     pub(crate) second: PathBuf,
-    /// Cut-off of GOSPA and OSPA: distance from which two tracks are not of one target, metres
+    /// Cut-off of GOSPA and OSPA: largest distance between two tracks of the same target, metres
     #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
     pub(crate) c: f64,
-    /// Distance up to which a target keeps its track, metres
+    /// Largest distance at which a target keeps its track, metres
     #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
     pub(crate) gate: f64,
-    /// A state older than this does not show, seconds
+    /// Largest age of a state, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0, value_parser = above_zero)]
     pub(crate) max_age: f64,
-    /// First whole second to compare [default: the first that either has]
+    /// First whole second to compare [default: the first second of either picture]
     #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t0: Option<i64>,
-    /// Print one JSON object
+    /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -414,54 +413,54 @@ Examples:
   koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
   koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
 
-At each whole second, the newest state of each track is moved to that second and held against the targets: GOSPA with its
-parts and OSPA say how far the picture is from the truth; targets keep their tracks from second to second while these are
-nearer than the gate, which gives switches, breaks, completeness and spurious tracks.
+At each whole second, the newest state of each track is extrapolated to this second and compared with the targets. GOSPA,
+its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
+while the track is nearer than the gate; switches, breaks, completeness and spurious tracks follow from these pairs.
 
 truth:   time_s,target_id,x,y,z,vx,vy,vz                            a row per target and whole second
-tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are left out
-Columns are found by name, others are ignored. A figure that cannot be computed is null in JSON.";
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are ignored
+Columns are found by name, other columns are ignored. A figure that cannot be computed is null in JSON.";
 
 /// `koseki score`.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct Score {
-    /// Files that are scored besides.
+    /// Other kinds of files.
     #[command(subcommand)]
     pub(crate) what: Option<ScoreWhat>,
-    /// Where the targets are: a CSV file
+    /// Positions of the targets: a CSV file
     #[arg(long, value_name = "FILE", required = true)]
     pub(crate) truth: Option<PathBuf>,
     /// The tracks to score: a CSV file
     #[arg(long, value_name = "FILE", required = true)]
     pub(crate) tracks: Option<PathBuf>,
-    /// Cut-off of GOSPA and OSPA: distance from which a track is no track of a target, metres
+    /// Cut-off of GOSPA and OSPA: largest distance between a track and its target, metres
     #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
     pub(crate) c: f64,
-    /// Distance up to which a target keeps its track, metres
+    /// Largest distance at which a target keeps its track, metres
     #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
     pub(crate) gate: f64,
-    /// A state older than this does not show, seconds
+    /// Largest age of a state, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
     pub(crate) max_age: f64,
     /// First whole second to score
     #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t0: i64,
-    /// Last whole second to score [default: the last that the truth reaches]
+    /// Last whole second to score [default: the last second of the truth]
     #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t1: Option<i64>,
-    /// Directions are compared of targets faster than this, m/s
+    /// Least speed of a target for the comparison of directions, m/s
     #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
     pub(crate) moving: f64,
-    /// Print one JSON object
+    /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
 
-/// Files that `koseki score` scores beside pictures.
+/// Other kinds of files for `koseki score`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ScoreWhat {
-    /// Score how well a tracker tells targets apart, over one or more runs
+    /// Score a tracker's separation of close targets, over one or more runs
     #[command(after_help = SCORE_TRACKS_EXAMPLES)]
     Tracks(ScoreTracks),
     /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
@@ -474,31 +473,31 @@ Examples:
   koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
   koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
 
-At each time of the truth from --since on: are exactly as many confirmed tracks near targets as there are targets, each
-near another one? Before it, targets cannot be told apart yet, and several tracks are too many. Positions are compared in
-the plane; a track shows for 4 s after its newest row, moved along its velocity.
+At each time of the truth from --since on, exactly as many confirmed tracks should be near targets as there are targets,
+each track near another target. Before --since the targets are not separable, and several tracks are too many. Positions
+are compared in the plane; a track counts for 4 s after its newest row, extrapolated with its velocity.
 
 truth:   time_s,x,y                                         a row per target and time
 tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
-Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are added
-up, and JSON has the figures of each run under \"each\".";
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are
+summed, and JSON has the figures of each run under \"each\".";
 
 /// `koseki score tracks`.
 #[derive(Debug, Args)]
 pub(crate) struct ScoreTracks {
-    /// Where the targets are: a CSV file for each run
+    /// Positions of the targets: a CSV file per run
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) truth: Vec<PathBuf>,
     /// The tracks of each run, in the same order
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) tracks: Vec<PathBuf>,
-    /// A track is near a target if it is nearer than this, metres
+    /// Largest distance of a track near a target, metres
     #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
     pub(crate) gate: f64,
-    /// From when on targets can be told apart, seconds
+    /// Time from which the targets are separable, seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
     pub(crate) since: f64,
-    /// Print one JSON object
+    /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -509,24 +508,24 @@ Examples:
   koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
 
 Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
-       drop    a dropped transmitter drifts straight on while the aircraft circles; the second half counts
-       turn    the aircraft turns by 180 degrees with wrong bearings; from 500 s on counts
-Which case it is stands in the file meta.json beside each truth, with the baseline (m), sigma_deg and number of runs.
+       drop    a dropped transmitter drifts in a straight line while the aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; the time from 500 s on counts
+The file meta.json beside each truth names the case, with the baseline (m), sigma_deg and number of runs.
 
 truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
-fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows of times that the truth lacks are left out
-Several sets of runs of one case are pooled: as many --fixes as --truth, in the same order.";
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows with a time missing in the truth are ignored
+Several sets of runs of a case are pooled: as many --fixes as --truth, in the same order.";
 
 /// `koseki score fixes`.
 #[derive(Debug, Args)]
 pub(crate) struct ScoreFixes {
-    /// Where the emitters are: a CSV file with meta.json beside it, for each set of runs
+    /// Positions of the emitters: a CSV file with meta.json in the same folder, for each set of runs
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) truth: Vec<PathBuf>,
-    /// The fixes of each set, in the same order
+    /// The fixes of each set of runs, in the same order
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) fixes: Vec<PathBuf>,
-    /// Print one JSON object
+    /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -1,4 +1,4 @@
-//! `koseki bench`: what can be measured, and how.
+//! `koseki bench`: arguments and help.
 
 use std::path::PathBuf;
 
@@ -18,29 +18,29 @@ pub(super) const BENCH_EXAMPLES: &str = "\
 Examples:
   koseki bench latency                                    20,000 reports/s, spinning, five runs
   koseki bench latency --rate 1000,20000 --json now.json  two rates, all figures in a file
-  koseki bench compare before.json now.json               what has changed, and whether it is more than chance
+  koseki bench compare before.json now.json               significant differences between two runs
 
-Every command starts its own fusion process, in an instance of its own, and leaves nothing behind. Measure on a machine
-that does nothing else: whatever runs beside takes part in every tail.";
+Every command starts its own fusion process in a separate instance, and removes the instance at the end. Measure on an
+otherwise idle machine: other programs enlarge the tails of all distributions.";
 
 const LATENCY_EXAMPLES: &str = "\
 Examples:
   koseki bench latency --rate 20000 --targets 1000
   koseki bench latency --sweep --json sweep.json --picture latency.svg --percentiles histograms
   koseki bench latency --wait event --rate 1000
-  koseki bench latency --realtime-priority 80 --lock-memory          needs the right to (root, or ulimit -r and -l)
-  koseki bench latency --sources 8 --flood 3=50                      one source sends fifty times its share
+  koseki bench latency --realtime-priority 80 --lock-memory          needs privileges (root, or ulimit -r and -l)
+  koseki bench latency --sources 8 --flood 3=50                      source 3 sends fifty times its share
 
-Reports are due at fixed times, and latency counts from these: a stall is seen in every report that had to wait. Floor
-(a process that only passes the payload on), pipeline and the machine alone take turns in every run. Which core is which
-matters: cores that share a physical one disturb each other.";
+Reports are due at fixed times, and latency counts from the due time: a stall therefore appears in every delayed report.
+Each run measures in turn the floor (a process that only forwards the payload), the pipeline, and the machine alone.
+Select the cores with care: two logical cores of the same physical core disturb each other.";
 
 const ENGINE_EXAMPLES: &str = "\
 Examples:
   koseki bench engine --targets 1000
   koseki bench engine --targets 100000 --sources 8 --rule covariance-intersection
 
-The same reports as in the other measurements, without shared memory and processes: what fusing one costs.";
+The same reports as in the other measurements, without shared memory and processes: the cost of fusing a report.";
 
 const THROUGHPUT_EXAMPLES: &str = "\
 Examples:
@@ -48,18 +48,18 @@ Examples:
   koseki bench throughput --batch 16 --seconds 60          memory of fusion over a minute of load
   koseki bench throughput --targets 100000 --sources 8 --json throughput.json
 
-Without loss means: every report sent was taken by fusion, every system track was received, and no queue was growing at
-the end of the probe.";
+Without loss means: fusion took every report, every system track was received, and no queue was growing at the end of
+the probe.";
 
 const WATCH_EXAMPLES: &str = "\
 Examples:
   koseki bench watch --with monitor
   koseki bench watch --with stopped-subscriber --runs 21
   koseki bench watch --with subscribers=10 --seconds 5
-  koseki bench watch --with link=10 --rate 50000 --batch 16 the picture to ten other hosts; what of it came, what it took
-  koseki bench watch --with flood=100 --rate 4000           one source at 100 times its rate; the others count
+  koseki bench watch --with link=10 --rate 50000 --batch 16 the track picture to ten hosts: arrivals and cost
+  koseki bench watch --with flood=100 --rate 4000           source 0 at 100 times its rate; the other sources are measured
 
-Of each pair only the ratio counts. An interval that contains 1 says: no effect that could be told from chance.";
+The result is the ratio of each pair. An interval that contains 1 means: no significant effect.";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -70,33 +70,33 @@ Examples:
 /// `koseki bench`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Bench {
-    /// How long a report takes, at given rates
+    /// Measure the latency of a report at given rates
     #[command(after_help = LATENCY_EXAMPLES)]
     Latency(Latency),
-    /// The highest rate at which nothing is lost, and what happens beyond
+    /// Find the highest rate without loss, and the behaviour at higher rates
     #[command(after_help = THROUGHPUT_EXAMPLES)]
     Throughput(Throughput),
-    /// Cost of fusing one report, without any process around it
+    /// Measure the cost of fusing a report, without processes
     #[command(after_help = ENGINE_EXAMPLES)]
     Engine(Engine),
-    /// Cost to fusion of being watched: pairs of runs with and without
+    /// Measure the cost of a reader for fusion: pairs of runs with and without the reader
     #[command(after_help = WATCH_EXAMPLES)]
     Watch(Watch),
-    /// Two files of one command, before and after a change
+    /// Compare two files of the same command, before and after a change
     #[command(after_help = COMPARE_EXAMPLES)]
     Compare(Compare),
 }
 
-/// Traffic of a measurement, and where it runs.
+/// Traffic and placement of a measurement.
 #[derive(Debug, Args)]
 pub(crate) struct Common {
     /// Targets
     #[arg(long, value_name = "N", default_value_t = 1000)]
     targets: u32,
-    /// Sources, each of which reports every target
+    /// Sources; every source reports every target
     #[arg(long, value_name = "K", default_value_t = 4)]
     sources: u16,
-    /// How fusion, and the relay in its place, wait for work
+    /// Kind of waiting of fusion, and of the relay in the place of fusion
     #[arg(long, value_enum, default_value_t = WaitWord::Spin)]
     wait: WaitWord,
     /// Core of the bench's own threads
@@ -121,15 +121,15 @@ pub(crate) struct Common {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum WaitWord {
-    /// Ask again and again
+    /// Poll without a pause
     Spin,
     /// Sleep until woken
     Event,
-    /// Ask for 20 microseconds, then sleep
+    /// Poll for 20 microseconds, then sleep
     Hybrid,
 }
 
-/// The files that are written.
+/// Output files.
 #[derive(Debug, Args)]
 pub(crate) struct Files {
     /// Write all figures to this file
@@ -159,10 +159,10 @@ pub(crate) struct Latency {
     /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
     #[arg(long, value_name = "R[,R...]", value_delimiter = ',', value_parser = above_zero)]
     rate: Vec<f64>,
-    /// Rates from 1,000 on, as far as the knee
+    /// Measure rates from 1,000 up to the knee
     #[arg(long, conflicts_with = "rate")]
     sweep: bool,
-    /// Reports of one source that are sent together
+    /// Number of reports of a source sent together
     #[arg(long, value_name = "B", default_value_t = 1)]
     batch: usize,
     /// Length of one measurement
@@ -171,7 +171,7 @@ pub(crate) struct Latency {
     /// Repetitions
     #[arg(long, value_name = "N", default_value_t = 5)]
     runs: usize,
-    /// Let a source send FACTOR times its share, and show what the others notice of it
+    /// Let a source send FACTOR times its share, and show the effect on the other sources
     #[arg(long, value_name = "SOURCE=FACTOR", value_parser = flood)]
     flood: Option<Flood>,
     #[command(flatten)]
@@ -183,13 +183,13 @@ pub(crate) struct Latency {
 /// `koseki bench throughput`.
 #[derive(Debug, Args)]
 pub(crate) struct Throughput {
-    /// Reports of one source that are sent together
+    /// Number of reports of a source sent together
     #[arg(long, value_name = "B", default_value_t = 64)]
     batch: usize,
     /// Length of one probe
     #[arg(long, value_name = "SECONDS", default_value_t = 2.0, value_parser = above_zero)]
     probe_seconds: f64,
-    /// Length of the run at the end that watches memory
+    /// Length of the final run for the memory measurement
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = above_zero)]
     seconds: f64,
     #[command(flatten)]
@@ -199,7 +199,7 @@ pub(crate) struct Throughput {
 }
 
 impl Throughput {
-    /// Limits that are searched for, length of a probe, and files that are written.
+    /// Returns the settings, the length of a probe in seconds, and the output files.
     pub(crate) fn orders(self) -> (Settings, f64, Outputs) {
         let settings = self.common.settings(Vec::new(), self.batch, self.seconds, 1, None);
         (settings, self.probe_seconds, self.files.outputs())
@@ -212,10 +212,10 @@ pub(crate) struct Engine {
     /// Targets
     #[arg(long, value_name = "N", default_value_t = 1000)]
     targets: u32,
-    /// Sources, each of which reports every target
+    /// Sources; every source reports every target
     #[arg(long, value_name = "K", default_value_t = 4)]
     sources: u16,
-    /// Reports of one source that come together
+    /// Number of reports of a source that arrive together
     #[arg(long, value_name = "B", default_value_t = 1)]
     batch: usize,
     /// Fusion rule [default: the configuration's default]
@@ -242,7 +242,7 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    /// Runs that are measured, and files that are written.
+    /// Returns the settings and the output files.
     pub(crate) fn orders(self) -> (Settings, Outputs) {
         let settings = Settings {
             rates_per_s: vec![RATE_SPIN],
@@ -278,7 +278,7 @@ pub(crate) struct Watch {
     /// Reports per second, of all sources together [default: 20000; with --wait event 2000]
     #[arg(long, value_name = "R", value_parser = above_zero)]
     rate: Option<f64>,
-    /// Reports of one source that are sent together
+    /// Number of reports of a source sent together
     #[arg(long, value_name = "B", default_value_t = 1)]
     batch: usize,
     /// Length of each of a pair's two runs
@@ -295,7 +295,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Runs that are measured, subscribers that are added, and where the figures go.
+    /// Returns the settings, the added reader, and the file for the figures.
     pub(crate) fn orders(self) -> (Settings, Extra, Option<PathBuf>) {
         let rate = self.rate.unwrap_or_else(|| self.common.wait.usual_rate());
         let settings = self
@@ -308,13 +308,13 @@ impl Watch {
 /// `koseki bench compare`.
 #[derive(Debug, Args)]
 pub(crate) struct Compare {
-    /// Figures of a command's --json, before
+    /// Figures (--json) before the change
     #[arg(value_name = "A.json")]
     pub(crate) before: PathBuf,
-    /// The same after
+    /// Figures after the change
     #[arg(value_name = "B.json")]
     pub(crate) after: PathBuf,
-    /// Compare even if they were measured with different settings
+    /// Compare measurements with different settings, too
     #[arg(long)]
     pub(crate) force: bool,
 }
@@ -358,7 +358,7 @@ impl Common {
 }
 
 impl Latency {
-    /// Runs that are measured, whether they are a sweep, and files that are written.
+    /// Returns the settings, whether the run is a sweep, and the output files.
     pub(crate) fn orders(self) -> (Settings, bool, Outputs) {
         let rates = match (self.sweep, self.rate.is_empty()) {
             (true, _) => SWEEP.to_vec(),

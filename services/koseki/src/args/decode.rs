@@ -14,13 +14,13 @@ Examples:
   koseki decode adsb.ast --edition 21=0.23 --out - | head -1
   koseki decode night.ff --statistics --json night.json
 
-FILE holds data blocks and nothing else, or is a capture (pcap, pcapng), or has frames of the final format; its first
-octets tell. A line of output has the item numbers of a record as keys, \"_c\" for its category and \"_ts\" for the
-second in which it was recorded, where that is known.
+FILE contains bare data blocks, is a capture (pcap, pcapng), or has frames of the final format; its first bytes identify
+the kind. A line of output has the item numbers of a record as keys, \"_c\" for the category and \"_ts\" for the second
+of the recording, if known.
 
-What cannot be decoded is summed up on standard error, and is no failure. Only blocks that fit their edition to the last
-octet are given, and only categories of which half of the blocks do: the others were made by another edition. The file
-is read into memory whole.";
+A summary of undecodable blocks goes to standard error; such blocks are no failure. The output has only blocks that fit
+their edition to the last byte, and only categories with at least half of their blocks fitting: other categories were
+encoded with another edition. The whole file is read into memory.";
 
 /// `koseki decode`.
 #[derive(Debug, Args)]
@@ -31,16 +31,16 @@ pub(crate) struct Decode {
     /// Read a category by this edition, as in 21=0.23 (repeatable) [default: see --help]
     #[arg(long = "edition", value_name = "CAT=ED", long_help = editions_help())]
     pub(crate) editions: Vec<ChosenEdition>,
-    /// Kind of the recording: raw, pcap, pcapng or final [default: what its first octets tell]
+    /// Kind of the recording: raw, pcap, pcapng or final [default: by the first bytes]
     #[arg(long, value_name = "KIND")]
     pub(crate) container: Option<Container>,
-    /// Refuse blocks with spare bits set, or with items that go on beyond their edition
+    /// Reject blocks with spare bits set, or with items longer than in their edition
     #[arg(long)]
     pub(crate) strict: bool,
-    /// File for the records, one JSON object a line; - for standard output
+    /// File for the records, a JSON object per line; - for standard output
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Print who sent how much and when, and what was refused
+    /// Print amounts and times per sender, and rejected blocks
     #[arg(long)]
     pub(crate) statistics: bool,
     /// File for the same statistics as JSON

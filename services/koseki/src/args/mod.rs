@@ -1,4 +1,4 @@
-//! The command line: every command and option, what they mean when they are left out, and their help.
+//! The command line: commands, options, defaults and help texts.
 
 mod bearings;
 mod bench;
@@ -41,11 +41,11 @@ use torture::TORTURE_EXAMPLES;
 pub(crate) use torture::Torture;
 use values::{interval, speed};
 
-/// Where recordings are looked for if nobody says otherwise.
+/// Default folder of recordings.
 const DATA_DEFAULT: &str = "../shared/data";
-/// Version and the commit that it was built from.
+/// Version and commit of the build.
 pub(crate) const VERSION: &str = env!("KOSEKI_VERSION");
-/// Folder that contains what each instance records.
+/// Default parent folder of the instances' records.
 const OUT_DEFAULT: &str = "records";
 
 /// Real-time fusion of sensor tracks: one system track per target.
@@ -55,8 +55,8 @@ const OUT_DEFAULT: &str = "records";
 #[derive(Debug, Parser)]
 #[command(name = "koseki", version = VERSION, max_term_width = 110, after_help = EXAMPLES, after_long_help = EXAMPLES)]
 pub(crate) struct Cli {
-    /// Base folder of instances, for this command and all that it starts [default: $KOSEKI_ROOT, else /run/koseki,
-    /// else $XDG_RUNTIME_DIR/koseki, else /tmp/koseki-UID; of these the first that is this user's own]
+    /// Base folder of instances, for this command and its child processes [default: the first folder owned by this
+    /// user of $KOSEKI_ROOT, /run/koseki, $XDG_RUNTIME_DIR/koseki, /tmp/koseki-UID]
     #[arg(long, value_name = "DIR", global = true)]
     pub(crate) root: Option<PathBuf>,
     #[command(subcommand)]
@@ -66,18 +66,18 @@ pub(crate) struct Cli {
 const EXAMPLES: &str = "\
 Examples:
   koseki demo --for 20                          simulated sensors, a live table, a report at the end
-  koseki check config/barcelona.toml            is this configuration sound, and are its recordings there?
-  koseki up config/barcelona.toml --speed max   the recorded airport, as fast as this machine can
-  koseki status                                 what runs, in another terminal
-  koseki top                                    how it runs: rates, losses, latencies, live
-  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, one JSON object a line
-  koseki bench latency --rate 20000             what a report takes through fusion, and what of it is the machine's
-  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into one picture
+  koseki check config/barcelona.toml            validates a configuration and its recordings
+  koseki up config/barcelona.toml --speed max   the recorded airport, at the highest speed of this machine
+  koseki status                                 running instances, in another terminal
+  koseki top                                    rates, losses and latencies, live
+  koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, a JSON object per line
+  koseki bench latency --rate 20000             time of a report through fusion, and the machine's part of the time
+  koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into system tracks
   koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
-  koseki locate --bearings flight.csv --out fixes.csv             where transmitters are, from bearings alone
+  koseki locate --bearings flight.csv --out fixes.csv             bearings into positions of transmitters
 
-Exit codes: 0 success; 1 failure while running, or a result that is worth nothing (no report came, the recorder had
-failed, reports of a measurement were lost); 2 wrong usage or configuration. One line on standard error says what.";
+Exit codes: 0 success; 1 failure while running, or an unusable result (no report received, the recorder failed, reports
+of a measurement lost); 2 wrong usage or configuration. A line on standard error states the reason.";
 
 /// Commands.
 #[derive(Debug, Subcommand)]
@@ -88,19 +88,19 @@ pub(crate) enum Command {
     /// Start and supervise a deployment
     #[command(after_help = UP_EXAMPLES)]
     Up(Up),
-    /// Validate a configuration and its recordings, and say what it would run
+    /// Validate a configuration and its recordings, and print a summary of the deployment
     #[command(after_help = CHECK_EXAMPLES)]
     Check(Check),
-    /// Say whether this machine is fit for what is to run on it, and what would mend it
+    /// Check whether this machine is fit for a deployment, and print remedies
     #[command(after_help = DOCTOR_EXAMPLES)]
     Doctor(Doctor),
     /// Write completions for shells, man pages, and rules for Prometheus
     #[command(after_help = GENERATE_EXAMPLES, subcommand)]
     Generate(Generate),
-    /// Show what runs on this machine
+    /// Show the running instances of this machine
     #[command(after_help = STATUS_EXAMPLES)]
     Status(Status),
-    /// Look on at a running deployment: rates, losses, latencies, counters, processes
+    /// Watch a running deployment: rates, losses, latencies, counters, processes
     #[command(after_help = TOP_EXAMPLES)]
     Top(Top),
     /// Give an order to a running deployment, or list the orders in force
@@ -109,19 +109,19 @@ pub(crate) enum Command {
     /// Order a weather condition: short for `koseki order condition name=NAME`
     #[command(after_help = CONDITION_EXAMPLES)]
     Condition(Condition),
-    /// Write what a deployment publishes as lines of text, or serve it at a socket
+    /// Write the samples of a topic as lines of text, or serve the lines at a socket
     #[command(after_help = TAP_EXAMPLES)]
     Tap(Tap),
-    /// Say what a recording of all topics holds
+    /// Summarise, cut, merge or export a recording of all topics
     #[command(after_help = RECORDING_EXAMPLES, subcommand)]
     Recording(Recording),
-    /// Fuse a recording of all topics again: as it was, bit for bit, or otherwise
+    /// Fuse a recording of all topics again: with the same result, bit for bit, or with other settings
     #[command(after_help = REPLAY_EXAMPLES)]
     Replay(Replay),
-    /// Decode a recording of ASTERIX: its records as JSON, or statistics of them
+    /// Decode a recording of ASTERIX into JSON records or statistics
     #[command(after_help = DECODE_EXAMPLES)]
     Decode(Decode),
-    /// Encode records, as `decode` writes them, into ASTERIX
+    /// Encode JSON records, in the form of `decode`, into ASTERIX
     #[command(after_help = ENCODE_EXAMPLES)]
     Encode(Encode),
     #[command(flatten)]
@@ -129,43 +129,43 @@ pub(crate) enum Command {
     /// Measure bearings of emitters from snapshots of an antenna array
     #[command(after_help = BEARINGS_EXAMPLES)]
     Bearings(MeasureBearings),
-    /// Send a recording onto the network, as its sensors sent it
+    /// Send a recording to the network with the original timing
     #[command(after_help = SEND_EXAMPLES)]
     Send(Send),
-    /// Measure latency and throughput of the real processes, against a bare relay on the same machine
+    /// Measure latency and throughput of the real processes, beside a bare relay on the same machine
     #[command(after_help = BENCH_EXAMPLES, subcommand)]
     Bench(Bench),
-    /// Cause faults at random on a deployment of its own, and judge what a subscriber sees of them
+    /// Inject random faults into a separate deployment, and judge the effects on a subscriber
     #[command(after_help = TORTURE_EXAMPLES)]
     Torture(Torture),
-    /// The bare relay that `koseki bench` measures against
+    /// The bare relay of `koseki bench`
     #[command(hide = true)]
     BenchRelay(BenchRelay),
-    /// The process that holds the topics for the launcher
+    /// The launcher's anchor process, which holds the topics open
     #[command(hide = true)]
     Keeper(Serve),
-    /// Run the adapter of one source or receiver in a deployment that is up
+    /// Run the adapter of a source or receiver in a running deployment
     #[command(after_help = SERVE_EXAMPLES)]
     Adapter(Serve),
-    /// Run the fusion process in a deployment that is up
+    /// Run the fusion process in a running deployment
     #[command(after_help = SERVE_EXAMPLES)]
     Fusion(Serve),
-    /// Run the monitor in a deployment that is up: latencies, losses, counters
+    /// Run the monitor in a running deployment: latencies, losses, counters
     #[command(after_help = MONITOR_EXAMPLES)]
     Monitor(Serve),
-    /// Run the recorder in a deployment that is up: tracks as CSV files
+    /// Run the recorder in a running deployment: tracks as CSV files
     #[command(after_help = SERVE_EXAMPLES)]
     Recorder(Serve),
-    /// Run one gateway in a deployment that is up: tracks to other systems, in ASTERIX
+    /// Run a gateway in a running deployment: tracks to other systems, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Gateway(Serve),
-    /// Run one link to deployments on other hosts, in a deployment that is up: finds and starts koseki-link
+    /// Run a link to deployments on other hosts, in a running deployment: finds and starts koseki-link
     #[command(after_help = LINK_EXAMPLES)]
     Link(Serve),
-    /// Show the picture in browsers: run the display in a deployment that is up, or show a recording
+    /// Show the track picture in browsers: run the display in a running deployment, or show a recording
     #[command(after_help = DISPLAY_EXAMPLES)]
     Display(Display),
-    /// Run the simulator in a deployment that is up: what simulated sensors send, in ASTERIX
+    /// Run the simulator in a running deployment: data of simulated sensors, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Simulator(Serve),
 }
@@ -176,13 +176,13 @@ Examples:
   koseki demo --for 20 --seed 7       another traffic picture, for 20 seconds
   koseki demo --set scenario.targets=200 --set recorder.enabled=true
 
-The configuration is built in; config/demo.toml is its text. To change more than a few values, edit a copy of that file
-and start it with `koseki up`.";
+The configuration is built in; its text is config/demo.toml. To change more than a few values, edit a copy of that file
+and start the copy with `koseki up`.";
 
 /// `koseki demo`.
 #[derive(Debug, Args)]
 pub(crate) struct Demo {
-    /// Stop after so many seconds [default: run until Ctrl-C]
+    /// Stop after this time, seconds [default: run until Ctrl-C]
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) seconds: Option<Duration>,
     /// Seed of the simulated world: the same seed gives the same traffic
@@ -191,27 +191,27 @@ pub(crate) struct Demo {
     /// Name of this instance; several run side by side under different names
     #[arg(long, value_name = "NAME", default_value = "demo")]
     pub(crate) instance: String,
-    /// Do not show the picture in browsers
+    /// Run without the display for browsers
     #[arg(long)]
     pub(crate) no_display: bool,
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Folder for what is recorded: each start makes one of its own in it, to which `latest` leads [default:
-    /// records/INSTANCE]
+    /// Parent folder of recordings: each start creates a subfolder, and the link `latest` points to the newest
+    /// [default: records/INSTANCE]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
 }
 
 const UP_EXAMPLES: &str = "\
 Examples:
-  koseki up config/barcelona.toml                        recordings as fast as they were made
+  koseki up config/barcelona.toml                        recordings at their original speed
   koseki up config/barcelona.toml --speed 10 --for 60    ten times as fast, for a minute
   koseki up config/barcelona.toml --speed max --data /var/recordings --out /tmp/run1
   koseki up config/barcelona.toml --instance b --set fusion.association.use_identity=false
 
-It ends with Ctrl-C (or SIGTERM), after --for, or when all recordings are worked off. Children that die are restarted.
-A second Ctrl-C ends it at once; its shared memory is then removed by the next start.";
+A deployment ends with Ctrl-C (or SIGTERM), after --for, or at the end of all recordings. The launcher restarts dead
+child processes. A second Ctrl-C ends the deployment at once; the next start then removes its shared memory.";
 
 /// `koseki up`.
 #[derive(Debug, Args)]
@@ -219,7 +219,7 @@ pub(crate) struct Up {
     /// Configuration of the deployment, a TOML file
     #[arg(value_name = "CONFIG")]
     pub(crate) config: PathBuf,
-    /// Stop after so many seconds [default: when all recordings are worked off, or Ctrl-C]
+    /// Stop after this time, seconds [default: at the end of all recordings, or Ctrl-C]
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) seconds: Option<Duration>,
     #[command(flatten)]
@@ -232,7 +232,8 @@ Examples:
   koseki check config/barcelona.toml --data /var/recordings --set fusion.core=1
   koseki check config/barcelona.toml --json
 
-Nothing is started. A mistake is one line on standard error, with file, line or byte, value and remedy; exit code 2.";
+The command starts no process. A mistake is reported in a line on standard error, with file, line or byte, value and
+remedy; the exit code is then 2.";
 
 /// `koseki check`.
 #[derive(Debug, Args)]
@@ -257,13 +258,13 @@ Examples:
   koseki doctor /etc/koseki/site.toml
   koseki doctor site.toml --json | jq '.[] | select(.verdict != \"good\")'
 
-One line for each question: what was found, what is wanted, and the command that mends it. Run it as the user, and with
-the limits, that the deployment will have. Exit code 1 if something that the configuration asks for cannot be had.";
+The output has a line per check: result, requirement, and the remedy as a command. Run the check as the user, and with
+the limits, of the later deployment. Exit code 1 if this machine cannot satisfy a requirement of the configuration.";
 
 /// `koseki doctor`.
 #[derive(Debug, Args)]
 pub(crate) struct Doctor {
-    /// Configuration of what is to run [default: the demonstration's]
+    /// Configuration of the deployment [default: the demonstration's]
     #[arg(value_name = "CONFIG")]
     pub(crate) config: Option<PathBuf>,
     /// Print the findings as JSON
@@ -285,17 +286,17 @@ Examples:
 pub(crate) enum Generate {
     /// Print completions of commands and options for a shell
     Completions {
-        /// Shell that will read them
+        /// The shell
         #[arg(value_name = "SHELL")]
         shell: clap_complete::Shell,
     },
     /// Write a man page for each command
     Man {
-        /// Folder for the pages, made if it is not there
+        /// Folder for the pages; created if missing
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
-    /// Print rules by which Prometheus passes Koseki's alarms on
+    /// Print alerting rules of Prometheus for Koseki's alarms
     Alerts,
 }
 
@@ -305,12 +306,12 @@ Examples:
   koseki status --instance demo
   koseki status --json | jq '.[].alarms'
 
-The folder after each instance is where it lives: see --root.";
+The folder after each instance is the instance's folder: see --root.";
 
 /// `koseki status`.
 #[derive(Debug, Args)]
 pub(crate) struct Status {
-    /// Show only this instance; exit code 2 if it does not run
+    /// Show only this instance; exit code 2 if the instance does not run
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
     /// Print everything as JSON: a list of instances
@@ -320,33 +321,33 @@ pub(crate) struct Status {
 
 const TOP_EXAMPLES: &str = "\
 Examples:
-  koseki top                          the one deployment that runs, in the terminal
+  koseki top                          the only running deployment, in the terminal
   koseki top --instance demo --interval 0.5
   koseki top --once | grep rejected   all tables, once
   koseki top --once --json            the same for programs
   koseki top > top.log                one line per interval
 
 Pages: sources, tracks (number, identity, place, flight level, speed, sources, age), stages, counters, processes. Keys: h
-explains them all; q, Esc or Ctrl-C ends; Tab, arrows and 1 to 5 turn pages; up and down select a row; i changes between
+explains all keys; q, Esc or Ctrl-C ends; Tab, arrows and 1 to 5 turn pages; up and down select a row; i changes between
 the last interval and the total since the start; p pauses. With NO_COLOR set there are no colours.
 
-It looks on without disturbing: nobody waits for it or has to wake it. So it cannot tell how long a state takes from fusion
-to a subscriber; end to end is taken to where fusion has published. `koseki bench`, or a monitor with wait = \"event\",
-measures the rest.";
+The command does not disturb the deployment: no process waits for `top` or wakes it. The time from fusion to a subscriber
+is therefore not measured; end to end ends at the publication by fusion. `koseki bench`, or a monitor with
+wait = \"event\", measures the rest.";
 
 /// `koseki top`.
 #[derive(Debug, Args)]
 pub(crate) struct Top {
-    /// Name of the instance [default: the one that runs]
+    /// Name of the instance [default: the only running instance]
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: Option<String>,
     /// Time between two tables
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = interval)]
     pub(crate) interval: Duration,
-    /// Print all tables after one interval, and end
+    /// Print all tables after the first interval, and end
     #[arg(long)]
     pub(crate) once: bool,
-    /// Print them as JSON
+    /// Print the tables as JSON
     #[arg(long, requires = "once")]
     pub(crate) json: bool,
 }
@@ -363,23 +364,23 @@ Examples:
 /// `koseki recording`.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Recording {
-    /// Topics, times, counts and losses of a recording of all topics, and where it comes from
+    /// Print topics, times, counts, losses and origin of a recording of all topics
     Info(RecordingInfo),
     /// Copy a part of a recording
     Cut(RecordingCut),
     /// Copy the files of a recording into one
     Merge(RecordingMerge),
-    /// Write what is recorded in other formats
+    /// Write a recording in other formats
     Export(RecordingExport),
 }
 
 /// `koseki recording info`.
 #[derive(Debug, Args)]
 pub(crate) struct RecordingInfo {
-    /// A file, or the folder of a start
+    /// A file, or the folder of a recording
     #[arg(value_name = "RECORDING")]
     pub(crate) path: PathBuf,
-    /// Print JSON, with the configuration that was recorded
+    /// Print JSON, with the recorded configuration
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -387,19 +388,19 @@ pub(crate) struct RecordingInfo {
 /// `koseki recording cut`.
 #[derive(Debug, Args)]
 pub(crate) struct RecordingCut {
-    /// A file, or the folder of a start
+    /// A file, or the folder of a recording
     #[arg(value_name = "RECORDING")]
     pub(crate) path: PathBuf,
-    /// File for the part
+    /// File for the copied part
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// Leave out what was recorded before this time, UTC, as in 2026-05-01T10:00:00Z
+    /// Omit samples recorded before this time, UTC, as in 2026-05-01T10:00:00Z
     #[arg(long, value_name = "TIME", value_parser = values::utc)]
     pub(crate) from: Option<i64>,
-    /// Leave out what was recorded after this time
+    /// Omit samples recorded after this time
     #[arg(long, value_name = "TIME", value_parser = values::utc)]
     pub(crate) to: Option<i64>,
-    /// Leave out all other topics; sensor/radar stands for all that begin with sensor/radar/
+    /// Copy only these topics; sensor/radar stands for all topics that begin with sensor/radar/
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     pub(crate) topics: Vec<String>,
 }
@@ -407,10 +408,10 @@ pub(crate) struct RecordingCut {
 /// `koseki recording merge`.
 #[derive(Debug, Args)]
 pub(crate) struct RecordingMerge {
-    /// Files of one recording in their order, or the folder of a start
+    /// Files of a recording in their order, or the folder of the recording
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) paths: Vec<PathBuf>,
-    /// The one file
+    /// File for the merged recording
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }
@@ -419,17 +420,17 @@ pub(crate) struct RecordingMerge {
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
 pub(crate) struct RecordingExport {
-    /// A file, or the folder of a start
+    /// A file, or the folder of a recording
     #[arg(value_name = "RECORDING")]
     pub(crate) path: PathBuf,
-    /// Folder for tables as the recorder writes them, which is new or empty
+    /// New or empty folder for tables in the recorder's form
     #[arg(long, value_name = "DIR", group = "format")]
     pub(crate) csv: Option<PathBuf>,
-    /// File for the system tracks as ASTERIX CAT062, one record a state that is confirmed, coasted or ended
+    /// File for the system tracks as ASTERIX CAT062, a record per confirmed, coasted or terminated state
     #[arg(long, value_name = "FILE", group = "format")]
     pub(crate) asterix: Option<PathBuf>,
-    /// File (MCAP) for the system tracks as Foxglove and Lichtblick draw them, a picture for each second: on a map, and
-    /// in space
+    /// File (MCAP) for the system tracks in the form of Foxglove and Lichtblick: a track picture per second, on a map
+    /// and in space
     #[arg(long, value_name = "FILE", group = "format")]
     pub(crate) foxglove: Option<PathBuf>,
 }
@@ -445,9 +446,9 @@ less accurate while it rains. \"normal\" holds at the start and has factor 1 eve
 /// `koseki condition`.
 #[derive(Debug, Args)]
 pub(crate) struct Condition {
-    /// The condition: a name that some source's accuracy has a factor for, or "normal"
+    /// The condition: a name with a factor in some source's accuracy, or "normal"
     pub(crate) name: String,
-    /// The instance that gets the order
+    /// The instance that receives the order
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: String,
 }
@@ -457,54 +458,55 @@ Examples:
   koseki adapter --config config/barcelona.toml --name radar
   koseki monitor --config config/barcelona.toml --name second-monitor
 
-`koseki up` starts all of these by itself. Run one by hand to look on with a second monitor, or to replace a process
-while trying something; give the same configuration, --instance, --set, --data and --speed as to `koseki up`, which must
-be running: it creates the shared memory.";
+`koseki up` starts all of these processes. Run a process by hand as a second monitor, or to replace a process during an
+experiment. Use the same configuration, --instance, --set, --data and --speed as for `koseki up`, which must be running,
+because the launcher creates the shared memory.";
 
 const DISPLAY_EXAMPLES: &str = "\
 Examples:
   koseki display --recording records/tower/latest
   koseki display --config config/barcelona.toml --name second-display --set display.listen=127.0.0.1:8950
 
-A recording must be of all topics: [recorder] format = [\"csv\", \"mcap\"]. It is shown without a deployment, on this
-machine alone, at the first free port from 8900: play, pause, and move to any moment of it. `koseki up` starts the
-display of a deployment by itself where the file says [display].";
+A recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. The page of a recording needs no deployment;
+it is served to this machine only, at the first free port from 8900, with play, pause and a time slider. `koseki up`
+starts the display of a deployment if the configuration has [display].";
 
 const MONITOR_EXAMPLES: &str = "\
 Examples:
   koseki monitor --config config/barcelona.toml --name second-monitor
   koseki monitor --config config/barcelona.toml --name exact --set monitor.wait=event --set monitor.files=false
 
-`koseki up` starts one by itself. Give the same configuration, --instance, --set, --data and --speed as to `koseki up`,
-which must be running.
+`koseki up` starts a monitor. For a further monitor, use the same configuration, --instance, --set, --data and --speed as
+for `koseki up`, which must be running.
 
-[monitor] wait in the configuration says how it waits. \"event\": it is woken for each slice, for which fusion pays some ten
-microseconds. \"poll\" (the default where fusion spins): it looks every poll_ms and costs fusion nothing; transport out is
-not measured then (shown as -), and end to end is taken to where fusion has published. `koseki bench`, or a monitor with
-wait = \"event\", measures it. prometheus = \"127.0.0.1:9464\" serves metrics at http://127.0.0.1:9464/metrics.";
+[monitor] wait in the configuration selects the kind of waiting. \"event\": fusion wakes the monitor for each slice, at a
+cost of about ten microseconds. \"poll\" (the default if fusion spins): the monitor reads every poll_ms, without cost for
+fusion; transport out is then not measured (shown as -), and end to end ends at the publication by fusion. `koseki bench`,
+or a monitor with wait = \"event\", measures transport out. prometheus = \"127.0.0.1:9464\" serves metrics at
+http://127.0.0.1:9464/metrics.";
 
 const LINK_EXAMPLES: &str = "\
 Examples:
   koseki link --config config/west.toml --name to-east
 
-`koseki up` starts one for each [[link]] of the configuration. The program is koseki-link, a workspace of its own
-(cargo build --release --manifest-path link/Cargo.toml); it is looked for at $KOSEKI_LINK, beside koseki, in
-link/target of the checkout that koseki was built in, and in PATH. docs/hosts.md says what can be linked, and how.";
+`koseki up` starts a link for each [[link]] of the configuration. The program koseki-link is built separately
+(cargo build --release --manifest-path link/Cargo.toml). Search order: $KOSEKI_LINK, the folder of koseki, link/target of
+the checkout in which koseki was built, PATH. docs/hosts.md describes links.";
 
 /// `koseki adapter`, `fusion`, `monitor`, `recorder`, `gateway`, `link`, `simulator`.
 #[derive(Debug, Args)]
 pub(crate) struct Serve {
     /// Configuration of the deployment, a TOML file
-    // Its group, of which clap makes no part what is flattened, tells whether there is a `Serve` at all.
+    // clap puts no flattened argument into the group `Serve`: the group is present exactly if a `Serve` is given.
     #[arg(long, value_name = "CONFIG", group = "Serve")]
     pub(crate) config: PathBuf,
-    /// Name of the process; for an adapter, of its source or receiver; for a gateway or link, its own [default: the
-    /// command's name]
+    /// Name of the process: for an adapter, its source or receiver; for a gateway or link, its configured name [default:
+    /// the command's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]
     pub(crate) shared: Shared,
-    /// Process number of the launcher, whose end this process follows
+    /// Process number of the launcher; this process ends with the launcher
     #[arg(long, value_name = "PID", hide = true)]
     pub(crate) launcher: Option<u32>,
 }
@@ -512,7 +514,7 @@ pub(crate) struct Serve {
 /// `koseki display`.
 #[derive(Debug, Args)]
 pub(crate) struct Display {
-    /// Show this recording, the folder of a start or one file of it; alone, without any other option
+    /// Show this recording (a folder, or a file of a recording); excludes all other options
     #[arg(long, value_name = "RECORDING", exclusive = true)]
     pub(crate) recording: Option<PathBuf>,
     #[command(flatten)]
@@ -525,11 +527,11 @@ pub(crate) struct Shared {
     /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Replay speed of recordings: seconds of the recording per second, or max (nothing is lost at any speed)
+    /// Replay speed of recordings: seconds of the recording per second, or max (without loss at any speed)
     #[arg(long, value_name = "FACTOR|max", default_value = "1", value_parser = speed)]
     speed: Speed,
-    /// Folder for what is recorded: each start makes one of its own in it, to which `latest` leads [default:
-    /// records/INSTANCE]
+    /// Parent folder of recordings: each start creates a subfolder, and the link `latest` points to the newest
+    /// [default: records/INSTANCE]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Name of this instance; several run side by side under different names [default: the configuration's name]
@@ -538,7 +540,7 @@ pub(crate) struct Shared {
     /// Replace a value of the configuration, as in fusion.rule.name="best-source" (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Seed of the simulated world, where the configuration has one
+    /// Seed of the simulated world, if the configuration has a simulated world
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
     /// Begin of the simulated world, UTC, nanoseconds [default: now]
@@ -546,12 +548,12 @@ pub(crate) struct Shared {
     scenario_start: Option<i64>,
 }
 
-/// The deployment that `config` describes, and the options that its processes are started with.
+/// Returns the configured deployment and the options of its processes.
 ///
 /// # Errors
-/// If the configuration cannot be used.
+/// If the configuration is invalid.
 pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> anyhow::Result<(Config, Options)> {
-    // Before the file: a name that cannot be is wrong whatever the file has.
+    // Checked before the file is read: an invalid name is wrong with any file.
     if let Some(instance) = &shared.instance {
         instances::named(instance)?;
     }
@@ -570,7 +572,7 @@ pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> anyhow::Resu
     Ok((config, options))
 }
 
-/// Where recordings are looked for.
+/// Returns the folder of recordings: the option, else `$KOSEKI_DATA`, else the default.
 pub(crate) fn data_folder(given: Option<PathBuf>) -> PathBuf {
     let from_environment = || std::env::var_os("KOSEKI_DATA").filter(|folder| !folder.is_empty());
     given
@@ -578,12 +580,12 @@ pub(crate) fn data_folder(given: Option<PathBuf>) -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(DATA_DEFAULT))
 }
 
-/// Where an instance's records are written.
+/// Returns the parent folder of an instance's records.
 pub(crate) fn out_folder(given: Option<PathBuf>, instance: &str) -> PathBuf {
     given.unwrap_or_else(|| PathBuf::from(OUT_DEFAULT).join(instance))
 }
 
-/// Message of clap about wrong usage, in one line.
+/// Returns clap's message about wrong usage in one line.
 pub(crate) fn usage_line(error: &clap::Error) -> String {
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         let command = Cli::command();
@@ -611,7 +613,7 @@ pub(crate) fn usage_line(error: &clap::Error) -> String {
     }
 }
 
-/// Message about an option that the command of these words does not have, with the nearest that it has.
+/// Returns the message about an unknown option of the command in `words`, with the nearest known option.
 fn unknown_option(error: &clap::Error, words: impl Iterator<Item = String>) -> Option<String> {
     let found = error
         .get(ContextKind::InvalidArg)

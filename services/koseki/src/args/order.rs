@@ -14,7 +14,7 @@ pub(crate) struct GiveOrder {
     /// Parameters of the kind
     #[arg(value_name = "NAME=VALUE")]
     pub(crate) parameters: Vec<String>,
-    /// The instance that gets the order
+    /// The instance that receives the order
     #[arg(long, value_name = "NAME")]
     pub(crate) instance: String,
     /// Time after which the order expires, seconds [default: never]
@@ -43,6 +43,6 @@ Examples:
   koseki order join track=12 with=15 --instance barcelona
   koseki order cancel number=3 --instance barcelona
 
-An order holds until it is cancelled, replaced by a newer order for the same subject, or expired; it survives kills of
-fusion, and ends with the deployment. Recordings contain each order and each change of its state. The owner of the
+An order holds until cancelled, replaced by a newer order for the same subject, or expired. Orders survive kills of
+fusion, and end with the deployment. Recordings contain each order and each change of its state. The owner of the
 instance's folder gives orders; the file mode keeps other users out.";

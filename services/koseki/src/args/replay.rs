@@ -10,49 +10,49 @@ use super::values::{speed, utc};
 
 pub(super) const REPLAY_EXAMPLES: &str = "\
 Examples:
-  koseki replay records/tower/latest --verify                  is it the picture that was recorded?
+  koseki replay records/tower/latest --verify                  compares with the recorded states
   koseki replay records/tower/latest --out again.csv
   koseki replay records/tower/latest --config other.toml --out other.csv
   koseki replay records/tower/latest --sources radar --out radar-alone.csv
-  koseki replay records/tower/latest --live --instance again   the sensors' tracks once more, as of now
+  koseki replay records/tower/latest --live --instance again   the sensor tracks again, at the present time
 
-The recording must be of all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are worked off in the order in which
-fusion did, from its recorded beginnings on. Where a report is missing, as while there was no recorder, what comes of it
-is not verified, and told, up to the next beginning or the image of fusion that a restarted recorder asks for. Bits are equal for one build on processors of one family; --verify names the first
-difference, and fails if there is one or nothing was verified. With --config sources are found by their names. With --live
-at another speed than 1, targets seem as much faster.";
+The recording must contain all topics: [recorder] format = [\"csv\", \"mcap\"]. Reports are processed in fusion's order,
+from a recorded start or snapshot on. After a missing report, for example during an outage of the recorder, states are
+not verified until the next start or snapshot; the summary states this time. Bits are equal for the same build on
+processors of the same family. --verify prints the first difference, and fails with a difference or without any verified
+state. With --config sources are matched by name. With --live at another speed than 1, targets move faster accordingly.";
 
 /// `koseki replay`.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
-    /// The folder of a start, or one file of it
+    /// The folder of a recording, or a file in the folder
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
-    /// Write the states of the system tracks, as the recorder does
+    /// Write the states of the system tracks, in the recorder's form
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
-    /// Compare the system tracks with those recorded, in all fields but the stamps of processing
+    /// Compare with the recorded system tracks in all fields except the stamps of processing
     #[arg(long, conflicts_with_all = ["config", "sources"])]
     pub(crate) verify: bool,
-    /// Fuse by another configuration
+    /// Fuse with another configuration
     #[arg(long, value_name = "CONFIG")]
     pub(crate) config: Option<PathBuf>,
-    /// Leave out all other sources
+    /// Use only these sources
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) sources: Vec<String>,
-    /// Publish the sensor tracks as the sources did, into a deployment whose sources of these names are `external`
+    /// Publish the sensor tracks into a deployment, to sources with the same names and kind `external`
     #[arg(long, conflicts_with_all = ["verify", "config", "out"])]
     pub(crate) live: bool,
-    /// Instance that they are published into [default: the name of the recorded one]
+    /// Instance that receives the sensor tracks [default: the name of the recorded instance]
     #[arg(long, value_name = "NAME", requires = "live")]
     pub(crate) instance: Option<String>,
-    /// Seconds of the recording per second, with --live [default: 1]; else it is as fast as can be
+    /// Seconds of the recording per second, with --live [default: 1]; otherwise the speed is unlimited
     #[arg(long, value_name = "FACTOR|max", value_parser = speed)]
     pub(crate) speed: Option<Speed>,
-    /// Leave out what is of before this time, UTC, as in 2026-05-01T10:00:00Z: states, or slices sent
+    /// Omit states, or slices to send, of before this time, UTC, as in 2026-05-01T10:00:00Z
     #[arg(long, value_name = "TIME", value_parser = utc)]
     pub(crate) from: Option<i64>,
-    /// Leave out what is of after this time
+    /// Omit states, or slices to send, of after this time
     #[arg(long, value_name = "TIME", value_parser = utc)]
     pub(crate) to: Option<i64>,
 }

@@ -17,10 +17,10 @@ Examples:
   koseki tap --instance demo --tcp 127.0.0.1:9000 &
   curl -sN telnet://127.0.0.1:9000
 
-Each sample is a line with its fields by name, in the units of docs/integrate.md: what is not known is null in JSON and
-empty in CSV; samples within samples are JSON objects, and columns such as stages.fused_ns in CSV, which has no lists of
-them. CAT062 says of a state what a gateway would, but for which kinds of sensors support it. A reader of a socket that
-does not keep up is let go, and may connect again; what this program itself loses is said on standard error.";
+Each sample is a line with its fields by name, in the units of docs/integrate.md. An unknown value is null in JSON and
+empty in CSV. Nested samples are JSON objects; in CSV they are columns such as stages.fused_ns, and lists are omitted.
+CAT062 has the items of a gateway, except the kinds of contributing sensors. A socket's reader that is too slow is
+disconnected, and may connect again; samples lost by this program are reported on standard error.";
 
 /// `koseki tap`.
 #[derive(Debug, Args)]
@@ -40,10 +40,10 @@ pub(crate) struct Tap {
     /// System identification code of the sender, in CAT062
     #[arg(long, value_name = "SIC", default_value_t = 0)]
     pub(crate) sic: u8,
-    /// What heights of the system are, for CAT062: geometric or barometric
+    /// Kind of the system's heights, for CAT062: geometric or barometric
     #[arg(long, value_name = "WORD", default_value = "geometric", value_parser = heights)]
     pub(crate) heights: HeightReference,
-    /// End after so many samples
+    /// End after this number of samples
     #[arg(long, value_name = "SAMPLES")]
     pub(crate) count: Option<u64>,
     /// Serve the lines at this address instead of printing them
@@ -52,7 +52,7 @@ pub(crate) struct Tap {
     /// Serve the lines at a Unix socket instead of printing them
     #[arg(long, value_name = "FILE")]
     pub(crate) unix: Option<PathBuf>,
-    /// Permissions of the Unix socket, octal: who may connect
+    /// File mode of the Unix socket, octal
     #[arg(long, value_name = "MODE", default_value = "600", value_parser = mode, requires = "unix")]
     pub(crate) mode: u32,
     /// Number of the Unix socket's group [default: that of this process]
@@ -63,9 +63,9 @@ pub(crate) struct Tap {
 /// Form of the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TapFormat {
-    /// A JSON object a line
+    /// A JSON object per line
     Json,
-    /// Values between commas; the first line names them
+    /// Comma-separated values; the first line has the names
     Csv,
     /// ASTERIX data blocks, of system tracks
     Cat062,

@@ -1,4 +1,4 @@
-//! Values of options, and what is said of anything else.
+//! Parsers of option values, with their error texts.
 
 use std::time::Duration;
 
@@ -8,7 +8,7 @@ use formats::rows::Utc;
 use offline::values::seconds;
 use runtime::Speed;
 
-/// Nanoseconds since 1970 of a time as files write it.
+/// Parses a UTC time in the form of the recordings; returns nanoseconds since 1970.
 pub(super) fn utc(text: &str) -> Result<i64, String> {
     let Utc(time_ns) = text
         .parse()
@@ -28,7 +28,7 @@ pub(super) fn editions_help() -> String {
         }
     }
     text.push_str(
-        "\nReserved expansion fields (RE) are shown as octets unless an edition of their coding rules is named.",
+        "\nReserved expansion fields (RE) are shown as bytes unless an edition of their coding rules is given.",
     );
     text
 }

@@ -1,8 +1,8 @@
 //! `koseki decode`: the records of a recording as JSON, or statistics of them (FM-8).
 //!
-//! What a recording holds and which of it can be believed is the business of [`formats::recording`]; here are files,
-//! tables and sentences. Standard output has what was asked for and nothing else; what was refused is summed up on
-//! standard error, each reason with its first occurrence.
+//! [`formats::recording`] decides on the content and its credibility; this module handles files, tables and
+//! sentences. Standard output contains only the requested data; a summary of rejected blocks goes to standard error,
+//! each reason with its first occurrence.
 
 mod notes;
 mod tables;
@@ -29,7 +29,7 @@ const PROGRESS_BYTES_MIN: usize = 64 << 20;
 /// Decodes.
 ///
 /// # Errors
-/// If what is asked for makes no sense, a file cannot be read or written, or no record can be read.
+/// If the arguments are invalid, a file cannot be read or written, or no record can be decoded.
 pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
     check(decode)?;
     let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;

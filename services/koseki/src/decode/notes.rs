@@ -1,4 +1,4 @@
-//! The sentences for standard error: what was found, what was left out, and which edition to try.
+//! Sentences for standard error: content, omitted blocks, and suggested editions.
 
 use std::fmt::Write as _;
 
@@ -15,7 +15,7 @@ const CATEGORIES_SHOWN_MAX: usize = 8;
 /// Editions that are shown, of those that fit equally well.
 const EDITIONS_SHOWN_MAX: usize = 4;
 
-/// Notes on a recording: its content in one line, and a line for everything that was not given.
+/// Returns notes on a recording: a line with its content, and a line for each omission.
 pub(super) fn notes(decode: &Decode, survey: &Survey) -> String {
     let mut text = format!(
         "koseki: {}: {} of {} in {} ({})\n",
@@ -73,7 +73,7 @@ pub(super) fn records_given(survey: &Survey) -> u64 {
     given.map(|category| category.records).sum()
 }
 
-/// Note on a category of which not all blocks fit: what becomes of it, and what to try.
+/// Returns a note on a category with blocks that do not fit: the consequence, and a suggestion.
 fn verdict(number: u8, category: &CategorySurvey, edition: Edition, strict: bool) -> String {
     let refused = count(category.blocks_refused);
     let of = match category.blocks {
@@ -81,7 +81,7 @@ fn verdict(number: u8, category: &CategorySurvey, edition: Edition, strict: bool
         blocks => format!("{} blocks do", count(blocks)),
     };
     let consequence = match category.is_withheld() {
-        true => "none of its records is given, since those that fit may do so by accident",
+        true => "none of its records is given, because blocks may fit by accident",
         false => "they are left out",
     };
     let strictly = if strict { " strictly" } else { "" };
@@ -116,7 +116,7 @@ fn remedy(number: u8, category: &CategorySurvey, strict: bool) -> String {
     }
 }
 
-/// Categories that nobody can decode here; where a capture holds other traffic, they may be many.
+/// Returns a note on categories without a decoder; a capture with other traffic may have many.
 fn without_table(survey: &Survey) -> Option<String> {
     let categories = survey
         .categories

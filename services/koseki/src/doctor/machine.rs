@@ -1,4 +1,4 @@
-//! The machine as the kernel describes it in its files.
+//! The machine as described by the kernel's files.
 
 use std::fs;
 use std::path::PathBuf;
@@ -12,7 +12,7 @@ pub(super) const CAP_IPC_LOCK: u32 = 14;
 /// Names, cut to 15 characters as the kernel does, of services that set the clock.
 const CLOCK_SETTERS: [&str; 6] = ["chronyd", "ntpd", "openntpd", "systemd-timesyn", "ptp4l", "phc2sys"];
 
-/// A machine whose files lie below a folder.
+/// Machine with its files below a folder.
 #[derive(Debug)]
 pub(super) struct Machine {
     root: PathBuf,

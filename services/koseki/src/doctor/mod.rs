@@ -1,8 +1,8 @@
-//! `koseki doctor`: is this machine fit for what is to run on it, and what would mend it?
+//! `koseki doctor`: checks whether this machine is fit for a deployment, and prints remedies.
 //!
-//! One line per question: what was found, what is wanted, and where the two differ the command that mends it. What is
-//! wanted follows from the configuration, where one is given, else from a deployment that waits by event.
-//! docs/real-time.md says what each of it is for.
+//! The output has a line per check: result, requirement, and, if they differ, the remedy as a command. The
+//! requirements follow from the configuration, if given, otherwise from a deployment that waits by event.
+//! docs/real-time.md explains them.
 
 mod machine;
 
@@ -21,11 +21,11 @@ use machine::Machine;
 const FILES_WANTED: u64 = 4096;
 
 codes! {
-    /// Worth of what was found.
+    /// Verdict on a result.
     enum Verdict {
         /// As wanted.
         Good, "good";
-        /// Koseki runs, and would run better with what is wanted.
+        /// Koseki runs, but would run better with the requirement fulfilled.
         Improvable, "improvable";
         /// Impossible here, and the configuration asks for it.
         Lacking, "lacking";
@@ -93,7 +93,7 @@ impl Wants {
     }
 }
 
-/// Looks, and says what it found.
+/// Runs the checks, and prints the results.
 ///
 /// # Errors
 /// If the configuration cannot be read, or something that it asks for cannot be had.
@@ -112,7 +112,7 @@ pub(crate) fn run(doctor: &Doctor) -> anyhow::Result<()> {
     let lacking = count(&findings, Verdict::Lacking);
     anyhow::ensure!(
         lacking == 0,
-        "{lacking} of what {} asks for cannot be had",
+        "{lacking} requirements of {} cannot be satisfied",
         path.display()
     );
     Ok(())
@@ -145,7 +145,7 @@ fn text(findings: &[Finding]) -> String {
         [Verdict::Good, Verdict::Improvable, Verdict::Lacking].map(|verdict| count(findings, verdict));
     let _ = writeln!(
         text,
-        "\n{good} of {} as wanted, {improvable} could be better, {lacking} lacking; docs/real-time.md says what for",
+        "\n{good} of {} as wanted, {improvable} could be better, {lacking} lacking; docs/real-time.md explains the requirements",
         findings.len()
     );
     text
@@ -195,7 +195,7 @@ fn cores(machine: &Machine, wants: &Wants) -> Finding {
             "cores",
             (online.contains(&core), wants.refused()),
             found,
-            format!("core {core} among them, as fusion.core says"),
+            format!("core {core} among them, as configured in fusion.core"),
             format!("echo 1 > /sys/devices/system/cpu/cpu{core}/online; or name another core in fusion.core"),
         ),
         None => finding(
@@ -273,7 +273,7 @@ fn realtime_priority(machine: &Machine, wants: &Wants) -> Finding {
         "real-time priority",
         (is_granted, wants.refused()),
         found,
-        format!("up to {wished}, as fusion.realtime_priority says"),
+        format!("up to {wished}, as configured in fusion.realtime_priority"),
         format!("LimitRTPRIO={wished} in the unit; or `ulimit -r {wished}` after a line in /etc/security/limits.d"),
     )
 }
@@ -331,7 +331,7 @@ fn receive_buffer(machine: &Machine, wants: &Wants) -> Finding {
         granted.map_or("unknown".to_owned(), |granted| {
             format!("up to {granted} octets for each socket")
         }),
-        format!("{wished} octets, as the receivers' buffer_bytes say"),
+        format!("{wished} octets, as configured in the receivers' buffer_bytes"),
         format!("sysctl -w net.core.rmem_max={wished}"),
     )
 }
@@ -460,7 +460,7 @@ Max realtime priority     0                    0
             .filter(|finding| finding.verdict != Verdict::Good)
             .collect();
         assert!(bad.is_empty(), "{bad:#?}");
-        assert!(text(&findings).ends_with("0 could be better, 0 lacking; docs/real-time.md says what for\n"));
+        assert!(text(&findings).ends_with("0 could be better, 0 lacking; docs/real-time.md explains the requirements\n"));
     }
 
     #[test]

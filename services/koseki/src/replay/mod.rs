@@ -44,7 +44,7 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
         return live::run(replay, &recorded, &files);
     }
     if matches!(replay.speed, Some(Speed::Factor(_))) {
-        let why = "without --live there is nobody to be in time for; leave it out";
+        let why = "without --live there is no pace to keep; omit the option";
         return Err(Usage(format!("--speed: {why}")).into());
     }
     let used = match &replay.config {

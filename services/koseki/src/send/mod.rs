@@ -1,9 +1,9 @@
-//! `koseki send`: recordings onto the network, as their sensors sent them.
+//! `koseki send`: sends recordings to the network with their original timing.
 //!
-//! Data blocks of ASTERIX go out as the datagrams that they came in, lines of a transponder receiver (SBS) to whoever
-//! connects. Each is due when it was recorded, counted from the first; where a recording does not say when that was,
-//! by the times of day in its records. Several recordings keep the distances of their times. So a deployment of live
-//! sensors can be tried on any machine.
+//! Data blocks of ASTERIX are sent in their original datagrams, lines of a transponder receiver (SBS) to all
+//! connected clients. The times of the recording, relative to the first, set the times of sending; without such
+//! times, the times of day in the records. Several recordings keep their relative times. A deployment of live sensors
+//! can thus be tested on any machine.
 
 mod pieces;
 mod way_out;
@@ -36,7 +36,7 @@ const S: f64 = 1e9;
 /// Sends.
 ///
 /// # Errors
-/// If what is asked for makes no sense, a recording cannot be read or holds nothing, or the network refuses.
+/// If the arguments are invalid, a recording cannot be read or is empty, or the network refuses.
 pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
     let moves_times = send.retime == Some(Retime::Now);
     if moves_times && send.speed != Speed::Factor(1.0) {
@@ -98,14 +98,14 @@ struct Feed<'p> {
 }
 
 impl Feed<'_> {
-    /// Time at which its next piece is due, since the begin of the earliest; `None` at its end.
+    /// Returns the time of its next piece since the start of the earliest recording; `None` at its end.
     fn due_ns(&mut self) -> Option<i64> {
         let (since_ns, _) = self.timed.peek()?;
         Some(self.offset_ns + since_ns)
     }
 }
 
-/// Sends the pieces of all recordings, each when it is due, until their end or until told to stop.
+/// Sends the pieces of all recordings at their times, until the end or a stop request.
 fn send_all(
     send: &Send,
     feeds: &mut [Feed<'_>],
@@ -147,7 +147,7 @@ fn send_all(
     Ok(sent)
 }
 
-/// Waits until `due_ns` on the monotonic clock; `false` if the process is told to stop.
+/// Waits until `due_ns` on the monotonic clock; `false` at a stop request.
 fn sleep_until(due_ns: i64, stop: &Stop) -> bool {
     loop {
         if stop.requested() {
@@ -161,7 +161,7 @@ fn sleep_until(due_ns: i64, stop: &Stop) -> bool {
     }
 }
 
-/// Counts of what has been sent.
+/// Counts of sent pieces.
 #[derive(Debug, Default)]
 struct Sent {
     pieces: u64,
@@ -173,7 +173,7 @@ struct Sent {
 }
 
 impl Sent {
-    /// Says how far it is, of `all` octets, where somebody looks on.
+    /// Prints the progress, relative to `all` bytes, to a terminal.
     fn progress(&mut self, all: usize) {
         let now_ns = mono_ns();
         if now_ns - self.told_ns < PROGRESS_NS || !std::io::stderr().is_terminal() {

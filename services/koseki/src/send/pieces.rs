@@ -1,4 +1,4 @@
-//! A recording in pieces: what went out at once, and when.
+//! Division of a recording into pieces sent at once, with their times.
 
 use std::borrow::Cow;
 
@@ -25,14 +25,14 @@ pub(super) enum Kind {
 #[derive(Clone, Debug)]
 pub(super) struct Piece<'a> {
     pub(super) octets: Cow<'a, [u8]>,
-    /// Time of recording, nanoseconds since whatever the recording counts from.
+    /// Time of recording, nanoseconds since the recording's own origin.
     recorded_ns: Option<i64>,
     /// Time that its first record or line states, nanoseconds: of records, since midnight.
     stated_ns: Option<i64>,
 }
 
 impl Piece<'_> {
-    /// Time by which it is due: of recording, or the one stated; `None` if it has neither.
+    /// Returns the time of the piece: time of recording, or the time stated in its records; `None` without both.
     fn time_ns(&self) -> Option<i64> {
         self.recorded_ns.or(self.stated_ns)
     }
@@ -49,7 +49,7 @@ pub(super) struct Pieces<'a> {
 }
 
 impl<'a> Pieces<'a> {
-    /// The recording `content`, whose categories are of the given editions, else of their defaults.
+    /// Returns the pieces of the recording `content`, with the given editions, or default editions, of categories.
     pub(super) fn of(content: &'a [u8], editions: &[ChosenEdition]) -> Self {
         let table = |chosen: &ChosenEdition| match chosen {
             ChosenEdition::Category(table) => Some(*table),
@@ -75,7 +75,7 @@ impl<'a> Pieces<'a> {
     pub(super) fn iter(&self) -> Box<dyn Iterator<Item = Piece<'a>> + '_> {
         match (self.kind, Container::detect(self.content)) {
             (Kind::Lines, _) => Box::new(self.lines()),
-            // What came together is lost.
+            // The recording does not contain its datagrams.
             (Kind::Asterix, Container::Raw) => Box::new(self.blocks()),
             (Kind::Asterix, container) => Box::new(self.datagrams(container)),
         }
@@ -143,7 +143,7 @@ impl<'a, 'p> Timed<'a, 'p> {
 }
 
 impl<'a> Iterator for Timed<'a, '_> {
-    /// A piece and its time since the first, nanoseconds: never less than that of the one before.
+    /// A piece and its time since the first, nanoseconds; times never decrease.
     type Item = (i64, Piece<'a>);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -167,14 +167,14 @@ fn within_half_a_day(difference_ns: i64) -> i64 {
     (difference_ns + NS_PER_DAY / 2).rem_euclid(NS_PER_DAY) - NS_PER_DAY / 2
 }
 
-/// Time of day at which a recording begins, by what its records state, else by when it was recorded, nanoseconds.
+/// Returns the time of day of the recording's start, by its records, else by the time of recording, nanoseconds.
 pub(super) fn begins_ns(pieces: &Pieces<'_>) -> Option<i64> {
     let stated = Timed::new(pieces).find_map(|(since_ns, piece)| Some(piece.stated_ns? - since_ns));
     let begins_ns = stated.or_else(|| pieces.iter().find_map(|piece| piece.time_ns()))?;
     Some(begins_ns)
 }
 
-/// Times at which recordings begin (nanoseconds, some of them times of day only), since the earliest of them.
+/// Returns starts of recordings (nanoseconds, some of them times of day only) relative to the earliest.
 pub(super) fn offsets_ns(begins_ns: &[Option<i64>]) -> Vec<i64> {
     let Some(first_ns) = begins_ns.iter().flatten().next() else {
         return vec![0; begins_ns.len()];
@@ -196,8 +196,8 @@ pub(super) struct Mover {
 }
 
 impl Mover {
-    /// Moves what begins at `begins_ns` to `now_ns` (both nanoseconds): by whole seconds, so that nothing becomes later
-    /// than now.
+    /// Moves a recording that starts at `begins_ns` to `now_ns` (both nanoseconds), by whole seconds, so that no time
+    /// is later than now.
     pub(super) fn new(begins_ns: i64, now_ns: i64) -> Self {
         Self {
             by_ns: (now_ns - begins_ns).div_euclid(NS_PER_S) * NS_PER_S,

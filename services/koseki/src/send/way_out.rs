@@ -16,7 +16,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 pub(super) enum WayOut {
     /// Datagrams to an address or group.
     Datagrams(UdpSender),
-    /// Lines to whoever connects.
+    /// Lines to all connected clients.
     Lines(LineServer),
 }
 
@@ -36,7 +36,7 @@ impl WayOut {
         })
     }
 
-    /// Waits until somebody reads, where somebody must connect to do so.
+    /// Waits for a client, if clients must connect.
     ///
     /// # Errors
     /// If the operating system takes no connections.
@@ -49,7 +49,7 @@ impl WayOut {
         Ok(())
     }
 
-    /// Sends one piece. What the operating system does not take is counted.
+    /// Sends a piece. Failures of the operating system are counted.
     ///
     /// # Errors
     /// If it takes no connections any more.

@@ -1,4 +1,4 @@
-//! System tracks as ASTERIX: blocks of CAT062, as a gateway sends them, in the frame that the deployment tells.
+//! System tracks as ASTERIX: blocks of CAT062, as sent by a gateway, in the deployment's system frame.
 
 use std::time::Duration;
 
@@ -15,17 +15,18 @@ use runtime::signals::Stop;
 
 use crate::args::Tap;
 
-/// Octets of a block: what fits a datagram, for whoever sends them on.
+/// Largest size of a block, bytes: it fits a datagram.
 const BLOCK_OCTETS_MAX: usize = 1_400;
 const CATEGORY: u8 = 62;
-/// Longest wait before it is looked whether somebody wants an end.
+/// Longest wait between two checks for a stop request.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Writes system tracks.
 pub(super) struct Blocks(SystemReports);
 
 impl Blocks {
-    /// A writer for the deployment on `bus`; `None` if the deployment ends, or is to end, before it says where it is.
+    /// Returns a writer for the deployment on `bus`; `None` after a stop or the deployment's end before the frame
+    /// arrives.
     ///
     /// # Errors
     /// If the topic that is tapped is another, or cannot be read.
@@ -54,7 +55,7 @@ impl Blocks {
     }
 }
 
-/// Waits for the system frame, which the monitor tells again and again.
+/// Waits for the system frame, which the monitor publishes repeatedly.
 fn frame(bus: &Bus<SharedMemory>, stop: &Stop) -> anyhow::Result<Option<SystemFrame>> {
     let topic = messages::frame_origin();
     let mut origins = bus.subscriber(&topic, || mono_ns() as u64)?;

@@ -1,4 +1,4 @@
-//! Samples as lines of text, by their layout: whatever the type, its fields by name.
+//! Samples as lines of text, by their layout: fields by name, for any type.
 
 use std::io::Write as _;
 
@@ -62,13 +62,13 @@ fn layout_of(element: &str) -> Option<&'static Layout> {
     ALL.iter().find(|layout| layout.name == element)
 }
 
-/// Fields that say something.
+/// Returns the fields with content.
 fn fields(layout: &Layout) -> impl Iterator<Item = &'static Field> + use<> {
     let is_spare = |field: &&Field| field.name == "spare" || field.name.starts_with("reserved");
     layout.fields.iter().filter(move |field| !is_spare(field))
 }
 
-/// Characters of a field of octets, without what pads it.
+/// Returns the characters of a byte field without padding.
 fn characters(octets: &[u8]) -> String {
     String::from_utf8_lossy(octets).trim_end_matches(['\0', ' ']).to_owned()
 }
@@ -113,7 +113,7 @@ fn object(layout: &Layout, sample: &[u8], text: &mut Vec<u8>) {
             }
             (kind, Some(count)) => {
                 let all = octets.chunks(field.size / count);
-                // Places behind the last one that holds something say nothing.
+                // Elements behind the last used element have no content.
                 let held = match layout_of(kind) {
                     Some(_) => all
                         .clone()
@@ -143,7 +143,7 @@ fn value(kind: &str, octets: &[u8], text: &mut Vec<u8>) {
     }
 }
 
-/// Appends a number, or `unknown` for one that is none; the least time says "unknown", too.
+/// Appends a number, or `unknown` for a number that is not finite; the least time also means "unknown".
 fn number(kind: &str, octets: &[u8], unknown: &str, text: &mut Vec<u8>) {
     macro_rules! of {
         ($number:ty) => {

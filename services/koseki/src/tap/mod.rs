@@ -1,6 +1,6 @@
 //! `koseki tap`: samples as lines of text or as ASTERIX, for programs that map no shared memory (FM-14).
 //!
-//! It is a reader like any other: it holds nobody up, and what it loses it says.
+//! A tap is a normal reader: it delays no process, and reports its own losses.
 
 mod blocks;
 mod lines;
@@ -21,7 +21,7 @@ use crate::instances;
 use blocks::Blocks;
 use lines::{LineFormat, Lines};
 
-/// Longest wait before it is looked whether somebody has connected, or the deployment has ended.
+/// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
 /// Octets that are collected before they are handed on, if more samples wait.
 const BLOCK: usize = 1 << 16;
@@ -35,7 +35,7 @@ pub(crate) fn run(tap: &Tap) -> anyhow::Result<()> {
     messages::visit(&tap.topic, Reader { tap }).ok_or_else(unknown)?
 }
 
-/// What samples become.
+/// Output form of samples.
 enum Form {
     Lines(Lines),
     Blocks(Box<Blocks>),
@@ -56,7 +56,7 @@ impl Form {
         }
     }
 
-    /// Appends what was begun: nothing waits for a next sample.
+    /// Appends the unfinished output, at the end of the samples.
     fn flush(&mut self, octets: &mut Vec<u8>) {
         if let Self::Blocks(blocks) = self {
             blocks.flush(octets);
@@ -79,7 +79,7 @@ impl Way {
         })
     }
 
-    /// Hands `octets` on. Who connects from now on gets `head` first.
+    /// Sends `octets`. Later clients receive `head` first.
     fn send(&mut self, octets: &[u8], head: &[u8]) -> io::Result<()> {
         match self {
             Self::Out(out) => out.write_all(octets).and_then(|()| out.flush()),
@@ -143,7 +143,7 @@ impl Visitor for Reader<'_> {
             }
             form.flush(&mut text);
             if let Err(error) = way.send(&text, &head) {
-                // The reader has what it wanted.
+                // The reader has ended.
                 return match error.kind() {
                     io::ErrorKind::BrokenPipe => Ok(()),
                     _ => Err(error.into()),

@@ -41,7 +41,7 @@ pub(super) fn cause(act: &Act, deployment: &mut Deployment) -> anyhow::Result<bo
             let holds = deployment.picture_needs(name);
             let pid = deployment.signal(name, Signal::STOP)?;
             deployment.watch(*time)?;
-            // A standby that took over has killed it, unless it came too late.
+            // A standby that took over has killed it, unless the take-over was too late.
             deployment.signal_process(pid, Signal::CONT);
             return Ok(holds);
         }

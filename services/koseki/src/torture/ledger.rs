@@ -1,4 +1,4 @@
-//! Events on their way to the judge, and into a file where one is wanted.
+//! Events on their way to the judge, and, if requested, to a file.
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
@@ -77,7 +77,7 @@ impl Ledger {
 /// Reads a recorded input.
 ///
 /// # Errors
-/// If it cannot be read, or a line is none of its kind.
+/// If the file cannot be read, or a line is malformed.
 pub(super) fn read(path: &Path) -> anyhow::Result<(Conditions, Vec<Event>)> {
     let file = File::open(path).map_err(|error| Usage(format!("{}: {error}", path.display())))?;
     let mut lines = BufReader::new(file).lines();

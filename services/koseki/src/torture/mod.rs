@@ -1,13 +1,14 @@
-//! `koseki torture`: faults at random on a deployment of its own, and a judge of what a subscriber sees.
+//! `koseki torture`: random faults in a separate deployment, and a judge of their effects on a subscriber.
 //!
-//! The deployment lives in a folder of its own that goes with it, beside whatever else runs on the machine. Which fault
-//! comes when is drawn from the seed alone ([`schedule`]), so that a run can be repeated. The simulated world goes on
-//! whatever dies, the launcher too: an address is one target all the time, and where it is, is known ([`world`]).
+//! The deployment has a separate folder, removed at the end, beside other deployments of the machine. The seed alone
+//! determines the faults and their times ([`schedule`]), so that a run can be repeated. The simulated world continues
+//! after any death, even of the launcher: an address is the same target for the whole run, and its position is known
+//! ([`world`]).
 //!
-//! The [`judge`] does no input or output: it takes events, which can be recorded and judged again ([`ledger`]). So it
-//! can be tried itself: [`self_test`] spoils a sound record in many ways, each of which the judge has to find. After
-//! each fault the deployment must come back by itself. Where it does not, it is started again, and that is a finding. A
-//! failure of this command is no verdict ([`OwnFailure`]).
+//! The [`judge`] does no input or output: it takes events, which can be recorded and judged again ([`ledger`]), and
+//! can therefore be tested: [`self_test`] inserts many defects into a sound record, and the judge must find each.
+//! After each fault the deployment must recover by itself. Otherwise it is started again, and the failure is a
+//! finding. A failure of this command itself is no verdict ([`OwnFailure`]).
 
 mod deployment;
 mod faults;
@@ -38,9 +39,9 @@ use schedule::{FAULTS, Fault, Planned, Schedule};
 
 /// Time after a fault within which everything must be back: a process that dies again and again is started ever later.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time for which the judge looks on after the last fault.
+/// Time for which the judge continues after the last fault.
 const AFTERWARDS: Duration = Duration::from_secs(5);
-/// Time between two looks at what is used, seconds.
+/// Time between two measurements of resources, seconds.
 const RESOURCES_S: f64 = 15.0;
 
 /// The command itself has failed, or was interrupted: there is no verdict.
@@ -53,7 +54,7 @@ impl fmt::Display for OwnFailure {
     }
 }
 
-/// Runs the faults, or judges a record, or tries the judge; and says what came of it.
+/// Runs the faults, judges a record, or tests the judge; prints the result.
 ///
 /// # Errors
 /// If something was not as it must be; [`OwnFailure`] if that was this command.
@@ -123,7 +124,7 @@ impl Run<'_> {
         ended.and(deployment.ledger().close())
     }
 
-    /// Notes what is known by now.
+    /// Writes the present result.
     fn note(&mut self, deployment: &mut Deployment) {
         let report = &mut self.report;
         (report.take_overs, report.take_overs_from_still) = deployment.take_overs();

@@ -23,14 +23,14 @@ pub(super) struct Onlooker {
     looked_ns: i64,
 }
 
-/// Take-overs, by process and start: how many, and how many of them from one that stood still.
+/// Take-overs, by process and start: their number, and the number of take-overs from a process that did not advance.
 pub(super) type TakeOvers = BTreeMap<(u32, u64), [u64; 2]>;
 
 impl Onlooker {
     /// Joins the deployment.
     ///
     /// # Errors
-    /// If it is being rebuilt, or its memory cannot be used.
+    /// If the deployment is being rebuilt, or its memory is unusable.
     pub(super) fn join(root: &Root, ledger: &mut Ledger) -> anyhow::Result<Self> {
         let bus = Bus::open(root, "torture")?;
         let mut joined_ns = 0;
@@ -38,7 +38,7 @@ impl Onlooker {
             joined_ns = mono_ns();
             joined_ns as u64
         };
-        // States of older epochs, too: the judge looks for a fusion that goes on after it was replaced.
+        // Including older epochs: the judge detects a fusion process that continues after its replacement.
         let tracks = bus.subscriber(&messages::system_tracks(), now_ns)?.of_all_epochs();
         let health = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
         ledger.take(&Event {

@@ -1,8 +1,8 @@
 //! File systems of its own, which can be full without harm to others.
 //!
-//! Where the user may, the command runs itself once more in a mount namespace of its own. There, a file system in
-//! memory takes the place of `/dev/shm`, and another one that of the folder for recordings. A full one is as large as
-//! what is in it; afterwards it has room again. The namespace ends with its last process, and what was in it is gone.
+//! If the user has the right, the command executes itself again in a separate mount namespace. There, file systems in
+//! memory replace `/dev/shm` and the folder of recordings. A full file system is as large as its content; afterwards
+//! it has room again. The namespace and its content end with its last process.
 
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
@@ -12,13 +12,13 @@ use anyhow::Context as _;
 use rustix::fs::statvfs;
 use rustix::process::geteuid;
 
-/// Variable that says that the namespace is there.
+/// Variable that marks the namespace.
 const VARIABLE: &str = "KOSEKI_TORTURE_NAMESPACE";
 /// Place of POSIX shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
-/// Room of a file system, of which only what is used takes memory.
+/// Size of a file system; only used pages take memory.
 const ROOM: &str = "size=1g";
-/// Attempts to make a file system full: what is in it may grow meanwhile.
+/// Attempts to fill a file system whose content may grow meanwhile.
 const ATTEMPTS: usize = 20;
 
 /// Whether this process has file systems of its own.
@@ -26,7 +26,7 @@ pub(super) fn are_there() -> bool {
     std::env::var_os(VARIABLE).is_some()
 }
 
-/// Runs the command again in a namespace of its own, and does not return, if it can be and has not been done.
+/// Executes the command again in a separate namespace without returning, if possible and not done yet.
 ///
 /// # Errors
 /// If the executable is not found, or cannot be run.
@@ -67,7 +67,7 @@ pub(super) fn unmount(folder: &Path) {
 /// Leaves no room in the file system at `folder`.
 ///
 /// # Errors
-/// If it goes on growing.
+/// If the content keeps growing.
 pub(super) fn fill(folder: &Path) -> anyhow::Result<()> {
     for _ in 0..ATTEMPTS {
         let found = statvfs(folder)?;

@@ -37,7 +37,7 @@ pub(super) struct Report {
     /// Limits with the margin in them.
     pub(super) limits: Option<Limits>,
     pub(super) faults: Vec<Happened>,
-    /// Times that a fusion that stood by took over, and those of them from one that stood still.
+    /// Number of take-overs by a standby, and of take-overs from a process that did not advance.
     pub(super) take_overs: u64,
     pub(super) take_overs_from_still: u64,
     #[serde(flatten)]

@@ -61,7 +61,7 @@ impl Latencies {
         }
     }
 
-    /// The median, microseconds; begins anew.
+    /// Returns the median, microseconds, and starts again.
     pub(super) fn take_median_us(&mut self) -> Option<f64> {
         let mut values = std::mem::take(&mut self.0);
         let middle = values.len() / 2;

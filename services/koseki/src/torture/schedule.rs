@@ -1,8 +1,8 @@
-//! Schedule of the faults: which comes when, and whom it hits, drawn ahead from the seed alone.
+//! Schedule of the faults: kinds, times and victims, drawn in advance from the seed alone.
 //!
-//! Each fault's pause, kind, victim and duration are drawn in one order, from one stream, before anything of it
-//! happens. How fast the machine is, or what the deployment does, has no part in it: a longer run has a longer schedule
-//! that begins with the shorter one.
+//! Pause, kind, victim and duration of each fault are drawn in a fixed order, from a single stream, in advance. The
+//! machine's speed and the deployment's reactions have no influence: a longer run has a longer schedule with the same
+//! start.
 
 use std::fmt;
 use std::time::Duration;
@@ -163,7 +163,7 @@ pub(super) const FAULTS: [Fault; 15] = [
     },
     Fault {
         needs: Needs::OwnFileSystems,
-        // Whoever writes where there is no room is killed, perhaps all of them.
+        // Every process that writes without room is killed, perhaps all.
         keeps_numbers: false,
         rebuilds: true,
         ..fault("full-shared-memory", |_, random| Act::FullSharedMemory {

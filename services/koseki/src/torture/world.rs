@@ -6,7 +6,7 @@ use configuration::Config;
 use messages::NS_PER_S;
 use scenario::Truth;
 
-/// Seed of the traffic: which faults come must not change whom they hit.
+/// Seed of the traffic, independent of the faults: other faults must not change the victims.
 pub(super) const SEED: u64 = 1;
 
 /// Where every target is at any time; empty where the configuration has no simulated world.

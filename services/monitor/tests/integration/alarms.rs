@@ -126,11 +126,11 @@ fn what_is_lost_dropped_or_does_not_fit_is_told() {
     let link = (ProcessKind::Link, "in", NO_SOURCE);
     assert_eq!(
         growing(AlarmKind::LostOnTheWay, link, Counter::LostOnTheWay),
-        "1,234 samples of another host did not reach link in: the connection was interrupted, or is too slow."
+        "1,234 samples of another host did not reach link in: the connection was interrupted or is too slow."
     );
     assert_eq!(
         growing(AlarmKind::ReportQuarantined, fusion, Counter::Quarantined),
-        "fusion died twice while it worked off the same report of a source, and passes over it: 1,234 reports so far."
+        "fusion died twice while processing the same report of a source, and skips this report: 1,234 reports so far."
     );
     assert_eq!(
         growing(AlarmKind::CapacityReached, fusion, Counter::DroppedTable),
@@ -138,12 +138,12 @@ fn what_is_lost_dropped_or_does_not_fit_is_told() {
     );
     assert_eq!(
         growing(AlarmKind::LayoutMismatch, fusion, Counter::RejectedSchema),
-        "fusion has rejected 1,234 slices, whose publisher was built with another layout."
+        "fusion has rejected 1,234 slices of a publisher with another layout."
     );
     let adapter = (ProcessKind::Adapter, "ads-b", NO_SOURCE);
     assert_eq!(
         growing(AlarmKind::DatagramsDropped, adapter, Counter::DatagramsDropped),
-        "The kernel has dropped 1,234 datagrams before adapter ads-b had read them."
+        "The kernel dropped 1,234 datagrams before adapter ads-b read them."
     );
     let gateway = (ProcessKind::Gateway, "display", NO_SOURCE);
     assert_eq!(
@@ -168,7 +168,7 @@ fn what_fits_nothing_that_is_configured_is_named() {
     };
     assert_eq!(
         site.raise_and_clear(AlarmKind::SenderUnknown, stranger, |_| {}),
-        "adapter radar-west hears senders that no source is configured for: SAC/SIC 40/2, 24 blocks, and 2 others."
+        "adapter radar-west receives data from senders without a configured source: SAC/SIC 40/2, 24 blocks, and 2 others."
     );
     let mut site = Site::new(&quiet);
     let other_edition = |site: &mut Site| {
@@ -178,7 +178,7 @@ fn what_fits_nothing_that_is_configured_is_named() {
     };
     assert_eq!(
         site.raise_and_clear(AlarmKind::EditionWrong, other_edition, |_| {}),
-        "142 blocks of ads-b cannot be read as configured, and fit category 021 edition 2.4."
+        "142 blocks of ads-b do not fit the configured edition, but fit category 021 edition 2.4."
     );
 }
 
@@ -199,8 +199,8 @@ fn a_source_whose_clock_is_wild_is_told() {
     let last_minute = |site: &mut Site| site.pass(60);
     assert_eq!(
         site.raise_and_clear(AlarmKind::SourceIsolated, |site| wild(site, 31, 1_100), last_minute),
-        "multilateration is isolated: 2.8 % of its reports of the last minute (31 of 1,100 reports) claim times that cannot \
-         be, and are kept out of the tracks."
+        "multilateration is isolated: 2.8 % of its reports of the last minute (31 of 1,100 reports) have impossible times \
+         and are not used."
     );
     // An hour of good ones does not excuse those that follow.
     wild(&mut site, 31, 1_000_000);
@@ -221,7 +221,7 @@ fn reports_that_come_too_late_are_told() {
     let last_minute = |site: &mut Site| site.pass(60);
     assert_eq!(
         site.raise_and_clear(AlarmKind::ReportsLate, |site| late(site, 230, 1_770), last_minute),
-        "ads-b sends late: 11.5 % of its reports of the last minute (230 of 2,000 reports) came after later ones, and are \
+        "ads-b sends late: 11.5 % of its reports of the last minute (230 of 2,000 reports) arrived after later reports and are \
          not used."
     );
 }
@@ -241,7 +241,7 @@ fn a_tracker_that_makes_no_tracks_of_many_detections_is_told() {
     let tracks = |site: &mut Site| work(site, 3_500, 1_620, 170);
     assert_eq!(
         site.raise_and_clear(AlarmKind::TrackerIdle, |site| work(site, 3_456, 1_610, 3), tracks),
-        "The tracker of ads-b has made 3 reports of tracks of its last 3,456 detections, in 1,610 scans of 1.00 s."
+        "The tracker of ads-b made 3 reports of tracks from its last 3,456 detections, in 1,610 scans of 1.00 s."
     );
 }
 
@@ -308,7 +308,7 @@ fn errors_that_fusion_has_learned_are_told() {
     let end = |site: &mut Site| known(site, Registration::default());
     assert_eq!(
         site.raise_and_clear(AlarmKind::ClockOff, begin, end),
-        "The clock of ads-b is -29.75 s off, by the times at which its reports are received."
+        "The clock of ads-b is -29.75 s off, compared with the times of receipt of its reports."
     );
     // As the adapter of a live source has it: it is a little late, as all are.
     let mut site = Site::new(&["source[3].silent_periods=0"]);
@@ -335,7 +335,7 @@ fn errors_that_fusion_has_learned_are_told() {
     let begin = |site: &mut Site| known(site, overstated);
     assert_eq!(
         site.raise_and_clear(AlarmKind::AccuracyOverstated, begin, end),
-        "ads-b claims too much accuracy: its covariances are enlarged 9.0 times."
+        "The accuracy of ads-b is overstated: its covariances are enlarged 9.0 times."
     );
 }
 
@@ -366,7 +366,7 @@ fn an_offset_that_sources_share_is_the_machines() {
     let said = site.raise_and_clear(AlarmKind::MachineClockOff, begin, end);
     assert_eq!(
         said,
-        "This machine's clock is -6.0 s off: the clocks of radar-east, ads-b agree with each other, and not with it."
+        "This machine's clock is -6.0 s off: the clocks of radar-east, ads-b agree with each other, but not with this machine."
     );
     // Below the limit from which fusion takes it off; no single source is blamed.
     let mut site = Site::new(&[]);
@@ -411,7 +411,7 @@ fn a_gross_error_is_told_with_what_to_correct() {
         );
         site.raise_and_clear(AlarmKind::GrossError, begin, end)
     };
-    let sentence = "radar-west is off by -0.53° in azimuth, as the tracks of ads-b show";
+    let sentence = "radar-west has a bias of -0.53° in azimuth relative to the tracks of ads-b";
     assert_eq!(
         told(false, false),
         format!("{sentence}; or ads-b is off the other way.")
@@ -466,7 +466,7 @@ fn a_source_that_sees_less_than_before_is_told() {
     let end = |site: &mut Site| sees(site, 7_000, 940);
     assert_eq!(
         site.raise_and_clear(AlarmKind::DetectionFell, begin, end),
-        "radar-east sees its targets in 70 % of its scans, 95 % before."
+        "radar-east detects its targets in 70 % of its scans, 95 % before."
     );
 }
 
@@ -500,7 +500,7 @@ fn sources_that_see_the_same_and_never_join_are_told() {
         site.bench.publish(&states);
         site.pass(1);
     }
-    let text = "radar-west and radar-east have no track in common, and 6 tracks of each fly side by side, all +9.0 km east and \
+    let text = "radar-west and radar-east have no common track, but 6 tracks of each move in parallel, all +9.0 km east and \
                 +0.0 km north apart.";
     assert_eq!(site.standing(), [text]);
     assert_eq!((site.last[0].source, site.last[0].partner), (0, 1));
@@ -532,14 +532,14 @@ fn states_that_are_off_the_clock_are_told() {
     assert_eq!(states(&mut site, -200), none, "on their way");
     assert_eq!(
         states(&mut site, 7_800),
-        ["The newest system tracks are +7.3 s off the clock of this machine."]
+        ["The newest system tracks are +7.3 s off this machine's clock."]
     );
     assert_eq!(states(&mut site, -200), none);
     // Every source takes a period to send what it has measured, and the quickest here a second.
     assert_eq!(states(&mut site, -3_000), none);
     assert_eq!(
         states(&mut site, -7_500),
-        ["The newest system tracks are -8.0 s off the clock of this machine."]
+        ["The newest system tracks are -8.0 s off this machine's clock."]
     );
 }
 
@@ -561,7 +561,7 @@ fn processes_that_end_and_come_back_are_told() {
     assert_eq!(site.standing(), ["fusion does not run: was killed by SIGKILL."]);
     launched(&mut site, LifeState::Running, 1, "was killed by SIGKILL");
     site.pass(7);
-    let restarted = "fusion was restarted, 1 time so far: the last one was killed by SIGKILL.";
+    let restarted = "fusion was restarted, 1 time so far: the last process was killed by SIGKILL.";
     assert_eq!(site.standing(), [restarted]);
     site.pass(62);
     assert_eq!(site.standing(), [""; 0]);
@@ -572,7 +572,7 @@ fn a_rebuilt_deployment_is_told_by_the_monitor_that_comes_after_it() {
     let mut site = Site::new(&[]);
     site.say(ProcessKind::Launcher, "launcher", NO_SOURCE).counters[Counter::Rebuilds] = 1;
     site.pass(1);
-    let text = "The shared memory was corrupt, and the deployment was rebuilt, 1 time so far.";
+    let text = "The shared memory was corrupt; the deployment was rebuilt, 1 time so far.";
     assert_eq!(site.standing(), [text]);
     site.pass(62);
     assert_eq!(site.standing(), [""; 0]);
@@ -594,7 +594,7 @@ fn each_fusion_that_takes_over_is_told() {
     };
     let said = |words: &str| {
         [format!(
-            "The fusion that stood by has taken over, {words} from one that stood still."
+            "The standby fusion process has taken over, {words} because the active process did not advance."
         )]
     };
     assert_eq!(take_over(&mut site, 101, 0), said("1 time so far, 0"));
@@ -618,11 +618,11 @@ fn a_link_that_misses_a_peer_or_hears_a_wrong_clock_is_told() {
     assert_eq!(site.standing(), [""; 0]);
     say(&mut site, 1, 0, "west is not there");
     site.pass(5);
-    let missing = "link in does not hear all that it is to receive from: west is not there.";
+    let missing = "link in does not receive from all configured peers: west is not there.";
     assert_eq!(site.standing(), [missing]);
     say(&mut site, 0, 30_000, "west 1.0 ms away");
     site.pass(5);
-    let off = "The clock of another host is 30 ms off by the comparison of link in: west 1.0 ms away.";
+    let off = "The clock of another host is 30 ms off, as compared by link in: west 1.0 ms away.";
     assert_eq!(site.standing(), [off]);
 }
 
@@ -639,7 +639,7 @@ fn a_process_that_says_nothing_any_more_hangs() {
     site.pass(3);
     assert_eq!(site.standing(), [""; 0]);
     site.pass(1);
-    assert_eq!(site.standing(), ["fusion says nothing for 4 s."]);
+    assert_eq!(site.standing(), ["fusion has published no health for 4 s."]);
     speaks(&mut site);
     site.pass(3);
     assert_eq!(site.standing(), [""; 0]);
@@ -661,7 +661,7 @@ fn a_guest_that_has_left_does_not_hang() {
     site.pass(1);
     site.health.clear();
     site.pass(5);
-    assert_eq!(site.standing(), ["display here says nothing for 5 s."]);
+    assert_eq!(site.standing(), ["display here has published no health for 5 s."]);
 }
 
 #[test]

@@ -84,8 +84,8 @@ impl Picture {
         let (east, north, pixel_km) = equal_scales(places.flat_map(|(_, places)| places), map);
         let inside = |at: &Place| east.contains(&at.0) && north.contains(&at.1);
         let title = match self.about {
-            Some(number) => format!("System track {number}, its surroundings, and what they were made from"),
-            None => format!("{} system tracks, and what they were made from", self.tracks_km.len()),
+            Some(number) => format!("System track {number}, its surroundings, and their reports"),
+            None => format!("{} system tracks, and their reports", self.tracks_km.len()),
         };
         let mut chart = map_chart(area, &title, &east, &north)?;
         for (place, (source, reports)) in self.reports_km.iter().enumerate() {

@@ -139,8 +139,8 @@ impl Summary<'_> {
                 let first = self.setup.sensor_ids[usize::from(first)];
                 writeln!(
                     text,
-                    "sensor {id:<6} counts as one with sensor {first}, whose errors it has; if it measures by itself, say \
-                     independent_of"
+                    "sensor {id:<6} counts as one with sensor {first} because of equal errors; if it measures \
+                     independently, set independent_of"
                 )?;
             }
         }

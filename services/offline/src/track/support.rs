@@ -64,7 +64,7 @@ impl Support {
             match Emission::of(&bearing) {
                 Some(emission) => emissions.push(emission),
                 None => {
-                    let why = "no frequency, by which a type could be told; write frequency_hz";
+                    let why = "no frequency to identify a type; write frequency_hz";
                     support.refusals.refused("no frequency", path, rows.line(), why);
                 }
             }
@@ -77,8 +77,8 @@ impl Support {
         if !settings.wide_area.knowledge.types.is_empty() {
             return Ok(());
         }
-        let what = "emissions tell types of targets, and none is described; do so in --config with [[wide_area.type]], or \
-                    leave --emissions out";
+        let what = "emissions identify types of targets, but no type is configured; configure [[wide_area.type]] in \
+                    --config, or omit --emissions";
         Err(InputError::new(&self.path, what))
     }
 

@@ -25,7 +25,7 @@ const CORRUPTION_SHOWS: Duration = Duration::from_secs(10);
 const PROBE_PATIENCE: Duration = Duration::from_secs(10);
 
 impl Deployment {
-    /// With what the names of its memory begin; `None` also while it is being rebuilt.
+    /// Returns the start of the names of the instance's memory; also `None` during a rebuild.
     pub(super) fn prefix(&self) -> Option<String> {
         self.root.prefix().ok().flatten()
     }
@@ -40,7 +40,7 @@ impl Deployment {
             .collect())
     }
 
-    /// Makes a file system full for a while, in which nobody looks on: who maps shared memory can be killed by it.
+    /// Fills a file system for a while without a subscriber: a full file system can kill readers of shared memory.
     pub(in crate::torture) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
         self.look_away(true);
         own_file_systems::fill(folder)?;

@@ -34,7 +34,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const NOTE_NS: i64 = 500_000_000;
 /// Pause between two looks.
 const PAUSE: Duration = Duration::from_millis(5);
-/// Time for which no process may end until a deployment counts as back whose memory was spoilt.
+/// Time without the end of a process after which a deployment with corrupted memory counts as recovered.
 const STABLE: Duration = Duration::from_secs(2);
 /// The run was interrupted.
 #[derive(Debug, thiserror::Error)]
@@ -46,7 +46,7 @@ pub(in crate::torture) struct Interrupted;
 #[error("{0}")]
 pub(in crate::torture) struct Broken(String);
 
-/// A deployment, its launcher, and the subscriber through which the judge sees it.
+/// A deployment, its launcher, and the judge's subscriber.
 pub(in crate::torture) struct Deployment {
     folder: TempDir,
     root: Root,
@@ -59,11 +59,11 @@ pub(in crate::torture) struct Deployment {
     world: World,
     ledger: Ledger,
     onlooker: Option<Onlooker>,
-    /// With what the names of memory begin whose launcher was killed.
+    /// Start of the names of memory of a killed launcher.
     dead_prefix: Option<String>,
     /// Why the subscriber could not join last time.
     obstacle: String,
-    /// The memory was spoilt: another process reads it first, since reading it may kill the reader.
+    /// The memory was corrupted: another process reads it first, because reading may kill the reader.
     is_spoilt: bool,
     probe: Option<(Child, Instant)>,
     latencies: Latencies,
@@ -73,7 +73,7 @@ pub(in crate::torture) struct Deployment {
 }
 
 impl Deployment {
-    /// Starts it, and waits until it runs and shows tracks.
+    /// Starts the deployment, and waits until it runs and publishes tracks.
     ///
     /// # Errors
     /// If the configuration cannot be used, or the deployment does not start.
@@ -101,7 +101,7 @@ impl Deployment {
         let mut command = vec!["up".to_owned(), path.display().to_string()];
         command.push(format!("--instance={INSTANCE}"));
         command.push(format!("--seed={}", world::SEED));
-        // Its world goes on when the launcher is started again.
+        // The simulated world continues when the launcher is started again.
         command.push(format!("--scenario-start={start_utc_ns}"));
         let out = folder.path().join("out");
         command.push(format!("--out={}", out.display()));
@@ -109,7 +109,7 @@ impl Deployment {
             fs::create_dir(&out)?;
             own_file_systems::mount(&out)?;
             own_file_systems::mount(Path::new(SHARED_MEMORY))?;
-            // Else nobody writes to the disk.
+            // Otherwise no process writes to the disk.
             command.push("--set=recorder.enabled=true".to_owned());
         }
         for set in &torture.set {
@@ -141,7 +141,7 @@ impl Deployment {
         Ok(deployment)
     }
 
-    /// Whether it has what a fault needs.
+    /// Returns whether the deployment has the requirements of a fault.
     pub(in crate::torture) fn has(&self, needs: Needs) -> bool {
         match needs {
             Needs::Nothing => true,
@@ -179,7 +179,7 @@ impl Deployment {
         &mut self.ledger
     }
 
-    /// A publisher, once the deployment has its topic: it may be being rebuilt.
+    /// Returns a publisher as soon as the deployment has its topic: a rebuild may be in progress.
     pub(in crate::torture) fn publisher<T: Payload>(
         &mut self,
         topic: &Topic<T>,
@@ -199,8 +199,8 @@ impl Deployment {
         }
     }
 
-    /// Process numbers of the launcher's children, by their names. Of two fusions, the one that leads is called fusion:
-    /// after a take-over they have exchanged their parts, and not their command lines.
+    /// Returns the process numbers of the launcher's children by name. Of two fusion processes, the leader is called
+    /// fusion: a take-over exchanges their roles, but not their command lines.
     pub(in crate::torture) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
         let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"))
@@ -220,7 +220,7 @@ impl Deployment {
         Ok(named.collect())
     }
 
-    /// Sends a signal to a child, whose process number is returned.
+    /// Sends a signal to a child; returns the child's process number.
     pub(in crate::torture) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
@@ -270,7 +270,7 @@ impl Deployment {
         self.until_it_runs()
     }
 
-    /// Looks on for a while.
+    /// Watches for a while.
     pub(in crate::torture) fn watch(&mut self, time: Duration) -> anyhow::Result<()> {
         let begun = instant();
         loop {
@@ -293,7 +293,7 @@ impl Deployment {
         }
     }
 
-    /// Take-overs, and those of them from a fusion that stood still.
+    /// Returns the number of take-overs, and of take-overs from a process that did not advance.
     pub(in crate::torture) fn take_overs(&self) -> (u64, u64) {
         let sum = |place: usize| self.take_overs.values().map(|counts| counts[place]).sum();
         (sum(0), sum(1))
@@ -327,7 +327,7 @@ impl Deployment {
         Ok(())
     }
 
-    /// Hands what has come to the judge. Joins where nobody looks on; if the deployment is being rebuilt, next time.
+    /// Passes received events to the judge. Joins without a subscriber; during a rebuild, at the next call.
     fn look(&mut self) -> anyhow::Result<()> {
         self.heed_stop()?;
         let now_ns = mono_ns();
@@ -358,8 +358,8 @@ impl Deployment {
         Ok(())
     }
 
-    /// Waits until every process is there and states come that were sent from now on; what is missing if they do not.
-    /// A deployment that may still fall over is back when no process has ended for a while.
+    /// Waits until every process runs and newly sent states arrive; otherwise returns a description of the missing. A
+    /// deployment that may still fail has recovered after a time without the end of a process.
     pub(in crate::torture) fn until_back(
         &mut self,
         patience: Duration,
@@ -432,7 +432,7 @@ impl Deployment {
         fs::read_to_string(self.folder.path().join(format!("said{}", self.starts - 1))).unwrap_or_default()
     }
 
-    /// Stops it, and lets the judge know what is left then.
+    /// Stops the deployment, and passes its remains to the judge.
     ///
     /// # Errors
     /// If it does not stop.
@@ -451,7 +451,7 @@ impl Deployment {
         let mut left: Vec<String> = self.memory(prefix)?.into_iter().collect();
         for entry in fs::read_dir(self.root.base())?.flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
-            // A checkpoint that was refused stays, for somebody to look at.
+            // A rejected checkpoint remains for analysis.
             if !name.ends_with("-refused") {
                 left.push(name);
             }

@@ -1,4 +1,4 @@
-//! Input of the judge: events, one JSON object a line where they are recorded.
+//! Input of the judge: events; a recorded event is a JSON object on a line.
 
 use serde::{Deserialize, Serialize};
 
@@ -63,7 +63,7 @@ pub(crate) enum What {
 /// Part of a system track that the judge looks at.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    /// Time at which fusion sent it, by its own statement; monotonic, nanoseconds.
+    /// Time of sending as stated by fusion; monotonic, nanoseconds.
     pub(crate) sent_ns: i64,
     /// Start of its publisher, and the sample's number there.
     pub(crate) incarnation: u64,

@@ -1,4 +1,4 @@
-//! Findings: each kind of what can be wrong, how often it was found, and the first examples.
+//! Findings: each kind of fault with its number and its first examples.
 
 use std::collections::BTreeMap;
 

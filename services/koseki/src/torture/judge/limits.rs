@@ -1,7 +1,7 @@
 //! Limits by which a run is judged.
 //!
-//! Limits of time hold for a machine without other work, and are stretched by a margin for one that has some. The
-//! margin is an argument of the command and part of every result: nobody can take a stretched limit for a plain one.
+//! Time limits hold for a machine without other work; a margin extends them for a loaded machine. The margin is an
+//! argument of the command and part of every result, so that an extended limit is always recognisable.
 
 use std::fmt;
 
@@ -80,8 +80,8 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    /// Limits of a deployment with a second fusion that stands by or without, whose tracks end after `terminate_s`
-    /// without a report.
+    /// Returns the limits of a deployment with or without a standby; its tracks end after `terminate_s` without a
+    /// report.
     pub(crate) fn new(standby: bool, terminate_s: f64, margin: f64) -> Self {
         let outage_s = if standby { OUTAGE_WITH_STANDBY_S } else { OUTAGE_S };
         Self {

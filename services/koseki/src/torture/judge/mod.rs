@@ -1,15 +1,15 @@
 //! The judge: a ledger of every target over the whole run, kept from events alone.
 //!
-//! The judge does no input or output and reads no clock: the same events give the same verdict, from a live deployment
-//! or from a file. No process is believed: addresses tell targets apart, and places are compared with the truth of the
-//! simulated world. Neither the launcher's nor the subscribers' counters excuse anything.
+//! The judge does no input or output and reads no clock: the same events give the same verdict, from a live
+//! deployment or from a file. The judge trusts no process: addresses identify targets, and positions are compared
+//! with the truth of the simulated world. Counters of the launcher and of subscribers excuse nothing.
 //! - [`numbers`]: each target keeps its number until its track is terminated, and each track is terminated;
 //! - [`outages`]: how long each target is away at a fault;
 //! - [`positions`]: where each target is shown, against the truth;
 //! - [`sequence_tally`]: whether every lost sample was announced.
 //!
-//! Times are those at which fusion sent a state, so that a judge that is late itself finds no outage. [`limits`] says
-//! what is too much.
+//! Times are those of sending by fusion, so that a delay of the judge itself is no outage. [`limits`] contains the
+//! limits.
 
 pub(crate) mod event;
 pub(crate) mod finding;
@@ -31,7 +31,7 @@ use outages::{Outages, Window};
 use positions::Positions;
 use sequence_tally::SequenceTally;
 
-/// Time between two looks at what has become due, nanoseconds.
+/// Time between two checks for due events, nanoseconds.
 const LOOK_NS: i64 = 250_000_000;
 /// A time without any state that breaks the picture, nanoseconds.
 const BREAK_NS: i64 = 1_000_000_000;
@@ -163,7 +163,7 @@ impl Judge {
         match &event.what {
             What::Joined => {
                 (self.sequences, self.joined_ns) = (SequenceTally::default(), at_ns);
-                // Between two subscribers nobody looks on.
+                // Between two subscribers, events are unseen.
                 self.numbers.lost(at_ns);
             }
             What::State(state) => self.take_state(at_ns, state),
@@ -299,7 +299,7 @@ impl Judge {
         self.numbers.are_excused = false;
     }
 
-    /// A subscriber leaves: what it counts, and what the numbers say.
+    /// A subscriber leaves: compares its own count of losses with the sequence numbers.
     fn count_losses(&mut self, lost: u64, lost_at_end: u64, whole: bool) {
         self.lost += lost;
         let (counted, missing) = (lost.saturating_sub(lost_at_end), self.sequences.lost());

@@ -1,8 +1,8 @@
-//! Track numbers: who carries which, and how tracks end.
+//! Track numbers: their targets, and the ends of tracks.
 //!
-//! Targets are told apart by their addresses, whatever their tracks are called. A target keeps its number until its
-//! track is terminated with cause, that is after so long without a report, or was merged into another one. A second
-//! number beside the first is a *rival*: that is right for a while, until the two are merged.
+//! Addresses identify targets, independent of their tracks. A target keeps its number until its track is terminated
+//! with cause: after a time without a report, or by a merge into another track. A second number beside the first is a
+//! *rival*, permitted for a while until the two are merged.
 
 use std::collections::BTreeMap;
 
@@ -12,9 +12,9 @@ use super::limits::Limits;
 
 /// Share of the time without a report after which a track may be terminated: reports are stamped where they are made.
 const NEARLY: f64 = 0.9;
-/// Share of it in which there must have been a picture: a fusion that was away has heard no reports at all.
+/// Share of the time with a track picture: an absent fusion process has received no reports at all.
 const WITH_PICTURE: f64 = 0.25;
-/// A number that has been shown so long beside a silent one has taken its place, nanoseconds.
+/// Time after which a number shown beside a silent number has replaced it, nanoseconds.
 const SETTLED_NS: i64 = 3_000_000_000;
 /// A track from which nothing came for so long is not shown, nanoseconds.
 const SHOWN_NS: i64 = 5_000_000_000;
@@ -25,7 +25,7 @@ const TOLD_AGAIN_NS: i64 = 10_000_000_000;
 /// One track.
 #[derive(Clone, Debug, Default)]
 struct Track {
-    /// Address that it carried first, and that it carries.
+    /// First address and present address.
     address: Option<u32>,
     carrier: Option<u32>,
     last_ns: i64,
@@ -77,7 +77,7 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    /// Takes a state that was sent at `at_ns`. The address of a target whose track has ended with cause.
+    /// Takes a state sent at `at_ns`. Returns the address of a target with a track terminated with cause.
     pub(crate) fn take(&mut self, at_ns: i64, state: &State, terminate_s: f64, findings: &mut Findings) -> Option<u32> {
         let number = state.number;
         let track = self.tracks.entry(number).or_insert_with(|| Track {
@@ -174,7 +174,7 @@ impl Numbers {
         false
     }
 
-    /// The picture goes on after a break.
+    /// The track picture resumes after a break.
     pub(crate) fn resume(&mut self, gone_ns: i64, at_ns: i64) {
         self.break_ns = (gone_ns, at_ns);
     }
@@ -233,14 +233,14 @@ impl Numbers {
         }
     }
 
-    /// Something was lost, or nobody looked on: perhaps the end of a track.
+    /// Events were lost or unseen: perhaps the end of a track.
     pub(crate) fn lost(&mut self, at_ns: i64) {
         if at_ns - self.epoch_ns > TOLD_AGAIN_NS {
             self.loss_ns = Some(at_ns);
         }
     }
 
-    /// A newer fusion begins; `whole` if all that it says comes.
+    /// A newer epoch of fusion begins; `whole` if all its events are received.
     pub(crate) fn begin_epoch(&mut self, at_ns: i64, whole: bool) {
         if whole {
             (self.loss_ns, self.epoch_ns) = (None, at_ns);
@@ -255,7 +255,7 @@ impl Numbers {
         silent.for_each(|track| track.may_have_ended = true);
     }
 
-    /// Forgets who carries which number: a fault has excused that. Which numbers were given stays known.
+    /// Removes the assignment of numbers to targets after a fault that excuses changes. Used numbers remain known.
     pub(crate) fn forget_carriers(&mut self) {
         for target in self.targets.values_mut() {
             (target.number, target.has_two_tracks) = (None, false);

@@ -1,10 +1,9 @@
 //! Outages: how long each target showed no state at a fault.
 //!
-//! The run is cut into windows, one from each fault to the next, and quiet ones of a quarter of a minute where no fault
-//! comes. In each, a target that is shown at the window's begin has one outage: its longest time without a state that
-//! reaches into the window. A target that comes back in a later window has its outage there, by the more lenient
-//! of their limits. A track coasts where its sources are silent: such a time is no outage, unless one target in ten
-//! has it.
+//! The run is divided into windows from each fault to the next, and windows of a quarter of a minute in quiet times.
+//! In each window, a target shown at the window's start has one outage: its longest time without a state that reaches
+//! into the window. A target that returns in a later window has its outage there, with the more lenient limit of the
+//! two. A track with silent sources coasts: such a time is no outage, unless one target in ten has it.
 
 use std::collections::BTreeMap;
 
@@ -44,7 +43,7 @@ pub(crate) struct Outages {
 struct Shown {
     last_ns: i64,
     is_coasting: bool,
-    /// Whether it has an outage to show for this window, and by whose limit that is judged.
+    /// Window of an expected outage, which sets the limit.
     expected: Option<Window>,
     longest_ns: Option<i64>,
     is_missed: bool,
@@ -119,7 +118,7 @@ impl Outages {
         (self.window, self.begun_ns) = (window, at_ns);
     }
 
-    /// Time passes: windows without a fault end, and who is missed shows.
+    /// Advances the time: ends windows without a fault, and detects missing targets.
     pub(crate) fn pass(&mut self, at_ns: i64, limits: &Limits, findings: &mut Findings) {
         if at_ns - self.begun_ns > QUIET_NS {
             self.begin(Window::Quiet, at_ns, limits, findings);

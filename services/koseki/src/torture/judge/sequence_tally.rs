@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// Tally of what came from each publisher, by its start time, since the subscriber joined.
+/// Tally of received samples of each publisher, by its start time, since the subscriber joined.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SequenceTally(BTreeMap<u64, Publisher>);
 
@@ -27,7 +27,7 @@ impl SequenceTally {
         publisher.taken += 1;
     }
 
-    /// Samples that did not come although later ones of their publisher did.
+    /// Returns the number of missing samples with a received successor.
     pub(crate) fn lost(&self) -> u64 {
         let lost = |publisher: &Publisher| (publisher.next - publisher.first).saturating_sub(publisher.taken);
         self.0.values().map(lost).sum()

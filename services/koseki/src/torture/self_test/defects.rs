@@ -8,7 +8,7 @@ use crate::torture::judge::finding::Finding;
 pub(super) struct Defect {
     pub(super) name: &'static str,
     pub(super) finding: Finding,
-    /// Plants it in the record: for one target, the first of `Place::targets`, or more.
+    /// Inserts the defect into the record: for the first of `Place::targets`, or more.
     pub(super) plant: fn(&mut Record, &Place),
 }
 
@@ -35,7 +35,7 @@ pub(super) const DEFECTS: [Defect; 21] = [
         plant: |record, place| renumber(record, place.target(), place.kill_ns),
     },
     Defect {
-        name: "one target is renumbered that is heard four seconds after the others",
+        name: "a target reported four seconds after the others is renumbered",
         finding: Finding::Renumbered,
         plant: |record, place| {
             record.remove(place.target(), place.kill_ns, place.kill_ns + 4 * SECOND);
@@ -155,7 +155,7 @@ pub(super) const DEFECTS: [Defect; 21] = [
         },
     },
     Defect {
-        name: "half of the targets coast, and nobody sees them",
+        name: "half of the targets coast without detections",
         finding: Finding::Blind,
         plant: |record, place| {
             let gone: Vec<u32> = place.targets.iter().copied().step_by(2).collect();
@@ -241,7 +241,7 @@ pub(super) const DEFECTS: [Defect; 21] = [
         },
     },
     Defect {
-        name: "samples are lost, and nobody counts them",
+        name: "samples are lost without being counted",
         finding: Finding::UncountedLoss,
         plant: |record, place| {
             for event in record
@@ -293,7 +293,7 @@ fn latest(record: &Record, address: u32, before_ns: i64) -> State {
     found.expect("places have only targets that were shown before")
 }
 
-/// A state of a track without an address that nothing else in the record speaks of.
+/// Adds a state of an unrelated track without an address.
 fn stranger(record: &mut Record, place: &Place, at_ns: i64, life: Life) {
     let mut state = latest(record, place.target(), place.kill_ns);
     let now = record.states().take_while(|(came_ns, _)| *came_ns <= at_ns).last();

@@ -1,7 +1,7 @@
-//! Test of the judge: defects planted in a sound record, of each of which it has to say what it is.
+//! Test of the judge: defects inserted into a sound record; the judge must name each.
 //!
-//! A judge that finds nothing is worth nothing until it has been shown to find what is there. The record is one of a
-//! simulated run ([`sound`]), so that the test needs no deployment, or one that a live run has recorded.
+//! A judge without findings is useful only if it demonstrably detects defects. The record is of a simulated run
+//! ([`sound`]), so that the test needs no deployment, or of a live run.
 
 mod defects;
 mod record;
@@ -18,10 +18,10 @@ use super::{OwnFailure, ledger};
 use defects::{DEFECTS, Place};
 use record::Record;
 
-/// Plants each defect in the record of a file, or in one of its own, and prints what the judge finds.
+/// Inserts each defect into the record of a file, or of a simulated run, and prints the judge's findings.
 ///
 /// # Errors
-/// [`OwnFailure`] if the judge does not find one of them, or finds something in the record itself.
+/// [`OwnFailure`] if the judge misses a defect, or has a finding in the record itself.
 pub(super) fn run(path: Option<&Path>) -> anyhow::Result<()> {
     let record = match path {
         Some(path) => {

@@ -1,4 +1,4 @@
-//! A sound record: what a judge sees of a deployment that heals from every fault as it must.
+//! A sound record: the judge's input for a deployment that recovers from every fault.
 
 use messages::NS_PER_S;
 use scenario::{ScenarioSettings, Truth};
@@ -13,7 +13,7 @@ const FAULT_EVERY: i64 = 10 * SECOND;
 const TERMINATE_S: f64 = 25.0;
 /// Monotonic time of the begin, nanoseconds.
 const BEGIN_NS: i64 = 1_000 * SECOND;
-/// A target whose sources do not see it for a while, and when.
+/// A target without detections for a while, and the time.
 const UNSEEN: u32 = 5;
 const UNSEEN_FROM: i64 = 81 * SECOND;
 const COASTS_AFTER: i64 = 4 * SECOND;
@@ -40,7 +40,7 @@ enum Kind {
     Kill,
     Launcher,
     DamagedCheckpoint,
-    /// The subscriber is too slow, and announces what it has lost.
+    /// The subscriber is too slow, and reports its loss.
     Slow,
     Bystander,
     Held,
