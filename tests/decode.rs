@@ -165,7 +165,7 @@ fn statistics_are_a_table_and_a_file() {
 /// A CAT048 record of nothing but a source and a reserved expansion field.
 #[test]
 fn expansion_fields_are_octets_unless_their_rules_are_named() {
-    // FSPEC of four octets: FRN 1, and FRN 28.
+    // FSPEC of four bytes: FRN 1, and FRN 28.
     let record = |content: &[u8]| {
         let mut bytes = vec![0x81, 0x01, 0x01, 0x02, 25, 11, content.len() as u8 + 1];
         bytes.extend(content);

@@ -8,7 +8,7 @@ use test_support::recording;
 
 use crate::common::Folder;
 
-/// Octets of a long recording that are decoded: some thousand records.
+/// Bytes of a long recording that are decoded: some thousand records.
 const OCTETS_MAX: usize = 200_000;
 
 /// Recordings, the editions to read them by, and whether every record can be written again: some hold texts with codes

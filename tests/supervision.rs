@@ -114,7 +114,7 @@ fn faults_of_the_keeper_or_of_several_children_have_the_deployment_rebuilt_and_t
     stop(&home, demo);
 }
 
-/// Random octets at random places of the instance's files, as any process of the same user can write them.
+/// Random bytes at random places of the instance's files, as any process of the same user can write them.
 fn corrupt(home: &Home, ending: &str, count: usize, seed: u64) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut names = home.shared_memory();

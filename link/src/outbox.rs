@@ -62,7 +62,7 @@ impl Outbox {
         })
     }
 
-    /// Whether a message of so many octets would find room now.
+    /// Whether a message of so many bytes would find room now.
     pub(crate) fn has_room(&self, octets: usize) -> bool {
         self.shared.lock().octets + octets <= self.room
     }

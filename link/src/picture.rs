@@ -19,7 +19,7 @@ pub(crate) struct Picture {
     epochs: Epochs,
 }
 
-/// Octets after which a part of the picture is full.
+/// Bytes after which a part of the picture is full.
 const PART_OCTETS: usize = 4_000_000;
 
 /// Tracks that have ended of which it is remembered.

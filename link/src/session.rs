@@ -8,7 +8,7 @@ use zenoh::{Config, Session, Wait as _};
 use crate::gate::Gates;
 use crate::{access, refused};
 
-/// Octets of a message at most: a picture of some ten thousand tracks.
+/// Bytes of a message at most: a picture of some ten thousand tracks.
 pub(crate) const MESSAGE_MAX: usize = 16 << 20;
 
 /// Time that a handshake of another host may take, milliseconds, for TLS and for the link each.

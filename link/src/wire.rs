@@ -11,7 +11,7 @@ use messages::{BatchHeader, FrameOrigin};
 const MAGIC: u64 = u64::from_le_bytes(*b"KOSEKI/1");
 /// Octets of a [`Head`].
 const HEAD: usize = 9 * 8;
-/// Octets before the samples of a slice.
+/// Bytes before the samples of a slice.
 const SLICE_HEAD: usize = size_of::<BatchHeader>() + 8;
 
 /// Statements of a message besides its slices.

@@ -19,7 +19,7 @@ settings::settings! {
         inflation: f64 = 4.0, in [1.3, 1000];
         /// Offset of another host's clock, for certain.
         host_clock_ms: f64 = 20.0, in [0.1, 3.6e6];
-        /// Time for which a process may say nothing.
+        /// Time without health messages after which a process counts as silent.
         process_silent_s: Seconds = Seconds::of(3.0), in [1, 3600];
         /// Least room on the disk that files are written to; 0: any is enough.
         disk_free_mb: f64 = 500.0, in [0, 1e9];

@@ -1,4 +1,4 @@
-//! Shortest augmenting paths: the one solver of assignment problems in this house.
+//! Shortest augmenting paths: the solver of every assignment problem.
 //!
 //! Rows are added one by one. A row may displace the holder of a column to another column, whose holder moves to yet
 //! another, and so on, until the chain ends at a free column, or at a row with a choice of its own that bars no

@@ -1,4 +1,4 @@
-//! Statistical distance.
+//! Statistical distance, the quantity compared with a gate.
 //!
 //! 50 m apart is much for two accurate sensors and nothing for two coarse ones. The statistical (Mahalanobis)
 //! distance measures a difference in units of its own standard deviation: d² = Δᵀ S⁻¹ Δ with S the covariance of the

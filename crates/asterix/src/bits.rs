@@ -1,6 +1,6 @@
-//! Numbers out of bits and octets. Most significant first throughout, as everything in ASTERIX.
+//! Numbers out of bits and bytes. Most significant first throughout, as everything in ASTERIX.
 
-/// `width` bits (at most 64) from bit `at` on, counted from the most significant bit of the first octet.
+/// `width` bits (at most 64) from bit `at` on, counted from the most significant bit of the first byte.
 pub(super) fn bits(bytes: &[u8], at: usize, width: usize) -> u64 {
     debug_assert!(width <= 64);
     let end = at + width;
@@ -35,7 +35,7 @@ pub(super) fn sign_extend(number: u64, width: usize) -> i64 {
     ((number << unused) as i64) >> unused
 }
 
-/// The FSPEC bits of one octet, the first item in bit 0, without the FX bit.
+/// The FSPEC bits of one byte, the first item in bit 0, without the FX bit.
 pub(super) fn fspec_bits(octet: u8) -> u8 {
     (octet & 0xFE).reverse_bits()
 }

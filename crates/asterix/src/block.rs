@@ -2,7 +2,7 @@
 
 use super::error::Error;
 
-/// The octets of a block header: category and length.
+/// The bytes of a block header: category and length.
 pub const HEADER_OCTETS: usize = 3;
 
 /// Data block within the bytes it was found in.
@@ -13,12 +13,12 @@ pub struct Block<'a> {
     /// Offset of the block's first byte in the bytes passed to [`blocks`], or in the recording that contains these
     /// bytes.
     pub offset: usize,
-    /// All its octets, with the header.
+    /// All its bytes, with the header.
     pub bytes: &'a [u8],
 }
 
 impl<'a> Block<'a> {
-    /// The octets behind the header.
+    /// The bytes behind the header.
     pub fn body(&self) -> &'a [u8] {
         &self.bytes[HEADER_OCTETS..]
     }
@@ -44,7 +44,7 @@ pub fn blocks(bytes: &[u8]) -> Blocks<'_> {
     blocks_at(0, bytes)
 }
 
-/// Data blocks in bytes that are a part of something, from its octet `begin` on: offsets of blocks, records and errors
+/// Data blocks in bytes that are a part of something, from its byte `begin` on: offsets of blocks, records and errors
 /// count from the begin of the whole.
 pub fn blocks_at(begin: usize, bytes: &[u8]) -> Blocks<'_> {
     Blocks { begin, bytes, at: 0 }
@@ -137,14 +137,14 @@ pub struct BlockWriter {
 pub struct RecordTooLong {
     /// The category.
     pub category: u8,
-    /// The record's octets.
+    /// The record's bytes.
     pub octets: usize,
     /// The most a block may have, with its header.
     pub octets_max: u16,
 }
 
 impl BlockWriter {
-    /// A writer of blocks of this category, of at most `octets_max` octets, the header's three included.
+    /// A writer of blocks of this category, of at most `octets_max` bytes, the header's three included.
     pub fn new(category: u8, octets_max: u16) -> Self {
         Self {
             category,

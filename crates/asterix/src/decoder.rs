@@ -72,7 +72,7 @@ impl Decoder {
     }
 }
 
-/// Blocks, records and octets that a [`Decoder`] met. Every octet it was given belongs to a record, to a block header
+/// Blocks, records and bytes that a [`Decoder`] met. Every byte it was given belongs to a record, to a block header
 /// or to `octets_skipped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
@@ -86,11 +86,11 @@ pub struct Counts {
     pub blocks_without_table: u64,
     /// Blocks of which the rest was skipped after an error in a record.
     pub blocks_cut: u64,
-    /// Octets skipped for one of these three reasons.
+    /// Bytes skipped for one of these three reasons.
     pub octets_skipped: u64,
     /// Records with an extended item longer than in its edition.
     pub records_extended: u64,
-    /// The octets of such extensions.
+    /// The bytes of such extensions.
     pub unknown_extension_octets: u64,
 }
 

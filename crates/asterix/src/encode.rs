@@ -22,10 +22,10 @@
 //! let source = Value::group([("SAC", 20u64.into()), ("SIC", 10u64.into())]);
 //! let north = NamedRecord::of(34, [("010", source), ("000", 1u64.into()), ("030", 43_200.5.into())]);
 //!
-//! let mut octets = Vec::new();
-//! north.encode(table, &mut octets)?;
+//! let mut bytes = Vec::new();
+//! north.encode(table, &mut bytes)?;
 //! let mut blocks = BlockWriter::new(table.number, 1472);
-//! assert_eq!(blocks.push(&octets)?, None, "the block has room for more");
+//! assert_eq!(blocks.push(&bytes)?, None, "the block has room for more");
 //! assert_eq!(blocks.finish(), Some(&[34, 0, 10, 0xE0, 20, 10, 1, 0x54, 0x60, 0x40][..]));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -39,11 +39,11 @@ use super::record_writer::fspec;
 use super::table::{Category, Content, Item, Layout, MAX_FRN, Part, Profile, Uap, extent_of_part};
 use super::text;
 
-/// The most that an octet can count, or give as a length.
+/// The most that a byte can count, or give as a length.
 const MAX_OCTET: usize = u8::MAX as usize;
 
 impl NamedRecord {
-    /// Appends the record's octets, FSPEC first, as this edition lays them out. Where the category has several
+    /// Appends the record's bytes, FSPEC first, as this edition lays them out. Where the category has several
     /// profiles, the deciding element's value chooses.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ fn choose_profile(record: &NamedRecord, table: &'static Category) -> Result<&'st
         .ok_or_else(|| EncodeFault::ProfileUndecided { item, element, found }.into())
 }
 
-/// The content of a reserved expansion field: an octet of flags, and the subitems that they announce.
+/// The content of a reserved expansion field: a byte of flags, and the subitems that they announce.
 pub(super) fn encode_expansion(
     rules: &'static Expansion,
     uap: &'static Uap,
@@ -477,7 +477,7 @@ fn steps(value: f64, signed: bool, lsb: f64, unit: &'static str, bits: usize) ->
     Ok(number & (u64::MAX >> (64 - bits)))
 }
 
-/// Appends so many octets of zeros and gives them.
+/// Appends so many bytes of zeros and gives them.
 fn zeros(octets: usize, out: &mut Vec<u8>) -> &mut [u8] {
     let begin = out.len();
     out.resize(begin + octets, 0);

@@ -128,7 +128,7 @@ pub enum EncodeFault {
         /// The most that can be sent.
         greatest: usize,
     },
-    /// A list of more values than its octet can count.
+    /// A list of more values than its byte can count.
     #[error("has {count} values, the most is {greatest}")]
     Repetitions {
         /// The values.
@@ -139,20 +139,20 @@ pub enum EncodeFault {
     /// A list without values, in an item with at least one value.
     #[error("has no value, but needs at least one")]
     NoRepetition,
-    /// The content of an explicit item, too long for its length octet.
+    /// The content of an explicit item, too long for its length byte.
     #[error("has {octets} octets of content, the most is {greatest}")]
     ExplicitLength {
-        /// The octets given.
+        /// The bytes given.
         octets: usize,
-        /// The most its length octet can give, without that octet itself.
+        /// The most its length byte can give, without that byte itself.
         greatest: usize,
     },
-    /// Octets beyond the last defined part of an extended item, of which no reader would find the end.
+    /// Bytes beyond the last defined part of an extended item, of which no reader would find the end.
     #[error(
         "{octets:02x?} can not follow the last defined part: 1 to {greatest} octets, the FX bit set in all but the last"
     )]
     UnknownExtension {
-        /// The octets given.
+        /// The bytes given.
         octets: Vec<u8>,
         /// The most that can follow.
         greatest: usize,

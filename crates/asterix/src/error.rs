@@ -6,12 +6,12 @@
 /// Why bytes are no data block, or no record of the table they were read with.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
-    /// Fewer octets than a block header.
+    /// Fewer bytes than a block header.
     #[error("byte {offset}: a block header takes 3 octets, {available} left")]
     HeaderTruncated {
         /// Offset of the header.
         offset: usize,
-        /// The octets from there on.
+        /// The bytes from there on.
         available: usize,
     },
     /// A block length smaller than the header.
@@ -39,7 +39,7 @@ pub enum Error {
         category: u8,
         /// The length it gives.
         length: usize,
-        /// The octets from its begin on.
+        /// The bytes from its begin on.
         available: usize,
     },
     /// No table was given for the block's category.
@@ -60,7 +60,7 @@ pub enum Error {
         offset: usize,
         /// The category.
         category: u8,
-        /// Octets of the FSPEC within the block.
+        /// Bytes of the FSPEC within the block.
         octets: usize,
     },
     /// An FSPEC longer than any profile.
@@ -73,7 +73,7 @@ pub enum Error {
         offset: usize,
         /// The category.
         category: u8,
-        /// The most octets allowed.
+        /// The most bytes allowed.
         maximum: usize,
     },
     /// A record without a single item, such as one of padding.
@@ -126,10 +126,10 @@ pub enum Error {
         item: &'static str,
         /// Length of the item in bytes, as far as known.
         needed: usize,
-        /// The octets from its begin to the end of the block.
+        /// The bytes from its begin to the end of the block.
         available: usize,
     },
-    /// An explicit item of length zero, which can not even hold the length octet.
+    /// An explicit item of length zero, which can not even hold the length byte.
     #[error("byte {offset}: I{category:03}/{item} gives its length as 0, the least is 1")]
     ExplicitLength {
         /// Offset of the item.
@@ -151,7 +151,7 @@ pub enum Error {
         category: u8,
         /// The item.
         item: &'static str,
-        /// Number of undefined octets tolerated: zero in strict mode.
+        /// Number of undefined bytes tolerated: zero in strict mode.
         tolerated: usize,
     },
     /// A compound item announces a subitem that the edition does not define.

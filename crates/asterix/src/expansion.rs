@@ -16,7 +16,7 @@ use super::named::{UNKNOWN_EXTENSION, Value, decode};
 use super::record::Record;
 use super::table::{Edition, Item};
 
-/// The flags there are: an octet of them.
+/// The flags there are: a byte of them.
 const FLAGS: usize = 8;
 /// The item that is one.
 pub(super) const FIELD: &str = "RE";
@@ -53,7 +53,7 @@ impl Expansion {
 
     /// Decodes the field of a record, as a group; `None` where the record is of another category or has no such field.
     ///
-    /// Octets behind the last subitem are kept as [`UNKNOWN_EXTENSION`].
+    /// Bytes behind the last subitem are kept as [`UNKNOWN_EXTENSION`].
     ///
     /// # Errors
     /// A flag without meaning, and subitems that run off the end of the field: signs of another edition.

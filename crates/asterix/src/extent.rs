@@ -1,4 +1,4 @@
-//! Length of an item in octets: the one thing that must be known of every item to reach the next.
+//! Length of an item in bytes: the one thing that must be known of every item to reach the next.
 //!
 //! # Beyond the edition
 //!
@@ -17,15 +17,15 @@ use super::error::Error;
 use super::mode::Mode;
 use super::table::{Item, Layout, MAX_FSPEC_OCTETS, Part, Uap, extent_of_part};
 
-/// The most octets that lenient reading takes as an extension beyond the edition.
+/// The most bytes that lenient reading takes as an extension beyond the edition.
 pub(super) const MAX_UNKNOWN_EXTENSION_OCTETS: usize = 4;
 
 /// The measured length of an item.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Extent {
-    /// All octets of the item.
+    /// All bytes of the item.
     pub(super) octets: usize,
-    /// Octets among them that lie beyond the edition's last extension part.
+    /// Bytes among them that lie beyond the edition's last extension part.
     pub(super) unknown: usize,
 }
 

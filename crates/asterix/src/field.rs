@@ -48,16 +48,16 @@ const KNOT_M_S: f64 = NAUTICAL_MILE_M / 3600.0;
 
 /// An element of an item: position of its bits in the item's bytes, and their unit.
 ///
-/// The methods take the item's bytes, [`Record::octets`](crate::Record::octets), or, for an element in a compound
+/// The methods take the item's bytes, [`Record::octets`](crate::Record::bytes), or, for an element in a compound
 /// item, the subitem's bytes. If the bytes end before the element, because the item or an extension was not sent, the
 /// methods return `None` or `false`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// First octet of the item that has bits of the element.
+    /// First byte of the item that has bits of the element.
     pub byte: usize,
-    /// Octets that have bits of the element.
+    /// Bytes that have bits of the element.
     pub octets: usize,
-    /// Bits behind the element in the last of its octets.
+    /// Bits behind the element in the last of its bytes.
     pub shift: u32,
     /// Bits of the element, 1 to 64.
     pub bits: u32,

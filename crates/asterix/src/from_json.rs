@@ -17,7 +17,7 @@ const OF_THE_RECORD: [&str; 2] = ["_c", "_ts"];
 
 impl NamedRecord {
     /// Reads a record as [`NamedRecord::to_json`] gives it, by the edition of `table`. The content of its reserved
-    /// expansion field is octets, or an object by the coding rules of `expansion`.
+    /// expansion field is bytes, or an object by the coding rules of `expansion`.
     ///
     /// # Errors
     /// If the record is of another category, or holds a name or a kind of value that the table has no place for.
@@ -166,7 +166,7 @@ fn text(value: &Json) -> Result<&str, Failure> {
     value.as_str().ok_or_else(|| other_kind("a text", value))
 }
 
-/// Octets, written in pairs of hexadecimal digits.
+/// Bytes, written in pairs of hexadecimal digits.
 fn octets(value: &Json) -> Result<Value, Failure> {
     let digits = value.as_str().map(str::as_bytes).unwrap_or(b"?");
     let digit = |character: &u8| char::from(*character).to_digit(16).map(|digit| digit as u8);

@@ -12,10 +12,10 @@
 //! **FX**, announces another FSPEC byte with the next seven. The position in the UAP is an item's *field reference
 //! number*, FRN, counted from 1. The items follow in FRN order, each in one of a few layouts:
 //!
-//! - *fixed*: a constant number of octets, divided into elements of some bits;
+//! - *fixed*: a constant number of bytes, divided into elements of some bits;
 //! - *extended*: parts of one byte (rarely more), each ending with an FX bit that announces the next part;
-//! - *repetitive*: a count octet and so many equal groups, or groups each ending in an FX bit;
-//! - *explicit*: an octet with the item's own length, itself included, and content agreed upon elsewhere;
+//! - *repetitive*: a count byte and so many equal groups, or groups each ending in an FX bit;
+//! - *explicit*: a byte with the item's own length, itself included, and content agreed upon elsewhere;
 //! - *compound*: an FSPEC of its own and subitems in these same layouts.
 //!
 //! In the oldest categories one FRN stands for a *random field sequence* instead: a count, and so many times an FRN and
@@ -28,7 +28,7 @@
 //!              └────── Decoder does both, and counts ──────┘      └── Field: an element at its place, in SI units
 //!
 //! JSON ── from_json(table) ──► NamedRecord
-//! NamedRecord ──────────── encode(table) ──┬─► octets of a record ── BlockWriter ──► blocks of a size
+//! NamedRecord ──────────── encode(table) ──┬─► bytes of a record ── BlockWriter ──► blocks of a size
 //! numbers, item by item ── RecordWriter ────┘
 //! ```
 //!

@@ -12,7 +12,7 @@ use super::record::Record;
 use super::table::{Content, Item, Layout, Part, Uap, extent_of_part};
 use super::text;
 
-/// The name under which an extended item's octets after its last defined part are shown, as [`Value::Bytes`].
+/// The name under which an extended item's bytes after its last defined part are shown, as [`Value::Bytes`].
 pub const UNKNOWN_EXTENSION: &str = "_unknown_extension";
 
 /// Content of an item or an element.
@@ -26,7 +26,7 @@ pub enum Value {
     Quantity(f64),
     /// Characters, trailing spaces included; [`text::UNDEFINED`] where a code has none.
     Text(String),
-    /// The content of an explicit item, without its length octet.
+    /// The content of an explicit item, without its length byte.
     Bytes(Vec<u8>),
     /// The elements of a group or of an extended item, or the subitems of a compound one.
     Group(Vec<(&'static str, Value)>),
@@ -186,12 +186,12 @@ impl Serialize for NamedRecord {
     }
 }
 
-/// Decodes the octets of an item, as many as it has.
+/// Decodes the bytes of an item, as many as it has.
 pub(super) fn decode(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> Value {
     Decode { uap, bytes, at: 0 }.layout(&item.layout)
 }
 
-/// A position within an item that has been measured, so that every octet the layout asks for is there.
+/// A position within an item that has been measured, so that every byte the layout asks for is there.
 struct Decode<'a> {
     uap: &'static Uap,
     bytes: &'a [u8],

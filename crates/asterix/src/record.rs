@@ -39,17 +39,17 @@ impl<'a> Record<'a> {
         self.uap
     }
 
-    /// Offset of its first octet in the bytes the caller passed.
+    /// Offset of its first byte in the bytes the caller passed.
     pub fn offset(&self) -> usize {
         self.offset
     }
 
-    /// All its octets, beginning with the FSPEC.
+    /// All its bytes, beginning with the FSPEC.
     pub fn bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// The octets of an item, if it is present. [`field::item`](crate::field::item) and
+    /// The bytes of an item, if it is present. [`field::item`](crate::field::item) and
     /// [`Uap::frn`] give the number of a named item.
     #[inline]
     pub fn item(&self, frn: Frn) -> Option<&'a [u8]> {
@@ -61,7 +61,7 @@ impl<'a> Record<'a> {
         Some(&self.bytes[usize::from(self.starts[rank])..usize::from(self.starts[rank + 1])])
     }
 
-    /// The octets of an item; none if it is not present.
+    /// The bytes of an item; none if it is not present.
     #[inline]
     pub fn octets(&self, frn: Frn) -> &'a [u8] {
         self.item(frn).unwrap_or_default()
@@ -77,7 +77,7 @@ impl<'a> Record<'a> {
     }
 
     /// The subitems present in a compound item, in the order sent: the position of each in the item's FSPEC, counted
-    /// from 1, and its octets. Empty where the record has no such item.
+    /// from 1, and its bytes. Empty where the record has no such item.
     #[inline]
     pub fn subitems(&self, frn: Frn) -> impl Iterator<Item = (usize, &'a [u8])> + use<'a> {
         let (uap, category) = (self.uap, self.table.number);
@@ -105,12 +105,12 @@ impl<'a> Record<'a> {
         })
     }
 
-    /// The octets of an item, by name; slower than [`item`](Self::item).
+    /// The bytes of an item, by name; slower than [`item`](Self::item).
     pub fn item_named(&self, name: &str) -> Option<&'a [u8]> {
         self.item_at(name).map(|(_, bytes)| bytes)
     }
 
-    /// A named item's octets, and where they begin in the bytes the caller passed.
+    /// A named item's bytes, and where they begin in the bytes the caller passed.
     pub(crate) fn item_at(&self, name: &str) -> Option<(usize, &'a [u8])> {
         let mut offset = self.offset + usize::from(self.starts[0]);
         for (item, bytes) in self.items() {
@@ -122,7 +122,7 @@ impl<'a> Record<'a> {
         None
     }
 
-    /// The items present and their octets, in the order sent.
+    /// The items present and their bytes, in the order sent.
     pub fn items(&self) -> impl Iterator<Item = (&'static Item, &'a [u8])> + '_ {
         self.frns()
             .filter_map(|frn| Some((self.uap.item(frn)?, self.item(frn)?)))
@@ -133,7 +133,7 @@ impl<'a> Record<'a> {
         frns(self.present)
     }
 
-    /// The octets after the last defined part of extended items, skipped in lenient mode.
+    /// The bytes after the last defined part of extended items, skipped in lenient mode.
     pub fn unknown_extension_octets(&self) -> usize {
         usize::from(self.unknown_extension_octets)
     }
@@ -169,7 +169,7 @@ impl<'a> Records<'a> {
         }
     }
 
-    /// The octets from a record in error to the end of the block; zero while there was no error.
+    /// The bytes from a record in error to the end of the block; zero while there was no error.
     pub fn octets_skipped(&self) -> usize {
         self.octets_skipped
     }

@@ -141,7 +141,7 @@ impl RecordWriter {
         }
     }
 
-    /// Ends the record and gives its octets; the next item begins another.
+    /// Ends the record and gives its bytes; the next item begins another.
     pub fn finish(&mut self) -> &[u8] {
         self.end_compound();
         self.record.clear();
@@ -164,7 +164,7 @@ impl RecordWriter {
         self.uap.item(frn).expect("the edition has the item")
     }
 
-    /// Appends the least octets of an item or subitem.
+    /// Appends the least bytes of an item or subitem.
     fn begin_octets(&mut self, item: &'static Item) -> &mut Self {
         let octets = match &item.layout {
             Layout::Extended(parts) => {
@@ -197,7 +197,7 @@ impl RecordWriter {
     }
 }
 
-/// The octets of an FSPEC, at least one: bit i of `present` for position i.
+/// The bytes of an FSPEC, at least one: bit i of `present` for position i.
 pub(super) fn fspec(present: u64) -> impl Iterator<Item = u8> {
     let count = (u64::BITS - present.leading_zeros()).div_ceil(7).max(1) as usize;
     (0..count).map(move |i| fspec_octet((present >> (7 * i)) as u8, i + 1 < count))

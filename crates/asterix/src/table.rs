@@ -8,15 +8,15 @@ use std::fmt;
 use std::ptr;
 use std::str::FromStr;
 
-/// The most FSPEC octets a record or a compound item may have. The longest profile published has 7.
+/// The most FSPEC bytes a record or a compound item may have. The longest profile published has 7.
 pub const MAX_FSPEC_OCTETS: usize = 8;
-/// The most field reference numbers a profile may have: seven for each FSPEC octet.
+/// The most field reference numbers a profile may have: seven for each FSPEC byte.
 pub const MAX_FRN: usize = 7 * MAX_FSPEC_OCTETS;
 
 /// Edition of a category: the items that a record may hold, and where.
 #[derive(Debug)]
 pub struct Category {
-    /// The category octet of its data blocks.
+    /// The category byte of its data blocks.
     pub number: u8,
     /// The document's edition.
     pub edition: Edition,
@@ -219,7 +219,7 @@ impl Uap {
         self.items.get(usize::from(frn.0) - 1)?.as_ref()
     }
 
-    /// The item that an octet of a random field sequence stands for. Another sequence does not.
+    /// The item that a byte of a random field sequence stands for. Another sequence does not.
     pub(super) fn item_in_sequence(&self, octet: u8) -> Option<&'static Item> {
         let item = self.item(Frn(octet.max(1)))?;
         (octet > 0 && !matches!(item.layout, Layout::RandomSequence)).then_some(item)
@@ -244,14 +244,14 @@ pub struct Item {
     pub name: &'static str,
     /// The document's title.
     pub title: &'static str,
-    /// Division of its octets.
+    /// Division of its bytes.
     pub layout: Layout,
-    /// Length in octets, where the layout has only one.
+    /// Length in bytes, where the layout has only one.
     pub(super) fixed_octets: Option<u16>,
 }
 
 impl Item {
-    /// An item. Does not compile where a part of it is no whole number of octets.
+    /// An item. Does not compile where a part of it is no whole number of bytes.
     pub const fn new(name: &'static str, title: &'static str, layout: Layout) -> Self {
         let fixed_octets = layout.fixed_octets();
         Self {
@@ -268,7 +268,7 @@ pub(super) fn name_of(item: &Option<Item>) -> &'static str {
     item.as_ref().map_or("", |item| item.name)
 }
 
-/// Division of an item's octets.
+/// Division of an item's bytes.
 #[derive(Debug)]
 pub enum Layout {
     /// Element of so many bits, which is the whole item.
@@ -276,9 +276,9 @@ pub enum Layout {
     /// Elements and spare bits one after the other.
     Group(&'static [Part]),
     /// Parts that each end in an FX bit, not written in the table: 1 if the next part follows. Only the last part may
-    /// be whole octets, without FX bit.
+    /// be whole bytes, without FX bit.
     Extended(&'static [&'static [Part]]),
-    /// A count octet, then so many of the inner layout.
+    /// A count byte, then so many of the inner layout.
     Repetitive(&'static Layout),
     /// An inner layout followed by an FX bit that announces another repetition. The inner layout is an [`Element`] or
     /// a [`Group`] one bit short of whole bytes.
@@ -286,17 +286,17 @@ pub enum Layout {
     /// [`Element`]: Layout::Element
     /// [`Group`]: Layout::Group
     RepetitiveFx(&'static Layout),
-    /// An octet with the length, itself included, then content that this table does not describe.
+    /// A byte with the length, itself included, then content that this table does not describe.
     Explicit,
     /// An FSPEC and the announced subitems; `None` for a bit without a meaning.
     Compound(&'static [Option<Item>]),
-    /// Random field sequencing: a count octet, then so many times a field reference number, in one octet, and the
+    /// Random field sequencing: a count byte, then so many times a field reference number, in one byte, and the
     /// item that the profile has there. So a sender may give items in another order, or one more than once.
     RandomSequence,
 }
 
 impl Layout {
-    /// The length in octets where it is always the same; checks on the way that everything is whole octets.
+    /// The length in bytes where it is always the same; checks on the way that everything is whole bytes.
     const fn fixed_octets(&self) -> Option<u16> {
         match self {
             Self::Element(bits, _) => Some(whole_octets(*bits as u32)),

@@ -1,4 +1,4 @@
-//! Times of day of records: read from octets, and moved there.
+//! Times of day of records: read from bytes, and moved there.
 //!
 //! A recording sent again later has outdated times in its records. Moving all times by the same number of ticks of
 //! 1/128 s, across midnight if necessary, gives the same recording at another time; all other bytes are unchanged.

@@ -115,7 +115,7 @@ impl<T: Payload> BareReceiver<T> {
         let slice = received.map_err(|error| failed(&self.service, "receive", error.to_string()))?;
         let Some(slice) = slice else { return Ok(false) };
         let octets = slice.payload();
-        // SAFETY: the service was opened with the size and alignment of `T`, so the octets are whole samples; any bits
+        // SAFETY: the service was opened with the size and alignment of `T`, so the bytes are whole samples; any bits
         // are one.
         visit(unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) });
         Ok(true)
@@ -211,7 +211,7 @@ fn slices(
         .subscriber_max_borrowed_samples(1)
         .enable_safe_overflow(true)
         .history_size(0);
-    // SAFETY: both details are those of the types as which both ends write and read these octets; there is no header.
+    // SAFETY: both details are those of the types as which both ends write and read these bytes; there is no header.
     let described = unsafe {
         described
             .__internal_set_payload_type_details(samples)

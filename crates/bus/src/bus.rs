@@ -1,4 +1,4 @@
-//! One process's connection to an instance.
+//! Connection of a process to an instance.
 //!
 //! A single process, the keeper, *holds* every topic; all other processes only open topics. If every process created
 //! services, a kill at the wrong moment would leave a service that no process can open, and the first process would

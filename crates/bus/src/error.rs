@@ -227,9 +227,9 @@ pub enum BusError {
     Space {
         /// Where the shared memory is.
         path: PathBuf,
-        /// Octets that the topics need.
+        /// Bytes that the topics need.
         needed: u64,
-        /// Octets that are free.
+        /// Bytes that are free.
         free: u64,
     },
 }

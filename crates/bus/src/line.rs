@@ -1,4 +1,4 @@
-//! The publisher's line: last words that outlive their publisher.
+//! Line of a publisher: its last sequence number, which outlives the publisher.
 //!
 //! A slice states how many samples its publisher had sent before, so that the next slice reveals missing samples.
 //! After the last slice there is no such check: samples that died with a killed publisher would go unnoticed.
@@ -29,7 +29,7 @@ use crate::seal::SHARED_MEMORY_DIR;
 
 /// Most lines of a topic.
 const LINES_MAX: usize = 1024;
-/// Octets of a line, and of the head.
+/// Bytes of a line, and of the head.
 const LINE_BYTES: usize = 64;
 
 /// States of a line, in the lower bits of its owner's word.

@@ -37,7 +37,7 @@ struct Ring<T> {
     samples: PhantomData<fn() -> T>,
 }
 
-/// Octets of the file of a log.
+/// Bytes of the file of a log.
 pub(crate) fn log_bytes<T: Payload>(topic: &Topic<T>) -> usize {
     HEAD * WORD + topic.capacity.depth * size_of::<T>()
 }

@@ -67,12 +67,12 @@ impl Mapping {
         Ok(Self { start, bytes })
     }
 
-    /// First octet.
+    /// First byte.
     pub(crate) fn start(&self) -> NonNull<u8> {
         self.start
     }
 
-    /// Length in octets.
+    /// Length in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }

@@ -1,4 +1,4 @@
-//! A process's part in an instance.
+//! Membership of a process in an instance.
 
 use rustix::fs::{FlockOperation, flock};
 

@@ -1,4 +1,4 @@
-//! Orders to fusion, and the answers.
+//! Port of an operator: sends orders to fusion, and receives their states.
 //!
 //! Fusion identifies an order by its token, so an order may be sent again until its state is published: the repetition
 //! has no further effect. The port needs write access to the instance's folder; the file mode of the folder therefore

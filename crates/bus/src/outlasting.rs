@@ -1,4 +1,4 @@
-//! Memory that outlasts the processes of an instance, and the instance's other memory with them.
+//! Memory that outlasts the processes of an instance, and the instance's other memory.
 //!
 //! Memory for a process's successor must survive the launcher's death and the removal of all remains by the next
 //! start. It is a separate file, `/dev/shm/kept_<of the instance>_<name>.<random>`, with a link to it,

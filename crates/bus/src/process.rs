@@ -1,4 +1,4 @@
-//! A process of an instance, as others see it.
+//! Process of an instance, in the view of other processes.
 
 /// A live process that has joined an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]

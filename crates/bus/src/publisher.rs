@@ -1,4 +1,4 @@
-//! Sends slices.
+//! Publisher: sends slices on a topic.
 //!
 //! A publisher writes samples directly into shared memory, numbers the samples, and never waits: a full subscriber
 //! loses its oldest slice, and detects the loss by the numbers ([`BatchHeader`]).

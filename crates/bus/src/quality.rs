@@ -1,4 +1,4 @@
-//! Every setting of every topic, in one place.
+//! iceoryx2 settings of every topic.
 //!
 //! iceoryx2 refuses to open a service with larger demands than its creator's, and its defaults (two publishers,
 //! buffers of two, a waiting publisher) are unsuitable. Every process that creates or opens a topic therefore uses
@@ -63,7 +63,7 @@ pub(crate) fn describe_slices<S: Medium>(
         .subscriber_max_borrowed_samples(BORROWED_MAX)
         .enable_safe_overflow(true)
         .history_size(0);
-    // SAFETY: both details are those of the types as which `publisher` and `subscriber` write and read these octets.
+    // SAFETY: both details are those of the types as which `publisher` and `subscriber` write and read these bytes.
     Ok(unsafe {
         described
             .__internal_set_payload_type_details(samples)

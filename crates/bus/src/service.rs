@@ -32,9 +32,9 @@ use crate::error::{BusError, Role};
 use crate::quality::{Header, LOANED_MAX, NODES_MAX, Octets, describe_slices, describe_wake_ups, reserved_slices};
 use crate::root::{Root, tame_logging};
 
-/// Sends slices of octets.
+/// Sends slices of bytes.
 pub(crate) type PublisherPort<S> = iceoryx2::port::publisher::Publisher<S, Octets, Header>;
-/// Takes slices of octets.
+/// Takes slices of bytes.
 pub(crate) type SubscriberPort<S> = iceoryx2::port::subscriber::Subscriber<S, Octets, Header>;
 /// A slice that has been taken.
 pub(crate) type Taken<S> = iceoryx2::sample::Sample<S, Octets, Header>;

@@ -1,4 +1,4 @@
-//! Whether the shared memory is large enough.
+//! Check of the room in shared memory.
 //!
 //! Memory in `/dev/shm` is allocated page by page at the first write; a write to an unavailable page kills the writer
 //! with SIGBUS, without an error or a message. Therefore the creator of topics first checks the room for their

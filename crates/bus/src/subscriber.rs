@@ -81,7 +81,7 @@ impl<S: Transport, T: Payload> Slice<S, T> {
     /// Samples of the slice.
     pub fn samples(&self) -> &[T] {
         let octets = self.0.payload();
-        // SAFETY: the topic was opened with the size and alignment of `T`, so the octets are whole samples; any bits
+        // SAFETY: the topic was opened with the size and alignment of `T`, so the bytes are whole samples; any bits
         // are one.
         unsafe { std::slice::from_raw_parts(octets.as_ptr().cast(), octets.len() / size_of::<T>()) }
     }

@@ -1,4 +1,4 @@
-//! Memory that was begun and is never made.
+//! Removal of shared-memory files whose creation was interrupted by a kill.
 //!
 //! iceoryx2 creates a file of shared memory in two steps: an empty file, and then its size. After a kill between the
 //! steps, the file stays empty, and every process that opens the file waits for a size: for ever, unless permissions

@@ -1,4 +1,4 @@
-//! Waits for work on several topics.
+//! Waiter for work on several topics: spinning, blocking, or both.
 //!
 //! Spinning reacts within a microsecond and uses a core; blocking costs nothing and reacts within tens of
 //! microseconds; the hybrid spins first and blocks after a while without work (PL-5). Each mode asks the same

@@ -5,9 +5,9 @@
 
 use std::fmt;
 
-/// Octets at the beginning of a text that are looked at.
+/// Bytes at the beginning of a text that are looked at.
 const TEXT_BYTES: usize = 1 << 12;
-/// Octets before the first data block of a `.gps` recording, and behind each data block.
+/// Bytes before the first data block of a `.gps` recording, and behind each data block.
 const GPS_HEADER: usize = 2_200;
 const GPS_TRAILER: usize = 10;
 /// Data blocks, or frames, in a row that make a kind certain.
@@ -16,7 +16,7 @@ const ENOUGH: usize = 3;
 /// Kind of a file that is no ASTERIX.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Foreign {
-    /// No octet.
+    /// No byte.
     Empty,
     /// Recording of all topics.
     Mcap,
@@ -120,7 +120,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
     text.trim_start_matches('\u{feff}').chars().all(is_text).then_some(text)
 }
 
-/// Whether some frames follow each other: an escape, a kind, and so many octets, of which each escape is there twice.
+/// Whether some frames follow each other: an escape, a kind, and so many bytes, of which each escape is there twice.
 fn is_beast(bytes: &[u8]) -> bool {
     const ESCAPE: u8 = 0x1a;
     let mut at = 0;

@@ -51,14 +51,14 @@ pub enum Error {
         text: String,
     },
 
-    /// Octets are no whole number of samples.
+    /// Bytes are no whole number of samples.
     #[error("topic {topic}: {octets} octets are no whole number of samples of {size}")]
     Octets {
         /// The topic.
         topic: String,
         /// How many there are.
         octets: usize,
-        /// Octets of a sample.
+        /// Bytes of a sample.
         size: usize,
     },
 

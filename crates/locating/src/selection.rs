@@ -73,9 +73,9 @@ settings::settings! {
     /// How fixes are selected.
     #[derive(Copy)]
     pub struct SelectionSettings {
-        /// Choice: `auto`, every fix steers the output, the best there is for unknown data; `none`, fixes are passed
-        /// on; `interval`, one each interval; `minimum`, one at each minimum of the variance; `staged`, each interval
-        /// at first, then at minima.
+        /// Selection: `auto`, every fix steers the output, best for unknown data; `none`, fixes without selection;
+        /// `interval`, a fix per interval; `minimum`, a fix at each minimum of the variance; `staged`, intervals at
+        /// first, later minima.
         select: Select = Select::Auto;
         /// Threshold: root of the variance value.
         position_sigma_max_m: f64 = 500.0, in [above 0];

@@ -59,7 +59,7 @@ settings::settings! {
         disagreement_bearings: u32 = 40;
     }
 
-    /// How bearings without emitter id find their emitter.
+    /// Association of bearings without emitter id with emitters.
     #[derive(Copy)]
     pub struct AssociationSettings {
         /// Difference up to which two frequencies may be of one emitter.

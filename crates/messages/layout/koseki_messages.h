@@ -28,12 +28,12 @@
 #define KOSEKI_IDENTITY_NAME UINT64_C(0x4) /* `name` holds a name. */
 #define KOSEKI_MOVEMENT_ACCELERATION UINT64_C(0x1) /* `acceleration_mps2` is known east and north. */
 #define KOSEKI_MOVEMENT_VERTICAL_ACCELERATION UINT64_C(0x2) /* `acceleration_mps2` is known upwards. */
-#define KOSEKI_SENSOR_TRACK_HEIGHT UINT64_C(0x1) /* Height (`position[2]`) was observed; without it z is 0 and its variance says nothing. */
+#define KOSEKI_SENSOR_TRACK_HEIGHT UINT64_C(0x1) /* Height (`position[2]`) was observed; otherwise z is 0 and its variance has no meaning. */
 #define KOSEKI_SENSOR_TRACK_VELOCITY UINT64_C(0x2) /* Horizontal velocity was delivered or derived. */
 #define KOSEKI_SENSOR_TRACK_VERTICAL_RATE UINT64_C(0x4) /* Vertical velocity was delivered or derived. */
-#define KOSEKI_SENSOR_TRACK_OWN_COVARIANCE UINT64_C(0x8) /* The covariance is the source's own statement; without it, it comes from configured accuracies. */
+#define KOSEKI_SENSOR_TRACK_OWN_COVARIANCE UINT64_C(0x8) /* The covariance is the source's own statement; otherwise it is derived from configured accuracies. */
 #define KOSEKI_SENSOR_TRACK_MEASURED UINT64_C(0x10) /* `measured_m` holds the measurement from which the source updated its track. */
-#define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* The source says that the target is on the ground. */
+#define KOSEKI_SENSOR_TRACK_ON_GROUND UINT64_C(0x20) /* The source reports that the target is on the ground. */
 #define KOSEKI_SENSOR_TRACK_DERIVED_VELOCITY UINT64_C(0x40) /* The velocity was derived by the adapter from successive positions. */
 #define KOSEKI_SENSOR_TRACK_TRACE UINT64_C(0x80) /* `trace` holds the source's own covariance trace (TI-16). */
 #define KOSEKI_SENSOR_TRACK_WILD_CLOCK UINT64_C(0x100) /* The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps. */
@@ -46,7 +46,7 @@
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_VELOCITY UINT64_C(0x8) /* `platform_velocity_mps` is known. */
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_ATTITUDE UINT64_C(0x10) /* `platform_attitude_rad` and `attitude_sigmas_rad` are known. */
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_SIGMA UINT64_C(0x20) /* `platform_sigma_m` is known. */
-#define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor tells transmitters apart. */
+#define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor distinguishes transmitters. */
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */
 #define KOSEKI_SENSOR_BEARING_PULSE_INTERVAL UINT64_C(0x8) /* `pulse_interval_s` was measured. */
@@ -60,9 +60,9 @@
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
-#define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* It is a system track of another centre. Not fresh, it is listed for a while without weight. */
+#define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* The contribution is a system track of another centre. If not fresh, it is listed for a while without weight. */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
-#define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency, of whatever kind; Mode 3/A code 7700. */
+#define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency of any kind; Mode 3/A code 7700. */
 #define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
 #define KOSEKI_ALERT_UNLAWFUL_INTERFERENCE UINT64_C(0x8) /* Unlawful interference; code 7500. */
 #define KOSEKI_ALERT_MEDICAL UINT64_C(0x10) /* Medical flight. */
@@ -82,7 +82,7 @@
 #define KOSEKI_STATE_TERMINATED UINT64_C(0x3) /* Ended; the number is not used again soon. */
 #define KOSEKI_STATE_SUSPENDED UINT64_C(0x4) /* No longer reported by any source: not shown, while the number rests and may resume. */
 #define KOSEKI_KIND_SINGLE UINT64_C(0x0) /* One target. */
-#define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Several targets that are not told apart (WA-7). */
+#define KOSEKI_KIND_GROUP UINT64_C(0x1) /* Several unresolved targets (WA-7). */
 #define KOSEKI_MODE_STEADY UINT64_C(0x0) /* Constant velocity in the plane. */
 #define KOSEKI_MODE_AGILE UINT64_C(0x1) /* Nearly constant velocity in the plane with strong process noise. */
 #define KOSEKI_MODE_LEFT_TURN UINT64_C(0x2) /* Coordinated turn to the left. */
@@ -96,7 +96,7 @@
 #define KOSEKI_ERROR_MODEL_BODY UINT64_C(0x2) /* Offset fixed to the target's body: a reference point other than that of other sources. */
 #define KOSEKI_ERROR_MODEL_POLAR UINT64_C(0x3) /* Offset that grows with range or azimuth. */
 #define KOSEKI_ERROR_MODEL_TIME UINT64_C(0x4) /* Time offset. */
-#define KOSEKI_RULE_AUTO UINT64_C(0x1) /* Filter of the target's own, with what its sources are worth learned. */
+#define KOSEKI_RULE_AUTO UINT64_C(0x1) /* Filter of the target, with learned accuracies of the sources. */
 #define KOSEKI_RULE_SYSTEM_FILTER UINT64_C(0x2) /* Filter of the target's own. */
 #define KOSEKI_RULE_BEST_SOURCE UINT64_C(0x3) /* Source with the smallest accuracy value. */
 #define KOSEKI_RULE_INVERSE_TRACE UINT64_C(0x4) /* Weights inverse to the covariance traces. */
@@ -136,14 +136,14 @@
 #define KOSEKI_STREAM_ALARMS UINT64_C(0x8) /* Alarms. */
 #define KOSEKI_STREAM_DECISIONS UINT64_C(0x9) /* Decisions of fusion. */
 #define KOSEKI_STREAM_ORDERS UINT64_C(0xa) /* States of orders. */
-#define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`). */
+#define KOSEKI_STEP_BEGIN UINT64_C(0x1) /* Fusion starts from its configuration: `time_ns` is its epoch. */
 #define KOSEKI_STEP_REPORT UINT64_C(0x2) /* The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`. */
-#define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` are those of the publisher whose incarnation is `time_ns`. */
+#define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` come from the publisher with the incarnation `time_ns`. */
 #define KOSEKI_STEP_TIME UINT64_C(0x4) /* Time has passed up to `time_ns` without a report. */
 #define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by */
-#define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says. */
-#define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`: nobody knows which were given before. */
-#define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`. */
+#define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as terminated. */
+#define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`, because the numbers assigned before are unknown. */
+#define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* A snapshot of the engine's present state is published on `system/restored`, with the time `time_ns`. */
 #define KOSEKI_STEP_HOST_OFFSET UINT64_C(0x9) /* The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset. */
 #define KOSEKI_STEP_SOURCE_CLOCK UINT64_C(0xa) /* The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it. */
 #define KOSEKI_STEP_QUARANTINE UINT64_C(0xb) /* The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the */
@@ -154,15 +154,15 @@
 #define KOSEKI_PROCESS_MONITOR UINT64_C(0x2) /* Records latencies and counters. */
 #define KOSEKI_PROCESS_RECORDER UINT64_C(0x3) /* Writes tracks to files. */
 #define KOSEKI_PROCESS_LAUNCHER UINT64_C(0x4) /* Starts and watches the others. */
-#define KOSEKI_PROCESS_SIMULATOR UINT64_C(0x5) /* Sends what the simulated sensors observe over the network. */
+#define KOSEKI_PROCESS_SIMULATOR UINT64_C(0x5) /* Sends the observations of simulated sensors over the network. */
 #define KOSEKI_PROCESS_GATEWAY UINT64_C(0x6) /* Sends tracks to other systems over the network. */
 #define KOSEKI_PROCESS_KEEPER UINT64_C(0x7) /* Holds the topics for the launcher, which maps no shared memory itself. */
 #define KOSEKI_PROCESS_DISPLAY UINT64_C(0x8) /* Shows the picture in browsers. */
 #define KOSEKI_PROCESS_LINK UINT64_C(0x9) /* Exchanges topics with deployments on other hosts. */
 #define KOSEKI_LIFE_STARTING UINT64_C(0x0) /* Opening its topics. */
 #define KOSEKI_LIFE_RUNNING UINT64_C(0x1) /* Doing its work. */
-#define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input has been worked off, and it will exit by itself. */
-#define KOSEKI_LIFE_FAILED UINT64_C(0x3) /* Unable to go on; the note says why. */
+#define KOSEKI_LIFE_FINISHED UINT64_C(0x2) /* Done: all its input is processed, and it will exit. */
+#define KOSEKI_LIFE_FAILED UINT64_C(0x3) /* Unable to continue; the note states the reason. */
 #define KOSEKI_ALARM_SEVERITY_WARNING UINT64_C(0x1) /* Nothing is wrong yet; it may become so. */
 #define KOSEKI_ALARM_SEVERITY_MAJOR UINT64_C(0x2) /* Part of the picture is missing or wrong. */
 #define KOSEKI_ALARM_SEVERITY_CRITICAL UINT64_C(0x3) /* The picture as a whole is not to be relied on. */
@@ -176,13 +176,13 @@
 #define KOSEKI_DECISION_KIND_IDENTITY_CONFLICT UINT64_C(0x5) /* A sensor track left because its address contradicts the system track's. */
 #define KOSEKI_DECISION_KIND_SPLIT UINT64_C(0x6) /* A sensor track left because it kept missing the others: value d², limit the gate. */
 #define KOSEKI_DECISION_KIND_MERGED UINT64_C(0x7) /* A system track was found to be the same target as another, and merged into it: value d², limit the gate. */
-#define KOSEKI_DECISION_KIND_CONFIRMED UINT64_C(0x8) /* A system track was confirmed: value the number of sources, or what a single source's claim is worth. */
-#define KOSEKI_DECISION_KIND_WITHHELD UINT64_C(0x9) /* A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses. */
+#define KOSEKI_DECISION_KIND_CONFIRMED UINT64_C(0x8) /* A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single source's claim. */
+#define KOSEKI_DECISION_KIND_WITHHELD UINT64_C(0x9) /* A system track is withheld: its sources report that they no longer detect the target. Value the sum of the misses. */
 #define KOSEKI_DECISION_KIND_COASTED UINT64_C(0xa) /* Nothing fresh contributes any more. */
 #define KOSEKI_DECISION_KIND_ENDED UINT64_C(0xb) /* A system track has ended. */
-#define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new one's accuracy value, limit the old one's. */
+#define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new source's accuracy value, limit the previous source's. */
 #define KOSEKI_DECISION_KIND_REFERENCE_POINT UINT64_C(0xd) /* The target's reference point is now that of this source. */
-#define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios. */
+#define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another track of its source: value the sum of log-likelihood ratios. */
 #define KOSEKI_DECISION_KIND_ORDERED UINT64_C(0xf) /* An order of an operator has changed a system track: value the number of the order. */
 #define KOSEKI_DECISION_KIND_ORDER_ENDED UINT64_C(0x10) /* An order on system tracks has ended, since they are farther apart than it permits: value the distance in */
 #define KOSEKI_ORDER_CONDITION UINT64_C(0x1) /* A weather condition holds for the accuracy of a source, or of all sources (TI-7). */
@@ -240,7 +240,7 @@ static_assert(offsetof(KosekiStageTimes, taken_ns) == 16, "offset");
 static_assert(offsetof(KosekiStageTimes, fused_ns) == 24, "offset");
 
 typedef struct KosekiIdentity {
-    uint32_t address; /* 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits. */
+    uint32_t address; /* 24-bit aircraft address or 30-bit MMSI (see `kind`), in the low bits. */
     uint16_t mode_3a; /* Mode 3/A code, its four octal digits in twelve bits. */
     uint8_t kind; /* Kind of `address`: an `IdentityKind` code. */
     uint8_t valid; /* Fields that hold something: see `identity_bits`. */
@@ -319,8 +319,8 @@ typedef struct KosekiBatchHeader {
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
     uint64_t epoch; /* Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up. */
     uint32_t flags; /* Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. */
-    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor. */
-    uint32_t origin; /* Deployment that the samples come from, where not the one at hand; 0: the one at hand. */
+    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment; 0: unknown, or no sensor. */
+    uint32_t origin; /* Original deployment of the samples, if another; 0: this deployment. */
     int32_t clock_offset_ms; /* Offset of the source's clock against the publisher's UTC, by the times at which its data are received, */
 } KosekiBatchHeader;
 static_assert(sizeof(KosekiBatchHeader) == 64, "size");
@@ -349,16 +349,16 @@ typedef struct KosekiSensorTrack {
     double measured_m[3]; /* Measured position, before the source's own filter, metres. */
     double trace_m2; /* Trace of the source's position covariance over east and north, square metres. */
     uint8_t state; /* State of the track at its source: a `TrackState` code. */
-    uint8_t method; /* Observation method at the source, as numbered by its format; 0 if it has one only. */
+    uint8_t method; /* Observation method at the source, as numbered by its format; 0 for a single method. */
     uint8_t alerts; /* Alerts of the target or its source: see `alert_bits`. */
-    uint8_t kind; /* Kind of what the track follows: a `TrackKind` code. */
+    uint8_t kind; /* Kind of the tracked object: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
     int16_t level; /* Level that the transponder stated last, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`. */
     KosekiTargetType target_type; /* Type of the target. */
-    KosekiExtent extent; /* Size of the target, as its source states or measures it. */
+    KosekiExtent extent; /* Size of the target, as stated or measured by its source. */
     KosekiMovement movement; /* Modes of movement and acceleration, as the source states them. */
-    uint64_t shared_sources; /* Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers. */
-    uint32_t origin; /* Deployment that made it, where it is a system track of another centre; else 0. */
+    uint64_t shared_sources; /* Local sources whose sensors have contributed to a system track of another centre, as bits by number. */
+    uint32_t origin; /* Original deployment of a system track of another centre; else 0. */
     uint32_t level_age_ms; /* Age of `level` at the time of measurement, milliseconds. */
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the time of measurement. */
     float existence; /* Probability that the target exists according to the source, in (0, 1]; 0: not stated. */
@@ -483,7 +483,7 @@ typedef struct KosekiPlatformState {
     double velocity_sigma_mps; /* Standard deviation of each component of the velocity, metres per second. */
     double pitch_sigma_rad; /* Standard deviation of the pitch, radians. */
     double roll_sigma_rad; /* Standard deviation of the roll, radians. */
-    uint16_t source; /* Source whose sensor it carries: its number in the configuration (TI-2). */
+    uint16_t source; /* Source of the sensor on the platform: its number in the configuration (TI-2). */
     uint16_t valid; /* Which fields hold something: see `platform_state_bits`. */
     uint32_t reserved; /* Reserved, 0. */
 } KosekiPlatformState;
@@ -513,7 +513,7 @@ typedef struct KosekiWideArea {
     double position_m[3]; /* Middle of the targets at the time of observation, metres east, north and up. */
     double velocity_mps[3]; /* Mean velocity of the targets east, north, up, metres per second. */
     double origin_m[2]; /* Where they came from, metres east and north. */
-    uint32_t targets; /* Number of targets; 0 says that there were none. */
+    uint32_t targets; /* Number of targets, possibly 0. */
     uint16_t sensor; /* The wide-area sensor: its number in the configuration. */
     uint16_t valid; /* Which fields hold something: see `wide_area_bits`. */
 } KosekiWideArea;
@@ -560,8 +560,8 @@ typedef struct KosekiContribution {
     double weight; /* Coefficient eta in [0, 1]; the weights of one system track sum to 1. */
     double accuracy; /* Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none. */
     uint32_t track_number; /* Number of the sensor track at its source. */
-    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment that hears it; 0: unknown. */
-    uint32_t origin; /* Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand. */
+    uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment; 0: unknown. */
+    uint32_t origin; /* Original deployment of the sensor track, if another; 0: this deployment. */
     uint16_t source; /* Source number. */
     uint16_t flags; /* Flags: see `contribution_bits`. */
     float axis_weights[3]; /* Coefficient eta by axis, east, north, up; their mean is `weight`. */
@@ -585,29 +585,29 @@ typedef struct KosekiSystemTrack {
     uint64_t sequence; /* The state's sequence number at its publisher. */
     uint64_t epoch; /* Start-up number of the fusion that made it, rising with each start; 0: unknown. */
     KosekiStageTimes stages; /* Stages of the report that caused this state; all but `fused_ns` are 0 if none did. */
-    uint32_t track_number; /* System-track number: another target has none like it for a day, whatever restarts. */
-    uint32_t origin; /* Deployment that made it: `origin` of its configuration; 0: not stated. */
+    uint32_t track_number; /* System-track number: not assigned to another target within a day, across all restarts. */
+    uint32_t origin; /* Deployment of the track: `origin` of its configuration; 0: not stated. */
     uint32_t owner_track_number; /* Number of the track at the deployment that owns the target, where another does; else 0. */
-    uint32_t merged_into; /* Number of the system track into which this one was merged, where it ended by a merge; else 0. */
+    uint32_t merged_into; /* Number of the system track into which this track was merged, if merged; else 0. */
     uint16_t trigger_source; /* Source of the report that caused this state; 65535 if none did (coasting, ending). */
     uint16_t selected_source; /* Source with the largest weight; 65535 if none contributes. */
     uint16_t source_count; /* How many sources contribute. */
     uint16_t contribution_count; /* How many of `contributions` hold something. */
     uint8_t state; /* State of the track: a `TrackState` code. */
-    uint8_t height_valid; /* 1 if some source observes height; otherwise z says nothing. */
+    uint8_t height_valid; /* 1 if a source observes height; otherwise z has no meaning. */
     uint8_t rule; /* Fusion rule: a `FusionRule` code; 0: unknown. */
     uint8_t alerts; /* Alerts of the contributing sources: see `alert_bits`. */
-    uint8_t on_ground; /* 1 if a contributing source says that the target is on the ground. */
-    uint8_t kind; /* Kind of what the track follows: a `TrackKind` code. */
+    uint8_t on_ground; /* 1 if a contributing source reports the target on the ground. */
+    uint8_t kind; /* Kind of the tracked object: a `TrackKind` code. */
     uint16_t members; /* Expected number of members of a group; 0 for a single target. */
-    KosekiIdentity identity; /* Identity of the target, as far as its sources say. */
+    KosekiIdentity identity; /* Identity of the target, as far as known to its sources. */
     KosekiTargetType target_type; /* Type of the target. */
     double position_m[3]; /* Position east, north, up, metres. */
     double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
     KosekiMovement movement; /* Modes of movement and acceleration. */
     KosekiExtent extent; /* Size of the target. */
     KosekiCovariance covariance; /* Covariance of position and velocity. */
-    KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; `contribution_count` of them hold something. */
+    KosekiContribution contributions[16]; /* Contributing sources in the order of their numbers; the first `contribution_count` are used. */
     float nis; /* Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none. */
     int16_t level; /* Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none. */
     uint8_t level_valid; /* 1 if `level` is known, and no older than two periods of the source that has it. */
@@ -678,7 +678,7 @@ static_assert(offsetof(KosekiSystemTrack, extrapolations) == 1528, "offset");
 static_assert(offsetof(KosekiSystemTrack, spare) == 1532, "offset");
 
 typedef struct KosekiAlarm {
-    int64_t time_ns; /* When this was said, UTC, nanoseconds since 1970. */
+    int64_t time_ns; /* Time of this statement, UTC, nanoseconds since 1970. */
     int64_t raised_ns; /* When the alarm was raised, UTC, nanoseconds since 1970. */
     uint64_t sequence; /* The sample's sequence number at its publisher. */
     uint32_t times; /* Times that the alarm has been raised since its publisher started. */
@@ -711,11 +711,11 @@ typedef struct KosekiDecision {
     uint64_t epoch; /* Start of the process that decided, monotonic, nanoseconds: system tracks of the same `epoch` are meant. */
     double value; /* Value that was compared; NaN if nothing was. */
     double limit; /* Limit that the value was compared with; NaN if there was none. */
-    uint32_t system_track; /* System track that it is about. */
+    uint32_t system_track; /* System track of the decision; 0 if none. */
     uint32_t other_system_track; /* The other system track, where there is one; else 0. */
-    uint32_t sensor_track; /* Sensor track that it is about, at its source; 0 if none. */
-    uint16_t source; /* Source that it is about: its number in the configuration; 65535 for none. */
-    uint16_t other_source; /* The other source, where there is one (the one handed over from); 65535 for none. */
+    uint32_t sensor_track; /* Sensor track of the decision, at its source; 0 if none. */
+    uint16_t source; /* Source of the decision: its number in the configuration; 65535 for none. */
+    uint16_t other_source; /* The other source, if any (at a hand-over the previous source); 65535 for none. */
     uint8_t kind; /* A `DecisionKind` code. */
     uint8_t reserved[7]; /* Reserved, 0. */
 } KosekiDecision;
@@ -743,7 +743,7 @@ typedef struct KosekiRegistration {
     double range_bias_sigma_m; /* Standard deviation of the range bias, metres. */
     double azimuth_bias_rad; /* Estimated azimuth bias, clockwise, radians. */
     double azimuth_bias_sigma_rad; /* Standard deviation of the azimuth bias, radians. */
-    double covariance_inflation; /* Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not. */
+    double covariance_inflation; /* Factor of covariance scaling for a source that overstates its accuracy; otherwise 1. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
     uint32_t gross; /* Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the */
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
@@ -757,7 +757,7 @@ typedef struct KosekiRegistration {
     float false_track_life_s; /* Learned mean life of a false track, seconds; 0: not learned. */
     float detection_probability; /* Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned. */
     uint32_t error_model; /* Model of the source's error with the best evidence: an `ErrorModel` code. */
-    uint16_t dependent_sources[4]; /* Sources whose errors depend on those of this source, where `dependence` is not 0. */
+    uint16_t dependent_sources[4]; /* Sources with errors that depend on the errors of this source, if `dependence` is not 0. */
     float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none. */
 } KosekiRegistration;
 static_assert(sizeof(KosekiRegistration) == 208, "size");
@@ -798,7 +798,7 @@ typedef struct KosekiHealth {
     uint64_t incarnation; /* Monotonic start time of the process, nanoseconds. */
     int64_t progress_ns; /* How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown. */
     uint32_t process_id; /* Operating system's process number. */
-    uint16_t source; /* Source that the counters speak of; 65535 for the process as a whole. */
+    uint16_t source; /* Source of the counters; 65535 for the process as a whole. */
     uint8_t kind; /* Kind of the process: a `ProcessKind` code. */
     uint8_t life; /* A `LifeState` code. */
     uint32_t restarts; /* Restarts of the process so far, as its launcher counts them. */
@@ -806,7 +806,7 @@ typedef struct KosekiHealth {
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros. */
     KosekiCounters counters; /* Values of the counters. */
-    KosekiRegistration registration; /* Systematic errors of the source, where fusion speaks of one. */
+    KosekiRegistration registration; /* Biases of the source, if estimated by fusion. */
 } KosekiHealth;
 static_assert(sizeof(KosekiHealth) == 1360, "size");
 static_assert(offsetof(KosekiHealth, said_ns) == 0, "offset");
@@ -833,7 +833,7 @@ typedef struct KosekiProgress {
     uint8_t stream; /* Kind of topic: a `Stream` code. */
     uint8_t consumer; /* Kind of the consumer: a `ProcessKind` code. */
     uint32_t reserved; /* Reserved, 0. */
-    int64_t said_ns; /* Monotonic time at which this was said, nanoseconds. */
+    int64_t said_ns; /* Monotonic time of this statement, nanoseconds. */
 } KosekiProgress;
 static_assert(sizeof(KosekiProgress) == 56, "size");
 static_assert(offsetof(KosekiProgress, consumer_incarnation) == 0, "offset");
@@ -931,7 +931,7 @@ typedef struct KosekiRestored {
     uint32_t part; /* Place of this part among all, from 0. */
     uint32_t parts; /* Number of parts. */
     uint32_t count; /* How many of `words` hold something. */
-    uint32_t ends; /* 1 if the tracks in it were too old to go on: each is told ended; 2 if it is of an image. */
+    uint32_t ends; /* 1 if the tracks were too old to continue, and each is reported as terminated; 2 for a snapshot. */
     uint64_t sequence; /* Sequence number at its publisher. */
     uint64_t words[120]; /* Words of a `fusion::checkpoint::Snapshot`, after those of the parts before; of an image the number of the */
 } KosekiRestored;

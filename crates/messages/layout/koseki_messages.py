@@ -30,12 +30,12 @@ IDENTITY_CALLSIGN = 0x2  # `callsign` holds a callsign.
 IDENTITY_NAME = 0x4  # `name` holds a name.
 MOVEMENT_ACCELERATION = 0x1  # `acceleration_mps2` is known east and north.
 MOVEMENT_VERTICAL_ACCELERATION = 0x2  # `acceleration_mps2` is known upwards.
-SENSOR_TRACK_HEIGHT = 0x1  # Height (`position[2]`) was observed; without it z is 0 and its variance says nothing.
+SENSOR_TRACK_HEIGHT = 0x1  # Height (`position[2]`) was observed; otherwise z is 0 and its variance has no meaning.
 SENSOR_TRACK_VELOCITY = 0x2  # Horizontal velocity was delivered or derived.
 SENSOR_TRACK_VERTICAL_RATE = 0x4  # Vertical velocity was delivered or derived.
-SENSOR_TRACK_OWN_COVARIANCE = 0x8  # The covariance is the source's own statement; without it, it comes from configured accuracies.
+SENSOR_TRACK_OWN_COVARIANCE = 0x8  # The covariance is the source's own statement; otherwise it is derived from configured accuracies.
 SENSOR_TRACK_MEASURED = 0x10  # `measured_m` holds the measurement from which the source updated its track.
-SENSOR_TRACK_ON_GROUND = 0x20  # The source says that the target is on the ground.
+SENSOR_TRACK_ON_GROUND = 0x20  # The source reports that the target is on the ground.
 SENSOR_TRACK_DERIVED_VELOCITY = 0x40  # The velocity was derived by the adapter from successive positions.
 SENSOR_TRACK_TRACE = 0x80  # `trace` holds the source's own covariance trace (TI-16).
 SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not believed: it lies far from that of receipt, or the source's clock jumps.
@@ -48,7 +48,7 @@ SENSOR_DETECTION_LEVEL = 0x4  # `level` holds the level of the target's transpon
 SENSOR_DETECTION_PLATFORM_VELOCITY = 0x8  # `platform_velocity_mps` is known.
 SENSOR_DETECTION_PLATFORM_ATTITUDE = 0x10  # `platform_attitude_rad` and `attitude_sigmas_rad` are known.
 SENSOR_DETECTION_PLATFORM_SIGMA = 0x20  # `platform_sigma_m` is known.
-SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor tells transmitters apart.
+SENSOR_BEARING_EMITTER = 0x1  # `emitter_id` is known: the sensor distinguishes transmitters.
 SENSOR_BEARING_HEADING = 0x2  # `heading_rad` is known.
 SENSOR_BEARING_FREQUENCY = 0x4  # `frequency_hz` was measured.
 SENSOR_BEARING_PULSE_INTERVAL = 0x8  # `pulse_interval_s` was measured.
@@ -62,9 +62,9 @@ PLATFORM_STATE_ATTITUDE_SIGMA = 0x40  # `pitch_sigma_rad` and `roll_sigma_rad` a
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
-CONTRIBUTION_CENTRE = 0x4  # It is a system track of another centre. Not fresh, it is listed for a while without weight.
+CONTRIBUTION_CENTRE = 0x4  # The contribution is a system track of another centre. If not fresh, it is listed for a while without weight.
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
-ALERT_EMERGENCY = 0x2  # An emergency, of whatever kind; Mode 3/A code 7700.
+ALERT_EMERGENCY = 0x2  # An emergency of any kind; Mode 3/A code 7700.
 ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
 ALERT_UNLAWFUL_INTERFERENCE = 0x8  # Unlawful interference; code 7500.
 ALERT_MEDICAL = 0x10  # Medical flight.
@@ -84,7 +84,7 @@ STATE_COASTED = 0x2  # Believed, but carried on by extrapolation for want of rep
 STATE_TERMINATED = 0x3  # Ended; the number is not used again soon.
 STATE_SUSPENDED = 0x4  # No longer reported by any source: not shown, while the number rests and may resume.
 KIND_SINGLE = 0x0  # One target.
-KIND_GROUP = 0x1  # Several targets that are not told apart (WA-7).
+KIND_GROUP = 0x1  # Several unresolved targets (WA-7).
 MODE_STEADY = 0x0  # Constant velocity in the plane.
 MODE_AGILE = 0x1  # Nearly constant velocity in the plane with strong process noise.
 MODE_LEFT_TURN = 0x2  # Coordinated turn to the left.
@@ -98,7 +98,7 @@ ERROR_MODEL_OFFSET = 0x1  # Constant offset in the system frame.
 ERROR_MODEL_BODY = 0x2  # Offset fixed to the target's body: a reference point other than that of other sources.
 ERROR_MODEL_POLAR = 0x3  # Offset that grows with range or azimuth.
 ERROR_MODEL_TIME = 0x4  # Time offset.
-RULE_AUTO = 0x1  # Filter of the target's own, with what its sources are worth learned.
+RULE_AUTO = 0x1  # Filter of the target, with learned accuracies of the sources.
 RULE_SYSTEM_FILTER = 0x2  # Filter of the target's own.
 RULE_BEST_SOURCE = 0x3  # Source with the smallest accuracy value.
 RULE_INVERSE_TRACE = 0x4  # Weights inverse to the covariance traces.
@@ -138,14 +138,14 @@ STREAM_SYSTEM_TRACKS = 0x7  # System tracks.
 STREAM_ALARMS = 0x8  # Alarms.
 STREAM_DECISIONS = 0x9  # Decisions of fusion.
 STREAM_ORDERS = 0xa  # States of orders.
-STEP_BEGIN = 0x1  # Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
+STEP_BEGIN = 0x1  # Fusion starts from its configuration: `time_ns` is its epoch.
 STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
-STEP_PUBLISHER = 0x3  # The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
+STEP_PUBLISHER = 0x3  # The next reports of `source` come from the publisher with the incarnation `time_ns`.
 STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
 STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by
-STEP_RESTORED = 0x6  # Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
-STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`: nobody knows which were given before.
-STEP_IMAGE = 0x8  # An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
+STEP_RESTORED = 0x6  # Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as terminated.
+STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`, because the numbers assigned before are unknown.
+STEP_IMAGE = 0x8  # A snapshot of the engine's present state is published on `system/restored`, with the time `time_ns`.
 STEP_HOST_OFFSET = 0x9  # The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
 STEP_SOURCE_CLOCK = 0xa  # The clock of `source` is off by `sequence` milliseconds (as a signed number), as times of receipt show it.
 STEP_QUARANTINE = 0xb  # The report of `source` with the number `sequence` is in quarantine and has no effect: fusion has died in the
@@ -156,15 +156,15 @@ PROCESS_FUSION = 0x1  # Fuses sensor tracks into system tracks.
 PROCESS_MONITOR = 0x2  # Records latencies and counters.
 PROCESS_RECORDER = 0x3  # Writes tracks to files.
 PROCESS_LAUNCHER = 0x4  # Starts and watches the others.
-PROCESS_SIMULATOR = 0x5  # Sends what the simulated sensors observe over the network.
+PROCESS_SIMULATOR = 0x5  # Sends the observations of simulated sensors over the network.
 PROCESS_GATEWAY = 0x6  # Sends tracks to other systems over the network.
 PROCESS_KEEPER = 0x7  # Holds the topics for the launcher, which maps no shared memory itself.
 PROCESS_DISPLAY = 0x8  # Shows the picture in browsers.
 PROCESS_LINK = 0x9  # Exchanges topics with deployments on other hosts.
 LIFE_STARTING = 0x0  # Opening its topics.
 LIFE_RUNNING = 0x1  # Doing its work.
-LIFE_FINISHED = 0x2  # Done: all its input has been worked off, and it will exit by itself.
-LIFE_FAILED = 0x3  # Unable to go on; the note says why.
+LIFE_FINISHED = 0x2  # Done: all its input is processed, and it will exit.
+LIFE_FAILED = 0x3  # Unable to continue; the note states the reason.
 ALARM_SEVERITY_WARNING = 0x1  # Nothing is wrong yet; it may become so.
 ALARM_SEVERITY_MAJOR = 0x2  # Part of the picture is missing or wrong.
 ALARM_SEVERITY_CRITICAL = 0x3  # The picture as a whole is not to be relied on.
@@ -178,13 +178,13 @@ DECISION_KIND_DUPLICATE = 0x4  # A sensor track was recognised as another part o
 DECISION_KIND_IDENTITY_CONFLICT = 0x5  # A sensor track left because its address contradicts the system track's.
 DECISION_KIND_SPLIT = 0x6  # A sensor track left because it kept missing the others: value d², limit the gate.
 DECISION_KIND_MERGED = 0x7  # A system track was found to be the same target as another, and merged into it: value d², limit the gate.
-DECISION_KIND_CONFIRMED = 0x8  # A system track was confirmed: value the number of sources, or what a single source's claim is worth.
-DECISION_KIND_WITHHELD = 0x9  # A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses.
+DECISION_KIND_CONFIRMED = 0x8  # A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single source's claim.
+DECISION_KIND_WITHHELD = 0x9  # A system track is withheld: its sources report that they no longer detect the target. Value the sum of the misses.
 DECISION_KIND_COASTED = 0xa  # Nothing fresh contributes any more.
 DECISION_KIND_ENDED = 0xb  # A system track has ended.
-DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new one's accuracy value, limit the old one's.
+DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new source's accuracy value, limit the previous source's.
 DECISION_KIND_REFERENCE_POINT = 0xd  # The target's reference point is now that of this source.
-DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
+DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another track of its source: value the sum of log-likelihood ratios.
 DECISION_KIND_ORDERED = 0xf  # An order of an operator has changed a system track: value the number of the order.
 DECISION_KIND_ORDER_ENDED = 0x10  # An order on system tracks has ended, since they are farther apart than it permits: value the distance in
 ORDER_CONDITION = 0x1  # A weather condition holds for the accuracy of a source, or of all sources (TI-7).
@@ -252,7 +252,7 @@ assert StageTimes.fused_ns.offset == 24
 
 class Identity(ctypes.Structure):
     _fields_ = [
-        ("address", ctypes.c_uint32),  # 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits.
+        ("address", ctypes.c_uint32),  # 24-bit aircraft address or 30-bit MMSI (see `kind`), in the low bits.
         ("mode_3a", ctypes.c_uint16),  # Mode 3/A code, its four octal digits in twelve bits.
         ("kind", ctypes.c_uint8),  # Kind of `address`: an `IdentityKind` code.
         ("valid", ctypes.c_uint8),  # Fields that hold something: see `identity_bits`.
@@ -379,8 +379,8 @@ class BatchHeader(ctypes.Structure):
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
         ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up.
         ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
-        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
-        ("origin", ctypes.c_uint32),  # Deployment that the samples come from, where not the one at hand; 0: the one at hand.
+        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment; 0: unknown, or no sensor.
+        ("origin", ctypes.c_uint32),  # Original deployment of the samples, if another; 0: this deployment.
         ("clock_offset_ms", ctypes.c_int32),  # Offset of the source's clock against the publisher's UTC, by the times at which its data are received,
     ]
 
@@ -417,16 +417,16 @@ class SensorTrack(ctypes.Structure):
         ("measured_m", ctypes.c_double * 3),  # Measured position, before the source's own filter, metres.
         ("trace_m2", ctypes.c_double),  # Trace of the source's position covariance over east and north, square metres.
         ("state", ctypes.c_uint8),  # State of the track at its source: a `TrackState` code.
-        ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 if it has one only.
+        ("method", ctypes.c_uint8),  # Observation method at the source, as numbered by its format; 0 for a single method.
         ("alerts", ctypes.c_uint8),  # Alerts of the target or its source: see `alert_bits`.
-        ("kind", ctypes.c_uint8),  # Kind of what the track follows: a `TrackKind` code.
+        ("kind", ctypes.c_uint8),  # Kind of the tracked object: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
         ("level", ctypes.c_int16),  # Level that the transponder stated last, in steps of 25 feet at 1013.25 hPa; 0 without the bit `LEVEL`.
         ("target_type", TargetType),  # Type of the target.
-        ("extent", Extent),  # Size of the target, as its source states or measures it.
+        ("extent", Extent),  # Size of the target, as stated or measured by its source.
         ("movement", Movement),  # Modes of movement and acceleration, as the source states them.
-        ("shared_sources", ctypes.c_uint64),  # Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
-        ("origin", ctypes.c_uint32),  # Deployment that made it, where it is a system track of another centre; else 0.
+        ("shared_sources", ctypes.c_uint64),  # Local sources whose sensors have contributed to a system track of another centre, as bits by number.
+        ("origin", ctypes.c_uint32),  # Original deployment of a system track of another centre; else 0.
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the time of measurement, milliseconds.
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the time of measurement.
         ("existence", ctypes.c_float),  # Probability that the target exists according to the source, in (0, 1]; 0: not stated.
@@ -575,7 +575,7 @@ class PlatformState(ctypes.Structure):
         ("velocity_sigma_mps", ctypes.c_double),  # Standard deviation of each component of the velocity, metres per second.
         ("pitch_sigma_rad", ctypes.c_double),  # Standard deviation of the pitch, radians.
         ("roll_sigma_rad", ctypes.c_double),  # Standard deviation of the roll, radians.
-        ("source", ctypes.c_uint16),  # Source whose sensor it carries: its number in the configuration (TI-2).
+        ("source", ctypes.c_uint16),  # Source of the sensor on the platform: its number in the configuration (TI-2).
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `platform_state_bits`.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
     ]
@@ -613,7 +613,7 @@ class WideArea(ctypes.Structure):
         ("position_m", ctypes.c_double * 3),  # Middle of the targets at the time of observation, metres east, north and up.
         ("velocity_mps", ctypes.c_double * 3),  # Mean velocity of the targets east, north, up, metres per second.
         ("origin_m", ctypes.c_double * 2),  # Where they came from, metres east and north.
-        ("targets", ctypes.c_uint32),  # Number of targets; 0 says that there were none.
+        ("targets", ctypes.c_uint32),  # Number of targets, possibly 0.
         ("sensor", ctypes.c_uint16),  # The wide-area sensor: its number in the configuration.
         ("valid", ctypes.c_uint16),  # Which fields hold something: see `wide_area_bits`.
     ]
@@ -676,8 +676,8 @@ class Contribution(ctypes.Structure):
         ("weight", ctypes.c_double),  # Coefficient eta in [0, 1]; the weights of one system track sum to 1.
         ("accuracy", ctypes.c_double),  # Accuracy value lambda (TI-9), smaller is better; NaN where the rule has none.
         ("track_number", ctypes.c_uint32),  # Number of the sensor track at its source.
-        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment that hears it; 0: unknown.
-        ("origin", ctypes.c_uint32),  # Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand.
+        ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment; 0: unknown.
+        ("origin", ctypes.c_uint32),  # Original deployment of the sensor track, if another; 0: this deployment.
         ("source", ctypes.c_uint16),  # Source number.
         ("flags", ctypes.c_uint16),  # Flags: see `contribution_bits`.
         ("axis_weights", ctypes.c_float * 3),  # Coefficient eta by axis, east, north, up; their mean is `weight`.
@@ -709,29 +709,29 @@ class SystemTrack(ctypes.Structure):
         ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
         ("epoch", ctypes.c_uint64),  # Start-up number of the fusion that made it, rising with each start; 0: unknown.
         ("stages", StageTimes),  # Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
-        ("track_number", ctypes.c_uint32),  # System-track number: another target has none like it for a day, whatever restarts.
-        ("origin", ctypes.c_uint32),  # Deployment that made it: `origin` of its configuration; 0: not stated.
+        ("track_number", ctypes.c_uint32),  # System-track number: not assigned to another target within a day, across all restarts.
+        ("origin", ctypes.c_uint32),  # Deployment of the track: `origin` of its configuration; 0: not stated.
         ("owner_track_number", ctypes.c_uint32),  # Number of the track at the deployment that owns the target, where another does; else 0.
-        ("merged_into", ctypes.c_uint32),  # Number of the system track into which this one was merged, where it ended by a merge; else 0.
+        ("merged_into", ctypes.c_uint32),  # Number of the system track into which this track was merged, if merged; else 0.
         ("trigger_source", ctypes.c_uint16),  # Source of the report that caused this state; 65535 if none did (coasting, ending).
         ("selected_source", ctypes.c_uint16),  # Source with the largest weight; 65535 if none contributes.
         ("source_count", ctypes.c_uint16),  # How many sources contribute.
         ("contribution_count", ctypes.c_uint16),  # How many of `contributions` hold something.
         ("state", ctypes.c_uint8),  # State of the track: a `TrackState` code.
-        ("height_valid", ctypes.c_uint8),  # 1 if some source observes height; otherwise z says nothing.
+        ("height_valid", ctypes.c_uint8),  # 1 if a source observes height; otherwise z has no meaning.
         ("rule", ctypes.c_uint8),  # Fusion rule: a `FusionRule` code; 0: unknown.
         ("alerts", ctypes.c_uint8),  # Alerts of the contributing sources: see `alert_bits`.
-        ("on_ground", ctypes.c_uint8),  # 1 if a contributing source says that the target is on the ground.
-        ("kind", ctypes.c_uint8),  # Kind of what the track follows: a `TrackKind` code.
+        ("on_ground", ctypes.c_uint8),  # 1 if a contributing source reports the target on the ground.
+        ("kind", ctypes.c_uint8),  # Kind of the tracked object: a `TrackKind` code.
         ("members", ctypes.c_uint16),  # Expected number of members of a group; 0 for a single target.
-        ("identity", Identity),  # Identity of the target, as far as its sources say.
+        ("identity", Identity),  # Identity of the target, as far as known to its sources.
         ("target_type", TargetType),  # Type of the target.
         ("position_m", ctypes.c_double * 3),  # Position east, north, up, metres.
         ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
         ("movement", Movement),  # Modes of movement and acceleration.
         ("extent", Extent),  # Size of the target.
         ("covariance", Covariance),  # Covariance of position and velocity.
-        ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; `contribution_count` of them hold something.
+        ("contributions", Contribution * 16),  # Contributing sources in the order of their numbers; the first `contribution_count` are used.
         ("nis", ctypes.c_float),  # Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         ("level", ctypes.c_int16),  # Newest level of the target's transponder, in steps of 25 feet at 1013.25 hPa; 0 if there is none.
         ("level_valid", ctypes.c_uint8),  # 1 if `level` is known, and no older than two periods of the source that has it.
@@ -810,7 +810,7 @@ assert SystemTrack.spare.offset == 1532
 
 class Alarm(ctypes.Structure):
     _fields_ = [
-        ("time_ns", ctypes.c_int64),  # When this was said, UTC, nanoseconds since 1970.
+        ("time_ns", ctypes.c_int64),  # Time of this statement, UTC, nanoseconds since 1970.
         ("raised_ns", ctypes.c_int64),  # When the alarm was raised, UTC, nanoseconds since 1970.
         ("sequence", ctypes.c_uint64),  # The sample's sequence number at its publisher.
         ("times", ctypes.c_uint32),  # Times that the alarm has been raised since its publisher started.
@@ -851,11 +851,11 @@ class Decision(ctypes.Structure):
         ("epoch", ctypes.c_uint64),  # Start of the process that decided, monotonic, nanoseconds: system tracks of the same `epoch` are meant.
         ("value", ctypes.c_double),  # Value that was compared; NaN if nothing was.
         ("limit", ctypes.c_double),  # Limit that the value was compared with; NaN if there was none.
-        ("system_track", ctypes.c_uint32),  # System track that it is about.
+        ("system_track", ctypes.c_uint32),  # System track of the decision; 0 if none.
         ("other_system_track", ctypes.c_uint32),  # The other system track, where there is one; else 0.
-        ("sensor_track", ctypes.c_uint32),  # Sensor track that it is about, at its source; 0 if none.
-        ("source", ctypes.c_uint16),  # Source that it is about: its number in the configuration; 65535 for none.
-        ("other_source", ctypes.c_uint16),  # The other source, where there is one (the one handed over from); 65535 for none.
+        ("sensor_track", ctypes.c_uint32),  # Sensor track of the decision, at its source; 0 if none.
+        ("source", ctypes.c_uint16),  # Source of the decision: its number in the configuration; 65535 for none.
+        ("other_source", ctypes.c_uint16),  # The other source, if any (at a hand-over the previous source); 65535 for none.
         ("kind", ctypes.c_uint8),  # A `DecisionKind` code.
         ("reserved", ctypes.c_uint8 * 7),  # Reserved, 0.
     ]
@@ -891,7 +891,7 @@ class Registration(ctypes.Structure):
         ("range_bias_sigma_m", ctypes.c_double),  # Standard deviation of the range bias, metres.
         ("azimuth_bias_rad", ctypes.c_double),  # Estimated azimuth bias, clockwise, radians.
         ("azimuth_bias_sigma_rad", ctypes.c_double),  # Standard deviation of the azimuth bias, radians.
-        ("covariance_inflation", ctypes.c_double),  # Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
+        ("covariance_inflation", ctypes.c_double),  # Factor of covariance scaling for a source that overstates its accuracy; otherwise 1.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
         ("gross", ctypes.c_uint32),  # Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
@@ -905,7 +905,7 @@ class Registration(ctypes.Structure):
         ("false_track_life_s", ctypes.c_float),  # Learned mean life of a false track, seconds; 0: not learned.
         ("detection_probability", ctypes.c_float),  # Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
         ("error_model", ctypes.c_uint32),  # Model of the source's error with the best evidence: an `ErrorModel` code.
-        ("dependent_sources", ctypes.c_uint16 * 4),  # Sources whose errors depend on those of this source, where `dependence` is not 0.
+        ("dependent_sources", ctypes.c_uint16 * 4),  # Sources with errors that depend on the errors of this source, if `dependence` is not 0.
         ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
     ]
 
@@ -962,7 +962,7 @@ class Health(ctypes.Structure):
         ("incarnation", ctypes.c_uint64),  # Monotonic start time of the process, nanoseconds.
         ("progress_ns", ctypes.c_int64),  # How far the process has got in the time of its data, UTC, nanoseconds; i64::MIN if unknown.
         ("process_id", ctypes.c_uint32),  # Operating system's process number.
-        ("source", ctypes.c_uint16),  # Source that the counters speak of; 65535 for the process as a whole.
+        ("source", ctypes.c_uint16),  # Source of the counters; 65535 for the process as a whole.
         ("kind", ctypes.c_uint8),  # Kind of the process: a `ProcessKind` code.
         ("life", ctypes.c_uint8),  # A `LifeState` code.
         ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
@@ -970,7 +970,7 @@ class Health(ctypes.Structure):
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
         ("counters", Counters),  # Values of the counters.
-        ("registration", Registration),  # Systematic errors of the source, where fusion speaks of one.
+        ("registration", Registration),  # Biases of the source, if estimated by fusion.
     ]
 
     @staticmethod
@@ -1005,7 +1005,7 @@ class Progress(ctypes.Structure):
         ("stream", ctypes.c_uint8),  # Kind of topic: a `Stream` code.
         ("consumer", ctypes.c_uint8),  # Kind of the consumer: a `ProcessKind` code.
         ("reserved", ctypes.c_uint32),  # Reserved, 0.
-        ("said_ns", ctypes.c_int64),  # Monotonic time at which this was said, nanoseconds.
+        ("said_ns", ctypes.c_int64),  # Monotonic time of this statement, nanoseconds.
     ]
 
     @staticmethod
@@ -1143,7 +1143,7 @@ class Restored(ctypes.Structure):
         ("part", ctypes.c_uint32),  # Place of this part among all, from 0.
         ("parts", ctypes.c_uint32),  # Number of parts.
         ("count", ctypes.c_uint32),  # How many of `words` hold something.
-        ("ends", ctypes.c_uint32),  # 1 if the tracks in it were too old to go on: each is told ended; 2 if it is of an image.
+        ("ends", ctypes.c_uint32),  # 1 if the tracks were too old to continue, and each is reported as terminated; 2 for a snapshot.
         ("sequence", ctypes.c_uint64),  # Sequence number at its publisher.
         ("words", ctypes.c_uint64 * 120),  # Words of a `fusion::checkpoint::Snapshot`, after those of the parts before; of an image the number of the
     ]

@@ -34,7 +34,7 @@ pub const ALARM_TEXT_MAX: usize = 184;
 sample! {
     /// One alarm. Every slice holds all standing alarms and all newly cleared alarms.
     Alarm, size 256 {
-        /// When this was said, UTC, nanoseconds since 1970.
+        /// Time of this statement, UTC, nanoseconds since 1970.
         time_ns: i64,
         /// When the alarm was raised, UTC, nanoseconds since 1970.
         raised_ns: i64,

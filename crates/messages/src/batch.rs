@@ -22,12 +22,12 @@ sample! {
         /// Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up.
         /// 0: not fusion.
         epoch: u64,
-        /// Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
-        /// Bits 16 to 31: identity of the machine's boot, 0: unknown.
+        /// Bit 0: the source has ended. Bit 1: this epoch of fusion continues the tracks of the previous epoch. Bits
+        /// 16 to 31: identity of the machine's boot, 0: unknown.
         flags: u32,
-        /// Identity of the sensor, the same in every deployment that hears it; 0: unknown, or no sensor.
+        /// Identity of the sensor, the same in every deployment; 0: unknown, or no sensor.
         sensor_uid: u32,
-        /// Deployment that the samples come from, where not the one at hand; 0: the one at hand.
+        /// Original deployment of the samples, if another; 0: this deployment.
         origin: u32,
         /// Offset of the source's clock against the publisher's UTC, by the times at which its data are received,
         /// milliseconds; positive if the clock is ahead, 0 if it is not known.

@@ -15,7 +15,7 @@ pub struct Constant {
     pub doc: &'static str,
 }
 
-/// Declares an enumeration whose values have words, and codes where it travels in a message.
+/// Declares an enumeration with a word per value, and codes for messages.
 ///
 /// ```
 /// messages::codes! {

@@ -25,24 +25,27 @@ codes! {
         Split = 6, "split";
         /// A system track was found to be the same target as another, and merged into it: value d², limit the gate.
         Merged = 7, "merged";
-        /// A system track was confirmed: value the number of sources, or what a single source's claim is worth.
+        /// A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single
+        /// source's claim.
         Confirmed = 8, "confirmed";
-        /// A system track is no longer shown: its sources say that they do not see it. Value the sum of the misses.
+        /// A system track is withheld: its sources report that they no longer detect the target. Value the sum of the
+        /// misses.
         Withheld = 9, "withheld";
         /// Nothing fresh contributes any more.
         Coasted = 10, "coasted";
         /// A system track has ended.
         Ended = 11, "ended";
-        /// The selected source has changed: value the new one's accuracy value, limit the old one's.
+        /// The selected source has changed: value the new source's accuracy value, limit the previous source's.
         HandOver = 12, "hand_over";
         /// The target's reference point is now that of this source.
         ReferencePoint = 13, "reference_point";
-        /// A sensor track has changed places with another one of its source: value the sum of log-likelihood ratios.
+        /// A sensor track has changed places with another track of its source: value the sum of log-likelihood
+        /// ratios.
         Uncrossed = 14, "uncrossed";
         /// An order of an operator has changed a system track: value the number of the order.
         Ordered = 15, "ordered";
-        /// An order on system tracks has ended, since they are farther apart than it permits: value the distance in
-        /// standard deviations.
+        /// An order on system tracks has ended, because the tracks are farther apart than permitted: value the
+        /// distance in standard deviations.
         OrderEnded = 16, "order_ended";
     }
 }
@@ -60,15 +63,15 @@ sample! {
         value: f64 = f64::NAN,
         /// Limit that the value was compared with; NaN if there was none.
         limit: f64 = f64::NAN,
-        /// System track that it is about.
+        /// System track of the decision; 0 if none.
         system_track: u32,
         /// The other system track, where there is one; else 0.
         other_system_track: u32,
-        /// Sensor track that it is about, at its source; 0 if none.
+        /// Sensor track of the decision, at its source; 0 if none.
         sensor_track: u32,
-        /// Source that it is about: its number in the configuration; 65535 for none.
+        /// Source of the decision: its number in the configuration; 65535 for none.
         source: u16 = NO_SOURCE,
-        /// The other source, where there is one (the one handed over from); 65535 for none.
+        /// The other source, if any (at a hand-over the previous source); 65535 for none.
         other_source: u16 = NO_SOURCE,
         /// A `DecisionKind` code.
         kind: u8,

@@ -21,7 +21,7 @@ sample! {
         progress_ns: i64 = i64::MIN,
         /// Operating system's process number.
         process_id: u32,
-        /// Source that the counters speak of; 65535 for the process as a whole.
+        /// Source of the counters; 65535 for the process as a whole.
         source: u16 = NO_SOURCE,
         /// Kind of the process: a `ProcessKind` code.
         kind: u8,
@@ -37,7 +37,7 @@ sample! {
         note: [u8; 56] = [0; 56],
         /// Values of the counters.
         counters: Counters,
-        /// Systematic errors of the source, where fusion speaks of one.
+        /// Biases of the source, if estimated by fusion.
         registration: Registration,
     }
 }
@@ -100,9 +100,9 @@ codes! {
         Starting = 0, "starting";
         /// Doing its work.
         Running = 1, "running";
-        /// Done: all its input has been worked off, and it will exit by itself.
+        /// Done: all its input is processed, and it will exit.
         Finished = 2, "finished";
-        /// Unable to go on; the note says why.
+        /// Unable to continue; the note states the reason.
         Failed = 3, "failed";
     }
 }

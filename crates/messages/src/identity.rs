@@ -42,7 +42,7 @@ pub const NAME_MAX: usize = 20;
 sample! {
     /// Known identity of a target (TI-1).
     Identity, size 40 {
-        /// 24-bit aircraft address or 30-bit MMSI, as `kind` says, in the low bits.
+        /// 24-bit aircraft address or 30-bit MMSI (see `kind`), in the low bits.
         address: u32,
         /// Mode 3/A code, its four octal digits in twelve bits.
         mode_3a: u16,

@@ -115,7 +115,7 @@ codes! {
     pub enum TrackKind: u8, default Single {
         /// One target.
         Single = 0, "single";
-        /// Several targets that are not told apart (WA-7).
+        /// Several unresolved targets (WA-7).
         Group = 1, "group";
     }
 }
@@ -123,7 +123,7 @@ codes! {
 codes! {
     /// Rule for the weights of a system track's contributions.
     pub enum FusionRule: u8 {
-        /// Filter of the target's own, with what its sources are worth learned.
+        /// Filter of the target, with learned accuracies of the sources.
         Auto = 1, "auto";
         /// Filter of the target's own.
         SystemFilter = 2, "system-filter";

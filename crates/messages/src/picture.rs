@@ -15,13 +15,13 @@ use crate::{Constant, NO_SOURCE, codes};
 bits! {
     /// Bits of [`PictureHeader::flags`].
     picture_bits: u32 {
-        /// The picture is complete: whatever was known before is to be forgotten.
+        /// The picture is complete and replaces all earlier data.
         FULL = 1;
         /// The picture is of the past.
         PAST = 1 << 1;
         /// Time stands still in it.
         PAUSED = 1 << 2;
-        /// Fusion has said nothing lately.
+        /// Fusion is silent.
         FUSION_SILENT = 1 << 3;
     }
 }
@@ -29,7 +29,7 @@ bits! {
 bits! {
     /// Bits of [`PictureTrack::flags`] and [`PictureSensorTrack::flags`].
     picture_track_bits: u8 {
-        /// A source says that the target is on the ground.
+        /// A source reports that the target is on the ground.
         ON_GROUND = 1;
         /// The height is known.
         HEIGHT = 1 << 1;
@@ -66,7 +66,7 @@ sample! {
         sequence: u32,
         /// Flags: see `picture_bits`.
         flags: u32,
-        /// Numbers of system tracks that have ended, or left what the reader asked for.
+        /// Numbers of system tracks that are terminated, or left the reader's selection.
         removed: u32,
         /// Records `PictureTrack`.
         tracks: u32,
@@ -122,7 +122,7 @@ sample! {
         members: u8,
         /// State: a `TrackState` code.
         state: u8,
-        /// Kind of what the track follows: a `TrackKind` code.
+        /// Kind of the tracked object: a `TrackKind` code.
         kind: u8,
         /// Alerts of the contributing sources: see `alert_bits`.
         alerts: u8,
@@ -138,7 +138,7 @@ sample! {
     PictureIdentity, size 56 {
         /// System-track number.
         number: u32,
-        /// 24-bit aircraft address or 30-bit MMSI, as `kind` says.
+        /// 24-bit aircraft address or 30-bit MMSI (see `kind`).
         address: u32,
         /// Mode 3/A code, its four octal digits in twelve bits.
         mode_3a: u16,

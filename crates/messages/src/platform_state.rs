@@ -53,7 +53,7 @@ sample! {
         pitch_sigma_rad: f64,
         /// Standard deviation of the roll, radians.
         roll_sigma_rad: f64,
-        /// Source whose sensor it carries: its number in the configuration (TI-2).
+        /// Source of the sensor on the platform: its number in the configuration (TI-2).
         source: u16,
         /// Which fields hold something: see `platform_state_bits`.
         valid: u16,

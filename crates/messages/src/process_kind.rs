@@ -15,7 +15,7 @@ codes! {
         Recorder = 3, "recorder";
         /// Starts and watches the others.
         Launcher = 4, "launcher";
-        /// Sends what the simulated sensors observe over the network.
+        /// Sends the observations of simulated sensors over the network.
         Simulator = 5, "simulator";
         /// Sends tracks to other systems over the network.
         Gateway = 6, "gateway";

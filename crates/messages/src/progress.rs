@@ -24,7 +24,7 @@ sample! {
         consumer: u8,
         /// Reserved, 0.
         reserved: u32,
-        /// Monotonic time at which this was said, nanoseconds.
+        /// Monotonic time of this statement, nanoseconds.
         said_ns: i64,
     }
 }

@@ -106,12 +106,12 @@ sample! {
         azimuth_bias_rad: f64,
         /// Standard deviation of the azimuth bias, radians.
         azimuth_bias_sigma_rad: f64,
-        /// Factor by which the source's covariances are being inflated, since they claim too much; 1 if they do not.
+        /// Factor of covariance scaling for a source that overstates its accuracy; otherwise 1.
         covariance_inflation: f64 = 1.0,
         /// Which of the errors are being removed from the source's reports: `registration_bits`.
         removed: u32,
-        /// Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the
-        /// next, the source that shows it in the upper half; [`Registration::gross_error`].
+        /// Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the
+        /// next, the source of the comparison in the upper half; [`Registration::gross_error`].
         gross: u32,
         /// Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         clock_offset_s: f64,
@@ -135,7 +135,7 @@ sample! {
         detection_probability: f32,
         /// Model of the source's error with the best evidence: an `ErrorModel` code.
         error_model: u32,
-        /// Sources whose errors depend on those of this source, where `dependence` is not 0.
+        /// Sources with errors that depend on the errors of this source, if `dependence` is not 0.
         dependent_sources: [u16; 4],
         /// Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
         dependence: [f32; 4],

@@ -23,12 +23,12 @@ sample! {
         parts: u32,
         /// How many of `words` hold something.
         count: u32,
-        /// 1 if the tracks in it were too old to go on: each is told ended; 2 if it is of an image.
+        /// 1 if the tracks were too old to continue, and each is reported as terminated; 2 for a snapshot.
         ends: u32,
         /// Sequence number at its publisher.
         sequence: u64,
         /// Words of a `fusion::checkpoint::Snapshot`, after those of the parts before; of an image the number of the
-        /// next system-track state, then the octets of `fusion::Engine::image`, filled up with zeros.
+        /// next system-track state, then the bytes of `fusion::Engine::image`, filled up with zeros.
         words: [u64; 120] = [0; RESTORED_WORDS],
     }
 }

@@ -7,7 +7,7 @@ use crate::layout::sample;
 bits! {
     /// Bits of [`SensorBearing::valid`].
     sensor_bearing_bits: u16 {
-        /// `emitter_id` is known: the sensor tells transmitters apart.
+        /// `emitter_id` is known: the sensor distinguishes transmitters.
         EMITTER = 1;
         /// `heading_rad` is known.
         HEADING = 1 << 1;

@@ -7,17 +7,17 @@ use crate::{Contribution, Covariance, Extent, Identity, IdentityAges, Movement, 
 bits! {
     /// Bits of [`SensorTrack::valid`].
     sensor_track_bits: u16 {
-        /// Height (`position[2]`) was observed; without it z is 0 and its variance says nothing.
+        /// Height (`position[2]`) was observed; otherwise z is 0 and its variance has no meaning.
         HEIGHT = 1;
         /// Horizontal velocity was delivered or derived.
         VELOCITY = 1 << 1;
         /// Vertical velocity was delivered or derived.
         VERTICAL_RATE = 1 << 2;
-        /// The covariance is the source's own statement; without it, it comes from configured accuracies.
+        /// The covariance is the source's own statement; otherwise it is derived from configured accuracies.
         OWN_COVARIANCE = 1 << 3;
         /// `measured_m` holds the measurement from which the source updated its track.
         MEASURED = 1 << 4;
-        /// The source says that the target is on the ground.
+        /// The source reports that the target is on the ground.
         ON_GROUND = 1 << 5;
         /// The velocity was derived by the adapter from successive positions.
         DERIVED_VELOCITY = 1 << 6;
@@ -39,7 +39,7 @@ bits! {
     alert_bits: u8 {
         /// Special position identification: the pilot has pressed the button.
         SPECIAL_IDENTIFICATION = 1;
-        /// An emergency, of whatever kind; Mode 3/A code 7700.
+        /// An emergency of any kind; Mode 3/A code 7700.
         EMERGENCY = 1 << 1;
         /// Radio communication has failed; code 7600.
         COMMUNICATION_FAILURE = 1 << 2;
@@ -85,11 +85,11 @@ sample! {
         trace_m2: f64,
         /// State of the track at its source: a `TrackState` code.
         state: u8,
-        /// Observation method at the source, as numbered by its format; 0 if it has one only.
+        /// Observation method at the source, as numbered by its format; 0 for a single method.
         method: u8,
         /// Alerts of the target or its source: see `alert_bits`.
         alerts: u8,
-        /// Kind of what the track follows: a `TrackKind` code.
+        /// Kind of the tracked object: a `TrackKind` code.
         kind: u8,
         /// Expected number of members of a group; 0 for a single target.
         members: u16,
@@ -97,13 +97,13 @@ sample! {
         level: i16,
         /// Type of the target.
         target_type: TargetType,
-        /// Size of the target, as its source states or measures it.
+        /// Size of the target, as stated or measured by its source.
         extent: Extent,
         /// Modes of movement and acceleration, as the source states them.
         movement: Movement,
-        /// Sources here whose sensors have contributed to a system track of another centre, as bits by their numbers.
+        /// Local sources whose sensors have contributed to a system track of another centre, as bits by number.
         shared_sources: u64,
-        /// Deployment that made it, where it is a system track of another centre; else 0.
+        /// Original deployment of a system track of another centre; else 0.
         origin: u32,
         /// Age of `level` at the time of measurement, milliseconds.
         level_age_ms: u32,
@@ -119,9 +119,9 @@ sample! {
 }
 
 impl SensorTrack {
-    /// Converts a system track of another centre to a sensor track of `source`, for a deployment whose number is
-    /// `origin` and whose sources have the sensors `sensor_uids`. `None` if tracks of this deployment contributed
-    /// to it: an echo carries no new information.
+    /// Converts a system track of another centre to a sensor track of `source`, for the deployment with the number
+    /// `origin` and with the sensors `sensor_uids`. `None` if tracks of this deployment contributed: such an echo
+    /// contains no new information.
     pub fn of_centre(track: &SystemTrack, source: u16, origin: u32, sensor_uids: &[u32]) -> Option<Self> {
         let contributions = track.contributions();
         let is_echo = |of: u32| origin != 0 && of == origin;

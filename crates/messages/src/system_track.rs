@@ -15,7 +15,8 @@ bits! {
         FRESH = 1;
         /// The accuracy value exists: the source has delivered more than one report.
         SCORED = 1 << 1;
-        /// It is a system track of another centre. Not fresh, it is listed for a while without weight.
+        /// The contribution is a system track of another centre. If not fresh, it is listed for a while without
+        /// weight.
         CENTRE = 1 << 2;
     }
 }
@@ -54,9 +55,9 @@ sample! {
         accuracy: f64,
         /// Number of the sensor track at its source.
         track_number: u32,
-        /// Identity of the sensor, the same in every deployment that hears it; 0: unknown.
+        /// Identity of the sensor, the same in every deployment; 0: unknown.
         sensor_uid: u32,
-        /// Deployment that the sensor track comes from, where not the one at hand; 0: the one at hand.
+        /// Original deployment of the sensor track, if another; 0: this deployment.
         origin: u32,
         /// Source number.
         source: u16,
@@ -82,13 +83,13 @@ sample! {
         epoch: u64,
         /// Stages of the report that caused this state; all but `fused_ns` are 0 if none did.
         stages: StageTimes,
-        /// System-track number: another target has none like it for a day, whatever restarts.
+        /// System-track number: not assigned to another target within a day, across all restarts.
         track_number: u32,
-        /// Deployment that made it: `origin` of its configuration; 0: not stated.
+        /// Deployment of the track: `origin` of its configuration; 0: not stated.
         origin: u32,
         /// Number of the track at the deployment that owns the target, where another does; else 0.
         owner_track_number: u32,
-        /// Number of the system track into which this one was merged, where it ended by a merge; else 0.
+        /// Number of the system track into which this track was merged, if merged; else 0.
         merged_into: u32,
         /// Source of the report that caused this state; 65535 if none did (coasting, ending).
         trigger_source: u16,
@@ -100,19 +101,19 @@ sample! {
         contribution_count: u16,
         /// State of the track: a `TrackState` code.
         state: u8,
-        /// 1 if some source observes height; otherwise z says nothing.
+        /// 1 if a source observes height; otherwise z has no meaning.
         height_valid: u8,
         /// Fusion rule: a `FusionRule` code; 0: unknown.
         rule: u8,
         /// Alerts of the contributing sources: see `alert_bits`.
         alerts: u8,
-        /// 1 if a contributing source says that the target is on the ground.
+        /// 1 if a contributing source reports the target on the ground.
         on_ground: u8,
-        /// Kind of what the track follows: a `TrackKind` code.
+        /// Kind of the tracked object: a `TrackKind` code.
         kind: u8,
         /// Expected number of members of a group; 0 for a single target.
         members: u16,
-        /// Identity of the target, as far as its sources say.
+        /// Identity of the target, as far as known to its sources.
         identity: Identity,
         /// Type of the target.
         target_type: TargetType,
@@ -126,7 +127,7 @@ sample! {
         extent: Extent,
         /// Covariance of position and velocity.
         covariance: Covariance,
-        /// Contributing sources in the order of their numbers; `contribution_count` of them hold something.
+        /// Contributing sources in the order of their numbers; the first `contribution_count` are used.
         contributions: [Contribution; 16],
         /// Normalised innovation squared (NIS) of the report that caused this state, in the plane; 0 if there was none.
         /// About 2 on average where covariances are honest, above 5.99 once in twenty.

@@ -29,7 +29,7 @@ sample! {
         velocity_mps: [f64; 3],
         /// Where they came from, metres east and north.
         origin_m: [f64; 2],
-        /// Number of targets; 0 says that there were none.
+        /// Number of targets, possibly 0.
         targets: u32,
         /// The wide-area sensor: its number in the configuration.
         sensor: u16,

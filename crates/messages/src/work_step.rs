@@ -7,22 +7,23 @@ use crate::layout::sample;
 codes! {
     /// Kind of a step in the event log.
     pub enum StepKind: u8 {
-        /// Fusion begins, from its configuration: `time_ns` is its start-up number (`epoch`).
+        /// Fusion starts from its configuration: `time_ns` is its epoch.
         Begin = 1, "begin";
         /// The report of `source` with the number `sequence` is worked off, and time has passed up to `time_ns`.
         Report = 2, "report";
-        /// The next reports of `source` are those of the publisher whose incarnation is `time_ns`.
+        /// The next reports of `source` come from the publisher with the incarnation `time_ns`.
         Publisher = 3, "publisher";
         /// Time has passed up to `time_ns` without a report.
         Time = 4, "time";
         /// Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by
         /// builds before the kind `Order`.
         Condition = 5, "condition";
-        /// Fusion goes on from what `system/restored` has for its start-up number; told ended are those that it says.
+        /// Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as
+        /// terminated.
         Restored = 6, "restored";
-        /// Numbers of system tracks begin at `sequence`: nobody knows which were given before.
+        /// Numbers of system tracks begin at `sequence`, because the numbers assigned before are unknown.
         Numbers = 7, "numbers";
-        /// An image of the engine, as it is now, is said on `system/restored`, under the time `time_ns`.
+        /// A snapshot of the engine's present state is published on `system/restored`, with the time `time_ns`.
         Image = 8, "image";
         /// The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
         HostOffset = 9, "host_offset";
@@ -53,7 +54,7 @@ sample! {
         /// Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings:
         /// see `StepKind`.
         time_ns: i64,
-        /// Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
+        /// Number of the report, modulo 2^32: its index among the samples of its publisher; in order `time` its own
         /// `sequence`.
         sequence: u32,
         /// Number of the source; 65535 if the step is of none.

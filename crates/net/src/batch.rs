@@ -7,7 +7,7 @@
 //! much room for control messages as the first datagram filled; the count of drops, absent while zero, would then
 //! never arrive. (The wrapper of the crate `nix` 0.31 reuses headers; therefore this module makes the call itself.)
 //!
-//! Addresses and control messages are plain octets in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as
+//! Addresses and control messages are plain bytes in a documented layout (ip(7), ipv6(7), cmsg(3)), and are read as
 //! such.
 
 #![allow(unsafe_code)]
@@ -25,7 +25,7 @@ pub const BATCH_MAX: usize = 32;
 
 /// Room for an address: that of `sockaddr_in6`, the longer of the two.
 const NAME_OCTETS: usize = 28;
-/// Room for control messages: a `timespec` and a `u32`, each behind a header of 16 octets and padded to 8.
+/// Room for control messages: a `timespec` and a `u32`, each behind a header of 16 bytes and padded to 8.
 const CONTROL_OCTETS: usize = 32 + 24;
 /// Length and kind of a control message.
 const CONTROL_HEADER_OCTETS: usize = 16;

@@ -49,7 +49,7 @@ pub struct LinesSettings {
 }
 
 impl LinesSettings {
-    /// Attempts of at most 5 s with pauses of 0.5 s to 30 s, silence of at most 60 s, lines of at most 1024 octets.
+    /// Attempts of at most 5 s with pauses of 0.5 s to 30 s, silence of at most 60 s, lines of at most 1024 bytes.
     pub fn new(server: SocketAddr) -> Self {
         Self {
             server,

@@ -59,7 +59,7 @@ pub struct ReceiverSettings {
     /// Size of the kernel's buffer, 4 KiB to 1 GiB. A datagram occupies some hundred bytes more than its payload, for
     /// the kernel's management.
     pub receive_buffer_octets: usize,
-    /// Longest datagram that is accepted, at most 65,535 octets. [`BATCH_MAX`](crate::BATCH_MAX) times as much is
+    /// Longest datagram that is accepted, at most 65,535 bytes. [`BATCH_MAX`](crate::BATCH_MAX) times as much is
     /// allocated.
     pub datagram_octets_max: usize,
 }
@@ -137,7 +137,7 @@ pub struct ReceiverCounters {
     pub empty: u64,
     /// Datagrams without sender or time of receipt, not handed on. No kernel is known to deliver any.
     pub unstamped: u64,
-    /// Octets handed on.
+    /// Bytes handed on.
     pub octets: u64,
     /// Datagrams that the kernel dropped. The number comes with the next datagram, so drops before a silence are
     /// counted after it.
@@ -230,7 +230,7 @@ impl UdpReceiver {
         self.counters
     }
 
-    /// How many octets the kernel has agreed to hold.
+    /// How many bytes the kernel has agreed to hold.
     pub fn receive_buffer_octets(&self) -> usize {
         self.receive_buffer_octets
     }

@@ -76,7 +76,7 @@ impl SenderSettings {
 pub struct SenderCounters {
     /// Datagrams that the operating system took.
     pub sent: u64,
-    /// Octets in them.
+    /// Bytes in them.
     pub octets: u64,
     /// Datagrams refused by the kernel: buffer full, datagram too long, no route.
     pub failed: u64,

@@ -1,13 +1,13 @@
-//! A stream of octets into lines.
+//! A stream of bytes into lines.
 //!
 //! TCP has no lines: a read may end within a line or contain many. An incomplete line waits for its end. The wait is
 //! bounded, because a server without line feeds would otherwise fill the memory: after the greatest length,
 //! everything up to the next line feed is skipped and counted once.
 
-/// Octets that are read at a time beside an incomplete line.
+/// Bytes that are read at a time beside an incomplete line.
 const READ_OCTETS: usize = 16 << 10;
 
-/// Collects octets until they are lines.
+/// Collects bytes until they are lines.
 #[derive(Debug)]
 pub(crate) struct Splitter {
     buffer: Box<[u8]>,
@@ -29,7 +29,7 @@ impl Splitter {
         }
     }
 
-    /// Where the next octets are to be put; never empty.
+    /// Where the next bytes are to be put; never empty.
     pub(crate) fn free(&mut self) -> &mut [u8] {
         &mut self.buffer[self.filled..]
     }
@@ -57,7 +57,7 @@ impl Splitter {
         }
         self.buffer.copy_within(start..end, 0);
         self.filled = end - start;
-        // One octet more may be the carriage return.
+        // One byte more may be the carriage return.
         if !self.skipping && self.filled > self.line_octets_max + 1 {
             self.skipping = true;
             self.oversized += 1;

@@ -46,7 +46,7 @@ pub use system::{SystemReports, SystemSource, Technology};
 use asterix::block::HEADER_OCTETS;
 use asterix::{BlockWriter, Category};
 
-/// No record of this module has more octets.
+/// No record of this module has more bytes.
 const RECORD_OCTETS_MAX: usize = 125;
 /// The smallest block that any record fits, with its header.
 pub const BLOCK_OCTETS_LEAST: usize = HEADER_OCTETS + RECORD_OCTETS_MAX;
@@ -80,7 +80,7 @@ pub enum OutgoingError {
     /// A block size that no block has, or that not every record fits.
     #[error("a block of at most {octets} octets is not possible; choose {BLOCK_OCTETS_LEAST} to {BLOCK_OCTETS_MOST}")]
     BlockSize {
-        /// Greatest block that was asked for, octets.
+        /// Greatest block that was asked for, bytes.
         octets: usize,
     },
 }

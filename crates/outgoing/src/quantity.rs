@@ -67,7 +67,7 @@ mod tests {
 
     use super::*;
 
-    /// One octet without sign, LSB 0.25 m.
+    /// One byte without sign, LSB 0.25 m.
     const OCTET: Field = field(CAT010, &["500", "DEVX"]);
 
     #[test]

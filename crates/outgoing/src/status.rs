@@ -141,7 +141,7 @@ pub struct StatusReports {
 
 impl StatusReports {
     /// A sender of these editions of CAT065 and CAT063, from a system with these codes (SAC, SIC), in blocks of at most
-    /// `block_octets_max` octets.
+    /// `block_octets_max` bytes.
     ///
     /// # Errors
     /// If a table is of another category, or the block size is not possible.

@@ -151,7 +151,7 @@ impl Technology {
 pub struct SystemSource {
     /// Number, as in [`Contribution::source`](messages::Contribution::source).
     pub number: u16,
-    /// Technology by which it observes.
+    /// Technology of observation.
     pub technology: Technology,
 }
 
@@ -221,7 +221,7 @@ struct Report<'t> {
 
 impl SystemReports {
     /// A sender of CAT062 in the given edition, from a system with these codes (SAC, SIC), frame and sources, in blocks
-    /// of at most `block_octets_max` octets.
+    /// of at most `block_octets_max` bytes.
     ///
     /// # Errors
     /// If the table is not one of CAT062, or the block size is not between

@@ -49,7 +49,7 @@ pub struct SourceModel {
     /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
     /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
     pub qnh_hpa: f64,
-    /// Limits of its reports.
+    /// Limits of the sensor's reports.
     pub limits: Limits,
     /// How accurate they are.
     pub covariance: CovarianceModel,

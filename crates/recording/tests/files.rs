@@ -144,7 +144,7 @@ fn chunks_are_read_in_any_order_also_where_the_end_is_missing() {
     }
 }
 
-/// Octets of the samples on all topics.
+/// Bytes of the samples on all topics.
 fn samples_of(file: &[u8]) -> Vec<(String, Vec<u8>)> {
     let stream = mcap::MessageStream::new(file).unwrap();
     let messages = stream.map(|message| message.unwrap());

@@ -32,17 +32,17 @@ settings::settings! {
         leg_m: f64 = 40_000.0, in [0, 1e6];
         /// Speed of the platform.
         speed_mps: f64 = 120.0, in [10, 400];
-        /// Time between two bearings of one transmitter.
+        /// Time between two bearings of a transmitter.
         period_s: f64 = 1.0, in [0.01, 60];
         /// Time from a measurement to its delivery.
         delay_s: f64 = 0.02, in [0, 60];
         /// Standard deviation of a bearing.
         bearing_sigma_rad: f64 = 0.0087, in [1e-5, 0.5];
-        /// Constant error of every bearing that the finder does not know of.
+        /// Constant bias of every bearing.
         bearing_bias_rad: f64 = 0.0, in [-0.5, 0.5];
-        /// Probability that a transmitter is heard in a period.
+        /// Probability of receiving a transmitter in a period.
         detection_probability: f64 = 0.9, in [1e-3, 1];
-        /// Greatest distance in the plane at which a transmitter is heard.
+        /// Greatest distance of a received transmitter in the plane.
         range_max_m: f64 = 200_000.0, in [1, 2e6];
         /// Share of the targets that transmit.
         transmitting_share: f64 = 1.0, in [0, 1];

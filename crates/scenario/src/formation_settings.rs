@@ -16,19 +16,20 @@ const SIDEWAYS_MPS: f64 = 50.0;
 const VERTICAL_MPS: f64 = 20.0;
 
 settings::settings! {
-    /// Formations of one kind: targets that come from far away, each by itself, join, fly side by side towards a place,
-    /// part again, turn back beside it, and come again.
+    /// Formations of a kind: targets that arrive separately from far away, join, fly in parallel towards a place,
+    /// separate, turn back beside the place, and repeat.
     pub struct FormationSettings {
         check FormationSettings::check;
         /// Number of formations.
         count: u32 = 1, in [1, FORMATIONS_MAX];
-        /// Numbers of members that one has, 1 to 64, with their probabilities, which sum to 1: `[[2, 0.7], [4, 0.3]]`.
+        /// Numbers of members of a formation, 1 to 64, with their probabilities, which sum to 1: `[[2, 0.7], [4,
+        /// 0.3]]`.
         sizes: Vec<(u32, f64)> = vec![(2, 1.0)], usually "two";
         /// Distance between neighbours while together.
         spacing_m: f64 = 200.0, in [1, 1e5];
         /// Distance between neighbours before and after, at least `spacing_m`.
         apart_m: f64 = 3000.0, in [1, 1e5];
-        /// Place that they fly to: east and north.
+        /// Destination of the formations: east and north.
         position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
         /// First and last bearing, from there, of where they come from, clockwise from north; formations share the
         /// sector evenly.
@@ -43,7 +44,7 @@ settings::settings! {
         speed_mps: [f64; 2] = [150.0, 220.0], in [30, 240];
         /// Height.
         height_m: f64 = 3000.0, in [0, 12_000];
-        /// Height to which they descend at the end of the way in, below what sensors see, and in which they return.
+        /// Height at the end of the approach, below the sensors' coverage, and on the return.
         low_m: Option<f64> = None, in [0, 12_000], usually "they stay high";
     }
 }

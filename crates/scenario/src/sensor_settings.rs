@@ -48,7 +48,7 @@ settings::settings! {
         height_min_m: Option<f64> = None, in [-1e4, 1e5], usually "300; −100; −100";
         /// Greatest height that is seen.
         height_max_m: Option<f64> = None, in [-1e4, 1e6], usually "30000";
-        /// Time between two looks at one target.
+        /// Time between two looks at a target.
         period_s: Option<f64> = None, in [0.05, 60], usually "4; 1; 1";
         /// Time when the first period begins, up to the period. A radar then points north.
         phase_s: Option<f64> = None, in [0, 60], usually "0";
@@ -68,34 +68,34 @@ settings::settings! {
         horizontal_sigma_m: Option<f64> = None, in [1e-3, 1e5], usually "–; 20; 10";
         /// Standard deviation of height. A radar with identity "none" has no height unless given.
         height_sigma_m: Option<f64> = None, in [1e-3, 1e5], usually "15; 20; 10";
-        /// Constant error of every position that the sensor does not know of: east, north, up.
+        /// Constant bias of every position: east, north, up.
         bias_m: Option<[f64; 3]> = None, in [-1e5, 1e5], usually "0, 0, 0";
-        /// Constant error of every range that the radar does not know of; of radars only.
+        /// Constant bias of every range; radars only.
         range_bias_m: Option<f64> = None, in [-1e5, 1e5], usually "0";
-        /// Constant error of every azimuth that the radar does not know of; of radars only.
+        /// Constant bias of every azimuth; radars only.
         azimuth_bias_rad: Option<f64> = None, in [-0.5, 0.5], usually "0";
         /// Identity that is learned of a target.
         identity: Option<SensorIdentity> = None, usually "mode-3a; full; address";
         /// Number of times per hour that each target disappears from the sensor for a while.
         dropouts_per_hour: Option<f64> = None, in [0, 360], usually "0";
-        /// Time for which it disappears.
+        /// Duration of a dropout.
         dropout_duration_s: Option<f64> = None, in [0, 1e5], usually "20";
         /// Mean number of false tracks that begin per period; not of ADS-B.
         false_tracks_per_period: Option<f64> = None, in [0, 20], usually "0";
-        /// Whether it delivers what it detects, plots, and no tracks; of radars only.
+        /// Whether the radar delivers detections (plots) instead of tracks; radars only.
         plots: bool = false;
         /// Mean number of false plots per period; with `plots` only.
         false_plots_per_period: Option<f64> = None, in [0, 5000], usually "0";
-        /// Range resolution: two targets that differ in range by less than this, and in azimuth by less than
-        /// `azimuth_resolution_rad`, give one plot in their middle. With `plots` only; if neither is given, one plot
-        /// each.
+        /// Range resolution: two targets that differ in range by less than this value, and in azimuth by less than
+        /// `azimuth_resolution_rad`, give a single plot in their middle. With `plots` only; without both keys, every
+        /// target gives its own plot.
         range_resolution_m: Option<f64> = None, in [1e-3, 1e5], usually "150 if the other is given";
         /// Azimuth resolution; see `range_resolution_m`.
         azimuth_resolution_rad: Option<f64> = None, in [1e-7, 0.5], usually "0.026 if the other is given, a beam of 1.5°";
         /// Probability that two such neighbours are resolved in a turn all the same; with a resolution only.
         resolved_probability: Option<f64> = None, in [0, 1], usually "0";
-        /// Spectral density of the acceleration that the sensor's own filter allows for, east and north; a tenth of it
-        /// upwards. The usual one is honest on straight legs and in turns at 25° of bank alike.
+        /// Spectral density of the acceleration in the sensor's own filter, east and north; vertically a tenth. With
+        /// the default, covariances are right on straight legs and in turns with 25° of bank.
         acceleration_density_m2ps3: Option<f64> = None, in [1e-6, 1e6], usually "20";
         /// Standard deviation of a velocity not yet observed; a tenth of it upwards.
         first_speed_sigma_mps: Option<f64> = None, in [1e-3, 1e4], usually "150";

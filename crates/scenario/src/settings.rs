@@ -12,8 +12,8 @@ settings::settings! {
     /// The targets of a scenario.
     pub struct ScenarioSettings {
         check ScenarioSettings::check;
-        /// Number of targets beside formations, at least 1 if there are none. Those that no share speaks of fly en
-        /// route.
+        /// Number of targets beside formations, at least 1 without formations. Targets outside the configured shares
+        /// fly en route.
         targets: u32 = 80, in [0, TARGETS_MAX];
         /// Half the side of the square in which en-route paths have their centres.
         half_width_m: f64 = 100_000.0, in [40_000, 400_000];
@@ -27,9 +27,9 @@ settings::settings! {
         ship_share: f64 = 0.0, in [0, 1];
         /// Greatest speed of ships; the slowest goes a third of it.
         ship_speed_max_mps: f64 = 12.0, in [0.1, 30];
-        /// Share of the en-route targets that meet another one, crossing its path at the same time in every lap.
+        /// Share of the en-route targets that meet another target, crossing its path at the same time in every lap.
         crossing_share: f64 = 0.3, in [0, 1];
-        /// Formations of one kind. Their members have the numbers after those of all others.
+        /// Formations of a kind. Their members have the numbers after all other targets.
         formations as "formation": Vec<FormationSettings> = Vec::new();
     }
 }

@@ -27,11 +27,11 @@ settings::settings! {
     /// A simulated wide-area sensor.
     pub struct WideAreaSettings {
         check WideAreaSettings::check;
-        /// Middle of what it watches: east and north.
+        /// Centre of the observed area: east and north.
         position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
-        /// Radius of what it watches.
+        /// Radius of the observed area.
         range_max_m: f64 = 200_000.0, in [1, 2e6];
-        /// Lowest height that it sees.
+        /// Lowest observed height.
         height_min_m: f64 = 300.0, in [-1e4, 1e5];
         /// Time between two observations.
         period_s: f64 = 8.0, in [0.1, 600];
@@ -43,17 +43,17 @@ settings::settings! {
         detection_probability: f64 = 1.0, in [1e-3, 1];
         /// Standard deviation of a group's place, east and north.
         position_sigma_m: f64 = 1000.0, in [0, 1e5];
-        /// Standard deviation of its velocity, east and north.
+        /// Standard deviation of the reported velocity, east and north.
         velocity_sigma_mps: f64 = 10.0, in [0, 1e3];
         /// Probability that a count is wrong by one.
         count_wrong_probability: f64 = 0.0, in [0, 1];
-        /// Most targets that it counts in one group: of more it reports so many.
+        /// Greatest count of a group; larger groups are reported with this count.
         counted_max: u32 = 256, in [1, 256];
         /// Targets nearer to each other than this are in one report.
         resolution_m: f64 = 5000.0, in [1, 1e6];
-        /// Whether reports say where their targets were first seen.
+        /// Whether reports contain the place of the first observation.
         origins: bool = false;
-        /// Time for which it reports none where a group has vanished; 0: it does not.
+        /// Time for which the sensor reports zero targets after a group has vanished; 0: no such reports.
         absence_s: f64 = 0.0, in [0, FORGOTTEN_AFTER_S];
     }
 }

@@ -23,9 +23,9 @@ use crate::samples::Samples;
 pub enum Processing {
     /// The sensor delivers tracks.
     Tracks,
-    /// Tracks are made of its detections.
+    /// Tracker for the source's detections.
     Detections(Box<TrackerSettings>),
-    /// Tracks are made of its bearings.
+    /// Locator for the source's bearings.
     Bearings(Box<locating::Settings>),
 }
 

@@ -37,7 +37,7 @@ pub fn assert_golden(path: &Path, found: &str) {
     );
 }
 
-/// Hash of a sequence of octets: FNV-1a with 64 bits. It is the same everywhere and for ever, which that of the
+/// Hash of a sequence of bytes: FNV-1a with 64 bits. It is the same everywhere and for ever, which that of the
 /// standard library does not promise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Digest(u64);
@@ -49,14 +49,14 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// The hash of these octets.
+    /// The hash of these bytes.
     pub fn of(octets: &[u8]) -> Self {
         let mut digest = Self::default();
         digest.add(octets);
         digest
     }
 
-    /// Adds octets.
+    /// Adds bytes.
     pub fn add(&mut self, octets: &[u8]) {
         for octet in octets {
             self.0 = (self.0 ^ u64::from(*octet)).wrapping_mul(0x0000_0100_0000_01b3);

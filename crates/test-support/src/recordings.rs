@@ -27,7 +27,7 @@ pub fn recordings(part: &str) -> Option<PathBuf> {
     None
 }
 
-/// The octets of one recording, named by its path in the folder of the recordings; see [`recordings`].
+/// The bytes of one recording, named by its path in the folder of the recordings; see [`recordings`].
 ///
 /// # Panics
 /// If it is absent and `KOSEKI_REQUIRE_DATA` is set, or cannot be read.

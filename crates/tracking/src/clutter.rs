@@ -1,4 +1,4 @@
-//! How many false detections a sensor gives, learned while running.
+//! Clutter density of a sensor, estimated during operation.
 //!
 //! Operators rarely have a figure for the clutter density, but it can be counted: detections outside the gates of
 //! all confirmed tracks are false or begin tracks, and beginnings are few. The density is their mean number per scan

@@ -25,8 +25,8 @@ settings::settings! {
         range_m: [f64; 2];
         /// First and last bearing, clockwise from north; all round if it is not given.
         sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
-        /// Where the sensor stands, east and north; if it is not given, where its detections say that it is, and while
-        /// there has been none, nothing is known to be inside.
+        /// Position of the sensor, east and north. Without the key, the position stated by the sensor's detections;
+        /// before the first statement, nothing counts as inside.
         position_m: Option<[f64; 2]> = None, in [-1e7, 1e7];
     }
 }

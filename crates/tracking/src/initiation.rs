@@ -17,7 +17,7 @@ use observations::DetectionKind;
 use crate::measurement::Measurement;
 
 settings::settings! {
-    /// Assumptions on a target before it was observed.
+    /// Assumptions on a target before its first observation.
     #[derive(Copy)]
     pub struct Initiation {
         /// Expected new targets per expected false detection (HT-8).

@@ -11,13 +11,13 @@ settings::settings! {
     /// Conditions of confirmation: a tentative track is confirmed when all of them hold (HT-10).
     #[derive(Copy)]
     pub struct Confirmation {
-        /// Least reliability, together, of the hypotheses that contain it. 1: it is in all remaining ones, the source's
-        /// rule.
+        /// Least total reliability of the hypotheses with the track. 1: the track is in all remaining hypotheses, the
+        /// rule of the source.
         reliability_min: f64 = 0.99, in [0.501, 1];
-        /// Least number of its detections.
+        /// Least number of detections of the track.
         detections_min: u32 = 2, in [1, 1000];
-        /// Least log-likelihood ratio: the logarithm of how much likelier its detections are if they are of one target
-        /// than if all are false.
+        /// Least log-likelihood ratio: logarithm of the likelihood of the track's detections if caused by a target,
+        /// divided by their likelihood if all are false.
         log_likelihood_ratio_min: Option<f64> = None, in [-1e3, 1e3];
     }
 
@@ -34,8 +34,7 @@ settings::settings! {
     /// Deletion of tracks.
     #[derive(Copy)]
     pub struct DeletionSettings with limits: Deletion {
-        /// Time for which a sensor that looks again sees the same: whether it detects a target, and by how much it is
-        /// wrong.
+        /// Time within which a repeated look is not independent: the same detection or miss, with the same error.
         coherence_s: f64 = 1.0, in [1e-3, 1e4];
     }
 }

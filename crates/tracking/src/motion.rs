@@ -1,4 +1,4 @@
-//! How targets move between detections (HT-13).
+//! Motion models of targets: steady flight and manoeuvres (HT-13).
 //!
 //! By default a target flies straight, disturbed by a weak white-noise acceleration. A filter with this assumption
 //! alone loses turning targets; a filter with strong noise has wide gates, takes in more clutter and smooths less.
@@ -30,7 +30,7 @@ settings::settings! {
     pub struct MotionSettings {
         /// Spectral density of the accelerations in steady flight: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
-        /// Second model beside it, of targets that manoeuvre.
+        /// Second model, of manoeuvring targets.
         manoeuvres: Manoeuvres = Manoeuvres::default();
     }
 

@@ -1,4 +1,4 @@
-//! The likeliest interpretations of a scan, one after the other, over all hypotheses of a cluster (HT-11).
+//! Ranked interpretations of a scan over all hypotheses of a cluster: the most likely first (HT-11).
 //!
 //! All interpretations are far too many: ten detections that may each be false, new or one of three tracks have
 //! millions. Only the best few dozen are kept. In logarithms the likelihood of an interpretation is a sum over its

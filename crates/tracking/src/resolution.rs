@@ -1,5 +1,4 @@
-//! Unites several detections of one target: detections nearer together than the sensor's resolution are one
-//! detection.
+//! Resolution: merges detections of a scan nearer to each other than the sensor's resolution.
 //!
 //! A lidar detects two ends of a hull, and a tracker with at most one detection per target and scan makes the second
 //! end a second target. Operators know the size of targets, or the resolution of a sensor. Detections of a scan

@@ -1,4 +1,4 @@
-//! Which detections of on-board sensors are used at all (WA-1).
+//! Selection of the detections to use, by age, accuracy and priority (WA-1).
 //!
 //! Old, inaccurate or redundant detections seldom improve a track, and cost as much as others. They may be rejected
 //! by age, by accuracy, or by the priority of their sensor if several sensors look at the same time. Alternatively
@@ -17,11 +17,11 @@ settings::settings! {
     pub struct Selection {
         /// Detections that are so much older than the latest scan are refused.
         age_max_s: Option<Seconds> = None, in [0, 86_400];
-        /// Detections whose place has a larger standard deviation in some direction are refused. Directions alone have
-        /// no place.
+        /// Largest standard deviation of a detection's position in any direction; other detections are rejected.
+        /// Detections without a position (directions) are not affected.
         sigma_max_m: Option<f64> = None, in [1e-3, 1e7];
-        /// Scans so far apart are at the same time: of them only those of the sensor with the highest priority are
-        /// used. Scans are compared while they are open.
+        /// Greatest difference of time between scans that count as simultaneous: of such scans only those of the
+        /// sensor with the highest priority are used. Open scans are compared.
         same_time_s: Seconds = Seconds::default(), in [0, 86_400];
         /// Weight with which refused detections are used, instead of not at all.
         kept_weight: Option<f64> = None, in [0, 0.999_999];

@@ -1,4 +1,4 @@
-//! The clusters that a cluster falls into after a scan (HT-4).
+//! Separation of a cluster into smaller clusters after a scan (HT-4).
 //!
 //! Tracks separate when they share nothing any longer: without a common detection in their memory and without a
 //! common root, they belong to different clusters. Each part keeps its own tracks of every hypothesis; hypotheses

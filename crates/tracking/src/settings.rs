@@ -25,19 +25,19 @@ settings::settings! {
     /// The tracker and its sensors, for aircraft and vessels seen by any sensors.
     pub struct Settings {
         check Settings::check;
-        /// Sensors that something is known of; offline, the others are as usual.
+        /// Sensors with known facts; offline, other sensors have default settings.
         sensors as "sensor": Vec<SensorSettings> = Vec::new();
         /// Gates around predicted measurements.
         gate: Gate = Gate::default();
         /// Models of motion (HT-13).
         motion: MotionSettings = MotionSettings::default();
-        /// Assumptions on a target before it was observed.
+        /// Assumptions on a target before its first observation.
         initiation: Initiation = Initiation::default();
         /// Confirmation of tracks (HT-10).
         confirmation: Confirmation = Confirmation::default();
         /// Deletion of tracks (HT-10).
         deletion: DeletionSettings = DeletionSettings::default();
-        /// Which hypotheses are kept (HT-9).
+        /// Selection of the hypotheses to keep (HT-9).
         reduction: Reduction = Reduction::default();
         /// Assumptions on targets that split (SP-1 … SP-7).
         splitting: Splitting = Splitting::default();
@@ -52,15 +52,14 @@ settings::settings! {
     /// Facts about a sensor.
     pub struct SensorSettings with model: SensorModel {
         check SensorSettings::check;
-        /// Number by which detections name it.
+        /// Number of the sensor in detections.
         sensor_id as "id": u32;
-        /// Standard deviations of detections that state none, of the measured quantities in their order: 1 to 3 of
-        /// them.
+        /// Standard deviations for detections without their own, of the measured quantities in order: 1 to 3 values.
         sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
         /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
         range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
-        /// Priority: of scans at the same time (`selection.same_time_s`) only those of the sensor with the highest one
-        /// are used.
+        /// Priority: of scans at the same time (`selection.same_time_s`), only scans of the sensor with the highest
+        /// priority are used.
         priority: u32 = 0;
     }
 
@@ -69,14 +68,14 @@ settings::settings! {
     pub struct SensorModel {
         /// Probability that a target in the field of view is detected in a scan.
         detection_probability: f64 = 0.9, in [0.01, 0.9999];
-        /// Expected false detections per scan: per m² where the sensor measures positions or ranges, per radian of
-        /// bearing where it measures directions only. Learned from detections outside the gates of confirmed tracks if
-        /// it is not given.
+        /// Expected false detections per scan: per m² for a sensor of positions or ranges, per radian of bearing for
+        /// a sensor of directions only. Without the key, learned from detections outside the gates of confirmed
+        /// tracks.
         clutter_density: Option<f64> = None, in [1e-30, 1e6], usually "learned";
-        /// Where it sees targets. What is missing outside was not missed.
+        /// Region with detections of targets. Targets outside the region are not missed.
         field_of_view: Option<FieldOfView> = None, usually "everywhere";
-        /// Detections of a scan nearer to each other than this are of one target; a target gives only one if it is not
-        /// given.
+        /// Smallest distance between detections of different targets in a scan; without the key, a target gives at
+        /// most one detection.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
     }
 
@@ -90,7 +89,7 @@ settings::settings! {
     /// Which hypotheses are kept (HT-9): merging, threshold and number, in this order.
     #[derive(Copy)]
     pub struct Reduction {
-        /// Hypotheses are merged whose associations over so many scans are the same; 0: only those that consist of the
+        /// Number of scans with equal associations after which hypotheses are merged; 0: only hypotheses with the
         /// same tracks.
         merge_scans: usize = 2, in [0, HISTORY_MAX];
         /// Hypotheses less reliable are dropped.
@@ -105,7 +104,7 @@ settings::settings! {
         /// Expected new targets per expected false detection in the gates of confirmed tracks; as elsewhere if it is
         /// off.
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
-        /// New tracks start only in the gate of a confirmed one, in a cluster that has one (SP-1).
+        /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
         /// New tracks start with the motion of the best so many branches of that track (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
@@ -124,7 +123,7 @@ settings::settings! {
         tracks: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
         /// Most detections in a scan.
         detections: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
-        /// Scans that stay open for late ones to come before them (HT-12).
+        /// Number of scans that stay open for late, earlier scans (HT-12).
         open_scans: usize = 0, in [0, 64];
     }
 }

@@ -1,4 +1,4 @@
-//! Targets that part (SP-1 … SP-7).
+//! Splitting: targets of a formation that separate (SP-1 … SP-7).
 //!
 //! Targets that fly together appear as one, and are tracked as one. When they part, one target continues the track
 //! and the other is new. Without special treatment, a second detection nearby is most likely clutter, and the new

@@ -1,4 +1,4 @@
-//! Scan after scan, late ones included (HT-1, HT-12).
+//! The tracker: processes scan after scan, including late scans (HT-1, HT-12).
 //!
 //! A late scan could be used at once, with its detections carried forward; but decisions made without them would
 //! stay. Instead the last scans stay open: they are stored with the population before each. A late scan is inserted

@@ -30,7 +30,7 @@ settings::settings! {
     pub struct Turn {
         /// Standard deviation of the rate of a turn that begins.
         rate_sigma_radps: f64, in [1e-6, 10];
-        /// Spectral density of its changes.
+        /// Spectral density of the changes of the rate.
         rate_noise_rad2ps3: f64, in [1e-15, 10];
     }
 }

@@ -22,11 +22,11 @@ use tokio::time::timeout;
 
 use crate::guard::{Counts, Guard, Refusal, sealed};
 
-/// Time that a connection has, from its being accepted to the last octet of the answer.
+/// Time that a connection has, from its being accepted to the last byte of the answer.
 pub const PATIENCE: Duration = Duration::from_secs(10);
 /// Most connections at a time, beside WebSockets.
 pub const CONNECTIONS_MAX: usize = 64;
-/// Longest head of a request, octets.
+/// Longest head of a request, bytes.
 const HEAD_MAX: usize = 8192;
 /// Most header lines of a request.
 const HEADERS_MAX: usize = 64;

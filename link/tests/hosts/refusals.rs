@@ -171,7 +171,7 @@ fn who_is_no_user_or_has_no_password_learns_nothing() {
     until_named(&there, &["wrong user or password", "not named in [[link.peer]]"]);
 }
 
-/// A message with no slice, and an octet too many.
+/// A message with no slice, and a byte too many.
 fn cut_off() -> Vec<u8> {
     let mut message = b"KOSEKI/1".to_vec();
     message.resize(72 + 1, 0);

@@ -1,4 +1,4 @@
-//! Way of one source's observations to its topics.
+//! Path of a source's observations to its topics.
 
 use bus::{BusError, Mark, SharedMemory, Subscriber};
 use configuration::{Process, Source};

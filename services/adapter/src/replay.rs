@@ -79,7 +79,7 @@ struct Clock {
 pub(crate) struct Published<'a, T> {
     pub(crate) topic: &'a Topic<T>,
     pub(crate) stream: StreamId,
-    /// Identity of the sensor, where it has one.
+    /// Identity of the sensor, if any.
     pub(crate) sensor_uid: Option<u32>,
 }
 
@@ -215,7 +215,7 @@ impl<R: Replayed> Agent for Replay<R> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.outlet.update()?;
         if self.ended {
-            // A consumer that was restarted has not heard it: said again now and then, until the launcher stops us.
+            // A restarted consumer has missed the end: the end is repeated until the launcher stops this process.
             if now.mono_ns >= self.end_said_ns + END_REPEAT_NS && self.outlet.may_send() {
                 self.publish(0, now)?;
             }
@@ -227,13 +227,13 @@ impl<R: Replayed> Agent for Replay<R> {
         let Some(clock) = self.clock else {
             self.start(now);
             if self.recording.due_ns(0).is_some() {
-                // Says where the source begins, so that the others need not wait for its first sample.
+                // Publishes the start of the source, so that readers need not wait for its first sample.
                 self.publish(0, now)?;
             }
             return Ok(Turn::Worked);
         };
         let count = self.due(clock, now);
-        // Detections first: those up to the last of these samples, and all that are left before the end is said.
+        // Detections first: up to the last of these samples, and all remaining detections before the end.
         let last_ns = count.checked_sub(1).and_then(|last| self.recording.due_ns(last));
         let until_ns = match self.recording.due_ns(count) {
             Some(_) => last_ns.unwrap_or(i64::MIN),

@@ -1,9 +1,8 @@
 //! Tables in datagrams.
 //!
-//! Each datagram is a table by itself: a header line, and rows, as many as fit. The header costs a datagram a hundred
-//! octets, and buys that columns may come in any order, that more may be added, and that any datagram can be lost
-//! without harm to the next. Times are seconds since midnight (UTC); the day is the one that brings them nearest to the
-//! time of receipt.
+//! Each datagram is a complete table: a header line, and as many rows as fit. The header costs a datagram a hundred
+//! bytes; in return columns may have any order, columns may be added, and a lost datagram does not affect the next.
+//! Times are seconds since midnight (UTC); the day is chosen nearest to the time of receipt.
 //!
 //! A row that cannot be read is counted, and passed over.
 
@@ -38,7 +37,7 @@ impl Tables {
         })
     }
 
-    /// Adds what has been counted.
+    /// Adds the counts.
     pub(crate) fn count(&self, counters: &mut Counters) {
         counters[Counter::Records] += self.rows;
         counters[Counter::BlocksRejected] += self.rows_rejected;

@@ -6,19 +6,19 @@ const LITTLE = true;
 
 /** Bits. */
 export const PICTURE = Object.freeze({
-  /** The picture is complete: whatever was known before is to be forgotten. */
+  /** The picture is complete and replaces all earlier data. */
   FULL: 1,
   /** The picture is of the past. */
   PAST: 2,
   /** Time stands still in it. */
   PAUSED: 4,
-  /** Fusion has said nothing lately. */
+  /** Fusion is silent. */
   FUSION_SILENT: 8,
 });
 
 /** Bits. */
 export const PICTURE_TRACK = Object.freeze({
-  /** A source says that the target is on the ground. */
+  /** A source reports that the target is on the ground. */
   ON_GROUND: 1,
   /** The height is known. */
   HEIGHT: 2,
@@ -46,7 +46,7 @@ export const IDENTITY = Object.freeze({
 export const ALERT = Object.freeze({
   /** Special position identification: the pilot has pressed the button. */
   SPECIAL_IDENTIFICATION: 1,
-  /** An emergency, of whatever kind; Mode 3/A code 7700. */
+  /** An emergency of any kind; Mode 3/A code 7700. */
   EMERGENCY: 2,
   /** Radio communication has failed; code 7600. */
   COMMUNICATION_FAILURE: 4,
@@ -80,7 +80,7 @@ export const TRACK_STATE = Object.freeze({
 export const TRACK_KIND = Object.freeze({
   /** One target. */
   0: "single",
-  /** Several targets that are not told apart (WA-7). */
+  /** Several unresolved targets (WA-7). */
   1: "group",
 });
 
@@ -114,7 +114,7 @@ function text(view, at, length) {
  * @property {number} time_ns Time of the picture, UTC, nanoseconds since 1970.
  * @property {number} sequence Sequence number among the pictures of one reader.
  * @property {number} flags Flags: see `picture_bits`.
- * @property {number} removed Numbers of system tracks that have ended, or left what the reader asked for.
+ * @property {number} removed Numbers of system tracks that are terminated, or left the reader's selection.
  * @property {number} tracks Records `PictureTrack`.
  * @property {number} identities Records `PictureIdentity`.
  * @property {number} sensor_tracks Records `PictureSensorTrack`.
@@ -158,7 +158,7 @@ export function readPictureHeader(view, at) {
  * @property {number} source_count How many sources contribute.
  * @property {number} members Expected number of members of a group; 0 for a single target, 255: as many or more.
  * @property {number} state State: a `TrackState` code.
- * @property {number} kind Kind of what the track follows: a `TrackKind` code.
+ * @property {number} kind Kind of the tracked object: a `TrackKind` code.
  * @property {number} alerts Alerts of the contributing sources: see `alert_bits`.
  * @property {number} flags Flags: see `picture_track_bits`.
  * @property {number} measured_age_ms Age of the latest measurement behind the state, milliseconds.
@@ -194,7 +194,7 @@ export function readPictureTrack(view, at) {
 /**
  * @typedef {object} PictureIdentity
  * @property {number} number System-track number.
- * @property {number} address 24-bit aircraft address or 30-bit MMSI, as `kind` says.
+ * @property {number} address 24-bit aircraft address or 30-bit MMSI (see `kind`).
  * @property {number} mode_3a Mode 3/A code, its four octal digits in twelve bits.
  * @property {number} kind Kind of `address`: an `IdentityKind` code.
  * @property {number} valid Fields that hold something: see `identity_bits`.

@@ -40,7 +40,7 @@ pub(crate) struct Found {
     pub(crate) source: u16,
     /// The file.
     pub(crate) file: PathBuf,
-    /// Length, octets.
+    /// Length, bytes.
     pub(crate) bytes: usize,
     /// Data blocks.
     pub(crate) blocks: usize,

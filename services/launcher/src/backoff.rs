@@ -1,12 +1,13 @@
 //! When to start a child again that has ended: deciding only, apart from doing.
 //!
-//! Starting it again at once is right for the first time: most ends are accidents. One that always fails at its start
-//! would then be started hundreds of times a second. So the pause doubles with each end, up to a limit, and is
-//! forgotten once a child has lived for a while. There is no end to it: a port that another program holds may be given
-//! back tomorrow, and until then the others do their work.
+//! An immediate restart is right for the first end of a child, because most ends are accidents. A child that always
+//! fails at its start would then be started hundreds of times a second. Therefore the pause doubles with each end, up
+//! to a limit, and is reset after a child has lived for a while. Restarts never stop: a port in use may be free
+//! tomorrow, and until then the other processes work.
 //!
-//! Fusion is different: its tracks end when it is away for longer than they may be old. So the pause of fusion has a
-//! limit of its own, and a fusion that had come up is started again at once while no other one can lead.
+//! Fusion is different: its tracks are terminated if it is absent for longer than their greatest age. The pause of
+//! fusion has a separate limit, and a fusion process that had come up is restarted at once while no other process can
+//! lead.
 
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ use std::time::Duration;
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
 /// Longest pause.
 const LONGEST_PAUSE: Duration = Duration::from_secs(30);
-/// A child that came up and lived this long was well: what came before is forgotten.
+/// Life time after which a child counts as healthy, and its earlier ends are forgotten.
 const WELL: Duration = Duration::from_secs(10);
 
 /// The history of one child, as far as it matters for the next start.

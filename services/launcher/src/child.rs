@@ -32,14 +32,14 @@ pub(crate) struct Child {
     state: State,
     backoff: Backoff,
     restarts: u32,
-    /// Whether one of its processes has ever reported that it runs.
+    /// Whether a process of this child has ever reported that it runs.
     was_up: bool,
     last_end: Option<End>,
 }
 
 #[derive(Debug)]
 enum State {
-    /// Waits for its stage of the start, the first one or that after a rebuild.
+    /// Waits for its stage of the first start or of a rebuild.
     Unborn { gap_since: Option<Instant> },
     /// Has a process.
     Alive {
@@ -97,7 +97,7 @@ impl Child {
         &self.part
     }
 
-    /// Exchanges names with another child of its kind, since their processes have exchanged their roles.
+    /// Exchanges names with another child of its kind after an exchange of their roles.
     pub(crate) fn exchange_names(&mut self, other: &mut Self) {
         std::mem::swap(&mut self.part.name, &mut other.part.name);
     }

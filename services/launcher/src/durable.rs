@@ -1,7 +1,7 @@
-//! Copies on disk of what outlasts the processes, so that it outlasts the machine.
+//! Copies on disk of the memory that outlasts the processes, to survive a reboot.
 //!
-//! The keeper makes them in a thread of its own, every few seconds, from memory that the others go on writing. The
-//! launcher revives them at its start where the memory is gone; an orderly end removes them.
+//! The keeper makes copies in a separate thread, every few seconds, from memory still in use. At its start, the
+//! launcher restores missing memory from the copies; an orderly end removes them.
 
 use std::path::Path;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -58,7 +58,7 @@ impl Drop for Copying {
     }
 }
 
-/// Brings back what a machine that died had kept in `folder`.
+/// Restores the memory kept in `folder` after a reboot.
 ///
 /// # Errors
 /// If nothing can be kept there.

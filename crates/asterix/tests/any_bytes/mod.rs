@@ -6,7 +6,7 @@ use asterix::encode_error::EncodeFault;
 use asterix::text::UNDEFINED;
 use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
 
-/// No octet makes more values than this: eight flags, and the groups around them.
+/// No byte makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;
 
 /// Records and errors that were read.
@@ -23,7 +23,7 @@ pub(crate) struct Reading {
 /// Reads the bytes in all ways, and gives what was read.
 ///
 /// # Panics
-/// If an octet is not accounted for, if a record makes more values than its octets explain, if its values can not be
+/// If a byte is not accounted for, if a record makes more values than its bytes explain, if its values can not be
 /// written or do not come back, or if reading again gives anything else.
 pub(crate) fn check(table: &'static Category, mode: Mode, bytes: &[u8]) -> Reading {
     let mut octets_in_records = 0;

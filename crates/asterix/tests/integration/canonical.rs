@@ -1,4 +1,4 @@
-//! Octets in canonical form, put together bit by bit: no spare bit set, no octet of an FSPEC too many, no code
+//! Bytes in canonical form, put together bit by bit: no spare bit set, no byte of an FSPEC too many, no code
 //! without a character. Their values have this encoding and no other.
 
 use asterix::table::{Category, Content, Layout, Part, TextCoding, Uap};

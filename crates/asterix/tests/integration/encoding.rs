@@ -1,11 +1,11 @@
-//! Each kind of item, into octets worked out by hand; and records packed into blocks.
+//! Each kind of item, into bytes worked out by hand; and records packed into blocks.
 
 use asterix::named::UNKNOWN_EXTENSION;
 use asterix::{BlockWriter, EncodeError, NamedRecord, Value, blocks};
 
 use crate::sample::{PLOT_OR_TRACK, SAMPLE, encode_item};
 
-/// The octets of one item.
+/// The bytes of one item.
 fn item(name: &'static str, value: Value) -> Vec<u8> {
     encode_item(name, value).unwrap()
 }

@@ -1,4 +1,4 @@
-//! The content of reserved expansion fields, from hand-made octets and from any.
+//! The content of reserved expansion fields, from hand-made bytes and from any.
 
 use asterix::categories::{CAT021_V2_4, CAT048_RE_V1_12, CAT048_V1_31, CAT062_RE_V1_2, CAT062_V1_18};
 use asterix::named::UNKNOWN_EXTENSION;

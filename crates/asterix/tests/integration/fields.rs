@@ -22,7 +22,7 @@ fn elements<'p>(parts: &'static [Part], before: &[&'p str]) -> Vec<(Vec<&'p str>
     found
 }
 
-/// Compares the elements of an item or subitem, of which the record has these octets; gives how many were sent.
+/// Compares the elements of an item or subitem, of which the record has these bytes; gives how many were sent.
 fn compare(
     table: &'static Category,
     named: &NamedRecord,

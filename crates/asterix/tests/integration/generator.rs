@@ -5,14 +5,14 @@ use asterix::table::{Category, Item, Layout, Part, Profile, Uap};
 /// The item that says whether there is a target report. Made of anything, it would hardly ever say so.
 const MESSAGE_TYPE: &str = "000";
 
-/// Octets that any number can be taken from, again from the first after the last.
+/// Bytes that any number can be taken from, again from the first after the last.
 pub(crate) struct Entropy<'a> {
     octets: &'a [u8],
     at: usize,
 }
 
 impl<'a> Entropy<'a> {
-    /// Numbers taken from these octets, of which there is at least one.
+    /// Numbers taken from these bytes, of which there is at least one.
     pub(crate) fn new(octets: &'a [u8]) -> Self {
         Self { octets, at: 0 }
     }
@@ -155,7 +155,7 @@ fn set_element(layout: &Layout, element: &str, value: u64, octets: &mut [u8]) {
     }
 }
 
-/// The least octets that announce these.
+/// The least bytes that announce these.
 pub(crate) fn fspec(present: &[bool]) -> Vec<u8> {
     let mut octets: Vec<u8> = present
         .chunks(7)

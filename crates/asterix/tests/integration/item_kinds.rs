@@ -1,4 +1,4 @@
-//! Each kind of item, from hand-made octets.
+//! Each kind of item, from hand-made bytes.
 
 use asterix::named::UNKNOWN_EXTENSION;
 use asterix::{Mode, NamedRecord, Value};

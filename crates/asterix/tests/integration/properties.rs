@@ -1,4 +1,4 @@
-//! Any bytes whatever: no panic, no endless loop, no octet lost; and what is well-formed is read as it was made.
+//! Any bytes whatever: no panic, no endless loop, no byte lost; and what is well-formed is read as it was made.
 
 use asterix::{Category, Decoder, Mode, NamedRecord, registry};
 use proptest::collection::vec;

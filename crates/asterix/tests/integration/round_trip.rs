@@ -1,4 +1,4 @@
-//! There and back: values into octets and the same values again; octets into values and the same octets again.
+//! There and back: values into bytes and the same values again; bytes into values and the same bytes again.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -30,7 +30,7 @@ fn encode(record: &NamedRecord, table: &'static Category) -> Result<Vec<u8>, Enc
     record.encode(table, &mut octets).map(|()| octets)
 }
 
-/// The only record in these octets.
+/// The only record in these bytes.
 fn decode<T>(octets: &[u8], table: &'static Category, mode: Mode, see: impl FnOnce(&Record<'_>) -> T) -> T {
     let bytes = block(table.number, octets);
     let mut decoder = Decoder::new(mode).with_table(table);
@@ -158,7 +158,7 @@ fn write_again(record: &Record<'_>) -> Option<&'static str> {
     }
 }
 
-/// All items but one come back octet by octet.
+/// All items but one come back byte by byte.
 fn check_others(record: &Record<'_>, mut named: NamedRecord, except: &str) {
     named.items.retain(|(name, _)| *name != except);
     let octets = encode(&named, record.table()).expect("nothing else is wrong with it");
@@ -172,7 +172,7 @@ fn check_others(record: &Record<'_>, mut named: NamedRecord, except: &str) {
     });
 }
 
-/// Why the octets of a record are not the ones that its values have been given.
+/// Why the bytes of a record are not the ones that its values have been given.
 fn not_canonical(record: &Record<'_>, written: &[u8]) -> &'static str {
     let fspec_octets = |octets: &[u8]| 1 + octets.iter().take_while(|octet| *octet & 1 == 1).count();
     let read = record.bytes();

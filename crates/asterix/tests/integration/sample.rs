@@ -143,7 +143,7 @@ pub(crate) fn read(table: &'static Category, mode: Mode, body: &[u8], check: imp
     check(only_block(&bytes).records(table, mode).next().expect("a record"));
 }
 
-/// Item of the sample category, decoded. Its octets are the whole body behind the FSPEC.
+/// Item of the sample category, decoded. Its bytes are the whole body behind the FSPEC.
 pub(crate) fn item(name: &str, octets: &[u8]) -> Value {
     let mut named = None;
     read(&SAMPLE, Mode::Lenient, &[&fspec(name), octets].concat(), |record| {
@@ -174,7 +174,7 @@ fn fspec(name: &str) -> Vec<u8> {
     octets
 }
 
-/// The octets of one item of the sample category, or what is wrong with its value.
+/// The bytes of one item of the sample category, or what is wrong with its value.
 pub(crate) fn encode_item(name: &'static str, value: Value) -> Result<Vec<u8>, EncodeError> {
     let mut octets = vec![];
     let encoded = NamedRecord::of(SAMPLE.number, [(name, value)]).encode(&SAMPLE, &mut octets);

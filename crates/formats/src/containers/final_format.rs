@@ -1,7 +1,7 @@
 //! The final format: frames of a recorder.
 //!
 //! ```text
-//! octet 0   2            3           4              5                    8 …    n - 4
+//! byte 0   2            3           4              5                    8 …    n - 4
 //!       length of all n, board, line number, day of recording, time of day, blocks, A5 A5 A5 A5
 //! ```
 //!

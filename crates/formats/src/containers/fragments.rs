@@ -32,7 +32,7 @@ struct Open {
     /// Place of the first to come in the recording.
     offset: usize,
     fragments: usize,
-    /// The captured octets of their packets.
+    /// The captured bytes of their packets.
     octets: usize,
 }
 

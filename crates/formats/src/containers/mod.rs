@@ -22,7 +22,7 @@
 //! # Datagrams in a capture
 //!
 //! The payload of a UDP datagram over IPv4 or IPv6, put together again where IP cut it into fragments, or the payload
-//! of an IEEE 802.3 frame behind its three octets of logical link control (DSAP, SSAP, unnumbered information), as
+//! of an IEEE 802.3 frame behind its three bytes of logical link control (DSAP, SSAP, unnumbered information), as
 //! older radar networks send it. The length fields bound the payload, so the padding of short frames is cut. Tags of
 //! virtual networks are stepped over. Everything else that a network carries is passed over and counted.
 //!
@@ -74,7 +74,7 @@ pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
 /// Datagram of a recording, with data blocks if it is ASTERIX.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Datagram<'a> {
-    /// Octets of the datagram; owned only where they were put together from fragments.
+    /// Bytes of the datagram; owned only where they were put together from fragments.
     pub bytes: Cow<'a, [u8]>,
     /// Time of recording, where the container states one.
     pub time_stamp: Option<TimeStamp>,
@@ -130,7 +130,7 @@ impl Container {
     /// Every kind.
     pub const ALL: [Self; 4] = [Self::Raw, Self::Pcap, Self::PcapNg, Self::Final];
 
-    /// The kind of a recording, by its first octets.
+    /// The kind of a recording, by its first bytes.
     pub fn detect(bytes: &[u8]) -> Self {
         if pcapng::begins(bytes) {
             Self::PcapNg
@@ -315,7 +315,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// The octets before this one have been given, or belong to no piece.
+    /// The bytes before this one have been given, or belong to no piece.
     fn position(&self) -> usize {
         match self {
             Self::Raw { position, .. } => *position,

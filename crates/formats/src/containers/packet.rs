@@ -22,11 +22,11 @@ pub(super) struct Packet<'a> {
     pub(super) interface: u32,
     pub(super) link_type: i32,
     pub(super) time_stamp: Option<TimeStamp>,
-    /// Place of its first octet in the recording.
+    /// Place of its first byte in the recording.
     pub(super) offset: usize,
-    /// Octets of it that were captured.
+    /// Bytes of it that were captured.
     pub(super) bytes: &'a [u8],
-    /// The octets it had.
+    /// The bytes it had.
     pub(super) original_octets: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Captures in the older format: a file header, and packets behind headers of 16 octets.
+//! Captures in the older format: a file header, and packets behind headers of 16 bytes.
 //!
 //! The magic number determines the byte order of all headers and the unit of fractions of a second (micro- or
 //! nanoseconds).
@@ -9,7 +9,7 @@ use super::packet::Packet;
 use super::skipped::{Reason, Skipped};
 use super::{Container, NS_PER_S, TimeStamp};
 
-/// The octets of the header of each packet.
+/// The bytes of the header of each packet.
 const RECORD_OCTETS: usize = 16;
 /// The same, in the variant of some Linux systems of the nineties.
 const RECORD_OCTETS_MODIFIED: usize = 24;
@@ -79,7 +79,7 @@ impl<'a> Packets<'a> {
         }))
     }
 
-    /// The only way in which the next record can fail: it takes more octets than there are.
+    /// The only way in which the next record can fail: it takes more bytes than there are.
     fn cut(&self, rest: &[u8]) -> Reason {
         let header = self.header.as_ref();
         let is_big_endian = header.is_some_and(PcapHeader::is_bigendian);

@@ -27,7 +27,7 @@ const BLOCK_OCTETS_MAX: usize = 1 << 20;
 const WITHOUT_PACKETS: [u32; 7] = [
     NRB_MAGIC, ISB_MAGIC, SJE_MAGIC, DSB_MAGIC, PIB_MAGIC, CB_MAGIC, DCB_MAGIC,
 ];
-/// Offset of the packet in its block, octets.
+/// Offset of the packet in its block, bytes.
 const ENHANCED_DATA_AT: usize = 28;
 const SIMPLE_DATA_AT: usize = 12;
 /// The resolution of time stamps of interfaces that do not give one: microseconds.
@@ -51,7 +51,7 @@ pub(super) struct Packets<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Interface {
     link_type: i32,
-    /// The most octets kept of a packet; 0 for no limit.
+    /// The most bytes kept of a packet; 0 for no limit.
     snap_octets: u32,
     /// As sent: a negative power of ten, or with the highest bit set of two.
     resolution: u8,
@@ -93,7 +93,7 @@ impl<'a> Packets<'a> {
         None
     }
 
-    /// The type and all octets of the block at the begin of `rest`.
+    /// The type and all bytes of the block at the begin of `rest`.
     ///
     /// # Errors
     /// If the bytes are no block, which ends the recording.
@@ -242,7 +242,7 @@ impl Interface {
 /// Whether the section at the begin of `block` is big-endian.
 ///
 /// # Errors
-/// Octets in place of the byte-order mark.
+/// Bytes in place of the byte-order mark.
 fn byte_order(block: &[u8]) -> Result<bool, u32> {
     match number(block, 8, false).unwrap_or(0) {
         BOM_MAGIC => Ok(false),

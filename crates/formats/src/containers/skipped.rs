@@ -28,9 +28,9 @@ pub enum Reason {
         "the recording ends {available} octets into {needed} that belong together: it was cut short, or is damaged"
     )]
     FileCut {
-        /// The octets that the packet, block or frame takes.
+        /// The bytes that the packet, block or frame takes.
         needed: usize,
-        /// The octets there are.
+        /// The bytes there are.
         available: usize,
     },
     /// A pcapng block with an impossible length, or with two that differ: where the next begins is unknown.
@@ -44,7 +44,7 @@ pub enum Reason {
     /// A pcapng section without a byte-order mark.
     #[error("pcapng section with byte-order mark {mark:08X}, expected 1A2B3C4D: nothing from here on can be read")]
     ByteOrder {
-        /// Octets that stand in its place.
+        /// Bytes that stand in its place.
         mark: u32,
     },
     /// A pcapng block with a contradiction between content and length.
@@ -52,7 +52,7 @@ pub enum Reason {
     BlockContent {
         /// The type.
         block_type: u32,
-        /// Number of its octets.
+        /// Number of its bytes.
         octets: usize,
     },
     /// A pcapng block of a type that is not known.
@@ -84,9 +84,9 @@ pub enum Reason {
     /// A packet of which the capture kept the begin only.
     #[error("packet of {original} octets, of which the capture kept {captured}; capture whole packets")]
     PacketCut {
-        /// The octets that were captured.
+        /// The bytes that were captured.
         captured: usize,
-        /// The octets that came.
+        /// The bytes that came.
         original: usize,
     },
     /// A packet with headers that contradict each other or the packet's length.
@@ -94,7 +94,7 @@ pub enum Reason {
     Header {
         /// The protocol.
         layer: &'static str,
-        /// The packet's octets.
+        /// The packet's bytes.
         captured: usize,
     },
     /// A frame that carries neither IPv4 nor IPv6.
@@ -145,14 +145,14 @@ impl Reason {
     }
 }
 
-/// Sums over a recording: every octet is in a datagram, in something skipped, or framing.
+/// Sums over a recording: every byte is in a datagram, in something skipped, or framing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Datagrams given.
     pub datagrams: u64,
     /// Datagrams that were put together from fragments.
     pub datagrams_joined: u64,
-    /// The octets of all datagrams.
+    /// The bytes of all datagrams.
     pub datagram_octets: u64,
     /// Headers, padding, trailers, and blocks of a capture that hold no packets.
     pub framing_octets: u64,

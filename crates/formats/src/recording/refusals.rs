@@ -21,9 +21,9 @@ pub struct Refusal {
     pub reason: &'static str,
     /// The blocks, packets or frames.
     pub count: u64,
-    /// Their octets.
+    /// Their bytes.
     pub octets: u64,
-    /// Place at which the first was noticed, octets from the begin of the recording.
+    /// Place at which the first was noticed, bytes from the begin of the recording.
     pub first_offset: usize,
     /// Fault of the first.
     pub first: String,

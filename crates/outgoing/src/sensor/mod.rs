@@ -70,7 +70,7 @@ struct Report<'t> {
 
 impl SensorReports {
     /// A sender in this edition of CAT048, 020, 021 or 010, from a sensor with these codes (SAC, SIC), in blocks of at
-    /// most `block_octets_max` octets. Status messages are sent in the category that belongs to it: CAT034, 019, 023 or
+    /// most `block_octets_max` bytes. Status messages are sent in the category that belongs to it: CAT034, 019, 023 or
     /// 010.
     ///
     /// # Errors

@@ -314,7 +314,7 @@ fn cat065_and_063() {
     );
 }
 
-/// Compares a block with lines of octets in hexadecimal, each with words behind them.
+/// Compares a block with lines of bytes in hexadecimal, each with words behind them.
 #[track_caller]
 fn assert_lines(sent: &[u8], lines: &str) {
     let is_octet = |word: &&str| word.len() == 2 && word.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -11,7 +11,7 @@ use observations::{Quality, Service};
 
 use super::Reading;
 
-// Places in octets are constants of the callers: inlined, they become part of the instructions.
+// Places in bytes are constants of the callers: inlined, they become part of the instructions.
 
 /// An element that stands behind V (not validated) and G (garbled, or corrected) in its item.
 pub(super) struct Reply(Elements<3>);

@@ -1,4 +1,4 @@
-//! Observations made of the items of each category. The records are written by hand, octet by octet.
+//! Observations made of the items of each category. The records are written by hand, byte by byte.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

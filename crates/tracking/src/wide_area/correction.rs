@@ -30,7 +30,7 @@ pub enum Rule {
 }
 
 settings::settings! {
-    /// Correction of reliabilities: exactly one of the two.
+    /// Correction of reliabilities: exactly one of the two keys.
     struct RuleKeys {
         check RuleKeys::check;
         /// Share of the sum to which the group with enough tracks is raised, unless it has more already (the source's

@@ -20,8 +20,8 @@ settings::settings! {
         by_tracks: bool = false;
         /// Sum of the shares, in times the reported number.
         excess: f64 = 1.0, in [1, 100];
-        /// Reports of the same time of observation that are this near each other are taken as one group at their mean
-        /// position; otherwise each is shared by itself, and a cluster's shares add up.
+        /// Distance within which reports with the same time of observation count as one group at their mean position.
+        /// Other reports are shared separately, and the shares of a cluster are added.
         group_m: Option<f64> = None, in [1e-3, 1e7];
     }
 }

@@ -1,4 +1,4 @@
-//! Knowledge before anything is seen (WA-10).
+//! Prior knowledge about places: likely types and sizes of formations (WA-10).
 //!
 //! The usual origin of targets is often known: airliners come from this bearing; groups of four of the same type
 //! come from that field. Such knowledge refers to a place: a sector of bearings from a point, or a circle. It
@@ -31,7 +31,7 @@ settings::settings! {
         check Knowledge::check;
         /// Type of target.
         types as "type": Vec<TargetType> = Vec::new();
-        /// Knowledge of one place.
+        /// Prior knowledge about a place.
         priors as "prior": Vec<Prior> = Vec::new();
     }
 
@@ -40,30 +40,31 @@ settings::settings! {
         check TargetType::check;
         /// Name, for people: 1 to 12 printable characters of ASCII, none of them `,`, `|` or `"`.
         name: String;
-        /// Kinds of its emissions, as far as they are known.
+        /// Kinds of emissions of the type, as far as known.
         emissions: Vec<EmissionBand> = Vec::new();
     }
 
-    /// Emissions of one kind.
+    /// Kind of emission.
     #[derive(Copy)]
     pub struct EmissionBand {
         check EmissionBand::check;
         /// Lowest and highest frequency.
         frequency_hz: [f64; 2];
-        /// Shortest and longest time between pulses, if that tells something.
+        /// Shortest and longest time between pulses, if characteristic.
         pulse_interval_s: Option<[f64; 2]> = None;
     }
 
-    /// Knowledge of one place: exactly one of `sector` and `circle`.
+    /// Prior knowledge about a place: exactly one of `sector` and `circle`.
     pub struct Prior {
         check Prior::check;
         /// Bearings from a point.
         sector: Option<Sector> = None;
         /// A circle.
         circle: Option<Circle> = None;
-        /// Probabilities of types, by name. What is left to 1 is any type.
+        /// Probabilities of types, by name. The remainder to 1 is the probability of any other type.
         types: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1];
-        /// Probabilities of so many targets that fly together. What is left to 1 is any number.
+        /// Probabilities of formations with this number of targets. The remainder to 1 is the probability of any
+        /// other number.
         formations: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1];
         /// Formations of at least this probability raise the number of a report.
         formation_probability_min: f64 = 0.5, in [1e-6, 1];
@@ -82,7 +83,7 @@ settings::settings! {
     /// A circle in the plane.
     #[derive(Copy)]
     pub struct Circle {
-        /// East and north of its centre.
+        /// East and north of the circle's centre.
         centre_m: [f64; 2], in [-1e7, 1e7];
         /// Radius.
         radius_m: f64, in [1e-3, 1e7];

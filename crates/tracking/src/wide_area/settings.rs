@@ -47,37 +47,37 @@ settings::settings! {
         /// Tracks of other clusters in range are taken off the number first, so that targets that have parted are not
         /// looked for twice (WA-5).
         others_count: bool = true;
-        /// Sharing of the number among all clusters in range; off, the nearest one gets all of it (WA-5).
+        /// Sharing of the number among all clusters in range; off: the nearest cluster gets the whole number (WA-5).
         sharing: Option<Sharing> = None;
         /// Easier confirmation, for clusters with fewer confirmed tracks than reported targets (WA-6).
         confirmation: Option<EarlyConfirmation> = Some(EarlyConfirmation::default());
         /// Earlier deletion, for clusters where a report that covers their place shows none (WA-8).
         deletion: Option<EarlyDeletion> = None;
-        /// Targets that are not told apart are published as a group (WA-7).
+        /// Publication of unresolved targets as a group (WA-7).
         groups: Option<Groups> = None;
-        /// Time after its observation for which a report says something, for WA-6, WA-7 and WA-8.
+        /// Time after its observation for which a report is used for WA-6, WA-7 and WA-8.
         valid_s: Seconds = Seconds::of(30.0), in [1e-3, 86_400];
         /// Reports that take longer from observation to arrival are refused.
         delay_max_s: Seconds = Seconds::of(120.0), in [0, 86_400];
     }
 
-    /// Easier confirmation (WA-6). The keys of `[confirmation]` say what a tentative track must have instead.
+    /// Easier confirmation (WA-6). The keys of `[confirmation]` set the conditions of a tentative track in this case.
     #[derive(Copy)]
     pub struct EarlyConfirmation with confirmation: Confirmation = easier {
         /// Expected new targets per expected false detection, for hypotheses with fewer tracks than reported.
         new_target_share: f64 = 1.0, in [1e-6, 1e3];
         /// Only in clusters that have a confirmed track, so that no clutter near a report is believed sooner.
         beside_confirmed_only: bool = true;
-        /// Least share of its detections that lay in confirmed tracks' gates: what is not told apart from a confirmed
-        /// track is near it, and clutter mostly is not.
+        /// Least share of the track's detections in gates of confirmed tracks: an unresolved target is near a
+        /// confirmed track, clutter usually is not.
         company_min: f64 = 0.5, in [0, 1];
     }
 
-    /// Earlier deletion (WA-8). The keys of `[deletion]` say when a track is given up instead.
+    /// Earlier deletion (WA-8). The keys of `[deletion]` set the conditions of deletion in this case.
     #[derive(Copy)]
     pub struct EarlyDeletion with deletion: Deletion = earlier {
-        /// Circle that the sensor watches: each of its reports is taken to say that there is nothing elsewhere in it.
-        /// Without it only reports of no targets speak of absence, and each of its own place.
+        /// Circle observed by the wide-area sensor: each report excludes further targets in the circle. Without the
+        /// key, only reports of zero targets indicate absence, each at its own place.
         coverage: Option<Circle> = None;
     }
 }

@@ -76,7 +76,7 @@ impl Datagrams for Live {
         self.publisher.send(mark, reports.len(), |index, sequence| {
             let report = &reports[index];
             let stages = StageTimes {
-                // What says that it arrives later has come in by now.
+                // Reports with a later stated arrival count as arrived by now.
                 ingested_ns: (report.arrival_ns - now.utc_ns)
                     .saturating_add(now.mono_ns)
                     .min(mark.sent_ns),

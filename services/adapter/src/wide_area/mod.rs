@@ -1,8 +1,9 @@
 //! Wide-area sensors: their reports come in, are checked, and are published for the trackers that listen (WA-2).
 //!
-//! A report is a count and no track, so it goes neither through a pipeline nor to fusion. What comes live is read in
-//! datagrams ([`live`]), as rows of counts ([`rows`]) or as another system's tracks that are counted ([`tracks`]). A
-//! recording is read whole ([`recorded`]) and published in the order of arrivals, for the recorder and other readers.
+//! A report is a count, not a track, and therefore passes neither a pipeline nor fusion. Live data are read from
+//! datagrams ([`live`]), as rows of counts ([`rows`]) or as another system's tracks to be counted ([`tracks`]). A
+//! recording is read as a whole ([`recorded`]) and published in the order of arrivals, for the recorder and other
+//! readers.
 //!
 //! A tracker of a recorded source does not wait for what is published: it reads the recording itself, so that its
 //! tracks do not depend on which process is faster. That of a live source takes what has been published

@@ -27,8 +27,8 @@ pub(crate) struct Recorded {
     next: usize,
 }
 
-/// Reads the recording of `sensor`, in the folder `data`, whose first day begins at `first_day_ns` (UTC, nanoseconds).
-/// What cannot be used is left out and counted.
+/// Reads the recording of `sensor` in the folder `data`; its first day begins at `first_day_ns` (UTC, nanoseconds).
+/// Unusable rows are skipped and counted.
 ///
 /// # Errors
 /// If it cannot be read, or lacks a column.

@@ -3,8 +3,9 @@
 //! Each datagram is a table by itself (FM-6): a header line, and a row per report, as with bearings. Times are seconds
 //! since midnight (UTC), of the day that brings them nearest to the time of receipt.
 //!
-//! A report has arrived when the kernel took its datagram from the network; the `arrival_s` of its row only holds where
-//! it is later, as of a sender that says from when on its report may be used. So nothing is used before it was there.
+//! A report arrives when the kernel takes its datagram from the network. The `arrival_s` of its row counts only if
+//! later, for a sender that states from which time its report may be used. No report is therefore used before its
+//! arrival.
 
 use formats::wide_area_csv::WideAreaReader;
 use messages::Counters;
@@ -13,7 +14,7 @@ use tracking::wide_area::WideAreaReport;
 use super::Rejected;
 use crate::tables::{Tables, utc_ns};
 
-/// Longest time after its receipt at which a report may say that it arrives, nanoseconds.
+/// Longest time after its receipt for the stated arrival of a report, nanoseconds.
 const AHEAD_MAX_NS: i64 = 60_000_000_000;
 
 /// Reader of tables of counts.

@@ -1,10 +1,10 @@
 //! Another system's tracks in ASTERIX (CAT062), counted by place.
 //!
-//! Each track goes through the checks that a source's tracks do. Tentative ones and those that have ended are not
-//! counted: the one may be none, the other is none any more. The rest is [`tracking::wide_area::counting`].
+//! Each track passes the checks of a source's tracks. Tentative and terminated tracks are not counted.
+//! [`tracking::wide_area::counting`] does the rest.
 //!
-//! Live, a track has arrived when its datagram did. In a recording nobody knows when that was: there it arrives when it
-//! was measured.
+//! Live, a track arrives with its datagram. A recording does not contain this time; there a track arrives at its time
+//! of measurement.
 
 use asterix::{Block, Decoder, Error};
 use configuration::CountedTracks;

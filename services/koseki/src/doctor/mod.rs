@@ -59,7 +59,7 @@ struct Wants {
     required: bool,
     spins: bool,
     rests: bool,
-    /// Largest buffer of a receiver, octets; 0 without receivers.
+    /// Largest buffer of a receiver, bytes; 0 without receivers.
     receive_buffer: u64,
     shared_memory: u64,
 }

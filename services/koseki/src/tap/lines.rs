@@ -73,7 +73,7 @@ fn characters(octets: &[u8]) -> String {
     String::from_utf8_lossy(octets).trim_end_matches(['\0', ' ']).to_owned()
 }
 
-/// Visits each column with its name, kind and octets (empty where there is no sample).
+/// Visits each column with its name, kind and bytes (empty where there is no sample).
 fn columns(layout: &Layout, prefix: &str, visit: &mut impl FnMut(String, &str, &[u8]), sample: Option<&[u8]>) {
     for field in fields(layout) {
         let octets = sample.map_or(&[][..], |sample| &sample[field.offset..field.offset + field.size]);

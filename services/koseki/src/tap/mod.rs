@@ -23,7 +23,7 @@ use lines::{LineFormat, Lines};
 
 /// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
-/// Octets that are collected before they are handed on, if more samples wait.
+/// Bytes that are collected before they are handed on, if more samples wait.
 const BLOCK: usize = 1 << 16;
 
 /// Writes samples as lines, until the deployment ends.

@@ -1,8 +1,8 @@
-//! Recordings made by hand, octet by octet, from the documents of each layer.
+//! Recordings made by hand, byte by byte, from the documents of each layer.
 
 use formats::containers::{Container, Counts, Datagrams, Reason, TimeStamp, datagrams};
 
-/// What the tests send: one data block of category 048 with one octet of body.
+/// What the tests send: one data block of category 048 with one byte of body.
 pub(crate) const BLOCK: &[u8] = &[48, 0, 4, 0xAB];
 
 /// A layout of numbers.
@@ -69,7 +69,7 @@ pub(crate) fn capture_of(link_type: u32, packets: &[Vec<u8>]) -> Vec<u8> {
     pcap(Order::Little, 0xA1B2_C3D4, link_type, &records)
 }
 
-/// A block of a pcapng file: type, length, content padded to four octets, length.
+/// A block of a pcapng file: type, length, content padded to four bytes, length.
 pub(crate) fn ng_block(order: Order, block_type: u32, content: &[u8]) -> Vec<u8> {
     let padded = content.len().next_multiple_of(4);
     let length = order.u32(padded as u32 + 12);
@@ -116,7 +116,7 @@ pub(crate) fn enhanced(order: Order, interface: u32, stamp: u64, packet: &[u8]) 
     ng_block(order, 6, &content)
 }
 
-/// A simple packet, of which at most `kept` octets are there.
+/// A simple packet, of which at most `kept` bytes are there.
 pub(crate) fn simple(order: Order, packet: &[u8], kept: usize) -> Vec<u8> {
     let mut content = order.u32(packet.len() as u32).to_vec();
     content.extend(&packet[..kept]);
@@ -151,7 +151,7 @@ pub(crate) fn udp(payload: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// An IPv4 packet, or a fragment of one: `place` holds its offset in units of eight octets, and with the bit 0x2000
+/// An IPv4 packet, or a fragment of one: `place` holds its offset in units of eight bytes, and with the bit 0x2000
 /// that more follow.
 pub(crate) fn ipv4_fragment(protocol: u8, identification: u16, place: u16, payload: &[u8]) -> Vec<u8> {
     let mut bytes = vec![0x45, 0];
@@ -202,7 +202,7 @@ pub(crate) struct Unpacked {
 }
 
 impl Unpacked {
-    /// The octets of the datagrams.
+    /// The bytes of the datagrams.
     pub(crate) fn payloads(&self) -> Vec<&[u8]> {
         self.datagrams.iter().map(|(bytes, _)| bytes.as_slice()).collect()
     }

@@ -27,7 +27,7 @@ fn of_ethernet(packet: &[u8]) -> Result<Vec<u8>, Reason> {
 fn both_versions_of_ip_carry_udp() {
     assert_eq!(of_ethernet(&usual(BLOCK)).unwrap(), BLOCK);
     assert_eq!(of_ethernet(&ethernet(0x86DD, &ipv6(17, &udp(BLOCK)))).unwrap(), BLOCK);
-    // IPv4 with an option of four octets, IPv6 with eight octets of destination options.
+    // IPv4 with an option of four bytes, IPv6 with eight bytes of destination options.
     let mut with_option = ipv4(17, &udp(BLOCK));
     with_option[0] = 0x46;
     with_option[3] += 4;
@@ -37,7 +37,7 @@ fn both_versions_of_ip_carry_udp() {
     assert_eq!(of_ethernet(&ethernet(0x86DD, &ipv6(60, &options))).unwrap(), BLOCK);
 }
 
-/// Ethernet pads frames to 60 octets, and some captures keep the check sequence behind them.
+/// Ethernet pads frames to 60 bytes, and some captures keep the check sequence behind them.
 #[test]
 fn padding_is_no_payload() {
     let mut padded = usual(BLOCK);
@@ -159,7 +159,7 @@ fn headers_that_cannot_be_are_refused() {
     }
 }
 
-/// 24 octets of payload and 8 of UDP in fragments of 16 and 16, for either version of IP.
+/// 24 bytes of payload and 8 of UDP in fragments of 16 and 16, for either version of IP.
 fn fragments(identification: u16, payload: &[u8]) -> [[Vec<u8>; 2]; 2] {
     let datagram = udp(payload);
     let (first, last) = datagram.split_at(16);

@@ -1,4 +1,4 @@
-//! Any bytes whatever: no panic, no endless loop, no octet lost; and what was packed is unpacked.
+//! Any bytes whatever: no panic, no endless loop, no byte lost; and what was packed is unpacked.
 
 use formats::containers::Container;
 use proptest::collection::vec;

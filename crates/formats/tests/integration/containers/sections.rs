@@ -245,7 +245,7 @@ fn what_is_no_capture_is_refused_as_one() {
     assert_eq!(found.skipped, [(0, Reason::OtherContainer { expected })]);
 }
 
-/// A block of category 010 can begin with the octets of a section, but not with its byte-order mark.
+/// A block of category 010 can begin with the bytes of a section, but not with its byte-order mark.
 #[test]
 fn blocks_that_look_like_a_section_are_raw() {
     let mut block = vec![0x0A, 0x0D, 0x0D, 0x0A];

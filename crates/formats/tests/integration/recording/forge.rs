@@ -23,7 +23,7 @@ pub(crate) fn cut() -> Vec<u8> {
     report(0)[..5].to_vec()
 }
 
-/// A CAT021 record of ed 0.23: source 0/107, descriptor, time of day. By ed 2.4 its last octets are a record without
+/// A CAT021 record of ed 0.23: source 0/107, descriptor, time of day. By ed 2.4 its last bytes are a record without
 /// end.
 pub(crate) fn early_report() -> Vec<u8> {
     vec![0b1110_0000, 0, 107, 0, 0, 0x9A, 0xB0, 0]
