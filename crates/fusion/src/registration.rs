@@ -44,6 +44,7 @@ mod errors;
 mod gauge;
 mod model;
 mod recent;
+mod rows;
 pub(crate) mod settings;
 mod significance;
 
@@ -52,15 +53,15 @@ use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, TIME, clock_of, sensitivity};
+use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
 use crate::registration::model::Model;
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN, step_limit};
+use crate::registration::rows::{Block, TIME};
 use crate::registration::significance::PointsVariance;
 
+pub use crate::registration::errors::SourceErrors;
 pub(crate) use crate::registration::errors::{ClockError, View};
-pub use crate::registration::errors::{ERRORS, Errors, SourceErrors};
-
-type Block = SMatrix<f64, ERRORS, ERRORS>;
+pub use crate::registration::rows::{ERRORS, Errors};
 
 /// Velocities of one target do not differ by more, metres per second.
 const VELOCITY_GATE_MPS: f64 = 300.0;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::*;
-use crate::registration::errors::{AZIMUTH, RANGE};
+use crate::registration::rows::{AZIMUTH, RANGE};
 
 /// A deterministic stand-in for noise.
 fn noise(index: u32, scale: f64) -> f64 {

@@ -8,20 +8,12 @@ use std::ops::Range;
 
 use kept::kept;
 use messages::AXES;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::registration::model::Model;
+use crate::registration::rows::{AZIMUTH, ERRORS, Errors, RANGE, TIME};
 
-/// Number of systematic errors per source.
-pub const ERRORS: usize = 6;
-/// Offset east, north, up (m); time offset (s, late is positive); range bias (m); azimuth bias (rad, clockwise).
-pub type Errors = SVector<f64, ERRORS>;
-
-/// Places of the time offset, the range bias and the azimuth bias among the errors.
-pub(crate) const TIME: usize = 3;
-pub(crate) const RANGE: usize = 4;
-pub(crate) const AZIMUTH: usize = 5;
 /// Standard deviations of the errors before anything is known.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
 /// Samples of a source before any of its errors is removed.

@@ -9,7 +9,8 @@
 
 use std::ops::Range;
 
-use crate::registration::errors::{ClockError, Errors, SAMPLES_MIN, SourceErrors, TIME, clock_of};
+use crate::registration::errors::{ClockError, SAMPLES_MIN, SourceErrors, clock_of};
+use crate::registration::rows::{Errors, TIME};
 use crate::source_ref::SOURCES_MAX;
 
 /// Mean square of the errors of sources that agree, in units of their variance.

@@ -14,8 +14,7 @@
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::registration::Block;
-use crate::registration::errors::{AZIMUTH, ERRORS, Errors, RANGE};
+use crate::registration::rows::{AZIMUTH, Block, ERRORS, Errors, RANGE};
 
 /// Information that holds an error at 0.
 const HELD: f64 = 1e30;
@@ -117,14 +116,15 @@ impl Model {
         let others = models.iter().filter(|model| **model != self);
         others
             .filter_map(|model| Some((model.evidence(normal, right, scale, samples)? - present, *model)))
-            .filter(|(gain, model)| {
-                *gain
-                    > if model.complexity() < self.complexity() {
-                        0.0
-                    } else {
-                        CHANGE_MIN
-                    }
-            })
+            .filter(|(gain, model)| *gain > self.least_gain(*model))
             .max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Returns the increase of the evidence that a change to another model needs.
+    fn least_gain(self, other: Self) -> f64 {
+        match other.complexity() < self.complexity() {
+            true => 0.0,
+            false => CHANGE_MIN,
+        }
     }
 }

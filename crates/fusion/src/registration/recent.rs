@@ -16,9 +16,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::registration::Block;
-use crate::registration::errors::{AZIMUTH, Errors, RANGE};
 use crate::registration::model::Model;
+use crate::registration::rows::{AZIMUTH, Block, Errors, RANGE};
 
 /// Solutions of a new estimate before its latest differences are looked at.
 pub(crate) const SOLUTIONS_MIN: u8 = 5;
@@ -102,22 +101,17 @@ impl Recent {
     fn of_offset(&self) -> [f64; 3] {
         [self.normal[(0, 0)], self.normal[(0, 1)], self.normal[(1, 1)]]
     }
+
+    /// Returns whether the source changed by a step, given the [`step_limit`].
+    pub(crate) fn is_step(&self, limit: f64) -> bool {
+        self.step > limit
+    }
 }
 
 /// Returns the chi-square beyond which a source has changed by a step; infinite if none has. `sought` are the sources
 /// whose errors are sought.
 pub(crate) fn step_limit<'a>(sought: impl Iterator<Item = &'a Recent>) -> f64 {
     let largest = sought.map(|recent| recent.step).fold(0.0, f64::max);
-    if largest > STEP {
-        largest - STEP_MARGIN
-    } else {
-        f64::INFINITY
-    }
-}
-
-impl Recent {
-    /// Returns whether the source changed by a step, given the [`step_limit`].
-    pub(crate) fn is_step(&self, limit: f64) -> bool {
-        self.step > limit
-    }
+    let is_step = largest > STEP;
+    if is_step { largest - STEP_MARGIN } else { f64::INFINITY }
 }

@@ -4,7 +4,8 @@
 //! the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
 //! evidence chose a model that contains them (module `model`).
 
-use crate::registration::errors::{AZIMUTH, RANGE, SAMPLES_MIN, SourceErrors, TIME};
+use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
+use crate::registration::rows::{AZIMUTH, RANGE, TIME};
 
 /// Chi-square with two degrees of freedom above which a horizontal offset is removed, and below which removal stops.
 const SIGNIFICANT_2: f64 = 13.8;
