@@ -199,9 +199,7 @@ pub enum BusError {
     },
 
     /// The subscriber keeps as many slices as it may.
-    #[error(
-        "topic {topic}: {limit} slices are kept, which is the limit: release a slice, or copy its samples"
-    )]
+    #[error("topic {topic}: {limit} slices are kept, which is the limit: release a slice, or copy its samples")]
     Borrowed {
         /// The topic.
         topic: Arc<str>,

@@ -101,10 +101,7 @@ impl OfflineTable {
         for (index, sensor) in self.sensors.iter().enumerate() {
             let key = |part: &str| format!("sensor[{index}].{part}");
             if !ids.insert(sensor.id) {
-                let what = format!(
-                    "{} is the id of an earlier sensor; move its keys there",
-                    sensor.id
-                );
+                let what = format!("{} is the id of an earlier sensor; move its keys there", sensor.id);
                 return Err(SettingsError::new(key("id"), what));
             }
             if let Some(name) = &sensor.name {

@@ -32,6 +32,7 @@ mod engine;
 mod engine_counters;
 #[cfg(test)]
 mod engine_tests;
+mod error_shape;
 pub mod event_log;
 mod existence;
 mod explanation;

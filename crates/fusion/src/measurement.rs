@@ -10,6 +10,8 @@ use messages::{AXES, SensorTrack, sensor_track_bits};
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
+use crate::error_shape::Stretch;
+
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
 /// Correlation of position and velocity that shows a filter.
@@ -29,12 +31,15 @@ pub(crate) struct Correction {
     pub(crate) shift_m: [f64; AXES],
     /// By how much its covariance claims too much.
     pub(crate) covariance_scale: f64,
+    /// Stretch that gives its covariance the shape of the source's errors.
+    pub(crate) stretch: Stretch,
 }
 
 impl Correction {
     pub(crate) const NONE: Self = Self {
         shift_m: [0.0; AXES],
         covariance_scale: 1.0,
+        stretch: Stretch::NONE,
     };
 }
 
@@ -57,6 +62,9 @@ impl Measurement {
         if correction.covariance_scale != 1.0 {
             let values = self.covariance_m2.iter_mut();
             values.for_each(|value| *value *= correction.covariance_scale);
+        }
+        if correction.stretch != Stretch::NONE {
+            correction.stretch.apply(&mut self.covariance_m2);
         }
     }
 

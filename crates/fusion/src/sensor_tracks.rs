@@ -7,6 +7,7 @@ use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
+use crate::error_shape::Stretch;
 use crate::history::Histories;
 use crate::measurement::{Correction, gaussian_of};
 use crate::number_hasher::{NumberHasher, table};
@@ -166,6 +167,9 @@ impl SensorEntry {
             let upper = &mut state.covariance.upper;
             upper.iter_mut().for_each(|value| *value /= covariance_scale);
         }
+        if self.correction.stretch != Stretch::NONE {
+            self.correction.stretch.inverse().apply_to_state(&mut state.covariance);
+        }
         state
     }
 
@@ -175,6 +179,7 @@ impl SensorEntry {
         let Correction {
             shift_m,
             covariance_scale,
+            stretch,
         } = *correction;
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
@@ -185,6 +190,9 @@ impl SensorEntry {
         if covariance_scale != 1.0 {
             let upper = &mut self.latest.covariance.upper;
             upper.iter_mut().for_each(|value| *value *= covariance_scale);
+        }
+        if stretch != Stretch::NONE {
+            stretch.apply_to_state(&mut self.latest.covariance);
         }
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;

@@ -18,6 +18,7 @@ use kept::kept;
 use messages::Covariance;
 use serde::{Deserialize, Serialize};
 
+use crate::error_shape::ErrorShape;
 use crate::seeker::Seeker;
 
 /// Median of chi-square with two degrees of freedom.
@@ -87,6 +88,8 @@ kept! {
         looked_at: u32,
         process_noise: Option<NearlyConstantVelocity>,
         covariance_scale: Seeker,
+        /// Shape of the errors.
+        pub(crate) shape: ErrorShape,
         /// Mean innovation over all sensor tracks: what is left of the source's own errors, metres.
         mean_offset_m: [f64; 2],
         /// Squared mean innovation over a sensor track, less that, relative to what noise explains.
@@ -113,6 +116,7 @@ impl Default for SourceModel {
             looked_at: 0,
             process_noise: None,
             covariance_scale: Seeker::default(),
+            shape: ErrorShape::default(),
             mean_offset_m: [0.0; 2],
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),

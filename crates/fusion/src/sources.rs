@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::alignment::Alignment;
 use crate::credibility::Credibility;
+use crate::error_shape::Stretch;
 use crate::filter::{Filter, Innovation};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
@@ -196,11 +197,13 @@ impl Sources {
     /// The known errors of a report.
     pub(crate) fn correction_of(&self, sources: &[SourceSettings], report: &SensorTrack) -> Correction {
         let place_m = place_of(&sources[usize::from(report.source)]);
+        let model = &self.models[usize::from(report.source)];
         Correction {
             shift_m: self
                 .registration
                 .shift(report.source, report.position_m, report.velocity_mps, place_m),
-            covariance_scale: self.models[usize::from(report.source)].covariance_scale(),
+            covariance_scale: model.covariance_scale(),
+            stretch: place_m.map_or(Stretch::NONE, |place_m| model.shape.stretch(report.position_m, place_m)),
         }
     }
 
@@ -243,6 +246,7 @@ impl Sources {
     ) {
         let entry = tracks.sensors.get_mut(sensor);
         let (source, system) = (usize::from(entry.source), entry.system);
+        let target_m = entry.latest.position_m;
         let [xx, _, yy] = innovation.covariance_m2;
         let before = entry.residual_mean_m;
         let known = entry.residuals >= MEAN_REPORTS_MIN;
@@ -259,6 +263,10 @@ impl Sources {
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
         if settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
+            if let Some(place_m) = place_of(&settings.sources[source]) {
+                let shape = &mut self.models[source].shape;
+                shape.learn(about_mean, innovation.covariance_m2, (target_m, place_m));
+            }
         }
         let looks = !self.models[source].knows_spread_well() || entry.residuals.is_multiple_of(SPREAD_EVERY);
         if looks

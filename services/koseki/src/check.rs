@@ -546,10 +546,7 @@ mod tests {
         };
         let text = summary(&[]);
         assert!(text.contains("woken for each slice"), "{text}");
-        assert!(
-            text.contains("deadline: fusion 1.00 ms\n"),
-            "{text}"
-        );
+        assert!(text.contains("deadline: fusion 1.00 ms\n"), "{text}");
         assert!(!text.contains("metrics"), "{text}");
         let text = summary(&[
             "fusion.wait=spin",

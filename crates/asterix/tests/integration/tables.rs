@@ -156,5 +156,8 @@ fn editions_are_read_and_shown_alike() {
     }
     assert!(Edition::new(0, 9) < Edition::new(0, 23));
     let error = "2".parse::<Edition>().unwrap_err();
-    assert_eq!(error.to_string(), r#""2" is no edition; write an edition as in 1.9 or 0.23"#);
+    assert_eq!(
+        error.to_string(),
+        r#""2" is no edition; write an edition as in 1.9 or 0.23"#
+    );
 }

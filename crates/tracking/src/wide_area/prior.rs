@@ -172,10 +172,7 @@ impl Knowledge {
         }
         for (index, target) in self.types.iter().enumerate() {
             if self.types[..index].iter().any(|other| other.name == target.name) {
-                let what = format!(
-                    "{:?} is the name of an earlier type; move its keys there",
-                    target.name
-                );
+                let what = format!("{:?} is the name of an earlier type; move its keys there", target.name);
                 return Err(SettingsError::new(format!("type[{index}].name"), what));
             }
         }
@@ -186,11 +183,7 @@ impl Knowledge {
                 return Err(SettingsError::new(format!("prior[{index}].types.{name}"), what));
             }
             if let Some(other) = self.priors[..index].iter().position(|other| other.overlaps(prior)) {
-                let what = format!(
-                    "priors {} and {} overlap; separate or join them",
-                    other + 1,
-                    index + 1
-                );
+                let what = format!("priors {} and {} overlap; separate or join them", other + 1, index + 1);
                 return Err(SettingsError::new(format!("prior[{index}]"), what));
             }
         }
@@ -232,9 +225,7 @@ impl Prior {
                     ));
                 }
                 Some(members) if !sizes.insert(members) => {
-                    return error(format!(
-                        "formations of {members} are stated twice; remove one entry"
-                    ));
+                    return error(format!("formations of {members} are stated twice; remove one entry"));
                 }
                 Some(_) => (),
             }

@@ -460,7 +460,9 @@ Max realtime priority     0                    0
             .filter(|finding| finding.verdict != Verdict::Good)
             .collect();
         assert!(bad.is_empty(), "{bad:#?}");
-        assert!(text(&findings).ends_with("0 could be better, 0 lacking; docs/real-time.md explains the requirements\n"));
+        assert!(
+            text(&findings).ends_with("0 could be better, 0 lacking; docs/real-time.md explains the requirements\n")
+        );
     }
 
     #[test]
