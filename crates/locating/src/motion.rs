@@ -49,3 +49,20 @@ impl Motion {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_that_stand_by_have_the_noise_of_their_keys() {
+        let settings = MotionSettings {
+            wandering_noise_m2ps: 7.0,
+            manoeuvring_noise_m2ps3: 0.3,
+            ..MotionSettings::default()
+        };
+        let models = [Motion::Fixed, Motion::Wandering, Motion::Straight, Motion::Manoeuvring];
+        let noise = models.map(|motion| motion.model(&settings).process_noise);
+        assert_eq!(noise, [0.0, 7.0, 0.0, 0.3]);
+    }
+}

@@ -4,4 +4,5 @@ mod allocation;
 mod bad_input;
 mod bound;
 mod common;
+mod keys;
 mod music;
