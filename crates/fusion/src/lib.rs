@@ -8,6 +8,8 @@
 //! What a source says of the time is a claim. Live, [`Engine::take_at`] is told when a report came, and time passes by
 //! that alone; in order of time, it passes to where all sources have got.
 //!
+//! A [`Driver`] makes these calls, and writes the [event log](event_log) from which another driver repeats them.
+//!
 //! With recorded inputs, [`Merger`] first puts the reports of all sources into the order of their times.
 //!
 //! Architecture invariants: no clock, no thread, no file, no shared memory; the same reports with the same settings

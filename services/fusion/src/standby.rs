@@ -22,7 +22,6 @@
 //!
 //! A stall of the whole machine stops both processes. The leader's sign of life therefore counts as old only if this
 //! process ran during that time: a late look counts as one pause.
-//! it ran itself: a look that comes late counts as one pause.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::time::Duration;
