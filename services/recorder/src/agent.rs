@@ -2,17 +2,16 @@
 
 use std::time::Duration;
 
-use anyhow::Context as _;
 use bus::{Bus, Transport, WaitMode, Waiter};
 use configuration::Config;
 use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::all_topics::{AllTopics, Done};
-use crate::recovery;
+use crate::images::Images;
+use crate::intake::Intake;
+use crate::journal::Journal;
 use crate::start::Start;
-use crate::topic_file::{self, Place, StreamFile};
 
 /// Maximum number of turns at the end for writing the slices still waiting.
 const TURNS_AT_CLOSE: usize = 1000;
@@ -20,8 +19,10 @@ const TURNS_AT_CLOSE: usize = 1000;
 /// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
-    files: Vec<Box<dyn StreamFile>>,
-    all_topics: Option<AllTopics<S>>,
+    intake: Intake<S>,
+    journal: Journal,
+    /// Requester of snapshots, for a recording of all topics.
+    images: Option<Images<S>>,
     waiter: Waiter<S>,
     /// Streams of the deployment, in their order, and whether each has ended.
     streams: Vec<(StreamId, bool)>,
@@ -37,66 +38,48 @@ impl<S: Transport> RecorderAgent<S> {
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
     pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, start: &Start<'_>) -> anyhow::Result<Self> {
-        let folder = start.folder;
-        std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut waiter = bus.waiter(WaitMode::Event);
-        let csv = config.recording.csv;
-        let all_topics = config.recording.mcap.map(|settings| {
-            let waiter = (!csv).then_some(&mut waiter);
-            AllTopics::new(config, settings, bus, waiter, incarnation, start)
+        let (intake, topics) = Intake::open(config, bus, &mut waiter, incarnation)?;
+        let journal = Journal::new(config, start, topics, intake.since_ns())?;
+        let images = config.recording.mcap.map(|settings| {
+            let is_late = intake.is_late(config);
+            Images::new(bus, &settings, incarnation, intake.caught_up_ns(), is_late)
         });
-        let all_topics = all_topics.transpose()?;
-        let mut place = Place {
-            bus,
-            waiter: &mut waiter,
-            folder,
-            resume: recovery::claim(folder, start.run)?,
-            incarnation,
-            first_day_ns: start.first_day_ns,
-            frame: config.frame,
-            replays: config.is_recorded(),
-        };
-        let streams: Vec<_> = config.streams().filter(|_| csv).collect();
-        let open = |(id, name): &(StreamId, &str)| topic_file::open(&mut place, *id, name);
-        let files = streams.iter().map(open).collect::<Result<Vec<_>, _>>()?;
-        let mut begins: Vec<_> = config.streams().map(|(id, _)| (id, 0)).collect();
-        for ((_, begin), file) in begins.iter_mut().zip(&files) {
-            *begin = file.next_sequence();
-        }
+        let begins = config.streams().enumerate();
+        let begins: Vec<_> = begins
+            .map(|(place, (id, _))| (id, journal.account(place).next_sequence()))
+            .collect();
         let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &begins);
         Ok(Self {
+            images: images.transpose()?,
             streams: begins.iter().map(|(id, _)| (*id, false)).collect(),
-            files,
-            all_topics,
-            waiter,
             reached: config.is_recorded().then(reached).transpose()?,
+            intake,
+            journal,
+            waiter,
         })
     }
 
     /// Writes the arrived slices; returns whether there were any.
     fn write_arrived(&mut self, now: Now) -> anyhow::Result<bool> {
         let Self {
-            files,
-            all_topics,
+            intake,
+            journal,
+            images,
             streams,
             reached,
             ..
         } = self;
-        let mut done = |index: usize, header: &BatchHeader, next_sequence: u64| {
+        let mut done = |place: usize, header: &BatchHeader, next_sequence: u64| {
             if let Some(reached) = reached {
-                reached.done(index, header, next_sequence);
+                reached.done(place, header, next_sequence);
             }
-            streams[index].1 |= header.flags & BatchHeader::END != 0;
+            streams[place].1 |= header.flags & BatchHeader::END != 0;
         };
-        let mut worked = false;
-        if let Some(all_topics) = all_topics {
-            // If rows are written, the position of the rows counts.
-            let mut nothing = |_: usize, _: &BatchHeader, _: u64| {};
-            let heard: &mut Done<'_> = if files.is_empty() { &mut done } else { &mut nothing };
-            worked |= all_topics.turn(now, heard)?;
-        }
-        for (index, file) in files.iter_mut().enumerate() {
-            worked |= file.write_arrived(&mut |header, next_sequence| done(index, header, next_sequence))?;
+        let worked = intake.take(journal, now, &mut done)?;
+        journal.tend(now)?;
+        if let Some(images) = images {
+            images.tend(journal.lost(), now)?;
         }
         Ok(worked)
     }
@@ -126,10 +109,8 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let (files, all_topics) = (&self.files, &self.all_topics);
-        self.waiter.wait(at_most, || {
-            files.iter().any(|file| file.has_slices()) || all_topics.as_ref().is_some_and(AllTopics::has_slices)
-        })?;
+        let intake = &self.intake;
+        self.waiter.wait(at_most, || intake.has_slices())?;
         Ok(())
     }
 
@@ -138,36 +119,18 @@ impl<S: Transport> Agent for RecorderAgent<S> {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let first = entries.len();
         entries.push(HealthEntry::default());
-        if let Some(all_topics) = &self.all_topics {
-            let counts = all_topics.counts();
+        if let Some(counts) = self.journal.segment_counts() {
             for (counter, count) in [
-                (Counter::RecordedSamples, counts.samples),
-                (Counter::RecordedLost, counts.lost),
+                (Counter::RecordedSamples, self.journal.samples()),
+                (Counter::RecordedLost, self.journal.lost()),
                 (Counter::RecordingFailures, counts.failures),
                 (Counter::RecordingsDeleted, counts.deleted),
             ] {
                 entries[first].counters.add(counter, count);
             }
         }
-        if let (Some(all_topics), true) = (&self.all_topics, self.files.is_empty()) {
-            for (place, (id, _)) in self.streams.iter().enumerate() {
-                let taken = all_topics.taken(place);
-                match id.stream {
-                    Stream::SystemTracks => entries[first].set(Counter::Taken, taken),
-                    Stream::SensorTracks => {
-                        let mut entry = HealthEntry {
-                            source: id.number,
-                            ..HealthEntry::default()
-                        };
-                        entry.set(Counter::Taken, taken);
-                        entries.push(entry);
-                    }
-                    _ => {}
-                }
-            }
-        }
-        for file in &self.files {
-            let (id, counts) = (file.id(), file.counts());
+        for (place, (id, _)) in self.streams.iter().enumerate() {
+            let (account, subscriber) = (self.journal.account(place), self.intake.counts(place));
             if id.stream == Stream::SensorTracks {
                 entries.push(HealthEntry {
                     source: id.number,
@@ -178,23 +141,23 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 id.stream,
                 Stream::SystemTracks | Stream::WideArea | Stream::Alarms | Stream::Decisions | Stream::Orders
             );
-            let place = if is_of_process { first } else { entries.len() - 1 };
-            let entry = &mut entries[place];
+            let of = if is_of_process { first } else { entries.len() - 1 };
+            let entry = &mut entries[of];
             let lost = match id.stream {
                 Stream::WideArea => Counter::WideAreaLost,
                 _ => Counter::Lost,
             };
-            entry.counters.add(lost, counts.lost);
-            entry.counters.add(Counter::MissingRows, counts.missing);
-            entry.counters.add(Counter::RowsWritten, counts.rows);
-            entry
-                .counters
-                .add(Counter::RejectedSchema, counts.subscriber.schema_mismatch);
+            entry.counters.add(lost, account.not_arrived(subscriber.lost));
+            if let Some(rows) = self.journal.rows(place) {
+                entry.counters.add(Counter::MissingRows, account.missing());
+                entry.counters.add(Counter::RowsWritten, rows);
+            }
+            entry.counters.add(Counter::RejectedSchema, subscriber.schema_mismatch);
             if matches!(id.stream, Stream::SensorTracks | Stream::SystemTracks) {
-                entry.counters.add(Counter::Taken, counts.subscriber.taken);
+                entry.counters.add(Counter::Taken, subscriber.taken);
             }
             if id.stream == Stream::SystemTracks {
-                entry.progress_ns = counts.progress_ns;
+                entry.progress_ns = account.progress_ns();
             }
         }
     }
@@ -206,6 +169,6 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 break;
             }
         }
-        self.all_topics.as_mut().map_or(Ok(()), |topics| topics.close(now))
+        self.journal.close(now)
     }
 }

@@ -1,5 +1,8 @@
 //! Recorder process: writes every data stream of a deployment to a file.
 //!
+//! Every topic is received once (`intake`), into one stream with positions and losses (`journal`). Tables (`csv`)
+//! and files of all topics (`mcap`) are written from it. The tables are:
+//!
 //! - `sensor_tracks_<name>.csv`: one file per source, in the order of publication.
 //! - `system_tracks.csv`: the system tracks in the order of fusion (FM-5). Its last columns give the state in
 //!   geographic terms: `utc`, `latitude` and `longitude` (WGS-84, degrees), `flight_level` (hundreds of feet above
@@ -24,16 +27,18 @@
 
 #![forbid(unsafe_code)]
 
+mod account;
 mod agent;
-mod all_topics;
+mod gaps;
 mod images;
-mod numbering;
+mod intake;
+mod journal;
 mod recorded;
 mod recovery;
 mod segments;
+mod slice;
 mod start;
 mod tables;
-mod topic_file;
 
 pub use agent::RecorderAgent;
 pub use start::Start;

@@ -1,14 +1,17 @@
 //! Continuation of the files of a terminated recorder.
 //!
 //! A restart of the recorder must not lose a run's files. The successor keeps the rows of its predecessor and cuts
-//! off a torn last line. The file `run.txt` in the folder identifies the run. A folder of another run is rejected,
-//! because a recording is never replaced.
+//! off a torn last line. It ends the last file of all topics, and continues the tally of each topic. The file
+//! `run.txt` in the folder identifies the run. A folder of another run is rejected, because a recording is never
+//! replaced.
 
 use std::fs::{File, OpenOptions};
-use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom};
+use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
 use anyhow::{Context as _, ensure};
+use recording::{Survey, Tally};
+use runtime::NumberedFiles;
 
 /// Whether `folder` holds files of the run described by `run`; an empty folder is claimed for this run.
 ///
@@ -72,10 +75,64 @@ fn resumed(path: &Path) -> std::io::Result<Opened> {
     Ok(Opened { file, rows })
 }
 
+/// Files of all topics left by earlier recorders.
+#[derive(Debug, Default)]
+pub(crate) struct Earlier {
+    /// Number of the latest file; 0 without files.
+    pub(crate) number: u32,
+    latest: Survey,
+}
+
+impl Earlier {
+    /// Ends the latest file, and reads the positions of the topics in it.
+    ///
+    /// # Errors
+    /// If the folder or the latest file cannot be read.
+    pub(crate) fn read(files: &NumberedFiles) -> anyhow::Result<Self> {
+        let mut latest = Survey::default();
+        let found = files.list()?;
+        let number = found.last().map_or(0, |(number, _)| *number);
+        for (_, path) in found.iter().rev() {
+            if recording::whole(&mut File::open(path)?)?.bytes > 0 {
+                end(path)?;
+                latest.add(&mut File::open(path)?)?;
+            }
+            if !latest.facts.is_empty() {
+                break;
+            }
+            // A recorder terminated before its first record, so the file before holds the positions of the topics.
+            std::fs::remove_file(path)?;
+        }
+        Ok(Self { number, latest })
+    }
+
+    /// Returns the tally of a topic; without earlier files, of a recording that starts at this monotonic time,
+    /// nanoseconds.
+    pub(crate) fn tally(&self, topic: &str, since_ns: u64) -> Tally {
+        let known = self.latest.topics.get(topic).map(|topic| topic.tally.clone());
+        known.unwrap_or_else(|| match self.latest.facts.is_empty() {
+            true => Tally::since(topic, since_ns),
+            false => Tally::begin(topic, &self.latest.facts),
+        })
+    }
+}
+
+/// Ends a file of all topics that has no end record.
+///
+/// # Errors
+/// If the file cannot be read or written.
+pub(crate) fn end(path: &Path) -> std::io::Result<()> {
+    let mut file = OpenOptions::new().read(true).append(true).open(path)?;
+    let whole = recording::whole(&mut file)?;
+    if !whole.is_ended {
+        file.set_len(whole.bytes)?;
+        file.write_all(&recording::closing())?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
     use super::*;
 
     fn after(content: &str, resume: bool) -> (u64, String) {

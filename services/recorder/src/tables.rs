@@ -1,32 +1,65 @@
-//! Tables made from a recording of all topics, identical to those written live.
+//! Sink of the recorded stream: a table per data stream, with a row per new sample.
+//!
+//! The recorder writes the tables live, and [`Tables`] made from its files of all topics are identical.
+//!
+//! Samples of a replay are numbered, so the rows of a table state its position (`gaps`). System tracks have no such
+//! numbers, because a restarted fusion makes new tracks.
+//!
+//! The recorder passes rows to the operating system before it acknowledges them. A killed recorder has therefore
+//! not acknowledged any row that was lost with it.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::fs::File;
 use std::io::{self, BufWriter};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use configuration::Config;
 use formats::rows::RowWriter;
 use frames::SystemFrame;
+use messages::StreamId;
 use recording::Item;
 
+use crate::account::Numbers;
+use crate::gaps::Gaps;
 use crate::recorded::{ForSamples, Recorded, for_samples};
-use crate::topic_file::file_name;
+use crate::recovery::{self, Opened};
+use crate::slice::Slice;
 
-/// Tables of a deployment, one per stream.
+/// Tables of a deployment, one per data stream, in the order of [`Config::streams`].
 #[derive(Debug)]
 pub struct Tables {
-    /// Tables by the name of the topic.
-    topics: BTreeMap<String, Box<dyn Table>>,
+    tables: Vec<Entry>,
+    /// Places of the tables by the name of the topic.
+    places: BTreeMap<String, usize>,
 }
 
-trait Table: Debug {
-    /// Writes the row of a sample.
-    fn add(&mut self, octets: &[u8]) -> io::Result<()>;
+#[derive(Debug)]
+struct Entry {
+    topic: String,
+    path: PathBuf,
+    table: Box<dyn Table>,
+    /// Whether rows wait in memory.
+    is_gathering: bool,
+    /// Number of the next sample of a recording's replayed input: a restarted adapter publishes samples again.
+    next_sequence: Option<u64>,
+}
 
-    fn finish(&mut self) -> io::Result<()>;
+/// Table of any sample type.
+trait Table: Debug {
+    /// Writes the rows of samples, except of those numbered below `from_sequence`. Returns the number after the last
+    /// sample.
+    fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64>;
+
+    /// Passes all rows to the operating system.
+    fn flush(&mut self) -> io::Result<()>;
+
+    /// Returns the sample numbers after the last row.
+    fn numbers(&self) -> Numbers;
+
+    /// Returns the number of rows written since the start.
+    fn rows(&self) -> u64;
 }
 
 #[derive(Debug)]
@@ -34,33 +67,53 @@ struct TableOf<T: Recorded> {
     writer: RowWriter<T::Row, BufWriter<File>>,
     number: u16,
     frame: SystemFrame,
-    /// Number of the next sample of a replayed input: a restarted adapter publishes the earlier samples again.
-    next_sequence: Option<u64>,
+    /// Gaps of a numbered table.
+    gaps: Option<Gaps>,
+    rows: u64,
 }
 
 impl Tables {
-    /// Begins the tables of the deployment of `config` in `folder`, with times from `first_day_ns` (UTC,
-    /// nanoseconds).
+    /// Begins the tables of a recording of the deployment of `config` in `folder`, with times from `first_day_ns`
+    /// (UTC, nanoseconds).
     ///
     /// # Errors
     /// If a file exists already, or cannot be made.
     pub fn begin(config: &Config, folder: &Path, first_day_ns: i64) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
-        let mut topics = BTreeMap::new();
-        for (id, name) in config.streams() {
-            let is_numbered = config.is_recorded() && id.stream.is_replayed();
-            let beginning = Beginning {
+        let mut tables = Self::open(config, folder, first_day_ns, None)?;
+        for (entry, (id, _)) in tables.tables.iter_mut().zip(config.streams()) {
+            entry.next_sequence = (config.is_recorded() && id.stream.is_replayed()).then_some(0);
+        }
+        Ok(tables)
+    }
+
+    /// Begins the tables of a recorder; with `resume`, continues the existing tables.
+    ///
+    /// # Errors
+    /// If a file cannot be made or continued.
+    pub(crate) fn resume(config: &Config, folder: &Path, first_day_ns: i64, resume: bool) -> anyhow::Result<Self> {
+        Self::open(config, folder, first_day_ns, Some(resume))
+    }
+
+    fn open(config: &Config, folder: &Path, first_day_ns: i64, live: Option<bool>) -> anyhow::Result<Self> {
+        let open = |(id, name): (StreamId, &str)| {
+            let opening = Opening {
                 folder,
                 name,
                 first_day_ns,
                 number: id.number,
                 frame: config.frame,
-                next_sequence: is_numbered.then_some(0),
+                resume: live.unwrap_or(false),
+                is_numbered: live.is_some() && config.is_recorded() && id.stream.is_replayed(),
             };
-            let (topic, table) = for_samples(id.stream, beginning)?;
-            topics.insert(topic, table);
-        }
-        Ok(Self { topics })
+            for_samples(id.stream, opening)
+        };
+        let tables: Vec<Entry> = config.streams().map(open).collect::<Result<_, _>>()?;
+        let places = tables.iter().enumerate();
+        Ok(Self {
+            places: places.map(|(place, entry)| (entry.topic.clone(), place)).collect(),
+            tables,
+        })
     }
 
     /// Writes the rows of a part of the recording.
@@ -71,7 +124,13 @@ impl Tables {
         let Item::Sample { topic, octets } = item else {
             return Ok(());
         };
-        self.topics.get_mut(*topic).map_or(Ok(()), |table| table.add(octets))
+        let Some(place) = self.places.get(*topic) else {
+            return Ok(());
+        };
+        let entry = &mut self.tables[*place];
+        let next = entry.table.add(octets, entry.next_sequence.unwrap_or(0))?;
+        entry.next_sequence = entry.next_sequence.map(|before| before.max(next));
+        Ok(())
     }
 
     /// Writes the remaining rows.
@@ -79,52 +138,124 @@ impl Tables {
     /// # Errors
     /// If a file cannot be written.
     pub fn finish(mut self) -> io::Result<()> {
-        self.topics.values_mut().try_for_each(|table| table.finish())
+        self.tables.iter_mut().try_for_each(|entry| entry.table.flush())
+    }
+
+    /// Writes the rows of a slice.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub(crate) fn slice(&mut self, slice: &Slice<'_>) -> anyhow::Result<()> {
+        let entry = &mut self.tables[slice.place];
+        entry.is_gathering = true;
+        let written = entry.table.add(slice.octets, slice.from_sequence);
+        written.with_context(|| format!("writing {}", entry.path.display()))?;
+        Ok(())
+    }
+
+    /// Passes the rows of slices to the operating system.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub(crate) fn flush(&mut self) -> anyhow::Result<()> {
+        for entry in self.tables.iter_mut().filter(|entry| entry.is_gathering) {
+            let flushed = entry.table.flush();
+            flushed.with_context(|| format!("writing {}", entry.path.display()))?;
+            entry.is_gathering = false;
+        }
+        Ok(())
+    }
+
+    /// Returns the sample numbers after the last row of the table at this place.
+    pub(crate) fn numbers(&self, place: usize) -> Numbers {
+        self.tables[place].table.numbers()
+    }
+
+    /// Returns the number of rows written to the table at this place since the start.
+    pub(crate) fn rows(&self, place: usize) -> u64 {
+        self.tables[place].table.rows()
     }
 }
 
-struct Beginning<'a> {
+struct Opening<'a> {
     folder: &'a Path,
     name: &'a str,
     first_day_ns: i64,
     number: u16,
     frame: SystemFrame,
-    next_sequence: Option<u64>,
+    /// Whether an existing table is continued.
+    resume: bool,
+    /// Whether the rows state sample numbers.
+    is_numbered: bool,
 }
 
-impl ForSamples for Beginning<'_> {
-    type Done = anyhow::Result<(String, Box<dyn Table>)>;
+/// Returns the file name of a stream of a source or sensor; of the system if `name` is empty.
+fn file_name(stem: &str, name: &str) -> String {
+    match name {
+        "" => format!("{stem}.csv"),
+        name => format!("{stem}_{name}.csv"),
+    }
+}
+
+impl ForSamples for Opening<'_> {
+    type Done = anyhow::Result<Entry>;
 
     fn of<T: Recorded>(self, stem: &str) -> Self::Done {
         let path = self.folder.join(file_name(stem, self.name));
-        let begin = || RowWriter::begin(BufWriter::new(File::create_new(&path)?), self.first_day_ns);
-        let writer = begin().with_context(|| format!("opening {} for writing", path.display()))?;
+        let Opened { file, rows } = recovery::open(&path, self.resume)?;
+        let file = BufWriter::new(file);
+        let gaps = || Gaps::of(&path, rows).with_context(|| format!("reading the gaps of {}", path.display()));
+        let gaps = self.is_numbered.then(gaps).transpose()?;
+        let writer = match rows {
+            0 => RowWriter::begin(file, self.first_day_ns)
+                .with_context(|| format!("opening {} for writing", path.display()))?,
+            _ => RowWriter::resume(file, self.first_day_ns),
+        };
         let table = TableOf::<T> {
             writer,
             number: self.number,
             frame: self.frame,
-            next_sequence: self.next_sequence,
+            gaps,
+            rows: 0,
         };
-        Ok((T::topic(self.name).name.as_str().to_owned(), Box::new(table)))
+        Ok(Entry {
+            topic: T::topic(self.name).name.as_str().to_owned(),
+            path,
+            table: Box::new(table),
+            is_gathering: false,
+            next_sequence: None,
+        })
     }
 }
 
 impl<T: Recorded> Table for TableOf<T> {
-    fn add(&mut self, octets: &[u8]) -> io::Result<()> {
-        let Some(sample) = T::of_octets(octets) else {
-            return Ok(());
-        };
-        if let Some(next) = &mut self.next_sequence {
-            if sample.sequence() < *next {
-                return Ok(());
+    fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64> {
+        let mut next_sequence = 0;
+        for sample in octets.chunks_exact(size_of::<T>()).filter_map(T::of_octets) {
+            let sequence = sample.sequence();
+            if sequence < from_sequence {
+                continue;
             }
-            *next = sample.sequence().saturating_add(1);
+            next_sequence = sequence.saturating_add(1);
+            let Some(row) = sample.row(self.number, &self.frame) else {
+                continue;
+            };
+            self.gaps.as_mut().map_or(Ok(()), |gaps| gaps.add_row(sequence))?;
+            self.writer.write(&row)?;
+            self.rows += 1;
         }
-        let row = sample.row(self.number, &self.frame);
-        row.map_or(Ok(()), |row| self.writer.write(&row))
+        Ok(next_sequence)
     }
 
-    fn finish(&mut self) -> io::Result<()> {
+    fn flush(&mut self) -> io::Result<()> {
         self.writer.flush()
+    }
+
+    fn numbers(&self) -> Numbers {
+        self.gaps.as_ref().map_or_else(Numbers::default, Gaps::numbers)
+    }
+
+    fn rows(&self) -> u64 {
+        self.rows
     }
 }

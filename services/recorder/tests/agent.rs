@@ -320,6 +320,20 @@ mod all_topics {
     }
 
     #[test]
+    fn without_rows_losses_of_each_source_are_counted() {
+        let mut bench = bench();
+        let out = bench.folder.path().join("out");
+        let mut recorder = recorder_of(&bench, &out, &["recorder.format=[\"mcap\"]"]);
+        bench.send(0..1, false);
+        recorder.turn(at(1.0)).unwrap();
+        // The topic's queue holds 256 slices.
+        (1..301).for_each(|number| bench.send(number..number + 1, false));
+        while recorder.turn(at(1.0)).unwrap() == Turn::Worked {}
+        assert_eq!((lost(&recorder), missing(&recorder)), (44, 0));
+        assert_eq!(counted(&recorder, Counter::RecordedLost), 88, "of two topics");
+    }
+
+    #[test]
     fn a_killed_recorder_costs_what_was_not_flushed_and_the_next_one_counts_it() {
         let mut bench = bench();
         let (out, after) = (bench.folder.path().join("out"), bench.folder.path().join("after"));

@@ -1,4 +1,4 @@
-//! Sample numbers of the rows of a file.
+//! File of the gaps in the sample numbers of a table.
 //!
 //! Samples of a replay are numbered from 0, and each becomes a row. Without missing samples, the number of rows is
 //! the number of the next sample. Samples can be missing if they were lost with a recorder that had taken them. A
@@ -10,23 +10,24 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use crate::account::Numbers;
+
 /// Header line.
 const HEADER: &str = "rows,sequence";
 
-/// Number of rows of a file, and number of the next sample.
+/// Gaps of a table.
 #[derive(Debug)]
-pub(crate) struct Numbering {
+pub(crate) struct Gaps {
     path: PathBuf,
     /// Open once there is a gap.
-    gaps: Option<File>,
+    file: Option<File>,
     rows: u64,
     /// Difference between the sample number of the last row and its place.
     ahead: u64,
-    next_sequence: u64,
 }
 
-impl Numbering {
-    /// Reads the numbering of the file `path`, which holds `rows` rows.
+impl Gaps {
+    /// Reads the gaps of the table `path`, which holds `rows` rows.
     ///
     /// # Errors
     /// If the file of gaps cannot be read or written.
@@ -45,35 +46,32 @@ impl Numbering {
         let whole = &text[..text.rfind('\n').map_or(0, |end| end + 1)];
         let stands: Vec<_> = whole.lines().filter_map(gap).filter(|(at, _)| *at < rows).collect();
         let ahead = stands.last().map_or(0, |(at, sequence)| sequence.saturating_sub(*at));
-        let mut numbering = Self {
+        let mut gaps = Self {
             path,
-            gaps: None,
+            file: None,
             rows,
             ahead,
-            next_sequence: rows + ahead,
         };
         if !text.is_empty() {
-            std::fs::remove_file(&numbering.path)?;
-            stands
-                .iter()
-                .try_for_each(|(at, sequence)| numbering.note(*at, *sequence))?;
+            std::fs::remove_file(&gaps.path)?;
+            stands.iter().try_for_each(|(at, sequence)| gaps.note(*at, *sequence))?;
         }
-        Ok(numbering)
+        Ok(gaps)
     }
 
     fn note(&mut self, rows: u64, sequence: u64) -> io::Result<()> {
-        let gaps = match &mut self.gaps {
-            Some(gaps) => gaps,
+        let file = match &mut self.file {
+            Some(file) => file,
             None => {
                 let mut new = OpenOptions::new().create(true).append(true).open(&self.path)?;
                 writeln!(new, "{HEADER}")?;
-                self.gaps.insert(new)
+                self.file.insert(new)
             }
         };
-        gaps.write_all(format!("{rows},{sequence}\n").as_bytes())
+        file.write_all(format!("{rows},{sequence}\n").as_bytes())
     }
 
-    /// Records that the next row holds the sample `sequence`, which is not below [`Self::next_sequence`].
+    /// Records that the next row holds the sample `sequence`, which follows the sample of the last row.
     ///
     /// # Errors
     /// If a gap cannot be written.
@@ -84,18 +82,12 @@ impl Numbering {
             self.ahead = ahead;
         }
         self.rows += 1;
-        self.next_sequence = sequence.saturating_add(1);
         Ok(())
     }
 
-    /// Returns the number of the next sample: earlier samples are processed, even if published again.
-    pub(crate) fn next_sequence(&self) -> u64 {
-        self.next_sequence
-    }
-
-    /// Returns the number of samples before the last row that are in no row.
-    pub(crate) fn missing(&self) -> u64 {
-        self.ahead
+    /// Returns the sample numbers after the last row.
+    pub(crate) fn numbers(&self) -> Numbers {
+        Numbers::after(self.rows + self.ahead, self.ahead)
     }
 }
 
@@ -108,11 +100,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
         let gaps = || std::fs::read_to_string(folder.path().join("gaps_rows.csv")).unwrap_or_default();
-        let mut first = Numbering::of(&path, 0).unwrap();
+        let mut first = Gaps::of(&path, 0).unwrap();
         (0..3).for_each(|sequence| first.add_row(sequence).unwrap());
-        assert_eq!((first.next_sequence(), first.missing(), gaps()), (3, 0, String::new()));
+        assert_eq!((first.numbers(), gaps()), (Numbers::after(3, 0), String::new()));
         [5, 6, 10].iter().for_each(|sequence| first.add_row(*sequence).unwrap());
-        assert_eq!((first.next_sequence(), first.missing()), (11, 5));
+        assert_eq!(first.numbers(), Numbers::after(11, 5));
         assert_eq!(gaps(), "rows,sequence\n3,5\n5,10\n");
         // All six rows exist, or the last is missing, or only the first three exist.
         for (rows, next_sequence, missing, left) in [
@@ -120,9 +112,13 @@ mod tests {
             (5, 7, 2, "rows,sequence\n3,5\n"),
             (3, 3, 0, ""),
         ] {
-            let next = Numbering::of(&path, rows).unwrap();
-            let found = (next.next_sequence(), next.missing(), gaps());
-            assert_eq!(found, (next_sequence, missing, left.to_owned()), "{rows}");
+            let next = Gaps::of(&path, rows).unwrap();
+            let found = (next.numbers(), gaps());
+            assert_eq!(
+                found,
+                (Numbers::after(next_sequence, missing), left.to_owned()),
+                "{rows}"
+            );
         }
     }
 
@@ -131,7 +127,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
         std::fs::write(folder.path().join("gaps_rows.csv"), "rows,sequence\n3,5\n4,1").unwrap();
-        let numbering = Numbering::of(&path, 9).unwrap();
-        assert_eq!((numbering.next_sequence(), numbering.missing()), (11, 2));
+        let gaps = Gaps::of(&path, 9).unwrap();
+        assert_eq!(gaps.numbers(), Numbers::after(11, 2));
     }
 }
