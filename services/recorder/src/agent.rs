@@ -147,8 +147,9 @@ impl<S: Transport> Agent for RecorderAgent<S> {
                 Stream::WideArea => Counter::WideAreaLost,
                 _ => Counter::Lost,
             };
-            entry.counters.add(lost, account.not_arrived(subscriber.lost));
+            // Files of all topics have a count of their own, in which these samples are contained.
             if let Some(rows) = self.journal.rows(place) {
+                entry.counters.add(lost, account.not_arrived(subscriber.lost));
                 entry.counters.add(Counter::MissingRows, account.missing());
                 entry.counters.add(Counter::RowsWritten, rows);
             }
