@@ -13,6 +13,9 @@
 //!   that it is too large, and where both claim far too much to be a measure, nothing is learned. Nor is it of targets
 //!   that stand or crawl: sources that hold them where they were agree by nature.
 //!
+//! Sources with a smaller part of their errors in common still share measurements, and so false tracks. The filter takes
+//! both, but where it is asked whether there is a target, they are one witness.
+//!
 //! Sources that share less than that, like a centre that makes its tracks from many radars of which ours is one, cannot
 //! be told from good ones; the configuration says it of them.
 //!
@@ -47,6 +50,8 @@ const HONEST: f64 = 0.5;
 /// Mean of normalised squares of differences below which two sources are dependent, and above which not any more.
 const SAME_ERRORS: f64 = 0.12;
 const OWN_ERRORS: f64 = 0.25;
+/// Mean below which sources have so much of their errors in common that the false tracks of one are the other's too.
+const SHARED_ERRORS: f64 = 0.65;
 
 /// Dependence of the sources on each other.
 #[derive(Debug, Serialize, Deserialize)]
@@ -123,6 +128,29 @@ impl Dependence {
     /// The group of a source: the number of its first one.
     pub(crate) fn group_of(&self, source: u16) -> u16 {
         self.groups[usize::from(source)]
+    }
+
+    /// Whether a source bears witness beside those in `others`, given as bits: one that shares errors with them repeats
+    /// their measurements, and their false tracks.
+    pub(crate) fn is_witness_beside(&self, source: u16, others: u64) -> bool {
+        let count = self.groups.len();
+        let shares = |one: usize, other: usize| {
+            let index = one * count + other;
+            self.may_depend[index] && self.differences[index].iter().any(|mean| *mean < SHARED_ERRORS)
+        };
+        let own = usize::from(source);
+        (0..count)
+            .filter(|other| others & 1 << other != 0)
+            .all(|other| !shares(own, other) && !shares(other, own))
+    }
+
+    /// How many of the sources in `sources`, given as bits, bear witness beside each other.
+    pub(crate) fn witnesses_among(&self, sources: u64) -> u32 {
+        let heard = (0..self.groups.len() as u16).filter(|source| sources & 1 << source != 0);
+        let witnesses = heard.fold(0u64, |before, source| {
+            before | u64::from(self.is_witness_beside(source, before)) << source
+        });
+        witnesses.count_ones()
     }
 
     /// Learns from a report as its source gave it.
@@ -280,5 +308,25 @@ mod tests {
             }
         }
         assert_eq!([0, 1, 2, 3].map(|source| dependence.group_of(source)), [0, 1, 2, 1]);
+    }
+
+    #[test]
+    fn sources_with_errors_partly_in_common_bear_witness_once() {
+        // Normalised squares of the differences: 1 where errors are independent, 1/2 where half of them is common.
+        for (square, witnesses) in [(1.0, 2), (0.5, 1)] {
+            let mut dependence = Dependence::new(&test_settings(3).sources);
+            for step in 0..300 {
+                let moving = |source: u16, off_m: f64| SensorTrack {
+                    velocity_mps: [0.0, 100.0, 0.0],
+                    covariance: messages::Covariance::diagonal([10.0; 3], [2.0; 3]),
+                    ..report(source, step, off_m)
+                };
+                let off_m = (2.0 * square * 200.0f64).sqrt();
+                dependence.compare(&moving(1, off_m), &moving(0, 0.0));
+            }
+            assert_eq!(dependence.group_of(1), 1, "the filter takes both");
+            assert_eq!(dependence.witnesses_among(0b11), witnesses);
+            assert_eq!(dependence.witnesses_among(0b111), witnesses + 1);
+        }
     }
 }

@@ -87,7 +87,7 @@ impl Life {
 
     /// Whether there is a target, and what that rests on: the number of sources, or what a single one's claim is worth.
     fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> (bool, f64) {
-        let (mut sources, mut established, mut reports) = (0u64, 0u32, 0u32);
+        let (mut sources, mut established, mut reports) = (0u64, 0u64, 0u32);
         for member in tracks.contributing(system, now_ns) {
             let entry = tracks.sensors.get(member);
             if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
@@ -95,12 +95,13 @@ impl Life {
                 return (true, f64::NAN);
             }
             sources |= 1 << entry.source;
-            established += u32::from(tracks.is_established(member));
+            established |= u64::from(tracks.is_established(member)) << entry.source;
             reports = reports.saturating_add(entry.reports);
         }
         if reports < settings.life.confirm_reports {
             return (false, f64::NAN);
         }
+        let established = tracks.dependence.witnesses_among(established);
         if established >= 3 {
             return (true, f64::from(established));
         }
@@ -114,7 +115,9 @@ impl Life {
         for (index, source) in settings.sources.iter().enumerate() {
             // What is higher than a source can see says nothing about it.
             let may_see = !source.is_out && (!filter.has_height || filter.estimate.mean[2] <= source.ceiling_m);
-            if groups(0, index as u16) & heard == 0 && may_see && !source.is_centre {
+            let is_silent =
+                groups(0, index as u16) & heard == 0 && tracks.dependence.is_witness_beside(index as u16, sources);
+            if is_silent && may_see && !source.is_centre {
                 let detection = self
                     .coverage
                     .detection_probability(index as u16, filter.estimate.position_m());

@@ -30,6 +30,9 @@ const SPREAD_EVERY: u32 = 4;
 const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
+/// Probability of steady motion from which on the shape of errors is learned.
+const SHAPE_STEADY_MIN: f32 = 0.8;
+
 /// The sources, each by its number.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Sources {
@@ -263,7 +266,11 @@ impl Sources {
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
         if settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
-            if let Some(place_m) = place_of(&settings.sources[source]) {
+            // A turn that the filter does not follow yet has a shape of its own.
+            let [steady, _] = tracks.systems.get(system).filter.mode_probabilities();
+            if steady > SHAPE_STEADY_MIN
+                && let Some(place_m) = place_of(&settings.sources[source])
+            {
                 let shape = &mut self.models[source].shape;
                 shape.learn(about_mean, innovation.covariance_m2, (target_m, place_m));
             }
