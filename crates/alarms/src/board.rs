@@ -301,7 +301,7 @@ mod tests {
             (history[0].raised_ns, history[0].text.as_str()),
             (
                 UTC_NS + 85 * S,
-                "The clock of radar is 85 s off, by the times at which its reports are received."
+                "The clock of radar is 85 s off, compared with the times of receipt of its reports."
             )
         );
     }

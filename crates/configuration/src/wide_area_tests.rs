@@ -351,12 +351,12 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
         ),
         (
             &format!("{of_place}{of_place}"),
-            "3: wide_area.prior[1]: priors 1 and 2 speak of the same place; let them adjoin",
+            "3: wide_area.prior[1]: priors 1 and 2 overlap; separate or join them",
         ),
         (
             "[[wide_area.prior]]\nsector = { from_m = [0, 0], bearings_deg = [350, 20] }\n[[wide_area.prior]]\n\
              sector = { from_m = [0, 0], bearings_deg = [10, 30] }",
-            "3: wide_area.prior[1]: priors 1 and 2 speak of the same place",
+            "3: wide_area.prior[1]: priors 1 and 2 overlap",
         ),
         (
             "[selection]\nage_s = 5",

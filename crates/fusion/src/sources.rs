@@ -31,7 +31,7 @@ const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
 /// Probability of steady motion from which on the shape of errors is learned.
-const SHAPE_STEADY_MIN: f32 = 0.8;
+const SHAPE_STEADY_MIN: f32 = 0.5;
 
 /// The sources, each by its number.
 #[derive(Debug, Serialize, Deserialize)]
