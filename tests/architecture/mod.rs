@@ -22,6 +22,7 @@ const ORDER: &[&str] = &[
     "kept",
     "telemetry",
     "alarms",
+    "observed",
     "association",
     "scenario",
     "scoring",

@@ -15,6 +15,7 @@ mod deployment;
 mod link;
 mod locating;
 mod network;
+mod observed;
 mod offline;
 mod reference;
 mod tables;

@@ -1,0 +1,18 @@
+//! Facts for readers of a running deployment.
+
+use crate::{Config, Input};
+
+impl Config {
+    /// Returns the sources, as readers of the running deployment use them.
+    pub fn observed_sources(&self) -> Vec<observed::Source> {
+        let sources = self.sources.iter().map(|source| observed::Source {
+            number: source.number,
+            name: source.name.clone(),
+            adapter: source.adapter.clone(),
+            is_external: matches!(source.input, Input::External),
+            silent_after_ns: source.silent_after_ns,
+            period_ns: source.period_ns,
+        });
+        sources.collect()
+    }
+}

@@ -1,0 +1,212 @@
+//! Worked checks of the state of a deployment.
+
+use messages::{AlarmEvent, OrderStatus, StageTimes};
+use test_support::S;
+
+use super::*;
+
+fn health(kind: ProcessKind, name: &str, source: u16, said_s: i64, counters: &[(Counter, u64)]) -> Health {
+    let mut health = Health {
+        kind: kind as u8,
+        incarnation: 1,
+        said_ns: said_s * S,
+        source,
+        life: LifeState::Running as u8,
+        ..Health::default()
+    };
+    for (counter, value) in counters {
+        health.counters[*counter] = *value;
+    }
+    health.with_name(name)
+}
+
+fn source(number: u16, name: &str, is_external: bool) -> Source {
+    Source {
+        number,
+        name: name.to_owned(),
+        adapter: name.to_owned(),
+        is_external,
+        silent_after_ns: Some(20 * S),
+        period_ns: 4 * S,
+    }
+}
+
+const FUSION: ProcessKind = ProcessKind::Fusion;
+const ADAPTER: ProcessKind = ProcessKind::Adapter;
+
+#[test]
+fn a_source_is_silent_after_its_longest_usual_silence_and_absent_without_its_adapter() {
+    let mut observed = Deployment::new(vec![source(0, "radar", false)]);
+    let state = |observed: &Deployment, now_s: i64| {
+        let now_ns = now_s * S;
+        (
+            observed.is_source_absent(0, now_ns),
+            observed.is_source_silent(0, now_ns),
+        )
+    };
+    assert_eq!(state(&observed, 100), (true, true));
+    let published = |said_s, count| health(ADAPTER, "radar", NO_SOURCE, said_s, &[(Counter::Published, count)]);
+    observed.take_health(&published(100, 0));
+    assert_eq!(state(&observed, 100), (false, true), "nothing yet");
+    for said_s in 101..=125 {
+        observed.take_health(&published(said_s, 5));
+    }
+    assert_eq!(state(&observed, 121), (false, false), "20 s after 101 s");
+    assert_eq!(state(&observed, 122), (false, true));
+    assert_eq!(state(&observed, 127), (false, true));
+    assert_eq!(state(&observed, 128), (true, true), "three seconds without a message");
+    let restarted = Health {
+        incarnation: 2,
+        ..published(130, 0)
+    };
+    observed.take_health(&restarted);
+    assert_eq!(state(&observed, 130), (false, true), "a restart delivers nothing");
+    assert_eq!(observed.delivered(0), 5);
+}
+
+#[test]
+fn a_source_without_an_adapter_is_observed_by_fusion() {
+    let mut observed = Deployment::new(vec![source(0, "of-others", true)]);
+    assert!(observed.is_source_absent(0, 10 * S) && observed.is_source_silent(0, 10 * S));
+    observed.take_health(&health(FUSION, "fusion", NO_SOURCE, 10, &[]));
+    observed.take_health(&health(FUSION, "fusion", 0, 10, &[(Counter::Taken, 3)]));
+    assert!(!observed.is_source_absent(0, 11 * S) && !observed.is_source_silent(0, 11 * S));
+    assert!(observed.is_source_absent(0, 13 * S), "fusion is absent");
+}
+
+#[test]
+fn only_the_leading_fusion_and_published_tracks_are_signs_of_life() {
+    let mut observed = Deployment::default();
+    assert!(observed.is_fusion_absent(0));
+    observed.take_health(&health(FUSION, "standby", NO_SOURCE, 10, &[]));
+    assert!(observed.is_fusion_absent(10 * S));
+    observed.take_health(&health(FUSION, "fusion", NO_SOURCE, 10, &[]));
+    assert!(!observed.is_fusion_absent(12 * S) && observed.is_fusion_absent(13 * S));
+    let of = |incarnation| BatchHeader {
+        incarnation,
+        ..BatchHeader::default()
+    };
+    let mut publishers = [5, 5, 3, 3].into_iter();
+    let changes = [20, 21, 22, 23].map(|at_s| {
+        let header = of(publishers.next().unwrap());
+        observed.take_tracks(&header, &[], at_s * S, at_s * S)
+    });
+    assert_eq!(changes, [true, false, true, false]);
+    assert!(!observed.is_fusion_absent(25 * S) && observed.is_fusion_absent(26 * S));
+}
+
+#[test]
+fn sources_have_names_with_and_without_the_configuration() {
+    let of_adapter = health(ADAPTER, "antenna", 4, 1, &[(Counter::RejectedJump, 3)]).with_note("ads-b");
+    let of_fusion = health(FUSION, "fusion", 2, 1, &[(Counter::Taken, 7), (Counter::Lost, 1)]);
+    let mut guest = Deployment::default();
+    for health in [&of_adapter, &of_fusion] {
+        guest.take_health(health);
+    }
+    let states = guest.sources();
+    let shown: Vec<_> = states.iter().map(|state| (state.number, state.name.as_str())).collect();
+    assert_eq!(shown, [(2, "source 3"), (4, "ads-b")]);
+    assert_eq!((states[0].taken(), states[0].lost(), states[1].rejected()), (7, 1, 3));
+    let mut configured = Deployment::new(vec![source(0, "radar", false), source(1, "ads-b", false)]);
+    configured.take_health(&health(FUSION, "fusion", 1, 1, &[(Counter::Taken, 7)]));
+    let names: Vec<String> = configured.sources().into_iter().map(|state| state.name).collect();
+    assert_eq!(names, ["radar", "ads-b"]);
+    assert_eq!(
+        [1, 8, NO_SOURCE].map(|number| configured.source_name(number)),
+        ["ads-b", "source 9", "others"]
+    );
+}
+
+#[test]
+fn an_origin_that_is_no_place_changes_nothing() {
+    let mut observed = Deployment::default();
+    let origin = |latitude_deg| FrameOrigin {
+        latitude_deg,
+        longitude_deg: 2.0,
+        height_m: 0.0,
+    };
+    assert!(!observed.take_origin(&origin(f64::NAN)) && observed.frame().is_none());
+    assert!(observed.take_origin(&origin(41.0)));
+    assert!(!observed.take_origin(&origin(41.0)), "the same");
+    assert!(!observed.take_origin(&origin(91.0)));
+    assert_eq!(observed.origin(), Some(&origin(41.0)));
+    let emptied = observed.emptied();
+    assert!(emptied.frame().is_some() && emptied.origin() == Some(&origin(41.0)));
+}
+
+#[test]
+fn latencies_count_in_the_time_of_the_sources() {
+    let mut observed = Deployment::default();
+    let mut fusion = health(FUSION, "fusion", NO_SOURCE, 1, &[(Counter::LiveTracks, 9)]);
+    fusion.registration.clock_offset_s = 3.0;
+    observed.take_health(&fusion);
+    let utc_ns = 1_700_000_000 * S;
+    let track = SystemTrack {
+        trigger_source: 0,
+        // The sources' clocks are three seconds ahead of the machine's.
+        time_of_measurement_ns: utc_ns + 2 * S,
+        stages: StageTimes {
+            fused_ns: 2 * S,
+            ..StageTimes::default()
+        },
+        ..SystemTrack::default()
+    };
+    observed.take_tracks(&BatchHeader::default(), &[track], 2 * S, utc_ns);
+    observed.close_interval();
+    let age = observed
+        .stages()
+        .summary(telemetry::Stage::Age, Some(0), telemetry::Span::Total);
+    assert_eq!(
+        (age.count, age.max_ns.abs_diff(S as u64) < 1_000_000),
+        (1, true),
+        "{age:?}"
+    );
+    observed.take_health(&health(FUSION, "fusion", NO_SOURCE, 2, &[(Counter::LiveTracks, 4)]));
+    let counts = observed.track_counts();
+    assert_eq!((counts.confirmed, counts.live_max), (4, 9));
+}
+
+#[test]
+fn alarms_and_orders_are_those_of_the_latest_slices() {
+    let mut observed = Deployment::default();
+    let header = BatchHeader {
+        sent_ns: 10 * S,
+        ..BatchHeader::default()
+    };
+    let alarm = |event: AlarmEvent| Alarm {
+        event: event.code(),
+        ..Alarm::default()
+    };
+    observed.take_alarms(&header, &[alarm(AlarmEvent::Raised), alarm(AlarmEvent::Cleared)]);
+    assert_eq!((observed.alarms(11 * S).len(), observed.alarms(14 * S).len()), (1, 0));
+    let order = |number, status: OrderStatus| OrderState {
+        number,
+        status: status as u8,
+        ..OrderState::default()
+    };
+    observed.take_orders(&[order(1, OrderStatus::InForce)]);
+    observed.take_orders(&[order(1, OrderStatus::Refused), order(2, OrderStatus::InForce)]);
+    let in_force: Vec<u32> = observed.orders_in_force().map(|state| state.number).collect();
+    assert_eq!((observed.orders().len(), in_force), (2, vec![2]));
+}
+
+#[test]
+fn the_launcher_announces_the_end() {
+    let mut observed = Deployment::default();
+    let launcher = |life: LifeState, stopping| Health {
+        life: life as u8,
+        ..health(
+            ProcessKind::Launcher,
+            "launcher",
+            NO_SOURCE,
+            1,
+            &[(Counter::Stopping, stopping)],
+        )
+    };
+    observed.take_health(&launcher(LifeState::Running, 0));
+    assert!(!observed.is_stopping() && !observed.has_ended());
+    observed.take_health(&launcher(LifeState::Running, 1));
+    assert!(observed.is_stopping() && !observed.has_ended());
+    observed.take_health(&launcher(LifeState::Finished, 1));
+    assert!(observed.has_ended());
+}
