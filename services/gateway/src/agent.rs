@@ -255,10 +255,11 @@ impl<S: Transport> Agent for GatewayAgent<S> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let sensors = &mut self.sensors;
         self.health.take(SLICES_PER_TURN, |_, said| {
-            said.iter().for_each(|health| sensors.hear(health))
+            said.iter().for_each(|health| sensors.observed.take_health(health))
         })?;
-        self.alarms
-            .take(SLICES_PER_TURN, |header, slice| sensors.hear_alarms(header, slice))?;
+        self.alarms.take(SLICES_PER_TURN, |header, slice| {
+            sensors.observed.take_alarms(header, slice)
+        })?;
         self.say_status(now);
         let sender = &mut self.sender;
         // The sender counts blocks that it could not send; the remaining blocks follow.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use asterix::{Mode, NamedRecord, Value, blocks, registry};
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
 use configuration::Config;
-use messages::{Counter, Health, ProcessKind, SystemTrack, TrackState};
+use messages::{Counter, Health, LifeState, ProcessKind, SystemTrack, TrackState};
 use runtime::{Agent as _, HealthEntry, Now};
 use tempfile::TempDir;
 use test_support::S;
@@ -99,8 +99,10 @@ impl Bench {
             let said = Health {
                 said_ns: self.now_ns,
                 kind: ProcessKind::Fusion as u8,
+                life: LifeState::Running as u8,
                 ..Health::default()
             };
+            let said = said.with_name("fusion");
             self.health.send(self.mark(), 1, |_, _| said).unwrap();
             let now = Now {
                 mono_ns: self.now_ns,

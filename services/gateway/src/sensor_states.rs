@@ -3,109 +3,53 @@
 //! A sensor is operational while its adapter reads records of it. A sensor that has been silent for several of its
 //! periods is degraded: it may be defective or have no target in view. A sensor with an alarm is degraded, too; an
 //! alarm about the sensor's clock makes its time source invalid. A sensor is not connected if its adapter publishes
-//! no health message. The same holds for fusion.
+//! no health message. The same holds for fusion. Fusion's counts stand for a source without an adapter.
 //!
 //! Health messages of fusion contain the estimated bias of each sensor. A bias is sent only while fusion removes the
 //! bias from the reports: before, the estimate may be due to chance.
 
-use alarms::{AlarmKind, Present};
+use alarms::AlarmKind;
 use configuration::Config;
-use messages::{
-    Alarm, AlarmSeverity, BatchHeader, Counter, Health, NO_SOURCE, ProcessKind, Registration, registration_bits,
-};
+use messages::{Alarm, AlarmSeverity, registration_bits};
+use observed::Deployment;
 use outgoing::{
     Condition, SendBlock, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus, Technology,
 };
 use runtime::Now;
 
-/// Silence after which a process counts as ended, nanoseconds; health messages come several times a second.
-const SPEECH_MAX_NS: i64 = 2_000_000_000;
-
 /// States of fusion and of the sensors of all sources, in the order of the sources' numbers.
 #[derive(Debug)]
 pub(crate) struct SensorStates {
-    fusion_spoke_ns: i64,
+    pub(crate) observed: Deployment,
     /// Condition sent last, once the system has been operational.
     condition: Option<Condition>,
     /// Value that changes whenever tracks are numbered anew.
     renumbered: bool,
-    alarms: Present,
     sensors: Vec<Sensor>,
     statuses: Vec<SensorStatus>,
 }
 
 #[derive(Debug)]
 struct Sensor {
-    adapter: String,
+    number: u16,
     sac_sic: (u8, u8),
-    /// Whether the adapter's health messages contain the sensor's number.
-    by_number: bool,
-    spoke_ns: i64,
     primary: bool,
-    /// Silence after which the sensor is degraded, nanoseconds; `None`: never.
-    silent_after_ns: Option<i64>,
-    delivered: u64,
-    delivered_ns: i64,
-    known: Registration,
 }
 
 impl SensorStates {
     pub(crate) fn new(config: &Config) -> Self {
         let sensors = config.sources.iter().map(|source| Sensor {
-            adapter: source.adapter.clone(),
+            number: source.number,
             // A sensor without SAC and SIC is identified by its number.
             sac_sic: source.model.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
-            by_number: false,
-            spoke_ns: i64::MIN,
             primary: source.technology == Technology::Primary,
-            silent_after_ns: source.silent_after_ns,
-            delivered: 0,
-            delivered_ns: i64::MIN,
-            known: Registration::default(),
         });
         Self {
-            fusion_spoke_ns: i64::MIN,
+            observed: Deployment::new(config.observed_sources()),
             condition: None,
             renumbered: false,
-            alarms: Present::default(),
             sensors: sensors.collect(),
             statuses: Vec::with_capacity(config.sources.len()),
-        }
-    }
-
-    /// Takes a health message.
-    pub(crate) fn hear(&mut self, health: &Health) {
-        match health.kind() {
-            Some(ProcessKind::Fusion) => {
-                self.fusion_spoke_ns = self.fusion_spoke_ns.max(health.said_ns);
-                if let Some(sensor) = self.sensors.get_mut(usize::from(health.source)) {
-                    sensor.known = health.registration;
-                }
-            }
-            Some(ProcessKind::Adapter) => self.hear_adapter(health),
-            _ => {}
-        }
-    }
-
-    /// Takes the monitor's standing alarms.
-    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
-        self.alarms.hear(header, slice);
-    }
-
-    fn hear_adapter(&mut self, health: &Health) {
-        let name = health.name();
-        for (number, sensor) in self.sensors.iter_mut().enumerate().filter(|(_, of)| of.adapter == name) {
-            sensor.spoke_ns = sensor.spoke_ns.max(health.said_ns);
-            let of_sensor = usize::from(health.source) == number;
-            sensor.by_number |= of_sensor;
-            if of_sensor || (health.source == NO_SOURCE && !sensor.by_number) {
-                let delivers = [Counter::Records, Counter::Published];
-                let delivered = delivers.map(|counter| health.counters[counter]).iter().sum();
-                if delivered != sensor.delivered {
-                    sensor.delivered = delivered;
-                    sensor.delivered_ns = health.said_ns;
-                }
-            }
         }
     }
 
@@ -131,11 +75,9 @@ impl SensorStates {
             self.condition = Some(system.condition);
         }
         reports.system(now.utc_ns, system, send);
-        let standing = self.alarms.at(now.mono_ns).unwrap_or_default();
-        let states = self.sensors.iter().enumerate();
+        let states = self.sensors.iter().map(|sensor| sensor.at(&self.observed, now.mono_ns));
         self.statuses.clear();
-        self.statuses
-            .extend(states.map(|(number, sensor)| sensor.at(now.mono_ns, number, standing)));
+        self.statuses.extend(states);
         reports.sensors(now.utc_ns, &self.statuses, send);
     }
 }
@@ -143,7 +85,7 @@ impl SensorStates {
 impl SensorStates {
     /// Returns the state of the system at `now_ns` (monotonic).
     fn system(&self, now_ns: i64) -> SystemStatus {
-        let standing = self.alarms.at(now_ns).unwrap_or_default();
+        let standing = self.observed.alarms(now_ns);
         let overload = [
             AlarmKind::SamplesLost,
             AlarmKind::DatagramsDropped,
@@ -151,7 +93,7 @@ impl SensorStates {
         ];
         let critical = |alarm: &Alarm| alarm.severity() == Some(AlarmSeverity::Critical);
         SystemStatus {
-            condition: if self.fusion_spoke_ns < now_ns - SPEECH_MAX_NS {
+            condition: if self.observed.is_fusion_absent(now_ns) {
                 Condition::NotConnected
             } else if standing.iter().any(critical) {
                 Condition::Degraded
@@ -168,19 +110,16 @@ impl SensorStates {
 }
 
 impl Sensor {
-    /// Returns the state of sensor `number` at `now_ns` (monotonic) under these standing alarms.
-    fn at(&self, now_ns: i64, number: usize, standing: &[Alarm]) -> SensorStatus {
-        let own = standing
+    /// Returns the state of the sensor at `now_ns` (monotonic).
+    fn at(&self, observed: &Deployment, now_ns: i64) -> SensorStatus {
+        let own = observed
+            .alarms(now_ns)
             .iter()
-            .filter(|alarm| [alarm.source, alarm.partner].map(usize::from).contains(&number));
+            .filter(|alarm| [alarm.source, alarm.partner].contains(&self.number));
         let own: Vec<Option<AlarmKind>> = own.map(|alarm| AlarmKind::from_code(alarm.code)).collect();
         let clock = [AlarmKind::ClockOff, AlarmKind::SourceIsolated];
-        let never_delivered = self.delivered_ns == i64::MIN;
-        let silent = never_delivered
-            || self
-                .silent_after_ns
-                .is_some_and(|after_ns| self.delivered_ns < now_ns - after_ns);
-        let condition = if self.spoke_ns < now_ns - SPEECH_MAX_NS {
+        let silent = observed.is_source_silent(self.number, now_ns);
+        let condition = if observed.is_source_absent(self.number, now_ns) {
             Condition::NotConnected
         } else if silent || !own.is_empty() {
             Condition::Degraded
@@ -193,16 +132,17 @@ impl Sensor {
             condition,
             silent,
             time_source_invalid: clock.iter().any(|kind| own.contains(&Some(*kind))),
-            biases: self.biases(),
+            biases: self.biases(observed),
         }
     }
 
-    fn biases(&self) -> SensorBiases {
-        let known = |bit, value| self.known.removes(bit).then_some(value);
+    fn biases(&self, observed: &Deployment) -> SensorBiases {
+        let learned = observed.book().registration(self.number);
+        let known = |bit, value| learned.removes(bit).then_some(value);
         SensorBiases {
-            time_s: known(registration_bits::TIME, self.known.time_offset_s),
-            range_m: known(registration_bits::RANGE, self.known.range_bias_m),
-            azimuth_rad: known(registration_bits::AZIMUTH, self.known.azimuth_bias_rad),
+            time_s: known(registration_bits::TIME, learned.time_offset_s),
+            range_m: known(registration_bits::RANGE, learned.range_bias_m),
+            azimuth_rad: known(registration_bits::AZIMUTH, learned.azimuth_bias_rad),
             primary: self.primary,
         }
     }
@@ -213,6 +153,7 @@ mod tests {
     use std::path::Path;
 
     use configuration::BUILT_IN_DEMO;
+    use messages::{BatchHeader, Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 
     use super::*;
     use test_support::S;
@@ -221,7 +162,7 @@ mod tests {
     fn a_sensor_works_as_long_as_it_delivers() {
         let config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
         let mut states = SensorStates::new(&config);
-        let state = |states: &SensorStates, now_s: i64| states.sensors[0].at(now_s * S, 0, &[]).condition;
+        let state = |states: &SensorStates, now_s: i64| states.sensors[0].at(&states.observed, now_s * S).condition;
         assert_eq!(state(&states, 100), Condition::NotConnected);
         let said = |time_s: i64, published: u64| {
             let mut health = Health {
@@ -233,22 +174,22 @@ mod tests {
             health.counters[Counter::Published] = published;
             health.with_name(&config.sources[0].adapter)
         };
-        states.hear(&said(100, 0));
+        states.observed.take_health(&said(100, 0));
         assert_eq!(state(&states, 100), Condition::Degraded, "its adapter is there");
-        states.hear(&said(101, 5));
+        states.observed.take_health(&said(101, 5));
         assert_eq!(state(&states, 101), Condition::Operational);
         for time_s in 102..123 {
-            states.hear(&said(time_s, 5));
+            states.observed.take_health(&said(time_s, 5));
         }
         assert_eq!(state(&states, 121), Condition::Operational, "five periods of 4 s");
         assert_eq!(state(&states, 122), Condition::Degraded, "silent for too long");
-        states.hear(&said(123, 6));
+        states.observed.take_health(&said(123, 6));
         assert_eq!(state(&states, 124), Condition::Operational);
         assert_eq!(state(&states, 126), Condition::NotConnected);
         let others = states.sensors[1..].iter();
         assert!(
             others
-                .map(|other| other.at(124 * S, 1, &[]).condition)
+                .map(|other| other.at(&states.observed, 124 * S).condition)
                 .all(|other| other == Condition::NotConnected)
         );
     }
@@ -260,12 +201,13 @@ mod tests {
         let mut fusion = Health {
             said_ns: 100 * S,
             kind: ProcessKind::Fusion as u8,
+            life: LifeState::Running as u8,
             source: 0,
             ..Health::default()
         };
         (fusion.registration.range_bias_m, fusion.registration.azimuth_bias_rad) = (90.0, 0.01);
         fusion.registration.removed = registration_bits::RANGE;
-        states.hear(&fusion.with_name("fusion"));
+        states.observed.take_health(&fusion.with_name("fusion"));
         let mut adapter = Health {
             said_ns: 100 * S,
             kind: ProcessKind::Adapter as u8,
@@ -273,7 +215,9 @@ mod tests {
             ..Health::default()
         };
         adapter.counters[Counter::Records] = 1;
-        states.hear(&adapter.with_name(&config.sources[0].adapter));
+        states
+            .observed
+            .take_health(&adapter.with_name(&config.sources[0].adapter));
         let header = BatchHeader {
             sent_ns: 100 * S,
             ..BatchHeader::default()
@@ -285,9 +229,8 @@ mod tests {
             ..Alarm::default()
         };
         let mut at = |slice: &[Alarm]| {
-            states.hear_alarms(&header, slice);
-            let standing = states.alarms.at(100 * S).unwrap();
-            (states.system(100 * S), states.sensors[0].at(100 * S, 0, standing))
+            states.observed.take_alarms(&header, slice);
+            (states.system(100 * S), states.sensors[0].at(&states.observed, 100 * S))
         };
         let (system, sensor) = at(&[alarm(AlarmKind::ClockOff, 1)]);
         assert_eq!(
