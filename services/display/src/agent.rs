@@ -119,10 +119,11 @@ impl<S: Transport> Agent for DisplayAgent<S> {
             said.iter().for_each(|origin| world.place(origin))
         })?;
         self.health.take(SLICES_PER_TURN, |_, said| {
-            said.iter().for_each(|health| world.hear(health, now))
+            said.iter().for_each(|health| world.observed.take_health(health))
         })?;
-        self.alarms
-            .take(SLICES_PER_TURN, |header, slice| world.hear_alarms(header, slice))?;
+        self.alarms.take(SLICES_PER_TURN, |header, slice| {
+            world.observed.take_alarms(header, slice)
+        })?;
         // Reports come before the states that result from them.
         take(&mut self.sensor_tracks, |reports| {
             world.hear_sensor_tracks(reports, now)
@@ -134,7 +135,7 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         take(self.decisions.as_mut_slice(), |decisions| {
             world.hear_decisions(decisions)
         })?;
-        take(self.orders.as_mut_slice(), |orders| world.hear_orders(orders))?;
+        take(self.orders.as_mut_slice(), |orders| world.observed.take_orders(orders))?;
         self.states
             .take(SLICES_PER_TURN, |header, tracks| world.receive(header, tracks, now))?;
         world.clean_up(now);

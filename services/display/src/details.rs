@@ -142,19 +142,13 @@ fn source(number: u16) -> Option<u16> {
     Some(number).filter(|number| *number != NO_SOURCE)
 }
 
-/// Returns the name of a source.
-fn name(world: &World, number: u16) -> String {
-    let known = world.sources.iter().find(|source| source.number == number);
-    known.map_or_else(|| format!("source {}", number + 1), |source| source.name.clone())
-}
-
 /// Returns a contribution with the position of its sensor track in the shown picture.
 fn contribution(world: &World, part: &Contribution, report: Option<PictureSensorTrack>) -> Value {
     let position = report.map(|report| (report.east_m, report.north_m));
     let height_m = report.and_then(|report| finite(report.height_m));
     json!({
         "source": part.source,
-        "name": name(world, part.source),
+        "name": world.observed.source_name(part.source),
         "track_number": part.track_number,
         "weight": part.weight,
         "accuracy": Some(part.accuracy).filter(|accuracy| accuracy.is_finite()),
@@ -173,13 +167,13 @@ fn decided(world: &World, decision: &Decision) -> Option<Value> {
     let kind = decision.kind()?;
     let mut text = kind.word().replace('_', " ");
     if let Some(number) = source(decision.source) {
-        text += &format!(", {}", name(world, number));
+        text += &format!(", {}", world.observed.source_name(number));
     }
     if decision.sensor_track != 0 {
         text += &format!(" track {}", decision.sensor_track);
     }
     if let Some(from) = source(decision.other_source) {
-        text += &format!(", from {}", name(world, from));
+        text += &format!(", from {}", world.observed.source_name(from));
     }
     if decision.other_system_track != 0 {
         let joint = if kind == DecisionKind::Merged { "into" } else { "and" };
@@ -267,7 +261,7 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
     let tracks = world.tracks.values().filter(|live| shown(live.track.state));
     let aircraft = tracks.filter_map(|live| {
         let (track, record): (_, &PictureTrack) = (&live.track, &live.record);
-        let place = world.frame.as_ref()?.to_geodetic(track.position_m);
+        let place = world.observed.frame()?.to_geodetic(track.position_m);
         let [east, north, _] = track.velocity_mps;
         let seen_s = seconds(time_ns - live.measured_ns).max(0.0);
         // In that format, numbers other than aircraft addresses start with a tilde.
@@ -293,7 +287,7 @@ pub(crate) fn aircraft(world: &World, now: Now) -> Value {
         } else if let Some(level_m) = track.level_m() {
             object.insert("alt_baro".to_owned(), json!((level_m * FEET_PER_M).round()));
         }
-        if let Some(geometric) = vertical::geometric(track, world.frame.as_ref())
+        if let Some(geometric) = vertical::geometric(track, world.observed.frame())
             && record.flags & picture_track_bits::ON_GROUND == 0
         {
             let rate = geometric.climb_mps * FEET_PER_M * 60.0;
@@ -321,7 +315,7 @@ pub(crate) fn receiver(world: &World) -> Value {
         "version": concat!("koseki ", env!("CARGO_PKG_VERSION")),
         "refresh": 1000,
         "history": 0,
-        "lat": world.origin.map(|origin| origin.latitude_deg),
-        "lon": world.origin.map(|origin| origin.longitude_deg),
+        "lat": world.observed.origin().map(|origin| origin.latitude_deg),
+        "lon": world.observed.origin().map(|origin| origin.longitude_deg),
     })
 }

@@ -70,7 +70,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let overlays = overlays(display, &process.options.data);
     let mut world = World::new(
         &process.options.instance,
-        process.config.sources.iter().map(source).collect(),
+        sources(&process.config),
         display.history_s,
         display.history_octets,
     );
@@ -124,8 +124,7 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
     let mut tape = Tape::open(config, files)?;
     // The real name instead of the link `latest`.
     let name = path.canonicalize()?;
-    let sources = config.sources.iter().map(source).collect();
-    let mut world = World::new(&config.name, sources, display.history_s, display.history_octets);
+    let mut world = World::new(&config.name, sources(config), display.history_s, display.history_octets);
     world.place(&origin(config));
     let span_ns = tape.span_ns();
     world.recording = Some(Recording {
@@ -202,17 +201,23 @@ fn origin(config: &Config) -> FrameOrigin {
     }
 }
 
-fn source(source: &configuration::Source) -> SourceFact {
+fn sources(config: &Config) -> Vec<SourceFact> {
+    let observed = config.observed_sources().into_iter();
+    observed
+        .zip(&config.sources)
+        .map(|(observed, source)| fact(observed, source))
+        .collect()
+}
+
+fn fact(observed: observed::Source, source: &configuration::Source) -> SourceFact {
     SourceFact {
-        number: source.number,
-        name: source.name.clone(),
+        source: observed,
         kind: match source.technology {
             Technology::Primary | Technology::Secondary | Technology::ModeS => "radar",
             Technology::Multilateration => "mlat",
             Technology::AdsB => "adsb",
             Technology::Other => "other",
         },
-        adapter: source.adapter.clone(),
         site_m: Some(source.model.frame.place()),
     }
 }

@@ -81,7 +81,8 @@ fn read(object: &Map<String, Value>, world: &World, now: Now) -> Result<Order, S
         }
     }
     let number = |name: &str| {
-        let source = world.sources.iter().find(|source| source.name == name)?;
+        let mut sources = world.observed.configured_sources().iter();
+        let source = sources.find(|source| source.name == name)?;
         Some(source.number)
     };
     let kind = kind.ok_or("The order needs a kind")?;

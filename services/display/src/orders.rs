@@ -97,21 +97,18 @@ impl<S: Transport> Orders<S> {
 /// Returns the orders for pages and scripts: `number`, `state`, `text`, `refusal`, `order`, `operator`, `changed_s`,
 /// `ends_s`.
 pub(crate) fn list(world: &World) -> Vec<Value> {
-    world.orders.iter().map(|state| shown(state, world)).collect()
+    let orders = world.observed.orders().iter();
+    orders.map(|state| shown(state, world)).collect()
 }
 
 pub(crate) fn shown(state: &OrderState, world: &World) -> Value {
-    let name = |number: u16| {
-        let source = world.sources.iter().find(|source| source.number == number)?;
-        Some(source.name.as_str())
-    };
     let order = &state.order;
     json!({
         "number": state.number,
         "state": state.status().map(OrderStatus::word),
         "text": state.text(),
         "refusal": state.refusal().map(Refusal::word),
-        "order": order.words(name),
+        "order": order.words(|number| world.observed.known_name(number)),
         "operator": order.operator(),
         "changed_s": seconds(state.changed_ns),
         "ends_s": (order.ends_ns != i64::MAX).then(|| seconds(order.ends_ns)),

@@ -298,8 +298,8 @@ impl<'a> Page<'a> {
             self.generation = world.generation;
             self.remembered.clear();
         }
-        if self.greeted != Some(world.frame.is_some()) {
-            self.greeted = Some(world.frame.is_some());
+        if self.greeted != Some(world.observed.frame().is_some()) {
+            self.greeted = Some(world.observed.frame().is_some());
             messages.push(hello(&world));
         }
         messages.push(Message::binary(self.viewer.picture(&world, then)));
@@ -327,10 +327,11 @@ impl<'a> Page<'a> {
 }
 
 fn hello(world: &World) -> Message {
-    let sources = world.sources.iter().map(
-        |source| json!({"number": source.number, "name": source.name, "kind": source.kind, "site_m": source.site_m}),
-    );
-    let origin = world.origin.map(|origin| {
+    let sources = world.sources.iter().map(|fact| {
+        let source = &fact.source;
+        json!({"number": source.number, "name": source.name, "kind": fact.kind, "site_m": fact.site_m})
+    });
+    let origin = world.observed.origin().map(|origin| {
         json!({
             "latitude_deg": origin.latitude_deg,
             "longitude_deg": origin.longitude_deg,

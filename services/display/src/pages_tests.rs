@@ -35,10 +35,15 @@ fn served() -> (Arc<Shared>, Server) {
 /// World of two tracks and its server, at the time of `clock`.
 fn served_at(clock: fn() -> Now) -> (Arc<Shared>, Server) {
     let sources = vec![SourceFact {
-        number: 0,
-        name: "radar".to_owned(),
+        source: observed::Source {
+            number: 0,
+            name: "radar".to_owned(),
+            adapter: "radar".to_owned(),
+            is_external: false,
+            silent_after_ns: None,
+            period_ns: 1_000_000_000,
+        },
         kind: "radar",
-        adapter: "radar".to_owned(),
         site_m: Some([100.0, 200.0]),
     }];
     let mut world = World::new("test", sources, 600, 1_000_000);

@@ -12,8 +12,8 @@
 
 use std::collections::BTreeMap;
 
-use alarms::AlarmKind;
 use messages::{Counter, CounterClass, NO_SOURCE, ProcessKind, registration_bits};
+use observed::{AlarmRow, Latest};
 use runtime::Now;
 use serde_json::{Value, json};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
@@ -33,7 +33,7 @@ pub(crate) struct Audience {
 
 /// Returns the status.
 pub(crate) fn status(world: &World, audience: Audience, now: Now) -> Value {
-    let fusion = if world.is_fusion_silent(now) {
+    let fusion = if world.observed.is_fusion_absent(now.mono_ns) {
         "silent"
     } else {
         "running"
@@ -71,12 +71,10 @@ fn utc_s(mono_ns: i64, now: Now) -> f64 {
 }
 
 fn source(world: &World, fact: &SourceFact) -> Value {
-    let number = fact.number;
-    let book = &world.book;
-    let adapter = book.adapter(&fact.adapter, number);
-    let fusion = book.service(ProcessKind::Fusion, number);
-    let refused = Counter::of(CounterClass::Rejection).map(|counter| (counter, adapter[counter]));
-    let not_used = Counter::of(CounterClass::FusionRejection).map(|counter| (counter, fusion[counter]));
+    let number = fact.source.number;
+    let state = world.observed.source(number);
+    let refused = Counter::of(CounterClass::Rejection).map(|counter| (counter, state.adapter[counter]));
+    let not_used = Counter::of(CounterClass::FusionRejection).map(|counter| (counter, state.fusion[counter]));
     let rejected: BTreeMap<String, u64> = refused
         .chain(not_used)
         .filter(|(_, count)| *count > 0)
@@ -87,7 +85,7 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         .range((number, 0)..=(number, u32::MAX))
         .map(|(_, heard)| heard.time_ns)
         .max();
-    let known = book.registration(number);
+    let known = &state.registration;
     let horizontal = registration_bits::EAST | registration_bits::NORTH;
     let registration = (known.comparisons > 0.0).then(|| {
         json!({
@@ -102,13 +100,13 @@ fn source(world: &World, fact: &SourceFact) -> Value {
     });
     json!({
         "number": number,
-        "name": fact.name,
+        "name": state.name,
         "kind": fact.kind,
-        "adapter": fact.adapter,
-        "rate_hz": world.rates.of(number),
+        "adapter": fact.source.adapter,
+        "rate_hz": state.taken_per_s,
         "heard_s": heard.map(seconds),
-        "reports": fusion[Counter::Taken],
-        "lost": fusion[Counter::Lost],
+        "reports": state.taken(),
+        "lost": state.lost(),
         "rejected": rejected,
         "registration": registration,
         "inflation": known.covariance_inflation,
@@ -117,17 +115,17 @@ fn source(world: &World, fact: &SourceFact) -> Value {
 }
 
 fn alarms(world: &World, now: Now) -> Vec<Value> {
-    let standing = world.alarms.at(now.mono_ns).unwrap_or_default().iter();
+    let standing = world.observed.alarms(now.mono_ns).iter();
     let rows = standing.filter_map(|alarm| {
-        let kind = AlarmKind::from_code(alarm.code)?;
+        let row = AlarmRow::from(alarm);
         Some(json!({
             "code": alarm.code,
-            "name": kind.word(),
-            "severity": kind.severity().word(),
+            "name": row.alarm,
+            "severity": row.severity,
             "event": alarm.event()?.word(),
-            "text": alarm.text(),
-            "remedy": kind.remedy(),
-            "raised_s": seconds(alarm.raised_ns),
+            "text": row.text,
+            "remedy": row.remedy,
+            "raised_s": seconds(row.raised_ns),
             "changed_s": seconds(alarm.time_ns),
             "times": alarm.times,
             "process": alarm.process(),
@@ -138,7 +136,7 @@ fn alarms(world: &World, now: Now) -> Vec<Value> {
 }
 
 fn latency(world: &World) -> Vec<Value> {
-    let stages = &world.stages;
+    let stages = world.observed.stages();
     let measured = Stage::ALL
         .into_iter()
         .filter(|stage| stage.is_measured(stages.journey().end));
@@ -163,12 +161,9 @@ fn latency(world: &World) -> Vec<Value> {
 }
 
 fn processes(world: &World, now: Now) -> Vec<Value> {
-    let book = &world.book;
-    let figure = |kind: ProcessKind, name: &str| {
-        let Some(said) = book.whole(kind, name) else {
-            return Vec::new();
-        };
-        let counters = said.counters();
+    let book = world.observed.book();
+    let figures = |latest: &Latest<'_>| -> Vec<(String, String)> {
+        let counters = latest.counters();
         let figures = [
             Counter::Published,
             Counter::Taken,
@@ -184,39 +179,24 @@ fn processes(world: &World, now: Now) -> Vec<Value> {
             .map(|counter| (counter.label().replace('_', " "), counters[counter].to_string()))
             .collect()
     };
-    let known = book.processes(&[], now.mono_ns).into_iter().map(|process| {
-        let heard = book
-            .whole(process.kind, &process.name)
-            .map(|said| utc_s(said.said_ns(), now));
-        let notes = [process.last_end.as_str(), &process.note].join(" ");
+    let processes = book.processes(&[], now.mono_ns).into_iter().map(|process| {
+        let latest = process.kind.and_then(|kind| book.whole(kind, &process.name));
         json!({
-            "kind": process.kind.word(),
+            "kind": process.kind.map_or("", ProcessKind::word),
             "name": process.name,
             "state": process.state,
             "pid": process.pid,
             "restarts": process.restarts,
-            "heard_s": heard,
-            "note": notes.trim(),
-            "figures": figure(process.kind, &process.name),
+            "heard_s": latest.map(|latest| utc_s(latest.time_ns(), now)),
+            "note": process.remark(),
+            "figures": latest.as_ref().map(figures).unwrap_or_default(),
         })
     });
-    let silent = book.silent_children().map(|child| {
-        json!({
-            "kind": "",
-            "name": child.name,
-            "state": child.life.word(),
-            "pid": child.pid,
-            "restarts": child.restarts,
-            "heard_s": null,
-            "note": child.last_end,
-            "figures": [],
-        })
-    });
-    known.chain(silent).collect()
+    processes.collect()
 }
 
 fn system(world: &World, audience: Audience) -> Vec<(&'static str, String)> {
-    let fusion = world.book.service(ProcessKind::Fusion, NO_SOURCE);
+    let fusion = world.observed.book().service(ProcessKind::Fusion, NO_SOURCE);
     let figures = [
         ("tracks", Counter::LiveTracks),
         ("coasted", Counter::CoastedTracks),

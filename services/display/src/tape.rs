@@ -283,18 +283,18 @@ fn put(world: &mut World, slice: &Slice) {
     match slice.kind {
         Kind::Health => {
             let said: Vec<Health> = samples(slice);
-            said.iter().for_each(|health| world.hear(health, slice.taken));
+            said.iter().for_each(|health| world.observed.take_health(health));
         }
         Kind::Stream(stream) => match stream {
             Stream::SystemTracks => world.receive(&slice.header, &samples::<SystemTrack>(slice), slice.taken),
-            Stream::Alarms => world.hear_alarms(&slice.header, &samples::<Alarm>(slice)),
+            Stream::Alarms => world.observed.take_alarms(&slice.header, &samples::<Alarm>(slice)),
             Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice), slice.taken),
             Stream::Detections => world.hear_detections(&samples(slice)),
             Stream::Bearings => world.hear_bearings(&samples(slice)),
             Stream::WideArea => world.hear_counts(&samples(slice)),
             Stream::Cues => world.hear_cues(&samples(slice)),
             Stream::Decisions => world.hear_decisions(&samples(slice)),
-            Stream::Orders => world.hear_orders(&samples(slice)),
+            Stream::Orders => world.observed.take_orders(&samples(slice)),
             Stream::PlatformStates => {}
         },
     }
@@ -421,7 +421,7 @@ mod tests {
         for second in [0, 1, 4, 100, 104, 17, 290] {
             tape.go_to(&mut world, BEGIN_NS + second * S).unwrap();
             let now = world.now(NOW);
-            assert!(!world.is_fusion_silent(now), "{second} s: {now:?}");
+            assert!(!world.observed.is_fusion_absent(now.mono_ns), "{second} s: {now:?}");
         }
     }
 

@@ -261,7 +261,10 @@ impl Viewer {
         let flags = [
             (past.is_some(), picture_bits::PAST),
             (past.is_some_and(|past| past.speed == 0.0), picture_bits::PAUSED),
-            (world.is_fusion_silent(now), picture_bits::FUSION_SILENT),
+            (
+                world.observed.is_fusion_absent(now.mono_ns),
+                picture_bits::FUSION_SILENT,
+            ),
         ];
         let flags = flags
             .into_iter()

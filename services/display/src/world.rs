@@ -5,18 +5,16 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use alarms::Present;
-use frames::{Geodetic, SystemFrame};
 use messages::picture::{
     PictureArea, PictureBearing, PictureDetection, PictureIdentity, PictureSensorTrack, PictureTrack,
 };
 use messages::{
-    Alarm, BatchHeader, Counter, Cue, Decision, FrameOrigin, Health, LifeState, OrderState, ProcessKind, SensorBearing,
-    SensorDetection, SensorTrack, SystemTrack, TrackState, WideArea,
+    BatchHeader, Cue, Decision, FrameOrigin, SensorBearing, SensorDetection, SensorTrack, SystemTrack, TrackState,
+    WideArea,
 };
+use observed::Deployment;
 use runtime::Now;
 use rustc_hash::FxHashMap;
-use telemetry::{DataOffset, HealthBook, Journey, JourneyEnd, Stages};
 
 use crate::clock::PictureClock;
 use crate::history::History;
@@ -37,11 +35,9 @@ const NS_PER_S: i64 = 1_000_000_000;
 /// Configured source.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceFact {
-    pub(crate) number: u16,
-    pub(crate) name: String,
+    pub(crate) source: observed::Source,
     /// Kind of observation, as a word.
     pub(crate) kind: &'static str,
-    pub(crate) adapter: String,
     /// Position of the sensor, metres east and north.
     pub(crate) site_m: Option<[f64; 2]>,
 }
@@ -96,8 +92,8 @@ pub(crate) struct World {
     /// Increases whenever all state is cleared.
     pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
-    pub(crate) origin: Option<FrameOrigin>,
-    pub(crate) frame: Option<SystemFrame>,
+    /// State derived from health, alarms, origin, orders and latencies.
+    pub(crate) observed: Deployment,
     pub(crate) stamp: u64,
     pub(crate) tracks: BTreeMap<u32, Live>,
     pub(crate) identities: FxHashMap<u32, Heard<PictureIdentity>>,
@@ -106,65 +102,23 @@ pub(crate) struct World {
     pub(crate) bearings: VecDeque<Heard<PictureBearing>>,
     pub(crate) areas: VecDeque<Heard<PictureArea>>,
     pub(crate) decisions: VecDeque<Decision>,
-    /// Orders in force, and orders that ended recently.
-    pub(crate) orders: Vec<OrderState>,
     pub(crate) history: History,
     pub(crate) reports: Reports,
     pub(crate) history_s: i64,
     history_octets: usize,
-    pub(crate) book: HealthBook,
-    pub(crate) stages: Stages,
-    pub(crate) alarms: Present,
-    pub(crate) rates: Rates,
-    /// Epoch of the fusion process that published the tracks.
-    fusion: u64,
-    /// Time of fusion's last status, monotonic, nanoseconds.
-    fusion_said_ns: i64,
     clock: PictureClock,
-    /// Offset of the data from the machine's clock.
-    data_offset: DataOffset,
     clean_up_ns: i64,
-}
-
-/// Rates at which fusion takes the sources' reports.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Rates {
-    /// Time of fusion's latest count (monotonic, nanoseconds), the count, and the rate since the previous count.
-    latest: BTreeMap<u16, (i64, u64, f64)>,
-}
-
-impl Rates {
-    /// Returns the report rate of a source, per second.
-    pub(crate) fn of(&self, source: u16) -> f64 {
-        self.latest.get(&source).map_or(0.0, |(.., rate_hz)| *rate_hz)
-    }
-
-    fn look(&mut self, source: u16, said_ns: i64, taken: u64) {
-        let (before_ns, before, _) = self.latest.get(&source).copied().unwrap_or((said_ns, taken, 0.0));
-        let passed_ns = said_ns - before_ns;
-        let grown = taken.saturating_sub(before) as f64;
-        let rate_hz = if passed_ns > 0 {
-            grown / frames::time::seconds(passed_ns)
-        } else {
-            0.0
-        };
-        self.latest.insert(source, (said_ns, taken, rate_hz));
-    }
 }
 
 impl World {
     /// Creates an empty world. `history_s` is the time span of the past, in at most `history_octets` bytes.
     pub(crate) fn new(instance: &str, sources: Vec<SourceFact>, history_s: i64, history_octets: usize) -> Self {
-        let journey = Journey {
-            end: JourneyEnd::Published,
-            ..Journey::default()
-        };
+        let observed = Deployment::new(sources.iter().map(|fact| fact.source.clone()).collect());
         Self {
             instance: instance.to_owned(),
             recording: None,
             generation: 0,
-            origin: None,
-            frame: None,
+            observed,
             stamp: 0,
             tracks: BTreeMap::new(),
             identities: FxHashMap::default(),
@@ -173,20 +127,12 @@ impl World {
             bearings: VecDeque::new(),
             areas: VecDeque::new(),
             decisions: VecDeque::new(),
-            orders: Vec::new(),
             // A quarter of the memory is for the sensor tracks.
             history: History::new(history_s * NS_PER_S, history_octets / 4 * 3),
             reports: Reports::new(history_s * NS_PER_S, LAYER_AGE_S * NS_PER_S, history_octets / 4),
             history_s,
             history_octets,
-            book: HealthBook::new(sources.len()),
-            stages: Stages::new(journey),
-            alarms: Present::default(),
-            rates: Rates::default(),
-            fusion: 0,
-            fusion_said_ns: i64::MIN,
             clock: PictureClock::of(false),
-            data_offset: DataOffset::default(),
             clean_up_ns: i64::MIN,
             sources,
         }
@@ -201,7 +147,7 @@ impl World {
     /// picture has data time, or without recent states.
     pub(crate) fn data_offset_ns(&self, now: Now) -> Option<i64> {
         let is_machine = self.recording.is_none() && matches!(self.clock, PictureClock::Machine { .. });
-        is_machine.then(|| self.data_offset.ns(now.mono_ns))?
+        is_machine.then(|| self.observed.data_offset_ns(now.mono_ns))?
     }
 
     /// Returns the time of the picture, UTC, nanoseconds.
@@ -227,12 +173,12 @@ impl World {
     /// Clears everything except the configuration.
     pub(crate) fn rewind(&mut self) {
         let sources = std::mem::take(&mut self.sources);
+        let observed = std::mem::take(&mut self.observed).emptied();
         let empty = Self::new(&self.instance, sources, self.history_s, self.history_octets);
         *self = Self {
             recording: self.recording.take(),
             generation: self.generation + 1,
-            origin: self.origin,
-            frame: self.frame.take(),
+            observed,
             stamp: self.stamp,
             ..empty
         };
@@ -246,29 +192,18 @@ impl World {
             .map_or_else(known, |recording| Some(recording.span_ns))
     }
 
-    /// Whether fusion is silent for longer than its status interval permits.
-    pub(crate) fn is_fusion_silent(&self, now: Now) -> bool {
-        now.mono_ns.saturating_sub(self.fusion_said_ns) > 2 * NS_PER_S
-    }
-
     /// Receives a slice of system tracks.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
-        // The new epoch may be smaller: a standby fusion may have started before its predecessor.
-        if header.incarnation != self.fusion {
+        if self.observed.take_tracks(header, tracks, now.mono_ns, now.utc_ns) {
             // The publisher of these tracks was replaced; its successor publishes the continuing tracks again.
             if !self.tracks.is_empty() {
                 self.history.end_all(self.time_ns(now));
                 self.tracks.clear();
             }
-            self.fusion = header.incarnation;
             self.clock.restart();
         }
-        // A publishing fusion is not silent: health messages are rare in a recording made faster than real time.
-        self.fusion_said_ns = now.mono_ns;
         for track in tracks {
-            self.stages.record(track, now.mono_ns, now.utc_ns);
             self.clock.hear(track.reference_time_ns, now);
-            self.data_offset.take(track.reference_time_ns, now.mono_ns, now.utc_ns);
             self.keep(track, self.time_ns(now));
         }
     }
@@ -278,7 +213,7 @@ impl World {
         self.stamp += 1;
         let (number, measured_ns) = (track.track_number, records::measured_ns(track));
         let before = self.tracks.get(&number).map_or(0, |live| live.record.flags);
-        let record = records::track(track, self.frame.as_ref(), before);
+        let record = records::track(track, self.observed.frame(), before);
         self.history.keep(at_ns, record, measured_ns, track);
         let identity = records::identity(track);
         let is_room = self.identities.len() < TRACKS_MAX;
@@ -324,7 +259,7 @@ impl World {
             let mut heard = Heard {
                 stamp: self.stamp,
                 time_ns: report.time_of_measurement_ns,
-                record: records::sensor_track(report, self.frame.as_ref()),
+                record: records::sensor_track(report, self.observed.frame()),
             };
             let is_room = self.sensor_tracks.len() < TRACKS_MAX;
             if let Some(known) = self.sensor_tracks.get_mut(&key) {
@@ -346,7 +281,7 @@ impl World {
     pub(crate) fn hear_detections(&mut self, detections: &[SensorDetection]) {
         for detection in detections {
             let time_ns = detection.time_of_measurement_ns;
-            match records::detection(detection, self.frame.as_ref()) {
+            match records::detection(detection, self.observed.frame()) {
                 Some(Place::Spot(record)) => add(&mut self.stamp, &mut self.detections, time_ns, record),
                 Some(Place::Ray(record)) => add(&mut self.stamp, &mut self.bearings, time_ns, record),
                 None => {}
@@ -382,11 +317,6 @@ impl World {
         }
     }
 
-    /// Receives the list of orders, which replaces the former list.
-    pub(crate) fn hear_orders(&mut self, orders: &[OrderState]) {
-        self.orders = orders.to_vec();
-    }
-
     /// Receives the decisions of fusion.
     pub(crate) fn hear_decisions(&mut self, decisions: &[Decision]) {
         for decision in decisions {
@@ -397,33 +327,14 @@ impl World {
         }
     }
 
-    /// Receives the standing alarms from the monitor.
-    pub(crate) fn hear_alarms(&mut self, header: &BatchHeader, slice: &[Alarm]) {
-        self.alarms.hear(header, slice);
-    }
-
-    /// Receives the health of a process.
-    pub(crate) fn hear(&mut self, health: &Health, now: Now) {
-        self.book.hear(health);
-        let is_alive = health.life() == Some(LifeState::Running);
-        if health.kind() == Some(ProcessKind::Fusion) && is_alive {
-            self.fusion_said_ns = now.mono_ns;
-        }
-    }
-
     /// Receives the origin of the system frame; an invalid place is ignored.
     pub(crate) fn place(&mut self, origin: &FrameOrigin) {
-        if self.origin == Some(*origin) {
-            return;
-        }
-        let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m);
-        if let Ok(place) = place {
-            (self.origin, self.frame) = (Some(*origin), Some(SystemFrame::at(place)));
+        if self.observed.take_origin(origin) {
             // Earlier states had no height.
             self.stamp += 1;
             for live in self.tracks.values_mut() {
                 live.stamp = self.stamp;
-                live.record = records::track(&live.track, self.frame.as_ref(), live.record.flags);
+                live.record = records::track(&live.track, self.observed.frame(), live.record.flags);
             }
         }
     }
@@ -434,14 +345,7 @@ impl World {
             return;
         }
         self.clean_up_ns = now.mono_ns + CLEAN_UP_NS;
-        self.stages.close_interval();
-        for source in &self.sources {
-            let fusion = ProcessKind::Fusion;
-            if let Some(said) = self.book.said(fusion, fusion.word(), source.number) {
-                self.rates
-                    .look(source.number, said.said_ns(), said.counters()[Counter::Taken]);
-            }
-        }
+        self.observed.close_interval();
         let oldest_ns = self.time_ns(now) - LAYER_AGE_S * NS_PER_S;
         self.sensor_tracks.retain(|_, heard| heard.time_ns >= oldest_ns);
         let past_ns = self.history.span_ns().map_or(i64::MIN, |[from_ns, _]| from_ns);
