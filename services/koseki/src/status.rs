@@ -1,17 +1,16 @@
-//! `koseki status`: running instances of this machine.
+//! `koseki status`: what runs on this machine.
 //!
-//! The command is a normal reader: it joins each running instance, takes two rounds of health messages, and leaves.
-//! Rates are the differences between the two rounds.
+//! The command joins each running instance as a reader, takes the messages of two rounds of health messages, and
+//! leaves. Rates are the differences between the two rounds.
 
-use std::collections::BTreeMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use alarms::{AlarmKind, Present};
-use bus::{Bus, BusError, Instance, Process, Root, SharedMemory};
+use bus::{Bus, BusError, Instance, Root, SharedMemory};
 use configuration::Config;
-use messages::{Alarm, AlarmSeverity, Counter, Health, NO_SOURCE, OrderState, OrderStatus, ProcessKind, Registration};
+use messages::{Counter, OrderState, ProcessKind};
+use observed::{AlarmRow, ChildState, Deployment, HealthBook, Latest, NO_MESSAGE, Process, remark};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 use telemetry::table::{Align, Table};
@@ -53,7 +52,7 @@ pub(crate) fn run(status: &Status) -> anyhow::Result<()> {
     crate::print(&found.iter().map(InstanceStatus::text).collect::<String>())
 }
 
-/// State of an instance.
+/// What is known of one instance.
 #[derive(Debug, Serialize)]
 struct InstanceStatus {
     instance: String,
@@ -82,7 +81,7 @@ struct OrderStatusLine {
 enum InstanceState {
     Runs,
     StartsOrStops,
-    /// Running, with invalid data in shared memory.
+    /// Running, and what is in its shared memory cannot be meant.
     Unreadable,
     /// It does not run, and the run before was killed.
     Killed,
@@ -120,37 +119,39 @@ impl InstanceStatus {
             orders: Vec::new(),
         };
         if !instance.runs {
-            // A rejected start leaves at most its lock, a run leaves its folder.
+            // A start that is refused leaves its lock at most, a run its folder.
             status.state = match instance.root.path().exists() {
                 true => InstanceState::Killed,
                 false => InstanceState::Refused,
             };
             return Ok(status);
         }
-        // Reading overwritten memory may cause a panic in the underlying library.
+        // Reading memory that somebody has overwritten may end in a panic of the library that lies beneath.
         let Ok(listened) = without_panic(|| listen(&instance.root)) else {
             status.state = InstanceState::Unreadable;
             return Ok(status);
         };
         match listened {
-            Ok(heard) => {
-                status.processes = rows(&heard.speakers, &heard.processes);
-                status.registrations = heard
-                    .registrations
-                    .iter()
-                    .map(|(source, known)| RegistrationStatus {
-                        source: source + 1,
-                        text: known.to_string(),
+            Ok((observed, joined)) => {
+                let now_ns = mono_ns();
+                status.processes = rows(observed.book(), &joined, now_ns);
+                let sources = observed.sources().into_iter();
+                let compared = sources.filter(|source| source.registration.comparisons > 0.0);
+                status.registrations = compared
+                    .map(|source| RegistrationStatus {
+                        source: source.number + 1,
+                        text: source.registration.to_string(),
                     })
                     .collect();
-                status.alarms = heard.alarms.iter().map(AlarmStatus::of).collect();
+                let alarms = observed.alarms(now_ns).iter();
+                status.alarms = alarms.map(|alarm| AlarmStatus::from(AlarmRow::from(alarm))).collect();
                 let config = Config::of_running(instance.root.path()).ok();
                 let line = |state: &OrderState| OrderStatusLine {
                     number: state.number,
                     order: order::words(&state.order, config.as_ref()),
                     operator: state.order.operator().to_owned(),
                 };
-                status.orders = heard.orders.iter().map(line).collect();
+                status.orders = observed.orders_in_force().map(line).collect();
             }
             Err(BusError::NotRunning { .. } | BusError::NoSuchTopic { .. }) => {
                 status.state = InstanceState::StartsOrStops;
@@ -170,11 +171,11 @@ impl InstanceStatus {
             ),
             InstanceState::StartsOrStops => format!("instance {name}: process {pid} is starting or stopping it\n"),
             InstanceState::Unreadable => format!(
-                "instance {name}: process {pid} runs it, but its shared memory is unreadable: try again after the \
-                 rebuild\n"
+                "instance {name}: process {pid} runs it, and its shared memory cannot be read: look again when it has \
+                 been rebuilt\n"
             ),
             InstanceState::Killed => format!(
-                "instance {name}: does not run; an earlier run was killed; the next start removes its remains in {folder}\n"
+                "instance {name}: does not run; an earlier run was killed, and the next start removes what it left in {folder}\n"
             ),
             InstanceState::Refused => format!("instance {name}: does not run; a start of it was refused\n"),
         };
@@ -199,25 +200,15 @@ impl InstanceStatus {
     }
 }
 
-impl AlarmStatus {
-    fn of(alarm: &Alarm) -> Self {
-        let kind = AlarmKind::from_code(alarm.code);
+impl From<AlarmRow> for AlarmStatus {
+    fn from(row: AlarmRow) -> Self {
         Self {
-            alarm: kind.map_or("?", AlarmKind::word),
-            severity: alarm.severity().map_or("?", AlarmSeverity::word),
-            text: alarm.text().to_owned(),
-            remedy: kind.map_or("", AlarmKind::remedy),
+            alarm: row.alarm,
+            severity: row.severity,
+            text: row.text,
+            remedy: row.remedy,
         }
     }
-}
-
-/// First and last message of a process, or of the launcher about the process.
-#[derive(Clone, Debug)]
-struct Heard {
-    first: Health,
-    last: Health,
-    /// A link's notes about each of its peers.
-    peers: BTreeMap<u16, String>,
 }
 
 /// Losses and refusals of links, in a few words.
@@ -230,19 +221,7 @@ const LOSSES: [(Counter, &str); 6] = [
     (Counter::RequestsRejected, "connections refused"),
 ];
 
-/// Messages received in the two rounds, and members of the instance.
-struct Listened {
-    speakers: Vec<Heard>,
-    /// By number of the source.
-    registrations: BTreeMap<u16, Registration>,
-    processes: Vec<Process>,
-    /// Alarms that stand, the worst first.
-    alarms: Vec<Alarm>,
-    /// Orders in force.
-    orders: Vec<OrderState>,
-}
-
-/// Returns the result of `work`; `Err` after a panic, without a message.
+/// Result of `work`; `Err` if it panicked, which nobody is told of.
 fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
     let told = panic::take_hook();
     panic::set_hook(Box::new(|_| ()));
@@ -251,101 +230,69 @@ fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
     result.map_err(drop)
 }
 
-fn listen(root: &Root) -> Result<Listened, BusError> {
+/// Returns the state of a running instance, and the processes that have joined it.
+fn listen(root: &Root) -> Result<(Deployment, Vec<bus::Process>), BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
-    let mut subscriber = bus.subscriber(&messages::health(), || mono_ns() as u64)?;
-    let mut of_alarms = bus.subscriber(&messages::alarms(), || mono_ns() as u64)?;
-    let mut of_orders = bus.subscriber(&messages::order_states(), || mono_ns() as u64)?;
-    let mut orders = Vec::new();
-    let mut present = Present::default();
-    let mut speakers: Vec<Heard> = Vec::new();
-    let mut registrations = BTreeMap::new();
+    let now_ns = || mono_ns() as u64;
+    let mut health = bus.subscriber(&messages::health(), now_ns)?;
+    let mut alarms = bus.subscriber(&messages::alarms(), now_ns)?;
+    let mut orders = bus.subscriber(&messages::order_states(), now_ns)?;
+    let mut observed = Deployment::default();
     let start = instant();
     while instant() - start < LISTEN {
-        subscriber.take(usize::MAX, |_, said| {
-            for health in said {
-                let whole = health.source == NO_SOURCE || is_launcher(health);
-                if whole || health.kind() == Some(ProcessKind::Link) {
-                    note(&mut speakers, health);
-                } else if health.registration.comparisons > 0.0 {
-                    registrations.insert(health.source, health.registration);
-                }
-            }
+        health.take(usize::MAX, |_, slice| {
+            slice.iter().for_each(|health| observed.take_health(health))
         })?;
-        of_alarms.take(usize::MAX, |header, slice| present.hear(header, slice))?;
-        of_orders.take(usize::MAX, |_, slice| orders = slice.to_vec())?;
+        alarms.take(usize::MAX, |header, slice| observed.take_alarms(header, slice))?;
+        orders.take(usize::MAX, |_, slice| observed.take_orders(slice))?;
         std::thread::sleep(PAUSE);
     }
-    let mut processes = root.processes()?;
-    processes.retain(|process| process.pid != std::process::id());
-    orders.retain(|state| state.status() == Some(OrderStatus::InForce));
-    Ok(Listened {
-        speakers,
-        registrations,
-        processes,
-        alarms: present.at(mono_ns()).unwrap_or_default().to_vec(),
-        orders,
-    })
+    observed.close_interval();
+    let mut joined = root.processes()?;
+    joined.retain(|process| process.pid != std::process::id());
+    Ok((observed, joined))
 }
 
-fn note(heard: &mut Vec<Heard>, health: &Health) {
-    // The launcher names its children; a child's process number changes.
-    let same = |other: &&mut Heard| {
-        let other = &other.last;
-        (other.kind, other.name) == (health.kind, health.name)
-            && (is_launcher(health) || other.process_id == health.process_id)
+/// Returns the rows of the launcher and its children, then of other processes that have joined the instance.
+fn rows(book: &HealthBook, joined: &[bus::Process], now_ns: i64) -> Vec<Row> {
+    let processes = book.processes(&[], now_ns);
+    let is_launcher = |process: &&Process| process.kind == Some(ProcessKind::Launcher);
+    let of_itself = |process: &Process| {
+        Some(Row::of_process(
+            process,
+            book.whole(process.kind?, &process.name)?,
+            book,
+        ))
     };
-    let is_of_a_peer = !is_launcher(health) && health.source != NO_SOURCE;
-    match heard.iter_mut().find(same) {
-        Some(known) if is_of_a_peer => drop(known.peers.insert(health.source, health.note().to_owned())),
-        Some(known) => {
-            known.last = *health;
-            known.peers.clear();
-        }
-        None if is_of_a_peer => {}
-        None => heard.push(Heard {
-            first: *health,
-            last: *health,
-            peers: BTreeMap::new(),
-        }),
-    }
-}
-
-fn is_launcher(health: &Health) -> bool {
-    health.kind == ProcessKind::Launcher as u8
-}
-
-/// Returns rows: first the launcher and its children, then other members of the instance.
-fn rows(heard: &[Heard], processes: &[Process]) -> Vec<Row> {
-    let mut rows = Vec::new();
-    let launched: Vec<&Heard> = heard.iter().filter(|each| is_launcher(&each.last)).collect();
-    for each in &launched {
-        let own = heard
-            .iter()
-            .find(|own| !is_launcher(&own.last) && own.last.process_id == each.last.process_id);
-        rows.push(Row::of_child(&each.last, own));
-    }
-    let others = heard.iter().filter(|each| {
-        launched
-            .iter()
-            .all(|child| child.last.process_id != each.last.process_id)
-    });
-    rows.extend(others.map(Row::of_process));
-    let silent = processes
-        .iter()
-        .filter(|process| heard.iter().all(|each| each.last.process_id != process.pid));
-    rows.extend(silent.map(|process| Row {
-        name: process.name.clone(),
-        pid: Some(process.pid),
-        note: "says nothing of itself".to_owned(),
-        ..Row::default()
+    let launcher = processes.iter().filter(is_launcher).filter_map(of_itself);
+    let mut rows: Vec<Row> = launcher.collect();
+    rows.extend(book.children().map(|child| {
+        let is_own = |process: &&Process| process.kind.is_some() && process.pid == child.pid;
+        let own = processes.iter().find(is_own).filter(|own| own.pid.is_some());
+        Row::of_child(&child, own.and_then(of_itself))
     }));
+    let is_listed = |rows: &[Row], pid| rows.iter().any(|row| row.pid == pid);
+    for process in &processes {
+        if process.kind.is_some() && !is_listed(&rows, process.pid) {
+            rows.extend(of_itself(process));
+        }
+    }
+    for process in joined {
+        if !is_listed(&rows, Some(process.pid)) {
+            rows.push(Row {
+                name: process.name.clone(),
+                pid: Some(process.pid),
+                note: NO_MESSAGE.to_owned(),
+                ..Row::default()
+            });
+        }
+    }
     rows
 }
 
 /// One line per process.
 fn table(rows: &[Row]) -> String {
-    // Numbers have room for eight digits, so that columns stay in place from call to call.
+    // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
     let mut table = Table::new(&[
         ("process", Align::Left),
         ("     pid", Align::Right),
@@ -366,12 +313,12 @@ fn table(rows: &[Row]) -> String {
 struct Row {
     name: String,
     pid: Option<u32>,
-    state: Option<&'static str>,
-    /// `None` for a process without restarts.
+    state: Option<String>,
+    /// `None` for a process that nobody restarts.
     restarts: Option<u32>,
     /// Samples or records taken per second; `None` if there were none, or it is not known.
     taken_per_s: Option<f64>,
-    /// Rate of published, written or sent samples.
+    /// The same of what it published, wrote or sent.
     published_per_s: Option<f64>,
     note: String,
 }
@@ -384,7 +331,7 @@ impl Row {
         [
             self.name.clone(),
             number(self.pid),
-            self.state.unwrap_or("-").to_owned(),
+            self.state.clone().unwrap_or_else(dash),
             number(self.restarts),
             rate(self.taken_per_s),
             rate(self.published_per_s),
@@ -392,30 +339,22 @@ impl Row {
         ]
     }
 
-    /// Row of a child, from the launcher's and, if present, the child's own messages.
-    fn of_child(child: &Health, own: Option<&Heard>) -> Self {
-        let is_launcher_itself = child.name() == ProcessKind::Launcher.word();
-        let of_itself = own.map(Self::of_process).unwrap_or_default();
-        let last_end = match child.note() {
-            "" => String::new(),
-            end => format!("the last one {end}"),
-        };
-        let notes = [of_itself.note, last_end];
-        let notes: Vec<String> = notes.into_iter().filter(|note| !note.is_empty()).collect();
+    /// Row of a child of the launcher with its own row, if it publishes health messages.
+    fn of_child(child: &ChildState<'_>, own: Option<Self>) -> Self {
+        let own = own.unwrap_or_default();
         Self {
-            name: child.name().to_owned(),
-            pid: Some(child.process_id).filter(|pid| *pid != 0),
-            state: Some(state(child)),
-            restarts: (!is_launcher_itself).then_some(child.restarts),
-            note: notes.join("; "),
-            ..of_itself
+            name: child.name.to_owned(),
+            pid: child.pid,
+            state: Some(child.life.word().to_owned()),
+            restarts: Some(child.restarts),
+            note: remark(child.last_end, &own.note),
+            ..own
         }
     }
 
-    /// Row of a process, from its own messages.
-    fn of_process(heard: &Heard) -> Self {
-        let last = &heard.last;
-        let (taken, published) = match last.kind() {
+    /// Row of a process by its own messages.
+    fn of_process(process: &Process, latest: Latest<'_>, book: &HealthBook) -> Self {
+        let (taken, published) = match process.kind {
             Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
             Some(ProcessKind::Recorder) => (Counter::Taken, Counter::RowsWritten),
             Some(ProcessKind::Gateway | ProcessKind::Simulator) => (Counter::Taken, Counter::RecordsSent),
@@ -423,52 +362,47 @@ impl Row {
             Some(ProcessKind::Link) => (Counter::Published, Counter::RecordsSent),
             _ => (Counter::Taken, Counter::Published),
         };
+        let counters = latest.counters();
+        let per_s = |counter: Counter| (counters[counter] > 0).then(|| latest.per_s(counter)).flatten();
+        let peers = match process.kind {
+            Some(ProcessKind::Link) => of_peers(book, latest),
+            _ => String::new(),
+        };
         Self {
-            name: last.name().to_owned(),
-            pid: Some(last.process_id),
-            state: Some(state(last)),
+            name: process.name.clone(),
+            pid: process.pid,
+            state: Some(process.state.to_string()),
             restarts: None,
-            taken_per_s: heard.per_s(taken),
-            published_per_s: heard.per_s(published),
-            note: match heard.peers.is_empty() {
-                true => last.note().to_owned(),
-                false => heard.of_peers(),
+            taken_per_s: per_s(taken),
+            published_per_s: per_s(published),
+            note: match peers.is_empty() {
+                true => latest.note().to_owned(),
+                false => peers,
             },
         }
     }
 }
 
-fn state(health: &Health) -> &'static str {
-    health.life().map_or("?", messages::LifeState::word)
-}
-
-impl Heard {
-    /// Returns a link's notes about its peers, and its losses and rejections.
-    fn of_peers(&self) -> String {
-        let losses = LOSSES.iter().filter_map(|(counter, what)| {
-            let count = Some(self.last.counters[*counter]).filter(|count| *count > 0)?;
-            Some(format!("{count} {what}"))
-        });
-        self.peers
-            .values()
-            .cloned()
-            .chain(losses)
-            .collect::<Vec<_>>()
-            .join(", ")
+/// Returns the notes of a link about its peers, with its losses and refusals; empty without peers.
+fn of_peers(book: &HealthBook, link: Latest<'_>) -> String {
+    let mut notes: Vec<String> = book
+        .parts(ProcessKind::Link, link.name())
+        .map(|peer| peer.note().to_owned())
+        .collect();
+    if !notes.is_empty() {
+        let counters = link.counters();
+        let losses = LOSSES.iter().filter(|(counter, _)| counters[*counter] > 0);
+        notes.extend(losses.map(|(counter, what)| format!("{} {what}", counters[*counter])));
     }
-
-    /// Returns the rate of a counter; `None` if it is 0, or only one message was received.
-    fn per_s(&self, counter: Counter) -> Option<f64> {
-        let seconds = (self.last.said_ns - self.first.said_ns) as f64 / messages::NS_PER_S;
-        let (first, last) = (self.first.counters[counter], self.last.counters[counter]);
-        (seconds > 0.0 && last > 0).then(|| last.saturating_sub(first) as f64 / seconds)
-    }
+    notes.join(", ")
 }
 
 #[cfg(test)]
 mod tests {
+    use alarms::AlarmKind;
+    use messages::{Alarm, AlarmSeverity, Health, LifeState};
+
     use super::*;
-    use messages::LifeState;
 
     fn said(kind: ProcessKind, name: &str, pid: u32, said_ns: i64, published: u64) -> Health {
         let mut health = Health {
@@ -484,19 +418,20 @@ mod tests {
 
     #[test]
     fn children_others_and_silent_processes_are_listed_with_rates_and_restarts() {
-        let mut heard = Vec::new();
-        note(&mut heard, &said(ProcessKind::Launcher, "launcher", 1, 0, 0));
+        let mut observed = Deployment::default();
+        observed.take_health(&said(ProcessKind::Launcher, "launcher", 1, 0, 0));
         let mut child = said(ProcessKind::Launcher, "fusion", 2, 0, 0).with_note("was killed by SIGKILL");
         child.restarts = 3;
-        note(&mut heard, &child);
-        note(&mut heard, &said(ProcessKind::Fusion, "fusion", 2, 0, 100));
-        note(&mut heard, &said(ProcessKind::Fusion, "fusion", 2, 500_000_000, 350));
-        note(&mut heard, &said(ProcessKind::Monitor, "second", 9, 0, 0));
-        let subscriber = Process {
+        observed.take_health(&child);
+        observed.take_health(&said(ProcessKind::Fusion, "fusion", 2, 0, 100));
+        observed.take_health(&said(ProcessKind::Fusion, "fusion", 2, 500_000_000, 350));
+        observed.take_health(&said(ProcessKind::Monitor, "second", 9, 0, 0));
+        observed.close_interval();
+        let subscriber = bus::Process {
             pid: 10,
             name: "subscribe".to_owned(),
         };
-        let table = table(&rows(&heard, &[subscriber]));
+        let table = table(&rows(observed.book(), &[subscriber], 0));
         let lines: Vec<Vec<&str>> = table.lines().map(|line| line.split_whitespace().collect()).collect();
         assert_eq!(lines.len(), 5, "{table}");
         let title = "  process         pid  state     restarts      in/s     out/s  note\n";
@@ -512,7 +447,7 @@ mod tests {
 
     #[test]
     fn a_link_tells_of_all_its_peers_and_of_losses() {
-        let mut heard = Vec::new();
+        let mut observed = Deployment::default();
         let mut link = said(ProcessKind::Link, "in", 5, 0, 0).with_note("north is not there");
         link.counters[Counter::LostOnTheWay] = 12;
         let peer = |source: u16, note: &str| Health {
@@ -520,11 +455,11 @@ mod tests {
             ..said(ProcessKind::Link, "in", 5, 0, 0).with_note(note)
         };
         for _ in 0..2 {
-            note(&mut heard, &link);
-            note(&mut heard, &peer(0, "north is not there"));
-            note(&mut heard, &peer(1, "west 1.0 ms away"));
+            observed.take_health(&link);
+            observed.take_health(&peer(0, "north is not there"));
+            observed.take_health(&peer(1, "west 1.0 ms away"));
         }
-        let notes: Vec<String> = rows(&heard, &[]).into_iter().map(|row| row.note).collect();
+        let notes: Vec<String> = rows(observed.book(), &[], 0).into_iter().map(|row| row.note).collect();
         assert_eq!(notes, ["north is not there, west 1.0 ms away, 12 lost on the way"]);
     }
 
@@ -545,7 +480,7 @@ mod tests {
                 source: 3,
                 text: "-1.5 m east".to_owned(),
             }],
-            alarms: vec![AlarmStatus::of(&alarm.with_text("12 MB are left."))],
+            alarms: vec![AlarmStatus::from(AlarmRow::from(&alarm.with_text("12 MB are left.")))],
             orders: Vec::new(),
         };
         let text = status.text();
