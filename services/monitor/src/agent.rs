@@ -180,10 +180,10 @@ impl<S: Transport> MonitorAgent<S> {
             survey.receive(header, tracks, received);
             alarms.receive(header, tracks, received);
         })?;
-        let said = self.health.take(SLICES_PER_TURN, |_, said| {
-            said.iter().for_each(|health| survey.hear(health))
+        let of_health = self.health.take(SLICES_PER_TURN, |_, slice| {
+            slice.iter().for_each(|health| survey.observed.take_health(health))
         })?;
-        Ok(slices == SLICES_PER_TURN || said == SLICES_PER_TURN)
+        Ok(slices == SLICES_PER_TURN || of_health == SLICES_PER_TURN)
     }
 
     fn take_all(&mut self) -> anyhow::Result<()> {
@@ -200,7 +200,7 @@ impl<S: Transport> MonitorAgent<S> {
     /// With many sources this takes longer than the queue of system tracks lasts. The interval is therefore closed in
     /// parts, and waiting slices are taken in between.
     fn close_interval(&mut self, now: Now) -> anyhow::Result<i64> {
-        while self.survey.close_next_source() {
+        while self.survey.observed.close_next_source() {
             self.take()?;
         }
         self.log_interval(now)
@@ -210,12 +210,12 @@ impl<S: Transport> MonitorAgent<S> {
     fn log_interval(&mut self, now: Now) -> anyhow::Result<i64> {
         let length_ns = now.mono_ns - self.begun.mono_ns;
         if self.files.is_some() {
-            let sources: Vec<u16> = self.survey.stages().sources().collect();
+            let sources: Vec<u16> = self.survey.observed.stages().sources().collect();
             for source in [None].into_iter().chain(sources.into_iter().map(Some)) {
                 if let Some(files) = &mut self.files {
                     let survey = &self.survey;
                     let name = |number| survey.source_name(number);
-                    files.log_interval(survey.stages(), source, self.begun.utc_ns, length_ns, name);
+                    files.log_interval(survey.observed.stages(), source, self.begun.utc_ns, length_ns, name);
                 }
                 self.take()?;
             }
@@ -236,7 +236,7 @@ impl<S: Transport> MonitorAgent<S> {
 
     /// Returns the alarms raised so far.
     fn alarm_reports(&self) -> Vec<AlarmReport> {
-        let name = |number| self.survey.name_of(number);
+        let name = |number| self.survey.source_name(number).to_owned();
         self.alarms
             .history()
             .map(|alarm| AlarmReport::new(alarm, name))
@@ -314,12 +314,13 @@ impl<S: Transport> Agent for MonitorAgent<S> {
         let looked = self.look_at_alarms(now);
         let taken = self.wait_for_last_words().and(looked);
         // Without pause: later slices would be missing from the report.
-        self.survey.close_interval();
+        self.survey.observed.close_interval();
         let taken = taken.and(self.log_interval((self.clock)()).map(drop));
         let report = self.survey.report(now, self.states.counts(), self.alarm_reports());
         self.screen.end(&report);
         let survey = &self.survey;
-        let finish = |files: Files| files.finish(survey.stages(), &report, |number| survey.source_name(number));
+        let finish =
+            |files: Files| files.finish(survey.observed.stages(), &report, |number| survey.source_name(number));
         let finished = self.files.take().map_or(Ok(()), finish);
         let shown = match self.screen.failure() {
             None => Ok(()),

@@ -66,7 +66,7 @@ impl<S: Transport> AlarmDesk<S> {
     /// # Errors
     /// If shared memory fails.
     pub(crate) fn turn(&mut self, now: Now, survey: &mut Survey, say: &mut dyn FnMut(&str)) -> anyhow::Result<()> {
-        if now.mono_ns < self.due_ns || survey.is_stopping() {
+        if now.mono_ns < self.due_ns || survey.observed.is_stopping() {
             return Ok(());
         }
         self.due_ns = now.mono_ns + ROUND_NS;
@@ -77,7 +77,7 @@ impl<S: Transport> AlarmDesk<S> {
         survey.forget_guests(now, is_gone);
         let processes = survey.processes(now);
         let sight = Sight {
-            book: survey.book(),
+            observed: &survey.observed,
             processes: &processes,
             room: self.room,
             now,

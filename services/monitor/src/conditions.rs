@@ -4,18 +4,15 @@
 //! …) and reports its findings for the round. The board decides on raising and clearing.
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, Usual, above, below};
-use configuration::{Config, Input};
+use configuration::Config;
 use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack};
+use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::Now;
 
 use crate::machine::Room;
 use crate::shares::Shares;
 use crate::text::{elapsed, several};
-use telemetry::{DataOffset, HealthBook, Process, State, process_title as title};
 
-/// Maximum lead of a process's start over the monitor's start, nanoseconds, so that the process's counters began at 0
-/// within sight of the monitor.
-const TOGETHER_NS: i64 = 5_000_000_000;
 const MB: f64 = 1e6;
 /// Period of the search for sources that never join, nanoseconds.
 const COMPANIONS_NS: i64 = 5_000_000_000;
@@ -94,7 +91,7 @@ const GROWING: &[Growing] = {
 /// View of a deployment in one round.
 #[derive(Clone, Copy)]
 pub(crate) struct Sight<'a> {
-    pub(crate) book: &'a HealthBook,
+    pub(crate) observed: &'a Deployment,
     /// Processes of the deployment, and others with health messages.
     pub(crate) processes: &'a [Process],
     pub(crate) room: Room,
@@ -108,7 +105,6 @@ pub(crate) struct Conditions {
     /// Name of the monitor.
     own_name: String,
     folder: String,
-    begun_ns: i64,
     sources: Vec<Watched>,
     silence: Silence,
     shares: Shares,
@@ -116,19 +112,14 @@ pub(crate) struct Conditions {
     companions: Companions,
     apart: Vec<Apart>,
     apart_due_ns: i64,
-    /// Offset of the states from the clock; `None` for recorded data.
-    data_offset: Option<DataOffset>,
+    /// Whether the data have the times of a recording.
+    is_recorded: bool,
 }
 
 /// Source, as far as its alarms need.
 #[derive(Debug)]
 struct Watched {
-    number: u16,
-    name: String,
-    adapter: String,
-    is_external: bool,
-    silent_after_ns: Option<i64>,
-    period_ns: i64,
+    facts: Source,
     usual: [Usual; ERRORS.len()],
     usual_detection: Usual,
     /// Fusion process of the estimates, and the number of reports taken by its predecessors.
@@ -138,10 +129,9 @@ struct Watched {
 impl Watched {
     /// Part of a clock's offset that the latency of the data does not explain, seconds: a sensor may take one of its
     /// periods to send a measurement.
-    /// periods to send what it has measured.
     fn clock_excess_s(&self, offset_s: f64) -> f64 {
         match offset_s < 0.0 {
-            true => -offset_s - self.period_ns as f64 / messages::NS_PER_S,
+            true => -offset_s - self.facts.period_ns as f64 / messages::NS_PER_S,
             false => offset_s,
         }
     }
@@ -173,33 +163,24 @@ const ERRORS: [SourceError; 5] = [
 impl Conditions {
     /// Creates the conditions of the deployment of `config`, with files in `folder`.
     pub(crate) fn new(config: &Config, own_name: &str, folder: String, begun: Now) -> Self {
-        let sources: Vec<Watched> = config
-            .sources
-            .iter()
-            .map(|source| Watched {
-                number: source.number,
-                name: source.name.clone(),
-                adapter: source.adapter.clone(),
-                is_external: matches!(source.input, Input::External),
-                silent_after_ns: source.silent_after_ns,
-                period_ns: source.period_ns,
-                usual: [Usual::default(); ERRORS.len()],
-                usual_detection: Usual::default(),
-                learner: (0, 0),
-            })
-            .collect();
+        let watched = |facts| Watched {
+            facts,
+            usual: [Usual::default(); ERRORS.len()],
+            usual_detection: Usual::default(),
+            learner: (0, 0),
+        };
+        let sources: Vec<Watched> = config.observed_sources().into_iter().map(watched).collect();
         Self {
             limits: config.monitor.alarms,
             own_name: own_name.to_owned(),
             folder,
-            begun_ns: begun.mono_ns,
             silence: Silence::new(sources.len(), begun.mono_ns),
-            shares: Shares::new(config),
+            shares: Shares::new(),
             growth: Growth::default(),
             companions: Companions::default(),
             apart: Vec::new(),
             apart_due_ns: begun.mono_ns + COMPANIONS_NS,
-            data_offset: (!config.is_recorded()).then(DataOffset::default),
+            is_recorded: config.is_recorded(),
             sources,
         }
     }
@@ -208,9 +189,6 @@ impl Conditions {
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], now: Now) {
         for track in tracks {
             self.companions.take(header.incarnation, track, now.mono_ns);
-            if let Some(offset) = &mut self.data_offset {
-                offset.take(track.reference_time_ns, now.mono_ns, now.utc_ns);
-            }
         }
     }
 
@@ -219,10 +197,10 @@ impl Conditions {
         let awake_ns = self.silence.look(sight.now.mono_ns);
         self.silent_sources(sight, round);
         self.source_errors(sight, round);
-        self.shares.look(sight.book, sight.now.mono_ns, round);
+        self.shares.look(sight.observed, sight.now.mono_ns, round);
         self.changed(sight, round);
         self.never_joined(sight.now, round);
-        self.data_off(sight.now, round);
+        self.data_off(sight, round);
         self.growing_counters(sight, round);
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
@@ -235,12 +213,12 @@ impl Conditions {
         for link in sight
             .processes
             .iter()
-            .filter(|process| process.kind == ProcessKind::Link)
+            .filter(|process| process.kind == Some(ProcessKind::Link))
         {
-            let Some(said) = sight.book.whole(ProcessKind::Link, &link.name) else {
+            let Some(latest) = sight.observed.book().whole(ProcessKind::Link, &link.name) else {
                 continue;
             };
-            let (subject, counters) = (Subject::process(&link.name), said.counters());
+            let (subject, counters) = (Subject::process(&link.name), latest.counters());
             let values = [("process", link.title()), ("note", link.note.clone())];
             if counters[Counter::MissingPeers] > 0 {
                 round.find(AlarmKind::PeerMissing, subject, Finding::Bad, &values);
@@ -256,37 +234,27 @@ impl Conditions {
 
     fn silent_sources(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         for (index, source) in self.sources.iter().enumerate() {
-            let (heard, is_expected) = match source.is_external {
-                true => (
-                    sight.book.service(ProcessKind::Fusion, source.number)[Counter::Taken],
-                    true,
-                ),
-                false => {
-                    let counted = sight.book.adapter(&source.adapter, source.number);
-                    let delivers = [Counter::Records, Counter::Published, Counter::Detections];
-                    let adapter = (ProcessKind::Adapter, source.adapter.as_str());
-                    let runs = |process: &Process| process.state == State::Life(LifeState::Running);
-                    let found = sight
-                        .processes
-                        .iter()
-                        .find(|other| (other.kind, other.name.as_str()) == adapter);
-                    (
-                        delivers.map(|counter| counted[counter]).iter().sum(),
-                        found.is_some_and(runs),
-                    )
-                }
-            };
-            let may_be_silent = !is_expected || source.silent_after_ns.is_none();
-            let silent_ns = self.silence.of(index, heard, may_be_silent);
-            if source.silent_after_ns.is_some_and(|after_ns| silent_ns > after_ns) {
+            let is_adapter =
+                |process: &&Process| process.kind == Some(ProcessKind::Adapter) && process.name == source.facts.adapter;
+            let adapter = sight.processes.iter().find(is_adapter);
+            let runs = |process: &Process| process.state == State::Life(LifeState::Running);
+            let is_expected = source.facts.is_external || adapter.is_some_and(runs);
+            let delivered = sight.observed.delivered(source.facts.number);
+            let may_be_silent = !is_expected || source.facts.silent_after_ns.is_none();
+            let silent_ns = self.silence.of(index, delivered, may_be_silent);
+            if source
+                .facts
+                .silent_after_ns
+                .is_some_and(|after_ns| silent_ns > after_ns)
+            {
                 let values = [
-                    ("source", source.name.clone()),
+                    ("source", source.facts.name.clone()),
                     ("silence", elapsed(silent_ns)),
-                    ("periods", (silent_ns / source.period_ns.max(1)).to_string()),
+                    ("periods", (silent_ns / source.facts.period_ns.max(1)).to_string()),
                 ];
                 round.find(
                     AlarmKind::SourceSilent,
-                    Subject::source(source.number),
+                    Subject::source(source.facts.number),
                     Finding::Bad,
                     &values,
                 );
@@ -296,14 +264,20 @@ impl Conditions {
 
     /// Finds the wrong clock where sources' clocks and the machine's differ, by the offset of sound clocks against
     /// the machine's, seconds.
-    /// machine's, seconds.
     fn machine_clock(&self, sight: Sight<'_>, round: &mut Round<'_>) -> f64 {
-        let known = |source: &&Watched| sight.book.registration(source.number).clock_offset_sigma_s > 0.0;
-        let offset_s = |source: &Watched| sight.book.registration(source.number).clock_offset_s;
+        let known = |source: &&Watched| {
+            sight
+                .observed
+                .book()
+                .registration(source.facts.number)
+                .clock_offset_sigma_s
+                > 0.0
+        };
+        let offset_s = |source: &Watched| sight.observed.book().registration(source.facts.number).clock_offset_s;
         let sources = || self.sources.iter().filter(known);
         let agreeing = |of_s: f64| sources().filter(move |source| (offset_s(source) - of_s).abs() <= CLOCKS_AGREE_S);
         let limit_s = self.limits.clock_off_s.s();
-        let found_s = sight.book.host_offset_ns() as f64 / messages::NS_PER_S;
+        let found_s = sight.observed.book().host_offset_ns() as f64 / messages::NS_PER_S;
         // Below the limit on time steps, fusion leaves all times unchanged; most sources show the offset all the
         // same.
         let is_off = |source: &&Watched| source.clock_excess_s(offset_s(source)) - CLOCKS_AGREE_S > limit_s;
@@ -319,7 +293,7 @@ impl Conditions {
         if common_s == 0.0 {
             return 0.0;
         }
-        let names: Vec<&str> = agreeing(common_s).map(|source| source.name.as_str()).collect();
+        let names: Vec<&str> = agreeing(common_s).map(|source| source.facts.name.as_str()).collect();
         let (kind, subject) = match sources().count() {
             0 | 1 => (AlarmKind::ClocksDiffer, Subject::default()),
             _ => (AlarmKind::MachineClockOff, Subject::default()),
@@ -337,9 +311,9 @@ impl Conditions {
     fn source_errors(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         let common_s = self.machine_clock(sight, round);
         for source in &self.sources {
-            let known = sight.book.registration(source.number);
-            let subject = Subject::source(source.number);
-            let name = || ("source", source.name.clone());
+            let known = sight.observed.book().registration(source.facts.number);
+            let subject = Subject::source(source.facts.number);
+            let name = || ("source", source.facts.name.clone());
             let sigma_s = known.clock_offset_sigma_s;
             let offset_s = if sigma_s > 0.0 {
                 known.clock_offset_s - common_s
@@ -355,12 +329,12 @@ impl Conditions {
             }
             if let Some(error) = known.gross_error() {
                 let partner = self.sources.get(usize::from(error.partner));
-                let partner = partner.map_or_else(String::new, |partner| partner.name.clone());
+                let partner = partner.map_or_else(String::new, |partner| partner.facts.name.clone());
                 let (subject, verdict) = match (error.is_certain, error.is_removed) {
                     (true, true) => (subject, ", and that is taken off".to_owned()),
                     (true, false) => (subject, String::new()),
                     _ => {
-                        let pair = Subject::pair(source.number, error.partner);
+                        let pair = Subject::pair(source.facts.number, error.partner);
                         (pair, format!("; or {partner} is off the other way"))
                     }
                 };
@@ -383,8 +357,8 @@ impl Conditions {
     fn changed(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
         let now_ns = sight.now.mono_ns;
         for source in &mut self.sources {
-            let known = sight.book.registration(source.number);
-            let subject = Subject::source(source.number);
+            let known = sight.observed.book().registration(source.facts.number);
+            let subject = Subject::source(source.facts.number);
             let compared = known.comparisons >= COMPARISONS_MIN;
             for (usual, (error, unit, margin, estimate)) in source.usual.iter_mut().zip(ERRORS) {
                 let (value, sigma) = estimate(&known);
@@ -395,7 +369,7 @@ impl Conditions {
                 let limit = margin.max(CHANGE_SIGMAS * sigma.hypot(sigma_before));
                 if let Some(finding) = above((value - before).abs(), limit) {
                     let values = [
-                        ("source", source.name.clone()),
+                        ("source", source.facts.name.clone()),
                         ("error", error.to_owned()),
                         ("before", format!("{before:+.2} {unit}")),
                         ("now", format!("{value:+.2} {unit}")),
@@ -403,17 +377,19 @@ impl Conditions {
                     round.find(AlarmKind::BiasChanged, subject, finding, &values);
                 }
             }
-            let Some(said) = sight
-                .book
-                .said(ProcessKind::Fusion, ProcessKind::Fusion.word(), source.number)
+            let Some(latest) =
+                sight
+                    .observed
+                    .book()
+                    .about(ProcessKind::Fusion, ProcessKind::Fusion.word(), source.facts.number)
             else {
                 continue;
             };
-            let counters = said.counters();
+            let counters = latest.counters();
             let taken = counters[Counter::Taken];
-            if source.learner.0 != said.incarnation() {
+            if source.learner.0 != latest.incarnation() {
                 // A restarted process learns from the beginning.
-                source.learner = (said.incarnation(), taken);
+                source.learner = (latest.incarnation(), taken);
             }
             let settled = taken - source.learner.1 > DETECTION_REPORTS;
             let detection = counters[Counter::DetectionPermille] as f64 / 1e3;
@@ -422,7 +398,7 @@ impl Conditions {
             {
                 let percent = |share: f64| format!("{:.0} %", 100.0 * share);
                 let values = [
-                    ("source", source.name.clone()),
+                    ("source", source.facts.name.clone()),
                     ("now", percent(detection)),
                     ("before", percent(before)),
                 ];
@@ -436,7 +412,11 @@ impl Conditions {
             self.apart_due_ns = now.mono_ns + COMPANIONS_NS;
             self.apart = self.companions.apart(now.mono_ns);
         }
-        let name = |number: u16| self.sources.get(usize::from(number)).map(|source| source.name.clone());
+        let name = |number: u16| {
+            self.sources
+                .get(usize::from(number))
+                .map(|source| source.facts.name.clone())
+        };
         for apart in &self.apart {
             let (Some(source), Some(partner)) = (name(apart.source), name(apart.partner)) else {
                 continue;
@@ -454,28 +434,28 @@ impl Conditions {
     }
 
     fn growing_counters(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
-        for (kind, source, said) in sight.book.all_said() {
+        for (kind, source, latest) in sight.observed.book().all() {
             // A process's message as a whole repeats the counts of its sources.
             let counters = match source {
                 NO_SOURCE => sight
-                    .book
-                    .apart_from_sources(kind, said.name(), false)
+                    .observed
+                    .book()
+                    .apart_from_sources(kind, latest.name(), false)
                     .unwrap_or_default(),
-                _ => said.counters(),
+                _ => latest.counters(),
             };
-            let seen_from_start = said.incarnation() as i64 >= self.begun_ns - TOGETHER_NS;
             let of_kind = GROWING.iter().filter(|(.., kinds)| kinds.contains(&kind));
             for (alarm, which, thing, _) in of_kind {
                 let count = which.iter().map(|counter| counters[*counter]).sum();
-                let subject = Subject::process(said.name()).of_source(source);
-                let at_first = if seen_from_start { 0 } else { count };
+                let subject = Subject::process(latest.name()).of_source(source);
+                let at_first = if latest.is_seen_from_start() { 0 } else { count };
                 if self.growth.has_grown(*alarm, subject, count, at_first) {
-                    let of = match self.sources.iter().find(|other| other.number == source) {
-                        Some(source) => format!(" of {}", source.name),
+                    let of = match self.sources.iter().find(|other| other.facts.number == source) {
+                        Some(source) => format!(" of {}", source.facts.name),
                         None => String::new(),
                     };
                     let values = [
-                        ("process", title(kind, said.name())),
+                        ("process", title(kind, latest.name())),
                         ("count", several(count, thing)),
                         ("of", of),
                     ];
@@ -486,12 +466,13 @@ impl Conditions {
     }
 
     /// Conditions of states whose time differs from the machine's.
-    fn data_off(&self, now: Now, round: &mut Round<'_>) {
-        let Some(offset_ns) = self.data_offset.and_then(|offset| offset.ns(now.mono_ns)) else {
+    fn data_off(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+        let offset_ns = sight.observed.data_offset_ns(sight.now.mono_ns);
+        let Some(offset_ns) = offset_ns.filter(|_| !self.is_recorded) else {
             return;
         };
         // The fastest source may take one of its periods to send a measurement.
-        let period_ns = self.sources.iter().map(|source| source.period_ns).min();
+        let period_ns = self.sources.iter().map(|source| source.facts.period_ns).min();
         let excess_ns = match offset_ns < 0 {
             true => -offset_ns - period_ns.unwrap_or_default(),
             false => offset_ns,
@@ -505,10 +486,15 @@ impl Conditions {
 
     /// Conditions of received data outside the configuration.
     fn misfits(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
-        for (kind, source, said) in sight.book.all_said().filter(|(kind, ..)| *kind == ProcessKind::Adapter) {
-            let counters = said.counters();
+        for (kind, source, latest) in sight
+            .observed
+            .book()
+            .all()
+            .filter(|(kind, ..)| *kind == ProcessKind::Adapter)
+        {
+            let counters = latest.counters();
             let of = |counter: Counter| counters[counter];
-            let subject = Subject::process(said.name()).of_source(source);
+            let subject = Subject::process(latest.name()).of_source(source);
             let senders = of(Counter::UnknownSenders);
             let rejected = of(Counter::RejectedSource);
             // Data received before a restart of the monitor continue if they matter.
@@ -519,7 +505,7 @@ impl Conditions {
                     others => format!(", and {}", several(others, "other")),
                 };
                 let values = [
-                    ("process", title(kind, said.name())),
+                    ("process", title(kind, latest.name())),
                     ("sender", format!("SAC/SIC {sac}/{sic}")),
                     ("blocks", several(of(Counter::UnknownSenderBlocks), "block")),
                     ("others", others),
@@ -528,18 +514,18 @@ impl Conditions {
             }
             let fitting = of(Counter::BlocksOfOtherEdition);
             if self.growth.has_grown(AlarmKind::EditionWrong, subject, fitting, 0)
-                && let Some(source) = self.sources.iter().find(|other| other.number == source)
+                && let Some(source) = self.sources.iter().find(|other| other.facts.number == source)
             {
                 let [_, category, major, minor] = (of(Counter::OtherEdition) as u32).to_be_bytes();
                 let values = [
-                    ("source", source.name.clone()),
+                    ("source", source.facts.name.clone()),
                     ("fitting", several(fitting, "block")),
                     ("category", format!("{category:03}")),
                     ("edition", format!("{major}.{minor}")),
                 ];
                 round.find(
                     AlarmKind::EditionWrong,
-                    Subject::source(source.number),
+                    Subject::source(source.facts.number),
                     Finding::Bad,
                     &values,
                 );
@@ -548,10 +534,18 @@ impl Conditions {
     }
 
     fn processes(&mut self, sight: Sight<'_>, awake_ns: i64, round: &mut Round<'_>) {
-        let own_restarts = sight.book.children().find(|child| child.name == self.own_name);
+        let own_restarts = sight
+            .observed
+            .book()
+            .children()
+            .find(|child| child.name == self.own_name);
         // A monitor restarted itself has no record of the other processes' starts.
         let seen_from_start = own_restarts.is_none_or(|own| own.restarts == 0);
-        if let Some(launcher) = sight.book.whole(ProcessKind::Launcher, ProcessKind::Launcher.word()) {
+        if let Some(launcher) = sight
+            .observed
+            .book()
+            .whole(ProcessKind::Launcher, ProcessKind::Launcher.word())
+        {
             let rebuilds = launcher.counters()[Counter::Rebuilds];
             let subject = Subject::default();
             if self.growth.has_grown(AlarmKind::MemoryCorrupt, subject, rebuilds, 0) {
@@ -559,7 +553,11 @@ impl Conditions {
                 round.find(AlarmKind::MemoryCorrupt, subject, Finding::Bad, &values);
             }
         }
-        if let Some(fusion) = sight.book.whole(ProcessKind::Fusion, ProcessKind::Fusion.word()) {
+        if let Some(fusion) = sight
+            .observed
+            .book()
+            .whole(ProcessKind::Fusion, ProcessKind::Fusion.word())
+        {
             let subject = Subject::process(ProcessKind::Fusion.word());
             let [times, still] =
                 [Counter::TakeOvers, Counter::TakeOversFromStill].map(|counter| fusion.counters()[counter]);
@@ -572,7 +570,7 @@ impl Conditions {
                 round.find(AlarmKind::FusionTakenOver, subject, Finding::Bad, &values);
             }
         }
-        for child in sight.book.children() {
+        for child in sight.observed.book().children() {
             let subject = Subject::process(child.name);
             let process = ("process", child.name.to_owned());
             let end = match child.last_end {
@@ -597,7 +595,7 @@ impl Conditions {
             }
         }
         let ended = |process: &Process| {
-            let mut children = sight.book.children();
+            let mut children = sight.observed.book().children();
             children.any(|child| {
                 child.name == process.name && matches!(child.life, LifeState::Failed | LifeState::Finished)
             })

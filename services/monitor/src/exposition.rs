@@ -9,6 +9,7 @@
 use std::fmt;
 
 use messages::{Counter, CounterClass, Counters, LifeState, ProcessKind, Registration};
+use observed::{Process, State, TrackCounts};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, NoLabelSet};
@@ -16,8 +17,7 @@ use prometheus_client::metrics::MetricType;
 use prometheus_client::registry::{Registry, Unit};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Irregularities, Stage};
 
-use crate::report::{AlarmReport, Picture, RunSettings};
-use telemetry::{Process, State};
+use crate::report::{AlarmReport, RunSettings};
 
 /// Media type of the metrics.
 pub(crate) const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
@@ -32,7 +32,7 @@ pub(crate) struct Snapshot {
     pub(crate) deadlines: Vec<(Stage, u64)>,
     pub(crate) irregularities: Vec<(Stage, Irregularities)>,
     pub(crate) counted: Vec<Counted>,
-    pub(crate) picture: Picture,
+    pub(crate) picture: TrackCounts,
     pub(crate) processes: Vec<Process>,
     pub(crate) alarms: Vec<AlarmReport>,
     /// Systematic errors, by the names of the sources.
@@ -196,7 +196,7 @@ impl Snapshot {
     fn processes(&self, families: &mut Families<'_>) -> fmt::Result {
         let labels = |process: &'_ Process| {
             [
-                ("kind", process.kind.word().to_owned()),
+                ("kind", process.kind.map_or("", ProcessKind::word).to_owned()),
                 ("process", process.name.clone()),
             ]
         };

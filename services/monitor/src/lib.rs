@@ -70,11 +70,9 @@ mod truth_watch;
 mod verdict;
 
 pub use agent::{Clock, MonitorAgent};
-pub use report::{
-    AlarmReport, Hop, Picture, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict,
-};
+pub use observed::{Process, State, TrackCounts};
+pub use report::{AlarmReport, Hop, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict};
 pub use screen::Screen;
-pub use telemetry::{Process, State};
 
 /// Runs the monitor until the process is told to stop.
 ///

@@ -6,10 +6,11 @@
 use std::collections::BTreeMap;
 
 use alarms::History;
-use messages::{Counter, Counters, NO_SOURCE, Registration, registration_bits};
+use messages::{Counters, NO_SOURCE, Registration, registration_bits};
+use observed::{Process, TrackCounts};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
-use telemetry::{Irregularities, Process, Span, Stage, Stages, Summary};
+use telemetry::{Irregularities, Span, Stage, Stages, Summary};
 
 /// Reason for a stage without figures.
 pub(crate) const NOT_MEASURED: &str = "transport out is not measured: the monitor polls, to leave fusion in peace, so \
@@ -38,7 +39,7 @@ pub struct Report {
     #[serde(serialize_with = "by_key")]
     pub stages: Vec<(Stage, StageReport)>,
     /// System tracks.
-    pub picture: Picture,
+    pub picture: TrackCounts,
     /// Comparison with the truth, if it is known.
     pub accuracy: Option<AccuracyReport>,
     /// Number of restarts.
@@ -324,50 +325,6 @@ impl Hop {
             lost,
             // Less than nothing if the publisher was killed before it could state its last count.
             unread: published.saturating_sub(taken + lost),
-        }
-    }
-}
-
-/// The system tracks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Picture {
-    /// Confirmed now, coasted ones apart.
-    pub confirmed: u64,
-    /// Coasted now.
-    pub coasted: u64,
-    /// Tentative now.
-    pub tentative: u64,
-    /// Most that were confirmed or coasted at a time.
-    pub live_max: u64,
-    /// Started so far.
-    pub started: u64,
-    /// Confirmed so far.
-    pub ever_confirmed: u64,
-    /// Ended so far.
-    pub ended: u64,
-    /// Found to be the same target as another, so far.
-    pub merged: u64,
-    /// Sensor tracks taken out of a system track that they no longer fitted, so far.
-    pub split: u64,
-    /// Changes of the selected source, so far.
-    pub hand_overs: u64,
-}
-
-impl Picture {
-    /// The picture by fusion's counters; `live_max` is the most that were confirmed or coasted so far.
-    pub(crate) fn of(fusion: &Counters, live_max: u64) -> Self {
-        let (live, coasted) = (fusion[Counter::LiveTracks], fusion[Counter::CoastedTracks]);
-        Self {
-            confirmed: live.saturating_sub(coasted),
-            coasted,
-            tentative: fusion[Counter::TentativeTracks],
-            live_max,
-            started: fusion[Counter::TracksStarted],
-            ever_confirmed: fusion[Counter::TracksConfirmed],
-            ended: fusion[Counter::TracksTerminated],
-            merged: fusion[Counter::TracksMerged],
-            split: fusion[Counter::ContributionsSplit],
-            hand_overs: fusion[Counter::HandOvers],
         }
     }
 }

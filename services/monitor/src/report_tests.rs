@@ -4,11 +4,10 @@ use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registra
 
 use super::*;
 use crate::golden;
-use telemetry::{State, Summary};
+use observed::{Process, State, TrackCounts};
+use telemetry::Summary;
 
-use crate::report::{
-    Hop, Losses, Picture, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, Verdict,
-};
+use crate::report::{Hop, Losses, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, Verdict};
 use crate::verdict;
 
 const WIDTH: usize = 110;
@@ -50,7 +49,7 @@ fn source_stages(summary: Summary, deadline_misses: u64) -> Vec<(Stage, SourceSt
 
 fn process(kind: ProcessKind, name: &str) -> Process {
     Process {
-        kind,
+        kind: Some(kind),
         name: name.to_owned(),
         state: State::Life(LifeState::Finished),
         restarts: 0,
@@ -128,7 +127,7 @@ pub(crate) fn good() -> Report {
         },
         latency_remark: None,
         stages: Stage::ALL.map(stage).to_vec(),
-        picture: Picture {
+        picture: TrackCounts {
             confirmed: 78,
             coasted: 2,
             tentative: 1,
@@ -262,7 +261,7 @@ fn empty() -> Report {
     for (_, figures) in &mut report.stages {
         figures.summary = Summary::default();
     }
-    (report.picture, report.fusion) = (Picture::default(), Counters::default());
+    (report.picture, report.fusion) = (TrackCounts::default(), Counters::default());
     report.accuracy = Some(scoring::Accuracy::default().report());
     for process in &mut report.processes {
         process.state = State::NotHeard;

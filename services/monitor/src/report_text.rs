@@ -12,7 +12,6 @@ use crate::counters::{network_trouble, process_remarks};
 use crate::report::{NOT_MEASURED, Report, RunSettings, SourceReport, StageReport};
 use crate::text::{date_time, percent, several, time_of_day, times, wrapped};
 use crate::truth_watch::WARM_UP_NS;
-use telemetry::Process;
 
 impl Report {
     /// The report, for people; prose in lines of at most `width` characters.
@@ -422,7 +421,7 @@ impl Report {
                 process.title(),
                 process.state.to_string(),
                 count(process.restarts.into()),
-                remark(process),
+                process.remark(),
             ]);
         }
         let mut text = format!("PROCESSES in the end\n{rows}");
@@ -441,16 +440,6 @@ fn fitted(line: &str, width: usize) -> String {
     } else {
         wrapped(line, width)
     }
-}
-
-fn remark(process: &Process) -> String {
-    let last_end = match process.last_end.as_str() {
-        "" => String::new(),
-        end => format!("last time, it {end}"),
-    };
-    let parts = [last_end, process.note.clone()];
-    let parts: Vec<String> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-    parts.join("; ")
 }
 
 fn sources(settings: &RunSettings) -> String {

@@ -5,9 +5,8 @@
 //! of these looks at a share of what has come lately, and at a least number.
 
 use alarms::{AlarmKind, Finding, Lately, Round, Subject, above};
-use configuration::{Config, Source};
 use messages::{Counter, Counters, ProcessKind};
-use telemetry::HealthBook;
+use observed::{Deployment, Source};
 use telemetry::table::count;
 
 use crate::text::{percent, several};
@@ -31,24 +30,25 @@ const SCANS_PER_REPORT: u64 = 10;
 /// All sources' shares, with the memory that finding them takes.
 #[derive(Debug)]
 pub(crate) struct Shares {
-    sources: Vec<(u16, String, String)>,
     reports: Lately<2>,
     scans: Lately<3>,
 }
 
 impl Shares {
-    pub(crate) fn new(config: &Config) -> Self {
-        let named = |source: &Source| (source.number, source.name.clone(), source.adapter.clone());
+    pub(crate) fn new() -> Self {
         Self {
-            sources: config.sources.iter().map(named).collect(),
             reports: Lately::new(REPORTS_NS),
             scans: Lately::new(SCANS_NS),
         }
     }
 
     /// Looks at all of them at `now_ns` (monotonic, nanoseconds).
-    pub(crate) fn look(&mut self, book: &HealthBook, now_ns: i64, round: &mut Round<'_>) {
-        for (number, name, adapter) in &self.sources {
+    pub(crate) fn look(&mut self, observed: &Deployment, now_ns: i64, round: &mut Round<'_>) {
+        let book = observed.book();
+        for Source {
+            number, name, adapter, ..
+        } in observed.configured_sources()
+        {
             let subject = Subject::source(*number);
             let adapter = book.adapter(adapter, *number);
             let fusion = book.service(ProcessKind::Fusion, *number);

@@ -6,16 +6,15 @@ use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
 use configuration::{Config, Input, MonitorWait, ReportOrder};
-use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, Health, NO_SOURCE, ProcessKind, SystemTrack};
+use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
+use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::{Now, Options, Speed};
-use telemetry::{
-    Buckets, Deadlines, HealthBook, Journey, JourneyEnd, Process, Span, Stage, Stages, State, process_title as title,
-};
+use telemetry::{Buckets, Deadlines, Journey, JourneyEnd, Span, Stage};
 
-use crate::display::overview::{AlarmRow, Overview, ProcessRow, SourceRow, stage_rows};
+use crate::display::overview::Overview;
 use crate::exposition::{Counted, Snapshot, StageSample};
 use crate::report::{
-    AlarmReport, Hop, Losses, NOT_MEASURED, Picture, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
+    AlarmReport, Hop, Losses, NOT_MEASURED, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
     SourceStageReport, StageReport, Verdict,
 };
 use crate::truth_watch::TruthWatch;
@@ -27,26 +26,12 @@ pub(crate) struct Survey {
     settings: RunSettings,
     /// Name of the monitor itself.
     name: String,
-    sources: Vec<Watched>,
+    pub(crate) observed: Deployment,
     /// The processes of the deployment, the monitor itself last.
     expected: Vec<(ProcessKind, String)>,
     has_recorder: bool,
     begun: Now,
-    stages: Stages,
-    book: HealthBook,
     truth: Option<TruthWatch>,
-    live_max: u64,
-    /// Reports that fusion had taken at the end of the previous interval, per source, and when it said so.
-    taken_before: Vec<(u64, i64)>,
-}
-
-/// A source, as far as the monitor needs to know it.
-#[derive(Debug)]
-struct Watched {
-    number: u16,
-    name: String,
-    /// Name of the adapter process that speaks of it.
-    adapter: String,
 }
 
 impl Survey {
@@ -55,60 +40,35 @@ impl Survey {
     /// # Errors
     /// If the simulated world cannot be made.
     pub(crate) fn new(config: &Config, options: &Options, name: &str, begun: Now) -> anyhow::Result<Self> {
-        let sources: Vec<Watched> = config
-            .sources
-            .iter()
-            .map(|source| Watched {
-                number: source.number,
-                name: source.name.clone(),
-                adapter: source.adapter.clone(),
-            })
-            .collect();
+        let settings = run_settings(config, options);
+        let observed = Deployment::new(config.observed_sources())
+            .observed_since(begun.mono_ns)
+            .with_latencies(journey(config), settings.latencies_measured);
         Ok(Self {
-            settings: run_settings(config, options),
+            settings,
             name: name.to_owned(),
+            observed,
             expected: expected(config, name),
             has_recorder: config.recorder,
             begun,
-            stages: Stages::new(journey(config)),
-            book: HealthBook::new(sources.len()),
             truth: TruthWatch::new(config, options, begun.utc_ns)?,
-            live_max: 0,
-            taken_before: vec![(0, 0); sources.len()],
-            sources,
         })
     }
 
-    /// A slice of system tracks has been received.
+    /// Takes a received slice of system tracks.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], received: Now) {
-        let received_utc_ns = received.utc_ns.saturating_add(self.book.host_offset_ns());
-        for track in tracks {
-            if self.settings.latencies_measured {
-                self.stages.record(track, received.mono_ns, received_utc_ns);
-            }
-            if let Some(truth) = &mut self.truth {
+        self.observed
+            .take_tracks(header, tracks, received.mono_ns, received.utc_ns);
+        if let Some(truth) = &mut self.truth {
+            for track in tracks {
                 truth.keep(header.incarnation, track);
             }
         }
     }
 
-    /// A process has spoken.
-    pub(crate) fn hear(&mut self, health: &Health) {
-        self.book.hear(health);
-        if health.kind() == Some(ProcessKind::Fusion) && health.source == NO_SOURCE {
-            self.live_max = self.live_max.max(health.counters[Counter::LiveTracks]);
-        }
-    }
-
     /// Forgets processes that have joined the deployment and left without a word, if `is_gone` says so of their number.
     pub(crate) fn forget_guests(&mut self, now: Now, is_gone: impl Fn(u32) -> bool) {
-        self.book.forget_guests(&self.expected, now.mono_ns, is_gone);
-    }
-
-    /// Whether the launcher stops the deployment.
-    pub(crate) fn is_stopping(&self) -> bool {
-        let launcher = self.book.whole(ProcessKind::Launcher, ProcessKind::Launcher.word());
-        launcher.is_some_and(|launcher| launcher.counters()[Counter::Stopping] > 0)
+        self.observed.forget_guests(&self.expected, now.mono_ns, is_gone);
     }
 
     /// Time passes.
@@ -123,25 +83,9 @@ impl Survey {
         self.truth.as_ref().map_or(i64::MAX, TruthWatch::due_ns)
     }
 
-    /// Latencies by stage and source.
-    pub(crate) fn stages(&self) -> &Stages {
-        &self.stages
-    }
-
-    /// The name of a source.
+    /// Returns the name of a source.
     pub(crate) fn source_name(&self, number: u16) -> &str {
-        let found = self.sources.iter().find(|source| source.number == number);
-        found.map_or("others", |source| &source.name)
-    }
-
-    /// The name of a source, as a text of its own.
-    pub(crate) fn name_of(&self, number: u16) -> String {
-        self.source_name(number).to_owned()
-    }
-
-    /// All that the processes have said.
-    pub(crate) fn book(&self) -> &HealthBook {
-        &self.book
+        self.observed.known_name(number).unwrap_or("others")
     }
 
     /// Whether those whose last words the final report waits for have said them, or will not.
@@ -149,84 +93,36 @@ impl Survey {
         let watching = [ProcessKind::Monitor, ProcessKind::Keeper, ProcessKind::Launcher];
         self.processes(now).iter().all(|process| {
             let may_speak = matches!(process.state, State::Life(life) if life != messages::LifeState::Finished);
-            watching.contains(&process.kind) || !may_speak
+            process.kind.is_some_and(|kind| watching.contains(&kind)) || !may_speak
         })
     }
 
-    /// Ends the interval at hand.
-    pub(crate) fn close_interval(&mut self) {
-        self.stages.close_interval();
-    }
-
-    /// Does a part of that; `false`: it was the last.
-    pub(crate) fn close_next_source(&mut self) -> bool {
-        self.stages.close_next_source()
-    }
-
     /// Overview of the interval that was closed last, which took `interval_ns`.
-    pub(crate) fn overview(
-        &mut self,
-        now: Now,
-        interval_ns: i64,
-        own: SubscriberCounts,
-        standing: &[Alarm],
-    ) -> Overview {
-        let sources: Vec<SourceRow> = (0..self.sources.len()).map(|index| self.source_row(index)).collect();
+    pub(crate) fn overview(&self, now: Now, interval_ns: i64, own: SubscriberCounts, standing: &[Alarm]) -> Overview {
         // Data of recordings are as old as the recordings.
         let is_shown = |stage| stage != Stage::Age || self.settings.recorded_sources == 0;
-        Overview {
+        let mut overview = Overview {
             instance: self.settings.instance.clone(),
             utc_ns: now.utc_ns,
             elapsed_ns: now.mono_ns - self.begun.mono_ns,
             interval_ns,
             recording_ns: self.recording_reached_ns(),
-            picture: self.picture(),
-            tracks: Vec::new(),
-            stages: stage_rows(&self.stages, &sources, is_shown),
-            counters: Vec::new(),
-            processes: self.processes(now).iter().map(ProcessRow::new).collect(),
-            alarms: standing.iter().filter_map(AlarmRow::new).collect(),
             queues_are_full: !self.settings.latencies_measured,
-            sources,
             missed: own.lost,
-        }
-    }
-
-    fn source_row(&mut self, index: usize) -> SourceRow {
-        let Watched { number, name, adapter } = &self.sources[index];
-        let adapter = self.book.adapter(adapter, *number);
-        let said = self.book.said(ProcessKind::Fusion, ProcessKind::Fusion.word(), *number);
-        let (before, mut before_ns) = self.taken_before[index];
-        if let (0, Some(said)) = (before_ns, &said) {
-            // Not heard before: its rate since it started.
-            before_ns = said.incarnation() as i64;
-        }
-        let (fusion, said_ns) = said.map_or_else(Default::default, |said| (said.counters(), said.said_ns()));
-        let taken = fusion[Counter::Taken];
-        // Both counts and both times are fusion's own, so the rate is exact whenever its message came.
-        let per_s = if before_ns > 0 && said_ns > before_ns {
-            taken.saturating_sub(before) as f64 * 1e9 / (said_ns - before_ns) as f64
-        } else {
-            0.0
+            ..Overview::new(&self.observed, &self.processes(now), standing, is_shown)
         };
-        self.taken_before[index] = (taken, said_ns);
-        SourceRow {
-            number: *number,
-            name: name.clone(),
-            taken,
-            per_s,
-            rejected: adapter.sum_of(CounterClass::Rejection),
-            lost: fusion[Counter::Lost],
-            not_used: fusion.sum_of(CounterClass::FusionRejection),
-            late: self.late(Some(*number)),
+        for source in &mut overview.sources {
+            source.late = self.late(Some(source.number));
         }
+        overview
     }
 
     /// The final report.
     pub(crate) fn report(&self, now: Now, own: SubscriberCounts, alarms: Vec<AlarmReport>) -> Report {
-        let sources: Vec<SourceReport> = self.sources.iter().map(|source| self.source_report(source)).collect();
+        let sources = self.observed.configured_sources().iter();
+        let sources: Vec<SourceReport> = sources.map(|source| self.source_report(source)).collect();
         let processes = self.processes(now);
-        let stage = |stage| (stage, StageReport::new(&self.stages, stage));
+        let stage = |stage| (stage, StageReport::new(self.observed.stages(), stage));
         let mut report = Report {
             settings: self.settings.clone(),
             begun_utc_ns: self.begun.utc_ns,
@@ -237,16 +133,16 @@ impl Survey {
             sources,
             latency_remark: self.settings.monitor_poll_ms.map(|_| NOT_MEASURED.to_owned()),
             stages: Stage::ALL.map(stage).to_vec(),
-            picture: self.picture(),
+            picture: self.observed.track_counts(),
             accuracy: self.truth.as_ref().map(TruthWatch::report),
             restarts: restarts(&processes),
             alarms,
             processes,
-            fusion: self.book.service(ProcessKind::Fusion, NO_SOURCE),
+            fusion: self.observed.book().service(ProcessKind::Fusion, NO_SOURCE),
             others: self.others(),
             monitor: self.own_counters(own),
             network: self.network(),
-            health_rejected: self.book.rejected(),
+            health_rejected: self.observed.book().rejected(),
         };
         report.verdict = verdict::on(&report);
         report
@@ -254,11 +150,12 @@ impl Survey {
 
     /// State for a collector of metrics.
     pub(crate) fn snapshot(&self, now: Now, own: SubscriberCounts) -> Snapshot {
-        let journey = self.stages.journey();
+        let (stages, book) = (self.observed.stages(), self.observed.book());
+        let journey = stages.journey();
         let measured = || Stage::ALL.into_iter().filter(|stage| stage.is_measured(journey.end));
         let of_source = |stage, number| {
-            let histogram = self.stages.histogram(stage, Some(number), Span::Total)?;
-            let late = || self.stages.deadline_misses(stage, Some(number), Span::Total);
+            let histogram = stages.histogram(stage, Some(number), Span::Total)?;
+            let late = || stages.deadline_misses(stage, Some(number), Span::Total);
             Some(StageSample {
                 stage,
                 source: self.source_name(number).to_owned(),
@@ -266,26 +163,24 @@ impl Survey {
                 late: journey.deadlines.get(stage).map(|_| late()),
             })
         };
-        let of_stage = |stage| self.stages.sources().filter_map(move |number| of_source(stage, number));
-        let counted = self.book.all_said().flat_map(|(kind, number, said)| {
+        let of_stage = |stage| stages.sources().filter_map(move |number| of_source(stage, number));
+        let counted = book.all().flat_map(|(kind, number, latest)| {
             let counted = |source: &str, counters| Counted {
                 kind,
-                process: said.name().to_owned(),
+                process: latest.name().to_owned(),
                 source: source.to_owned(),
                 counters,
             };
             if number != NO_SOURCE {
-                return vec![counted(self.source_name(number), said.counters())];
+                return vec![counted(self.source_name(number), latest.counters())];
             }
-            let whole = self.apart_from_sources(kind, said.name());
+            let whole = self.apart_from_sources(kind, latest.name());
             let mut all = vec![counted("", whole.unwrap_or_default())];
-            // An adapter that speaks of itself only, means its source.
-            let sources = self
-                .sources
-                .iter()
-                .filter(|source| kind == ProcessKind::Adapter && source.adapter == said.name());
-            let sources = sources.filter(|source| self.book.said(kind, said.name(), source.number).is_none());
-            all.extend(sources.map(|source| counted(&source.name, said.counters().without_those_of_processes())));
+            // The messages of an adapter with one source are about that source.
+            let sources = self.observed.configured_sources().iter();
+            let sources = sources.filter(|source| kind == ProcessKind::Adapter && source.adapter == latest.name());
+            let sources = sources.filter(|source| book.about(kind, latest.name(), source.number).is_none());
+            all.extend(sources.map(|source| counted(&source.name, latest.counters().without_those_of_processes())));
             all
         });
         Snapshot {
@@ -294,39 +189,39 @@ impl Survey {
             deadlines: measured()
                 .filter_map(|stage| Some((stage, journey.deadlines.get(stage)?)))
                 .collect(),
-            irregularities: measured()
-                .map(|stage| (stage, self.stages.irregularities(stage)))
-                .collect(),
+            irregularities: measured().map(|stage| (stage, stages.irregularities(stage))).collect(),
             counted: counted.collect(),
-            picture: self.picture(),
+            picture: self.observed.track_counts(),
             processes: self.processes(now),
             alarms: Vec::new(),
             registrations: self
-                .sources
+                .observed
+                .configured_sources()
                 .iter()
-                .map(|source| (source.name.clone(), self.book.registration(source.number)))
+                .map(|source| (source.name.clone(), book.registration(source.number)))
                 .collect(),
             monitor_missed: own.lost,
-            health_rejected: self.book.rejected(),
+            health_rejected: self.observed.book().rejected(),
         }
     }
 
-    fn source_report(&self, source: &Watched) -> SourceReport {
+    fn source_report(&self, source: &Source) -> SourceReport {
         let number = source.number;
+        let (stages, state) = (self.observed.stages(), self.observed.source(number));
         let of_stage = |stage| {
             let report = SourceStageReport {
-                summary: self.stages.summary(stage, Some(number), Span::Total),
-                deadline_misses: self.stages.deadline_misses(stage, Some(number), Span::Total),
+                summary: stages.summary(stage, Some(number), Span::Total),
+                deadline_misses: stages.deadline_misses(stage, Some(number), Span::Total),
             };
             (stage, report)
         };
         SourceReport {
             number,
-            name: source.name.clone(),
-            adapter: self.book.adapter(&source.adapter, number),
-            fusion: self.book.service(ProcessKind::Fusion, number),
-            recorder: self.book.service(ProcessKind::Recorder, number),
-            registration: self.book.registration(number),
+            name: state.name,
+            adapter: state.adapter,
+            fusion: state.fusion,
+            recorder: self.observed.book().service(ProcessKind::Recorder, number),
+            registration: state.registration,
             stages: Stage::ALL.map(of_stage).to_vec(),
         }
     }
@@ -341,7 +236,7 @@ impl Survey {
             Hop::new(from, to.word(), published, taken, lost)
         };
         let is_restarted_monitor = |process: &Process| {
-            process.kind == ProcessKind::Monitor && process.name == self.name && process.restarts > 0
+            process.kind == Some(ProcessKind::Monitor) && process.name == self.name && process.restarts > 0
         };
         let published = |source: &SourceReport| source.adapter[Counter::Published];
         let to_fusion =
@@ -350,12 +245,12 @@ impl Survey {
         let reports_lost = hops.iter().map(|hop| hop.lost).sum();
         let reports_unread = hops.iter().map(|hop| hop.unread).sum();
         let fusion = ProcessKind::Fusion.word();
-        let fused = self.book.service(ProcessKind::Fusion, NO_SOURCE)[Counter::Published];
+        let fused = self.observed.book().service(ProcessKind::Fusion, NO_SOURCE)[Counter::Published];
         if self.has_recorder {
             let to_recorder =
                 |source: &SourceReport| hop(&source.name, ProcessKind::Recorder, published(source), &source.recorder);
             hops.extend(sources.iter().map(to_recorder));
-            let read = self.book.service(ProcessKind::Recorder, NO_SOURCE);
+            let read = self.observed.book().service(ProcessKind::Recorder, NO_SOURCE);
             hops.push(hop(fusion, ProcessKind::Recorder, fused, &read));
         }
         hops.push(Hop::new(fusion, &self.name, fused, own.taken, own.lost));
@@ -368,18 +263,17 @@ impl Survey {
         }
     }
 
-    fn picture(&self) -> Picture {
-        Picture::of(&self.book.service(ProcessKind::Fusion, NO_SOURCE), self.live_max)
-    }
-
     fn recording_reached_ns(&self) -> Option<i64> {
-        let fusion = self.book.whole(ProcessKind::Fusion, ProcessKind::Fusion.word())?;
+        let fusion = self
+            .observed
+            .book()
+            .whole(ProcessKind::Fusion, ProcessKind::Fusion.word())?;
         fusion.progress_ns().filter(|_| self.settings.recorded_sources > 0)
     }
 
     /// How all processes are.
     pub(crate) fn processes(&self, now: Now) -> Vec<Process> {
-        self.book.processes(&self.expected, now.mono_ns)
+        self.observed.book().processes(&self.expected, now.mono_ns)
     }
 
     /// Counters of the monitor for the system tracks.
@@ -390,14 +284,14 @@ impl Survey {
         counters[Counter::RejectedOutOfOrder] = own.out_of_order;
         counters[Counter::RejectedSchema] = own.schema_mismatch;
         counters[Counter::RejectedEpoch] = own.of_older_epochs;
-        counters[Counter::RejectedInvalid] = self.book.rejected();
+        counters[Counter::RejectedInvalid] = self.observed.book().rejected();
         self.count_late(None, &mut counters);
         counters
     }
 
     /// The same, source by source: which deadlines their reports have missed.
     pub(crate) fn own_counters_by_source(&self) -> impl Iterator<Item = (u16, Counters)> + '_ {
-        let numbers = self.stages.sources().filter(|number| *number != NO_SOURCE);
+        let numbers = self.observed.stages().sources().filter(|number| *number != NO_SOURCE);
         numbers.map(|number| {
             let mut counters = Counters::default();
             self.count_late(Some(number), &mut counters);
@@ -406,21 +300,25 @@ impl Survey {
     }
 
     fn count_late(&self, source: Option<u16>, counters: &mut Counters) {
-        counters[Counter::DeadlineMisses] = self.stages.deadline_misses(Stage::TakenToFused, source, Span::Total);
+        counters[Counter::DeadlineMisses] =
+            self.observed
+                .stages()
+                .deadline_misses(Stage::TakenToFused, source, Span::Total);
         counters[Counter::StagesLate] = self.late(source);
     }
 
     /// Stages that took longer than their deadlines, of one source's reports or (`None`) of all.
     fn late(&self, source: Option<u16>) -> u64 {
-        let misses = |stage| self.stages.deadline_misses(stage, source, Span::Total);
+        let misses = |stage| self.observed.stages().deadline_misses(stage, source, Span::Total);
         Stage::ALL.into_iter().map(misses).sum()
     }
 
     /// Counters of a process for none of its sources.
     fn apart_from_sources(&self, kind: ProcessKind, name: &str) -> Option<Counters> {
-        let has_source = self.sources.iter().any(|source| source.adapter == name);
+        let mut sources = self.observed.configured_sources().iter();
+        let has_source = sources.any(|source| source.adapter == name);
         let stands_for_source = kind == ProcessKind::Adapter && has_source;
-        self.book.apart_from_sources(kind, name, stands_for_source)
+        self.observed.book().apart_from_sources(kind, name, stands_for_source)
     }
 
     /// Counters of the processes but fusion and the monitor, for none of their sources.

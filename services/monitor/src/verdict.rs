@@ -7,7 +7,7 @@ use telemetry::{Stage, table};
 use crate::report::{Hop, Report, Verdict};
 use crate::shares;
 use crate::text::{percent, several, times};
-use telemetry::State;
+use observed::State;
 
 /// Share of a live deployment's reports that may be unread: some are on their way when it stops.
 const UNREAD_SHARE_MAX: f64 = 0.01;
@@ -49,7 +49,7 @@ fn about_processes(report: &Report, concerns: &mut Vec<String>) {
         // The monitor is there, or nobody would read this; and it ends before its launcher and the keeper do.
         let is_watching = matches!(
             process.kind,
-            ProcessKind::Monitor | ProcessKind::Keeper | ProcessKind::Launcher
+            Some(ProcessKind::Monitor | ProcessKind::Keeper | ProcessKind::Launcher)
         );
         match process.state {
             _ if is_watching => {}
@@ -63,7 +63,7 @@ fn about_processes(report: &Report, concerns: &mut Vec<String>) {
             if !process.last_end.is_empty() {
                 concern.push_str(&format!(" (the last time because it {})", process.last_end));
             }
-            if process.kind == ProcessKind::Monitor && !report.losses.complete {
+            if process.kind == Some(ProcessKind::Monitor) && !report.losses.complete {
                 concern.push_str(", so this report speaks of the time since then only");
             }
             concerns.push(concern);

@@ -1,16 +1,14 @@
 //! State of a deployment at the end of an interval.
 
-use alarms::AlarmKind;
 use messages::{Alarm, Counter};
+use observed::{AlarmRow, Deployment, Process, SourceState, State, TrackCounts};
 use serde::{Serialize, Serializer};
 use telemetry::{Span, Stage, Stages, Summary};
 
 use super::tracks::TrackRow;
-use crate::report::Picture;
-use telemetry::{Process, State};
 
 /// Overview of a deployment.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct Overview {
     pub(crate) instance: String,
     /// Now, UTC, nanoseconds.
@@ -23,7 +21,7 @@ pub(crate) struct Overview {
     pub(crate) recording_ns: Option<i64>,
     /// In the order of their numbers.
     pub(crate) sources: Vec<SourceRow>,
-    pub(crate) picture: Picture,
+    pub(crate) picture: TrackCounts,
     /// Tracks that live, in the order of their numbers; none where nobody asks for them.
     pub(crate) tracks: Vec<TrackRow>,
     /// All sources together first, then each in the order of `sources`; of each, every stage that is measured.
@@ -103,33 +101,41 @@ pub(crate) struct ProcessRow {
     pub(crate) note: String,
 }
 
-/// One alarm that stands.
-#[derive(Clone, Debug, Serialize)]
-pub(crate) struct AlarmRow {
-    pub(crate) severity: &'static str,
-    /// Word for its kind.
-    pub(crate) alarm: &'static str,
-    /// When it was raised, UTC, nanoseconds.
-    pub(crate) raised_ns: i64,
-    pub(crate) text: String,
-    pub(crate) remedy: &'static str,
-}
-
-impl AlarmRow {
-    /// Row of an alarm; `None` for one that is not in this version's registry.
-    pub(crate) fn new(alarm: &Alarm) -> Option<Self> {
-        let kind = AlarmKind::from_code(alarm.code)?;
-        Some(Self {
-            severity: kind.severity().word(),
-            alarm: kind.word(),
-            raised_ns: alarm.raised_ns,
-            text: alarm.text().to_owned(),
-            remedy: kind.remedy(),
-        })
+impl From<&SourceState> for SourceRow {
+    fn from(source: &SourceState) -> Self {
+        Self {
+            number: source.number,
+            name: source.name.clone(),
+            taken: source.taken(),
+            per_s: source.taken_per_s,
+            rejected: source.rejected(),
+            lost: source.lost(),
+            not_used: source.not_used(),
+            late: source.stages_late,
+        }
     }
 }
 
 impl Overview {
+    /// Overview of the last closed interval, with the stages that are `measured`. The caller adds times and facts of
+    /// its own.
+    pub(crate) fn new(
+        observed: &Deployment,
+        processes: &[Process],
+        alarms: &[Alarm],
+        measured: impl Fn(Stage) -> bool,
+    ) -> Self {
+        let sources: Vec<SourceRow> = observed.sources().iter().map(SourceRow::from).collect();
+        Self {
+            picture: observed.track_counts(),
+            stages: stage_rows(observed.stages(), &sources, measured),
+            processes: processes.iter().map(ProcessRow::new).collect(),
+            alarms: alarms.iter().map(AlarmRow::from).collect(),
+            sources,
+            ..Self::default()
+        }
+    }
+
     /// Latencies of one stage.
     pub(crate) fn stage(&self, stage: Stage, source: Option<u16>, span: Span) -> Summary {
         let found = self
@@ -154,24 +160,13 @@ impl ProcessRow {
             state: process.state,
             pid: process.pid,
             restarts: process.restarts,
-            note: joined(&process.last_end, &process.note),
+            note: process.remark(),
         }
     }
 }
 
-/// How the process ended the last time, and what it has to say.
-pub(crate) fn joined(last_end: &str, note: &str) -> String {
-    let last_end = match last_end {
-        "" => String::new(),
-        end => format!("the last one {end}"),
-    };
-    let parts = [last_end.as_str(), note];
-    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-    parts.join("; ")
-}
-
 /// Rows of every stage that is `measured`: of all sources together, of each of `sources`, and of others that were seen.
-pub(crate) fn stage_rows(stages: &Stages, sources: &[SourceRow], measured: impl Fn(Stage) -> bool) -> Vec<StageRow> {
+fn stage_rows(stages: &Stages, sources: &[SourceRow], measured: impl Fn(Stage) -> bool) -> Vec<StageRow> {
     let numbers = sources.iter().map(|source| Some(source.number));
     let others = stages.sources().filter(|number| *number == telemetry::OTHER_SOURCES);
     let of = [None].into_iter().chain(numbers).chain(others.map(Some));

@@ -1,11 +1,12 @@
 //! An overview as lines of text, for a screen or a pipe.
 
 use messages::CounterClass;
+use observed::AlarmRow;
 use telemetry::table::{self, Align, count};
 use telemetry::{Span, Stage};
 
 use super::columns::{Columns, Lines, Tone};
-use super::overview::{AlarmRow, Overview, SourceRow};
+use super::overview::{Overview, SourceRow};
 use super::view::Page;
 use crate::text::{elapsed, several, time_of_day};
 

@@ -1,12 +1,11 @@
 //! An overview for tests of what is shown.
 
 use messages::{Counter, LifeState};
+use observed::{AlarmRow, State, TrackCounts};
 use telemetry::{Stage, Summary};
 
-use super::overview::{AlarmRow, CounterRow, Overview, ProcessRow, SourceRow, StageRow};
+use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
 use super::tracks::TrackRow;
-use crate::report::Picture;
-use telemetry::State;
 
 pub(crate) fn overview() -> Overview {
     let source = |number: u16, name: &str, taken: u64| SourceRow {
@@ -65,7 +64,7 @@ pub(crate) fn overview() -> Overview {
                 ..source(3, "ads-b", 9_876)
             },
         ],
-        picture: Picture {
+        picture: TrackCounts {
             confirmed: 78,
             coasted: 2,
             tentative: 1,
@@ -74,7 +73,7 @@ pub(crate) fn overview() -> Overview {
             merged: 3,
             split: 1,
             hand_overs: 12_345,
-            ..Picture::default()
+            ..TrackCounts::default()
         },
         tracks: vec![
             TrackRow {

@@ -12,8 +12,6 @@ const RECORDING_NS: i64 = 3_600_000_000_000;
 /// Latest state of each system track that lives.
 #[derive(Clone, Debug)]
 pub(crate) struct LatestStates {
-    /// Start of the fusion process that the states are from.
-    fusion: u64,
     capacity: usize,
     tracks: BTreeMap<u32, SystemTrack>,
 }
@@ -22,19 +20,18 @@ impl LatestStates {
     /// No states, and room for those of so many tracks.
     pub(crate) fn new(capacity: usize) -> Self {
         Self {
-            fusion: 0,
             capacity,
             tracks: BTreeMap::new(),
         }
     }
 
-    /// Keeps a state that arrived from the fusion process of `incarnation`; another one begins a new picture.
-    pub(crate) fn keep(&mut self, incarnation: u64, track: &SystemTrack) {
-        // Not a later one always: a fusion that stood by may have started before the one that it follows.
-        if incarnation != self.fusion {
-            self.fusion = incarnation;
-            self.tracks.clear();
-        }
+    /// Removes all states: another fusion process publishes a new picture.
+    pub(crate) fn clear(&mut self) {
+        self.tracks.clear();
+    }
+
+    /// Keeps a received state.
+    pub(crate) fn keep(&mut self, track: &SystemTrack) {
         if track.state == TrackState::Terminated as u8 {
             self.tracks.remove(&track.track_number);
         } else if self.tracks.len() < self.capacity || self.tracks.contains_key(&track.track_number) {
@@ -135,15 +132,15 @@ mod tests {
     #[test]
     fn a_restarted_fusion_begins_a_new_picture_and_ended_tracks_are_gone() {
         let mut states = LatestStates::new(2);
-        for (incarnation, number) in [(5, 1), (9, 2), (9, 4), (9, 6), (9, 4)] {
-            states.keep(incarnation, &track(number, TrackState::Confirmed));
+        states.keep(&track(1, TrackState::Confirmed));
+        states.clear();
+        for number in [2, 4, 6, 4] {
+            states.keep(&track(number, TrackState::Confirmed));
         }
         let numbers = |states: &LatestStates| states.iter().map(|track| track.track_number).collect::<Vec<_>>();
         assert_eq!(numbers(&states), [2, 4], "no room for a third");
-        states.keep(9, &track(2, TrackState::Terminated));
+        states.keep(&track(2, TrackState::Terminated));
         assert_eq!(numbers(&states), [4]);
-        states.keep(7, &track(8, TrackState::Confirmed));
-        assert_eq!(numbers(&states), [8], "one that had stood by since before leads");
     }
 
     #[test]
@@ -171,7 +168,7 @@ mod tests {
             };
         }
         let mut states = LatestStates::new(9);
-        states.keep(1, &state);
+        states.keep(&state);
         let row = |utc_ns| states.rows(Some(&SystemFrame::at(origin)), utc_ns).remove(0);
         let at_once = row(101 * S);
         assert_eq!((at_once.identity.as_str(), at_once.state), ("VLG20M", "coasted"));

@@ -110,18 +110,20 @@ impl<S: Transport> Attached<S> {
     /// As [`Attached::look`], without asking whether somebody runs the instance.
     pub(super) fn look_at(&mut self, now: Now) -> Result<Look, BusError> {
         let (watch, clock) = (&mut self.watch, self.clock);
-        self.states.take(SLICES_PER_LOOK, |header, tracks| {
-            watch.receive(header.incarnation, tracks, clock())
-        })?;
-        self.origins.take(SLICES_PER_LOOK, |_, said| {
-            said.iter().for_each(|origin| watch.place(origin))
+        self.states
+            .take(SLICES_PER_LOOK, |header, tracks| watch.receive(header, tracks, clock()))?;
+        let observed = &mut watch.observed;
+        self.origins.take(SLICES_PER_LOOK, |_, slice| {
+            for origin in slice {
+                observed.take_origin(origin);
+            }
         })?;
         self.alarms
-            .take(SLICES_PER_LOOK, |header, slice| watch.hear_alarms(header, slice))?;
-        self.health.take(SLICES_PER_LOOK, |_, said| {
-            said.iter().for_each(|health| watch.hear(health))
+            .take(SLICES_PER_LOOK, |header, slice| observed.take_alarms(header, slice))?;
+        self.health.take(SLICES_PER_LOOK, |_, slice| {
+            slice.iter().for_each(|health| observed.take_health(health))
         })?;
-        if self.watch.has_ended() {
+        if observed.has_ended() {
             return Ok(Look::Ended);
         }
         let length_ns = now.mono_ns - self.begun.mono_ns;
