@@ -8,7 +8,7 @@
 //!    enough (ISA-18.2 calls these on-delay and off-delay). A value in between changes nothing, so an alarm does
 //!    not come and go with a value near its limit.
 //! 3. Standing alarms are *published*: on the topic `system/alarms`, where each slice replaces the previous slice
-//!    ([`Present`] reads it), and on standard error, at most at reading speed ([`RateLimit`]).
+//!    (crate `observed` reads it), and on standard error, at most at reading speed ([`RateLimit`]).
 //!
 //! The table of [`AlarmKind`] has one line for each alarm: its severity, delays, sentence and remedy.
 //! docs/alarms.md and rules for Prometheus are generated from it.
@@ -23,7 +23,6 @@ mod companions;
 mod growth;
 mod lately;
 mod limits;
-mod present;
 mod rate_limit;
 mod reference;
 mod registry;
@@ -37,7 +36,6 @@ pub use companions::{Apart, Companions};
 pub use growth::Growth;
 pub use lately::Lately;
 pub use limits::{Limits, above, below};
-pub use present::Present;
 pub use rate_limit::RateLimit;
 pub use reference::reference;
 pub use registry::AlarmKind;

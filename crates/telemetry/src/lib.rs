@@ -1,4 +1,4 @@
-//! Latency of every stage per source, as distributions, and health of every process.
+//! Latency of every stage per source, as distributions.
 //!
 //! A mean hides the rare late report, which matters most to an operator. Each stage's latencies are therefore stored
 //! as a high-dynamic-range histogram. Such a histogram gives any percentile to three significant digits at a fixed
@@ -11,8 +11,7 @@
 //! - [`Buckets`] is the form for collectors of metrics;
 //! - [`Summary`] is the form for tables and JSON files;
 //! - [`table`] formats figures for people;
-//! - [`DataOffset`] is the offset of the newest states from the machine's clock;
-//! - [`HealthBook`] holds the latest counters and the state of every process.
+//! - [`DataOffset`] is the offset of the newest states from the machine's clock.
 //!
 //! Architecture invariant: this crate reads no clock and opens no file; stamps and writers are arguments.
 
@@ -21,10 +20,8 @@
 mod buckets;
 mod data_offset;
 mod deadlines;
-mod health_book;
 mod interval_log;
 mod percentiles;
-mod process;
 mod stage;
 mod stages;
 mod summary;
@@ -33,10 +30,8 @@ pub mod table;
 pub use buckets::{BUCKET_BOUNDS_NS, Buckets};
 pub use data_offset::DataOffset;
 pub use deadlines::Deadlines;
-pub use health_book::{ChildState, HealthBook, Latest};
 pub use interval_log::IntervalLog;
 pub use percentiles::write_percentiles;
-pub use process::{Process, State, process_title};
 pub use stage::{JourneyEnd, Stage};
 pub use stages::{Irregularities, Journey, OTHER_SOURCES, SOURCES_MAX, Span, Stages, VALUE_MAX_NS};
 pub use summary::Summary;
