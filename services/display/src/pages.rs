@@ -114,13 +114,13 @@ async fn history(State(shared): State<Arc<Shared>>, Path(file): Path<String>) ->
 }
 
 async fn coast(State(shared): State<Arc<Shared>>) -> Response {
-    let frame = shared.world().frame;
+    let frame = shared.world().observed.frame().copied();
     let made = frame.and_then(|frame| ground::coast(asset("coast.bin")?.2, &frame));
     made.map_or_else(not_found, |octets| octets_of("application/octet-stream", octets))
 }
 
 async fn overlays(State(shared): State<Arc<Shared>>) -> Response {
-    let frame = shared.world().frame;
+    let frame = shared.world().observed.frame().copied();
     let made = frame.map(|frame| {
         shared
             .overlays

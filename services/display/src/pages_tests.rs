@@ -443,7 +443,7 @@ fn scripts_get_json_and_nothing_but_what_is_there() {
         level_age_ms: 1_500,
         ..track(11, 185_000.0)
     };
-    let frame = shared.world().frame.unwrap();
+    let frame = *shared.world().observed.frame().unwrap();
     let vertical = frames::Vertical {
         height_m: 11_000.0,
         climb_mps: 0.0,

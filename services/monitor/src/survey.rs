@@ -57,12 +57,11 @@ impl Survey {
 
     /// Takes a received slice of system tracks.
     pub(crate) fn receive(&mut self, header: &BatchHeader, tracks: &[SystemTrack], received: Now) {
-        self.observed
+        let is_another = self
+            .observed
             .take_tracks(header, tracks, received.mono_ns, received.utc_ns);
         if let Some(truth) = &mut self.truth {
-            for track in tracks {
-                truth.keep(header.incarnation, track);
-            }
+            truth.take(is_another, tracks);
         }
     }
 

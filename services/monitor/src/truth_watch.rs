@@ -65,9 +65,12 @@ impl TruthWatch {
         }))
     }
 
-    /// Keeps a state that arrived from the fusion process of `incarnation`.
-    pub(crate) fn keep(&mut self, incarnation: u64, track: &SystemTrack) {
-        self.states.keep(incarnation, track);
+    /// Takes received states; `is_another`: their publisher is not that of the states before.
+    pub(crate) fn take(&mut self, is_another: bool, tracks: &[SystemTrack]) {
+        if is_another {
+            self.states.clear();
+        }
+        tracks.iter().for_each(|track| self.states.keep(track));
     }
 
     /// Compares, if a whole second has passed by `now_utc_ns`. Of several, only the last: the states are of now.
@@ -158,9 +161,8 @@ mod tests {
         watch.pass(START_NS + WARM_UP_NS);
         assert_eq!(watch.report().pictures, 0, "begun a moment after the whole second");
         let at_ns = START_NS + WARM_UP_NS + SECOND_NS;
-        for state in perfect(&watch, at_ns - 300_000_000) {
-            watch.keep(5, &state);
-        }
+        let states = perfect(&watch, at_ns - 300_000_000);
+        watch.take(true, &states);
         watch.pass(at_ns + 4_000_000);
         let report = watch.report();
         assert_eq!(
