@@ -266,7 +266,7 @@ settings::words! {
 }
 
 settings::words! {
-    /// Use of a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+    /// Use of a recording that ends within a data block, after a kill of the recorder or an incomplete copy.
     pub enum Truncated {
         /// Refuse it before anything starts: more than one block may be missing.
         Refuse = "refuse",
@@ -309,7 +309,7 @@ pub struct Durable {
     pub every: Duration,
 }
 
-/// Memory of fusion that outlasts its process.
+/// Memory of fusion for its successor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Checkpoint {
     /// Age beyond which its tracks are not gone on with, nanoseconds.
@@ -337,7 +337,7 @@ pub struct Standby {
 pub struct Monitor {
     /// Time between two tables, nanoseconds.
     pub interval_ns: i64,
-    /// Whether it writes its files (histogram log, percentiles, JSON).
+    /// Whether the monitor writes its files (histogram log, percentiles, JSON).
     pub files: bool,
     /// How it waits for system tracks.
     pub wait: MonitorWait,

@@ -13,7 +13,7 @@ pub struct Link {
     pub connect: Vec<String>,
     /// Topics of this deployment that others may have.
     pub send: Vec<String>,
-    /// Topics of other deployments that this one takes.
+    /// Topics of other deployments to receive.
     pub receive: Vec<RemoteTopic>,
     /// Time by which this host's clock (UTC) pretends to be off, nanoseconds.
     pub pretended_ns: i64,
@@ -34,9 +34,9 @@ pub struct Link {
 /// Another link that a link deals with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkPeer {
-    /// Common name of its certificate, or its user.
+    /// Common name of the peer's certificate, or the peer's user name.
     pub name: String,
-    /// Topics that it may have.
+    /// Topics that the peer may request.
     pub read: Vec<String>,
     /// Deployment whose topics it may give.
     pub deployment: String,

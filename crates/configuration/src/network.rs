@@ -88,9 +88,9 @@ pub struct Gateway {
     pub content: GatewayContent,
     /// Category and edition that it sends in.
     pub table: &'static Category,
-    /// System area code that it sends under.
+    /// System area code of the sender.
     pub sac: u8,
-    /// System identification code that it sends under.
+    /// System identification code of the sender.
     pub sic: u8,
     /// Time between two reports of one track, nanoseconds; 0 to send each report as it comes.
     pub refresh_ns: i64,

@@ -84,13 +84,13 @@ settings::settings! {
     /// Facts about a sensor.
     pub(crate) struct OfflineSensorTable with weighing: Weighing {
         check OfflineSensorTable::check;
-        /// Number by which the files name it.
+        /// Number of the sensor in files.
         id: u32;
         /// Name, for messages and rules.
         name: Option<String> = None, usually "its id";
         /// East and north in the files' frame, for accuracies that depend on the distance.
         position_m: Option<[f64; 2]> = None;
-        /// Limits of its reports: their speed and, where its place is known, their distance from it.
+        /// Limits of the sensor's reports: speed and, for a known position, distance from the sensor.
         limits: Limits = Limits::default();
     }
 }

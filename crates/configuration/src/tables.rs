@@ -18,23 +18,23 @@ settings::settings! {
     pub struct DeploymentTable {
         /// Name: 1 to 31 letters, digits, `-` and `_`, as all names.
         name: String;
-        /// Number of the deployment among those that exchange tracks; 0: it exchanges none.
+        /// Number of the deployment among deployments that exchange tracks; 0: no exchange.
         origin: u32 = 0;
         /// Origin of the system frame.
         frame: PlaceTable;
         /// Time of recordings, and order of fusion.
         time: TimeTable = TimeTable::default();
-        /// Network input: one socket, one adapter process.
+        /// Network input: a socket with an adapter process.
         receivers as "receiver": Vec<ReceiverTable> = Vec::new();
-        /// Source. Its number is its place in the file, from 0.
+        /// Source. The source's number is its position in the file, from 0.
         sources as "source": Vec<SourceTable> = Vec::new();
-        /// Wide-area sensor: it knows how many targets there are (WA).
+        /// Wide-area sensor: counts targets (WA).
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
-        /// Network output: one gateway process.
+        /// Network output: a gateway process.
         gateways as "gateway": Vec<GatewayTable> = Vec::new();
         /// Link to deployments on other hosts: one process, `koseki-link`.
         links as "link": Vec<LinkTable> = Vec::new();
-        /// Region of a centre: it owns the targets in it.
+        /// Region of a centre, which owns the targets in the region.
         regions as "region": Vec<RegionTable> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
@@ -44,7 +44,7 @@ settings::settings! {
         monitor: MonitorTable = MonitorTable::default();
         /// Recorder process.
         recorder: RecorderTable = RecorderTable::default();
-        /// Memory of fusion that outlasts its process.
+        /// Memory of fusion for its successor.
         checkpoint: CheckpointTable = CheckpointTable::default();
         /// Display process.
         display: DisplayTable = DisplayTable::default();
@@ -56,7 +56,7 @@ settings::settings! {
     pub struct RegionTable {
         /// Name.
         name: String;
-        /// `origin` of the deployment whose it is.
+        /// `origin` of the owning deployment.
         origin: u32, in [1, u32::MAX];
         /// Corners in turn, latitude and longitude (WGS-84), degrees. Sides are straight in the system frame.
         corners_deg: Vec<[f64; 2]>;
@@ -100,7 +100,7 @@ settings::settings! {
         listen: String;
         /// Interface on which the group is joined, by address, name or index.
         interface: Option<String> = None, usually "needed for a group";
-        /// Addresses and networks whose datagrams are accepted, as in `"10.0.0.0/8"`.
+        /// Addresses and networks of accepted senders, as in `"10.0.0.0/8"`.
         senders: Vec<String> = Vec::new(), usually "all";
         /// Octets that the kernel holds while the reader is busy.
         buffer_bytes: usize = 4 << 20, in [4 << 10, 1 << 30];
@@ -119,15 +119,15 @@ settings::settings! {
         check SourceTable::check;
         /// Name, which is also part of its topic's name.
         name: String;
-        /// Identity of the sensor, the same in every deployment that hears it. 0 stands for an unknown sensor.
+        /// Identity of the sensor, the same in every deployment. 0 stands for an unknown sensor.
         uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
         /// The deployment ends where this source's adapter cannot be started, instead of going on without it while the
         /// adapter is tried again and again.
         required: bool = false;
-        /// Technology by which it observes.
+        /// Technology of observation.
         technology: Option<Technology> = None, usually "what it sends tells";
-        /// Height of targets without one, for slant ranges: between the low fliers without transponder and the high
-        /// ones.
+        /// Assumed height of targets without a height, for slant ranges: between low aircraft without transponder and
+        /// high aircraft.
         assumed_height_m: f64 = 5000.0, in [-500, 20e3];
         /// Pressure at sea level, for pressure altitudes. The extremes that were ever measured are 870 and 1084 hPa.
         qnh_hpa: f64 = STANDARD_PRESSURE_HPA, in [850, 1100];
@@ -137,21 +137,21 @@ settings::settings! {
         recorded: Option<RecordedTable> = None;
         /// Sensor behind a receiver.
         live: Option<LiveTable> = None;
-        /// Simulated sensor, whose reports come over the loopback network.
+        /// Simulated sensor; its reports use the loopback network.
         simulated: Option<scenario::SensorSettings> = None;
-        /// Simulated direction finder, whose bearings its adapter locates.
+        /// Simulated direction finder; the adapter locates the transmitters from its bearings.
         simulated_direction_finder: Option<scenario::DirectionFinderSettings> = None;
         /// A process that is no part of the deployment publishes the source's topic.
         external: Option<ExternalTable> = None;
-        /// Tracks are made of its detections.
+        /// Tracker for the source's detections.
         tracker: Option<SourceTrackerTable> = None;
-        /// Tracks are made of its bearings.
+        /// Locator for the source's bearings.
         locator: Option<locating::Settings> = None;
-        /// Limits of its reports.
+        /// Limits of the sensor's reports.
         limits: Limits = Limits::default();
-        /// Covariance of its reports.
+        /// Covariance of the source's reports.
         covariance: CovarianceModel = CovarianceModel::default();
-        /// Periods without a record after which it is silent, and an alarm is raised; 0: it may be silent for ever.
+        /// Number of periods without a record after which the source is silent, with an alarm; 0: never.
         silent_periods: f64 = 5.0, in [0, 1e6];
     }
 
@@ -164,7 +164,7 @@ settings::settings! {
         format: RecordedFormat = RecordedFormat::Asterix;
         /// Time by which reports may come out of order.
         reorder_s: Seconds = Seconds::of(0.5), in [0, 60];
-        /// Use of a recording that ends in the middle of a data block: its recorder was killed, or its copy cut short.
+        /// Use of a recording that ends within a data block, after a kill of the recorder or an incomplete copy.
         truncated: Truncated = Truncated::Refuse;
     }
 
@@ -178,8 +178,8 @@ settings::settings! {
     pub struct SenderTable with identity: SacSicTable, reading: AsterixTable {
         /// Position item that is used, of a report that carries several.
         positions: PositionForm = PositionForm::Any;
-        /// Reports of a radar that are taken, by how they were observed (TI-2): a radar with a primary and a secondary
-        /// antenna is two sources of one SAC/SIC.
+        /// Reports of a radar used by this source, by method of observation (TI-2): a radar with a primary and a
+        /// secondary antenna is two sources with the same SAC/SIC.
         method: Method = Method::Any;
     }
 
@@ -200,21 +200,21 @@ settings::settings! {
         strict: bool = false;
     }
 
-    /// Nothing has to be said of a process that publishes a topic by itself.
+    /// No key is needed for a process that publishes a topic itself.
     pub struct ExternalTable {}
 
     /// Tracks are made of a source's detections.
     pub struct SourceTrackerTable with tracker: tracking::Settings, model: SensorModel {
         check SourceTrackerTable::check;
-        /// Names of the wide-area sensors whose counts support its hypotheses (WA-2).
+        /// Names of the wide-area sensors with counts for this tracker (WA-2).
         wide_area_sensors: Vec<String> = Vec::new();
-        /// Names of the direction finders on board whose emissions identify its tracks (WA-9).
+        /// Names of the on-board direction finders whose emissions identify tracks (WA-9).
         emissions: Vec<String> = Vec::new();
-        /// Say after each scan where the sensor should look next (WA-12).
+        /// Publish cues after each scan: places for the sensor's next look (WA-12).
         cues: bool = false;
-        /// Time between two outputs of its tracks (WA-11).
+        /// Time between two outputs of the tracks (WA-11).
         output_period_s: Option<Seconds> = None, in [0.01, 3600], usually "after each scan";
-        /// Places where scans begin: `turn`, where the sensor says so; `period`, at whole multiples of the period.
+        /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period.
         scans: Boundaries = Boundaries::Turn;
         /// Time for which a scan waits for late detections, at most a period.
         wait_s: Option<f64> = None, in [0, 3600], usually "0.1 periods";
@@ -256,29 +256,29 @@ settings::settings! {
         receiver: Option<String> = None;
         /// Recording, relative to the data folder unless absolute.
         file: Option<String> = None;
-        /// Time between two reports of one track: tracks of one period are counted together.
+        /// Time between two reports of a track: tracks within the same period are counted together.
         period_s: Seconds = Seconds::of(4.0), in [0.1, 600];
         /// Tracks no farther from each other make one report.
         group_m: f64 = 500.0, in [0, 1e5];
         /// Place of the other system, for positions on its own plane.
         place: Option<PlaceTable> = None, usually "the frame's";
-        /// Limits of its reports.
+        /// Limits of the sensor's reports.
         limits: Limits = Limits::default();
     }
 
     /// A part of the Earth between two parallels and two meridians (WGS-84).
     pub struct AreaTable {
-        /// Latitude of its south side, −90 to 90.
+        /// Latitude of the southern edge, −90 to 90.
         south_deg: f64;
-        /// Latitude of its north side, −90 to 90.
+        /// Latitude of the northern edge, −90 to 90.
         north_deg: f64;
-        /// Longitude of its west side, −180 to 180.
+        /// Longitude of the western edge, −180 to 180.
         west_deg: f64;
-        /// Longitude of its east side, −180 to 180; less than that of the west side, if it lies across 180°.
+        /// Longitude of the eastern edge, −180 to 180; smaller than the western longitude if the area crosses 180°.
         east_deg: f64;
     }
 
-    /// A network output: one for each user, with what this one gets.
+    /// Network output to a user.
     pub struct GatewayTable {
         /// Name of the gateway process.
         name: String;
@@ -288,20 +288,20 @@ settings::settings! {
         interface: Option<String> = None, usually "the machine's choice";
         /// Routers that datagrams to a group may pass (time to live).
         ttl: Option<u8> = None, usually "the machine's choice";
-        /// Source whose sensor tracks are sent.
+        /// Source of the sensor tracks to send.
         source: Option<String> = None, usually "none: the fused picture is sent";
-        /// The fused picture is sent as the sensors here know it, without what other centres say: for another centre,
-        /// which must not get back what it has told. Needs `fusion.exchange`.
+        /// Send the track picture from local sources only, without data of other centres: for another centre, which
+        /// must not get back its own data. Needs `fusion.exchange`.
         own: bool = false;
         /// ASTERIX category: 62 for the fused picture; 10, 20, 21 or 48 for sensor tracks.
         category: Option<u8> = None, usually "62 for the fused picture";
         /// Edition of the category.
         edition: Option<String> = None, usually "the newest one known";
-        /// System area code that it sends under.
+        /// System area code of the sender.
         sac: u8;
-        /// System identification code that it sends under.
+        /// System identification code of the sender.
         sic: u8;
-        /// Time between two reports of one track; 0: each as it comes.
+        /// Time between two reports of a track; 0: every report is sent.
         refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
         /// Time between two status messages.
         status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
@@ -312,10 +312,10 @@ settings::settings! {
         /// Lowest and highest flight level (hundreds of feet, of the tracks' heights) that the user gets tracks of;
         /// tracks of unknown height are on all levels. Needs `refresh_s` above 0.
         levels: Option<[f64; 2]> = None, usually "all";
-        /// Most octets in a datagram: by default what fits into one frame of Ethernet beside the headers of IPv4 and
-        /// UDP, at most what a datagram can carry over IPv4.
+        /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
+        /// UDP, at most the limit of IPv4.
         block_bytes: usize = 1472, in [256, 65_507];
-        /// Reference of the heights of its tracks, and so the items that carry them.
+        /// Reference of the heights of system tracks; selects the items for heights.
         heights: HeightReference = HeightReference::Barometric;
     }
 
@@ -329,12 +329,12 @@ settings::settings! {
         connect: Vec<String> = Vec::new();
         /// Topics that others may have, such as `"sensor/NAME/tracks"`.
         send: Vec<String> = vec!["system/tracks".to_owned()];
-        /// Topics of other deployments that this one takes.
+        /// Topics of other deployments to receive.
         receive: Vec<RemoteTopicTable> = Vec::new();
-        /// Octets that wait for the network at most, megabytes. When they are full, a newer state of a system track
-        /// takes the place of an older one; of other samples the newest are dropped. Both are counted.
+        /// Size of the queue for the network, megabytes. In a full queue, a newer state of a system track replaces an
+        /// older state; of other samples the newest are dropped. Both are counted.
         queue_mb: u32 = 16, in [1, 4096];
-        /// Time by which this host tells others that its clock (UTC) is ahead, for trying what they make of it.
+        /// Offset added to the UTC announced to other hosts, to test their reaction.
         pretend_utc_off_s: Seconds = Seconds::of(0.0), in [-3600, 3600];
         /// Certificate of the authority that signed the others' certificates, a file in PEM.
         authority: Option<String> = None;
@@ -344,23 +344,23 @@ settings::settings! {
         private_key: Option<String> = None;
         /// User that this host is, where the others ask for one.
         user: Option<String> = None;
-        /// File whose first line is the user's password.
+        /// File with the user's password on its first line.
         password_file: Option<String> = None;
-        /// File with a line `USER:PASSWORD` for each user that others may be; whoever is none of them is refused.
+        /// File with a line `USER:PASSWORD` per permitted user; other users are rejected.
         users_file: Option<String> = None;
         /// Others that this link deals with. Without any, it deals with all that may connect.
         peers as "peer": Vec<LinkPeerTable> = Vec::new();
-        /// Allows TCP to other machines, without encryption: whoever is on the way sees and changes what is exchanged.
+        /// Allow TCP to other machines without encryption: every host on the path can read and change the data.
         insecure: bool = false;
     }
 
     /// Another link that a link deals with.
     pub struct LinkPeerTable {
-        /// Common name of its certificate, or its user.
+        /// Common name of the peer's certificate, or the peer's user name.
         name: String;
-        /// Topics that it may have.
+        /// Topics that the peer may request.
         read: Option<Vec<String>> = None, usually "all that are sent";
-        /// Deployment whose topics the peer may give.
+        /// Deployment whose topics the peer may send.
         deployment: Option<String> = None, usually "that of its name";
     }
 
@@ -377,8 +377,8 @@ settings::settings! {
     /// The fusion process.
     pub struct FusionTable with engine: fusion::Settings {
         check FusionTable::check;
-        /// How it waits for work: by asking again and again, which costs a whole core; asleep until notified; or both,
-        /// one after the other.
+        /// Kind of waiting for work: `spin` polls without a pause and uses a whole core; `event` sleeps until
+        /// notified; `hybrid` does both in turn.
         wait: WaitWord = WaitWord::Event;
         /// Time for which `hybrid` spins.
         hybrid_spin_us: f64 = 20.0, in [0.1, 1e6];
@@ -408,13 +408,13 @@ settings::settings! {
     pub struct MonitorTable {
         /// Time between two tables.
         interval_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
-        /// Whether it writes its files (histogram log, percentiles, JSON).
+        /// Whether the monitor writes its files (histogram log, percentiles, JSON).
         files: bool = true;
         /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion
         /// nothing.
         wait: Option<MonitorWord> = None, usually "event if fusion waits by event, else poll";
-        /// Pause between two looks. System tracks that wait in its queue for longer give way to newer ones, even where
-        /// there are few.
+        /// Pause between two reads. System tracks that wait longer in the monitor's queue are replaced by newer
+        /// tracks, even at low rates.
         poll_ms: f64 = 5.0, in [0.5, 100];
         /// Time that each stage may take.
         deadline_us: DeadlineTable = DeadlineTable::default();
@@ -428,16 +428,16 @@ settings::settings! {
         alarms: alarms::Limits = alarms::Limits::default();
     }
 
-    /// Deadlines of the stages, in microseconds. What takes longer than the histograms reach is no latency, and would
-    /// never be a miss.
+    /// Deadlines of the stages, in microseconds. A duration beyond the histograms' range does not count as a latency,
+    /// and could never be a miss.
     pub struct DeadlineTable {
         /// In the adapter: from the report's last byte to its hand-over to shared memory.
         ingest_to_publish: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// Transport in: until fusion took it.
+        /// Transport in: until fusion takes the sample.
         publish_to_taken: Option<f64> = None, in [0.1, LATENCY_MAX_US];
         /// In fusion: until the system track was handed over to shared memory.
         taken_to_fused: Option<f64> = None, in [0.1, LATENCY_MAX_US], usually "that of fusion";
-        /// Transport out: until the subscriber had it.
+        /// Transport out: until the subscriber has the sample.
         fused_to_received: Option<f64> = None, in [0.1, LATENCY_MAX_US];
         /// All of these: from the report's last byte to the subscriber.
         end_to_end: Option<f64> = None, in [0.1, LATENCY_MAX_US];
@@ -450,17 +450,17 @@ settings::settings! {
     pub struct DisplayTable {
         /// Address and port where the picture is shown to browsers; nowhere: there is no display.
         listen: Option<String> = None;
-        /// Ports after that one that are tried where it is taken.
+        /// Number of further ports to try if the port is in use.
         more_ports: u32 = 0, in [0, 1000];
-        /// Allows an address that other machines can reach, without encryption: whoever listens on the way sees the
-        /// picture and the token. A proxy that ends TLS and asks the display on the loopback address is better.
+        /// Allow an address reachable by other machines, without encryption: every host on the path can read the
+        /// track picture and the token. A proxy with TLS in front of a loopback address is better.
         insecure: bool = false;
         /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
         token: Option<String> = None;
-        /// Token of the operators, who give orders. The display must listen on a loopback address; other machines reach
-        /// it through a proxy that ends TLS.
+        /// Token of the operators, who give orders. The display must listen on a loopback address; other machines
+        /// connect through a proxy with TLS.
         operator_token: Option<String> = None, usually "none: no orders";
-        /// Names of this machine, besides its address and localhost, by which it is asked for.
+        /// Further names of this machine in requests, besides its address and localhost.
         hosts: Vec<String> = Vec::new(), usually "none";
         /// Time for which the past of the picture is kept.
         history_s: u32 = 600, in [0, 86_400];
@@ -472,12 +472,12 @@ settings::settings! {
 
     /// The recorder process.
     pub struct RecorderTable {
-        /// Whether there is one.
+        /// Whether a checkpoint is kept.
         enabled: bool = true;
         /// Files that are written: rows of text, a file for each topic of data; containers of all topics, for
         /// everything to be read again to the bit; captures of the datagrams and lines of live sources as they came.
         format: Vec<RecordWord> = vec![RecordWord::Csv];
-        /// Time after which containers of all topics are written to: what a killed recorder loses at most.
+        /// Interval at which containers of all topics are written: the largest loss of a killed recorder.
         flush_s: Seconds = Seconds::of(1.0), in [0.01, 3_600];
         /// Size at which another container or capture is begun, megabytes.
         segment_mb: u32 = 256, in [1, 65_536];
@@ -488,19 +488,19 @@ settings::settings! {
         keep_gb: Option<f64> = None, in [0.001, 1e6];
     }
 
-    /// Memory of fusion, and of adapters that make tracks, which outlasts the process: its successor goes on with the
-    /// same tracks under the same numbers. Recordings are replayed without: they come again.
+    /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same
+    /// tracks with the same numbers. Not used for recordings, which can be repeated.
     pub struct CheckpointTable {
-        /// Whether there is one.
+        /// Whether a checkpoint is kept.
         enabled: bool = true;
-        /// Age beyond which its tracks are not gone on with: each is told ended.
+        /// Age after which the tracks of a checkpoint are terminated instead of resumed.
         max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
-        /// Whether it is copied to a disk, so that it survives the machine's death: numbers are not given again, and
-        /// what was learned is known; tracks go on as far as `max_age_s` allows.
+        /// Whether the checkpoint is copied to a disk, to survive a reboot: numbers are not reused, and learned
+        /// values are kept; tracks resume within `max_age_s`.
         durable: bool = false;
         /// Folder for the copies.
         folder: Option<String> = None, usually "must be given with durable";
-        /// Time between two copies: what happened since the last one is lost with the machine.
+        /// Interval of the copies: changes since the last copy are lost with the machine.
         copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
     }
 

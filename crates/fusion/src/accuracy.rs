@@ -109,7 +109,7 @@ mod tests {
     use crate::testing::test_settings;
     use messages::COVARIANCE_LEN;
 
-    /// What a source that says nothing of its accuracy states.
+    /// Accuracy of a source without a stated accuracy.
     const STATED: Covariance = Covariance {
         upper: [0.0; COVARIANCE_LEN],
     };

@@ -1,15 +1,15 @@
 //! Deciding which system track a report could belong to (TI-3, BF-2).
 //!
-//! The obvious answer, "the nearest", flickers: of two aircraft side by side, noise makes now one, now the other the
-//! nearest. So a sensor track, once joined, *stays*: sensors track their targets well, and their track numbers carry
-//! more evidence than one position. What is here is asked only for sensor tracks that belong nowhere, or stand alone:
-//! which system tracks near them fit, and how well.
+//! Choosing the nearest system track flickers: of two aircraft side by side, noise makes now the first, now the
+//! second the nearest. Therefore a sensor track *stays* after it has joined: sensors track their targets well, and
+//! their track numbers are stronger evidence than a position. This module is called only for sensor tracks without a
+//! system track, or alone on a system track: it finds the system tracks nearby that fit, with their distances.
 //!
-//! How well is the statistical distance of position and velocity between the sensor track and the system filter. Both
-//! lag behind the same manoeuvre, so their errors are correlated and their difference is smaller than the sum of their
-//! covariances says: for the nearly constant velocity filters of the literature d² averages 1.1 instead of 2. Distances
-//! are scaled up by what a configured correlation leaves. Where sources see different points of large targets, the
-//! spread of these points is added, as configured or as learned.
+//! The measure is the statistical distance of position and velocity between the sensor track and the system filter.
+//! Both lag behind the same manoeuvre, so that their errors are correlated, and their difference is smaller than the
+//! sum of their covariances: for the nearly constant velocity filters of the literature, d² averages 1.1 instead of
+//! 2. Distances are scaled up by a configured correlation. If sources see different points of large targets, the
+//! configured or learned spread of these points is added.
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
@@ -23,7 +23,7 @@ use crate::tracks::Tracks;
 
 /// Most cells of the grid along one side of a search.
 const SEARCH_CELLS_MAX: i32 = 16;
-/// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, whatever a source claims.
+/// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, independent of the stated accuracy.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
 /// Gate for coming back after a start, relative to that for staying.
 const RESUMPTION: f64 = 4.0;
@@ -31,8 +31,8 @@ const RESUMPTION: f64 = 4.0;
 /// weather.
 const HEIGHT_FLOOR_M2: f64 = 900.0;
 
-/// Variance per axis of where detection points may lie on a target while a second track beside it waits, m²: more than
-/// what tracks are joined by, since waiting costs less than a wrong join.
+/// Variance per axis of detection points on a target while a second track beside the target waits, m²: larger than
+/// for joins, because waiting costs less than a wrong join.
 const DOUBTED_SPREAD_M2: f64 = 15.0 * 15.0;
 
 /// A search for the system tracks that fit.
@@ -65,8 +65,8 @@ impl Search<'_> {
         });
     }
 
-    /// A system track that the sensor track's source already follows and whose extent covers it, with the distance in
-    /// metres: then it is another part of that target.
+    /// Returns a system track already tracked by the sensor track's source whose extent covers the sensor track, with
+    /// the distance in metres: the sensor track is then another part of this target.
     pub(crate) fn other_part(&self, own: SensorSlot) -> Option<(SystemSlot, f64)> {
         let report = &self.tracks.sensors.get(own).latest;
         let state = gaussian_of(report);
@@ -94,8 +94,8 @@ impl Search<'_> {
         best.map(|(metres, _, system)| (system, metres))
     }
 
-    /// The system track that could be a duplicate of `own`, of the same target, with their d²: no source follows both,
-    /// their states agree, and no further one comes near to agreeing.
+    /// Returns a possible duplicate of `own` with d²: a system track without a common source and with an agreeing
+    /// state, while no further system track nearly agrees.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
@@ -126,8 +126,8 @@ impl Search<'_> {
         is_shown
     }
 
-    /// Calls `visit` with every system track that has no source in common with `own` and agrees with it, and their d²;
-    /// detection points on one target are spread by `spread_m2` per axis.
+    /// Calls `visit` with every system track without a common source that agrees with `own`, and with d²; detection
+    /// points on a target are spread by `spread_m2` per axis.
     fn alike(&self, own: SystemSlot, now_ns: i64, spread_m2: f64, mut visit: impl FnMut(SystemSlot, f64)) {
         let entry = self.tracks.systems.get(own);
         let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
@@ -197,8 +197,8 @@ impl Search<'_> {
         (self.is_compatible(report, system) && d2 <= self.resumption_gate()).then_some(d2)
     }
 
-    /// Gate on that d²: wider than for staying, since nobody has looked for a while. It keeps away sensor tracks whose
-    /// source has begun to number anew.
+    /// Gate for this d²: wider than for staying, because the last comparison is old. The gate rejects sensor tracks
+    /// of a source that has restarted its numbering.
     pub(crate) fn resumption_gate(&self) -> f64 {
         RESUMPTION * self.settings.association.keep_gate
     }
@@ -260,7 +260,7 @@ impl Search<'_> {
         identity && self.can_be_seen_together(report, system)
     }
 
-    /// Heights must agree where known, and lie within what every source concerned can see.
+    /// Heights must agree if known, and be within the coverage of every source concerned.
     fn can_be_seen_together(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.tracks.systems.get(system);
         let height = report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]);

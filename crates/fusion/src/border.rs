@@ -1,15 +1,15 @@
-//! Borders: who owns which target where centres have regions of their own.
+//! Borders: owners of targets, if centres have regions.
 //!
-//! Each centre has regions of the ground, polygons. The centre in whose region a target is owns it. A target that flies
-//! along a border must not change hands at every turn: it is handed over when it has been beyond the border, by some
-//! distance, for some time. Both centres decide so, each by its own picture of the target, which is nearly the same.
+//! Each centre has regions of the ground, polygons. The centre of the region with a target owns the target. A target
+//! that flies along a border must not change its owner at every turn: it is handed over after it has been beyond the
+//! border, by some distance, for some time. Both centres decide by their own track pictures, which are nearly equal.
 //!
-//! Whoever owns it, a target keeps its number at each centre; where another centre owns it, the track says its number
-//! there. So both numbers are known on both sides all the time that it is near the border. An owner that is silent
-//! gives no number: then a track is the own one, until the owner is heard again.
+//! A target keeps its number at each centre, independent of its owner; a track owned by another centre contains its
+//! number there. Near the border, both numbers are therefore known on both sides. A silent owner gives no number: the
+//! track is then owned locally until the owner returns.
 //!
-//! Other centres are told of the targets in a strip along the border: those that are in the region of another, or no
-//! further from it than the strip is wide.
+//! Other centres receive the targets in a strip along the border: targets in the region of another centre, or nearer
+//! to the region than the width of the strip.
 
 use std::fmt;
 
@@ -22,7 +22,7 @@ use crate::region::{Region, TOUCH_M};
 settings::settings! {
     /// Borders with other centres, where there are regions: `[[region]]`.
     pub struct BorderSettings beside [regions: Vec<Region>] {
-        /// Distance from another centre's region within which it is told of targets.
+        /// Distance from another centre's region within which this centre receives targets.
         strip_m: f64 = 20e3, in [0, 1e6];
         /// Distance beyond its owner's region, and time spent there, after which a target changes hands.
         hand_over_m: f64 = 500.0, in [0, 1e5];
@@ -32,14 +32,14 @@ settings::settings! {
 }
 
 impl BorderSettings {
-    /// Whether other centres are told of a target at this place, east and north, metres. Without regions, of all.
+    /// Returns whether other centres receive a target at this place, east and north, metres; always without regions.
     pub(crate) fn is_in_strip(&self, place: [f64; 2]) -> bool {
         let mut others = self.regions.iter().filter(|region| !region.is_own);
         self.regions.is_empty() || others.any(|region| region.distance_m(place) <= self.strip_m)
     }
 
-    /// The widest gap of each region to its neighbour, where it has a corner that lies at no other region and less than
-    /// the strip from one of another centre.
+    /// Returns the widest gap of each region to its neighbour, for corners outside other regions and nearer than the
+    /// strip's width to a region of another centre.
     pub fn gaps(&self) -> Vec<Gap> {
         let widest = |one: usize| {
             let region = &self.regions[one];
@@ -59,7 +59,7 @@ impl BorderSettings {
     }
 }
 
-/// Regions that nearly meet: targets between them belong to nobody.
+/// Regions that nearly meet: targets in between have no owner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Places of both regions in the configuration, from 0.
@@ -82,7 +82,7 @@ impl fmt::Display for Gap {
 /// Centre that owns a target.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Ownership {
-    /// `origin` of that centre, if it is another one; else 0.
+    /// `origin` of the owning centre, if another; else 0.
     other: u32,
     /// Number of the track there; 0 while that centre does not contribute.
     number: u32,
@@ -118,14 +118,14 @@ impl Ownership {
         }
     }
 
-    /// Takes notice of what a centre says of the target: its number there.
+    /// Stores the target's number at another centre.
     pub(crate) fn hear(&mut self, origin: u32, number: u32) {
         if self.other == origin && origin != 0 {
             self.number = number;
         }
     }
 
-    /// Writes who owns the target.
+    /// Writes the owner of the target.
     pub(crate) fn write(&self, message: &mut SystemTrack) {
         message.owner_track_number = if self.other == 0 { 0 } else { self.number };
     }

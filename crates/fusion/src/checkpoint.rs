@@ -1,8 +1,8 @@
-//! The checkpoint: what must survive the death of fusion's process.
+//! Checkpoint: state that survives the death of the fusion process.
 //!
-//! Whoever follows a picture follows its track numbers. A fusion that starts after another one was killed must go on
-//! with the same targets under the same numbers, and must give no number to another target. So the engine writes what
-//! that takes into memory that outlives it ([`Memory`]), when it changes:
+//! Users follow targets by track number. A successor of a killed fusion process must continue the same targets under
+//! the same numbers, and must assign no used number to another target. The engine therefore writes the necessary
+//! state into memory that outlives the process ([`Memory`]), at every change:
 //!
 //! | area | a record for | written |
 //! |---|---|---|
@@ -13,22 +13,22 @@
 //! | systems | each system track: number, state, life, identity | when it changes; every second state |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
 //! | remembered | each member from before the last start that has not reported since | at the start |
-//! | sources | what was learned of each source | in turn |
+//! | sources | learned properties of each source | in turn |
 //! | pairs | of each pair of sources: sums of registration, gross errors, dependence | in turn |
 //! | classes | how hard each class of targets turns | in turn |
 //! | cells | where on the ground each source follows targets | in turn |
 //! | orders | each order in force, and orders that ended recently | when it changes |
 //!
-//! How a record is written so that a kill costs one at most, the crate [`kept`](mod@kept) tells. Its writing takes no
-//! system call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
+//! The crate [`kept`](mod@kept) writes a record so that a kill costs at most one record. Writing needs no system
+//! call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
 //!
-//! One word before the areas ([`IN_WORK`]) names the report in work. Its writer stores the word before each report.
+//! A word before the areas ([`IN_WORK`]) identifies the report in process; it is stored before each report.
 //!
-//! What is not kept is learned again within seconds: sensor tracks' own reports and histories. The first report of a
-//! sensor track that was a member brings it back to its system track.
+//! Other state is learned again within seconds: reports and histories of sensor tracks. The first report of a sensor
+//! track that was a member returns it to its system track.
 //!
-//! A [`Snapshot`] is what was found: the engine's start is a function of it alone, so that a recording that has it can
-//! be replayed from there.
+//! A [`Snapshot`] is the content found by the successor: the engine's start is a function of this content alone, so
+//! that a recording with the content can be replayed from there.
 
 use std::sync::atomic::AtomicU64;
 
@@ -37,7 +37,7 @@ pub use kept::{Memory, Refused};
 
 use crate::settings::{Capacity, SourceSettings};
 
-/// Must be raised with each change of what a record holds.
+/// Version of the records; increase with each change of their contents.
 const FORMAT: u64 = 8;
 /// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
@@ -218,7 +218,7 @@ impl Checkpoint {
         self.write_with(kind, place, |to| record.put(to));
     }
 
-    /// Writes the record of `kind` at `place` as `put` gives its words, all of them.
+    /// Writes the complete record of `kind` at `place` with the words from `put`.
     #[inline]
     pub(crate) fn write_with(&mut self, kind: Kind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
         let area = self.layout.area(kind);
@@ -251,15 +251,15 @@ impl Checkpoint {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snapshot {
     layout: Layout,
-    /// The fingerprint of its layout; then for each record its kind and place in one word, and its contents.
+    /// Fingerprint of the layout; then for each record a word with kind and place, and the contents.
     words: Vec<u64>,
 }
 
 impl Snapshot {
-    /// Reads what a process with the same `layout` has written, while it writes no more.
+    /// Reads the records of a process with the same `layout` that no longer writes.
     ///
     /// # Errors
-    /// If it is not whole, but for one record that was being written.
+    /// If the memory is damaged in more than the record being written.
     pub fn read(memory: &[AtomicU64], layout: &Layout) -> Result<Self, Refused> {
         if !is_marked(memory, layout.len(), layout.fingerprint()) {
             return Err(Refused::Foreign);
@@ -296,7 +296,7 @@ impl Snapshot {
         })
     }
 
-    /// Its words, for whoever keeps it.
+    /// Returns the words for storage.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
@@ -304,7 +304,7 @@ impl Snapshot {
     /// The snapshot that has these words.
     ///
     /// # Errors
-    /// If it is one of another layout.
+    /// If the words have another layout.
     pub fn of_words(words: Vec<u64>, layout: &Layout) -> Result<Self, Refused> {
         if words.first() != Some(&layout.fingerprint()) {
             return Err(Refused::Foreign);
@@ -317,7 +317,7 @@ impl Snapshot {
         is_whole.then_some(snapshot).ok_or(Refused::Damaged(1))
     }
 
-    /// Each record with its kind and place; `None` for what is none, which is the last one then.
+    /// Returns each record with kind and place; a malformed record gives `None` and ends the sequence.
     fn records(&self) -> impl Iterator<Item = Option<(Kind, usize, &[u64])>> {
         let mut rest = &self.words[1..];
         std::iter::from_fn(move || {
@@ -348,7 +348,7 @@ impl Snapshot {
             .filter_map(|(place, words)| Some((place, T::get(&mut Get(words))?)))
     }
 
-    /// The state of the process that wrote it; `None` if it was killed before its first turn.
+    /// Returns the clock state of the writing process; `None` if it was killed before its first turn.
     pub fn clock(&self) -> Option<Clock> {
         self.all(Kind::Clock).map(|(_, clock)| clock).next()
     }

@@ -16,7 +16,7 @@ settings::settings! {
         sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
         /// Corners of the area that is seen, east and north in the system frame.
         polygon_m: Vec<[f64; 2]> = Vec::new(), in [-2e6, 2e6];
-        /// Probability that it follows a target in there.
+        /// Probability that the source tracks a target in this region.
         probability: f64 = 0.9, in [0.01, 1];
     }
 }
@@ -53,12 +53,12 @@ pub struct CoverageArea {
     pub sector_rad: Option<[f64; 2]>,
     /// Corners, east and north in the system frame, metres, of the area that is seen; empty: no further limit.
     pub polygon_m: Vec<[f64; 2]>,
-    /// Probability that it follows a target in there.
+    /// Probability that the source tracks a target in this region.
     pub probability: f64,
 }
 
 impl CoverageArea {
-    /// The coverage of a sensor whose silence says nothing, like that of a direction finder: probability 0.
+    /// Returns the coverage of a sensor without informative silence, such as a direction finder: probability 0.
     pub fn none() -> Self {
         Self {
             place_m: [0.0; 2],

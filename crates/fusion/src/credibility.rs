@@ -1,16 +1,16 @@
 //! Credibility: a source that contradicts the others is set aside before it moves a track.
 //!
-//! A source may be wrong within all limits: its clock is some seconds off, or it reports every target 300 m aside and
-//! claims to be exact. A filter believes covariances, so such a source takes every track along. What is learned of the
-//! source (registration, covariance scaling) corrects it within half a minute; until then the tracks are wrong. But
-//! others see the same targets. Of three sources on one target, of which two agree and the third contradicts both, the
-//! third is wrong. Of two, the one whose clock is off by the times of receipt is.
+//! A source may be wrong within all limits: its clock is some seconds off, or it reports every target 300 m aside
+//! with a high stated accuracy. A filter trusts covariances, so that such a source moves every track. Learned
+//! corrections (registration, covariance scaling) take half a minute; until then the tracks are wrong. But other
+//! sources see the same targets. Of three sources on a target, if two agree and the third contradicts both, the third
+//! is wrong. Of two sources, the source with a clock offset relative to the times of receipt is wrong.
 //!
-//! So each report is compared with what the others last reported of its target, where it is far from the track. A
-//! report that is contradicted is not used. Each source's share of contradicted reports is followed; a source of which
-//! most are is *set aside*: it contributes to no track to which others do, until its reports agree again. A track whose
-//! filter has been misled begins anew with what the others report. Comparisons that registration learns from go on, so
-//! that a steady error is found, taken off, and the source comes back.
+//! Therefore each report far from its track is compared with the latest reports of the others for this target. A
+//! contradicted report is not used. The share of contradicted reports of each source is tracked; a source with mostly
+//! contradicted reports is *set aside*: it contributes to no track with other contributors, until its reports agree
+//! again. A misled filter restarts from the others' reports. Registration continues its comparisons, so that a
+//! constant bias is found and removed, and the source returns.
 //!
 //! Limits: two sources that contradict each other with sound clocks are both used, as are two pairs that agree among
 //! themselves. Differences below some five standard deviations are left to registration.
@@ -27,17 +27,17 @@ use crate::tracks::Tracks;
 /// % and 3 in ten million by chance.
 const AGREES: f64 = 12.0;
 const CONTRADICTS: f64 = 30.0;
-/// Acceleration that nobody foresees between two reports, metres per second squared.
+/// Unpredictable acceleration between two reports, metres per second squared.
 const ACCELERATION_MPS2: f64 = 5.0;
-/// Comparisons of a source before its share counts, and weight of a new one in the share at least.
+/// Number of comparisons of a source before its share counts, and least weight of a new comparison.
 const SAMPLES_MIN: u32 = 3;
 const GAIN_MIN: f64 = 1.0 / 32.0;
 /// Share of contradicted reports from which a source is set aside, and below which it no longer is.
 const SET_ASIDE_FROM: f64 = 0.5;
 const SET_ASIDE_UNTIL: f64 = 0.2;
-/// Clock offset, seconds, by which one of two sources must be worse to be the wrong one.
+/// Difference of clock offsets, seconds, that identifies the wrong one of two sources.
 const CLOCK_WORSE_S: f64 = 0.5;
-/// Share of a source that was set aside in a filter from which that begins anew.
+/// Share of a source set aside in a filter, from which the filter restarts.
 const MISLEADS_FROM: f64 = 0.05;
 
 /// Record of one source.
@@ -57,14 +57,14 @@ pub(crate) struct Credibility {
     set_aside: u64,
 }
 
-/// Standing of a report among those of others on its target.
+/// Result of the comparison of a report with the other sources' reports of its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Standing {
-    /// Others agree with it, or nobody else is there.
+    /// Others agree, or there are no others.
     Holds,
-    /// It is the one that is wrong.
+    /// The report is wrong.
     Contradicted,
-    /// Nobody can tell.
+    /// Undecided.
     Open,
 }
 
@@ -215,7 +215,7 @@ impl Record {
     }
 }
 
-/// Whether a report is so near its system track that nobody need be asked.
+/// Returns whether a report is so near its system track that no comparison is needed.
 #[inline]
 fn is_near_track(tracks: &Tracks, entry: &SensorEntry, spread_m2: f64) -> bool {
     let filter = &tracks.systems.get(entry.system).filter;

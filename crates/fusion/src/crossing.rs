@@ -1,13 +1,13 @@
 //! Two targets side by side of which some source's tracks are crossed: each belongs to the other's system track (BF-2).
 //!
-//! Where error ellipses are long, the first reports of a formation say little about which of its two targets they are
-//! of, and a sensor track stays where it was put. Later the sources know better, by the *difference* of their two
-//! tracks: dₛ from the one to the other as source s sees it, with covariance Sₛ. What a source errs alike for both
-//! targets, its bias above all, is not in it. If σₛ is −1 for sources that are crossed and +1 for the others, the
-//! likelihood of all differences, with the true one estimated from them, grows with ½·vᵀ·Λ⁻¹·v, where v = Σ σₛ·Sₛ⁻¹·dₛ
-//! and Λ = Σ Sₛ⁻¹. All σ are tried; by how much the best one with a source crossed exceeds the best one without is that
-//! source's log-likelihood ratio. The ratios of its reports are summed up while they speak for the same two system
-//! tracks (E. S. Page, *Continuous inspection schemes*, 1954).
+//! With long error ellipses, the first reports of a formation do not determine their target among two, and a sensor
+//! track stays where it was associated. Later the sources can decide, by the *difference* of their two tracks: dₛ as
+//! seen by source s, with covariance Sₛ. Errors common to both targets, above all biases, cancel in the difference.
+//! If σₛ is −1 for crossed sources and +1 for others, the likelihood of all differences, with the true difference
+//! estimated from them, grows with ½·vᵀ·Λ⁻¹·v, where v = Σ σₛ·Sₛ⁻¹·dₛ and Λ = Σ Sₛ⁻¹. All σ are tried; the
+//! log-likelihood ratio of a source is the best value with the source crossed minus the best value without. The
+//! ratios of its reports are summed while they concern the same two system tracks (E. S. Page, *Continuous inspection
+//! schemes*, 1954).
 
 use estimation::Estimate;
 use messages::{NS_PER_S, SensorTrack};
@@ -20,12 +20,12 @@ use crate::system_tracks::SystemSlot;
 
 /// Sum of log-likelihood ratios from which a sensor track is crossed.
 pub(crate) const CROSSED: f64 = 5.0;
-/// Share of a ratio that its predecessor did not have: a source's tracks err alike from one report to the next.
+/// Share of a ratio that is new relative to the previous ratio: the errors of a source's tracks are correlated from
+/// report to report.
 const NEW_SHARE: f64 = 0.5;
-/// Most sources whose tracks of two targets are compared: so many signs are tried as there are subsets of them.
+/// Largest number of sources compared for two targets: as many sign patterns are tried as there are subsets.
 const COMPARED_MAX: usize = 6;
-/// Reports of a sensor track from one look to the next, while another target is near or its first ones come, and
-/// otherwise.
+/// Number of reports of a sensor track between two checks: near another target or after the start, and otherwise.
 const EVERY: [u32; 2] = [2, 8];
 /// Number of those first reports.
 const FIRST_REPORTS: u32 = 16;
@@ -39,7 +39,7 @@ pub(crate) struct Crossing {
     pub(crate) ratio: f64,
     /// Sensor tracks here and there, a pair for each source of both.
     pairs: Pairs,
-    /// Those of them, as bits, that should change places.
+    /// Sensor tracks to exchange, as bits.
     crossed: u32,
 }
 
@@ -55,15 +55,15 @@ impl Crossing {
     }
 }
 
-/// Whether it is time to look whether a sensor track is crossed with another one.
+/// Returns whether a check of a sensor track for crossing is due.
 pub(crate) fn is_due(entry: &SensorEntry) -> bool {
     let is_pressing = entry.reports < FIRST_REPORTS || entry.crossed.is_some();
     entry.role == Role::Primary && !entry.is_foreign && entry.reports.is_multiple_of(EVERY[usize::from(!is_pressing)])
 }
 
 impl Search<'_> {
-    /// The system track with which the one of `own` is most likely to be crossed; `None` if its source follows no other
-    /// one near.
+    /// Returns the system track most likely crossed with that of `own`; `None` if the source tracks no other target
+    /// nearby.
     pub(crate) fn crossing(&self, own: SensorSlot) -> Option<Crossing> {
         let entry = self.tracks.sensors.get(own);
         let mut best: Option<Crossing> = None;
@@ -119,7 +119,7 @@ impl Search<'_> {
     }
 }
 
-/// What a source's tracks of two targets say.
+/// Difference of a source's tracks of two targets.
 #[derive(Clone, Copy, Debug, Default)]
 struct SourceEvidence {
     /// Sₛ⁻¹·dₛ.
@@ -128,9 +128,9 @@ struct SourceEvidence {
     share: f64,
 }
 
-/// The most likely set of crossed sources that has the one of `own_bit` in it, as bits, and its log-likelihood ratio to
-/// the most likely one that has not, given Λ⁻¹. A set never has more than half of the shares: then it is the others
-/// that are crossed. So the two states change least by it, and numbers stay with their targets.
+/// Returns the most likely set of crossed sources with `own_bit`, as bits, and its log-likelihood ratio to the most
+/// likely set without `own_bit`, given Λ⁻¹. A set never has more than half of the shares: otherwise the other sources
+/// are crossed. Thus the states change least, and numbers stay with their targets.
 fn most_likely(seen: &[SourceEvidence], covariance: &Matrix2<f64>, own_bit: u32) -> Option<(f64, u32)> {
     let sign = |crossed: u32, index: usize| if crossed & 1 << index == 0 { 1.0 } else { -1.0 };
     let (mut with, mut without) = (None, f64::NEG_INFINITY);

@@ -1,25 +1,26 @@
-//! Sources that say the same: one measurement that is heard twice is no second witness.
+//! Dependent sources: a measurement received twice is a single measurement.
 //!
-//! A radar whose tracks come over two networks looks like two radars that agree perfectly. Believed, they confirm each
-//! other's false tracks, and the covariance of what they say together is half of what it should be. Two things show it:
-//! - **Copies.** Two measurements of one target are never the same; so a report that repeats the time and the place of
-//!   another source's is a copy, and where most of a source's reports are, the source says nothing of its own. The
-//!   latest reports are kept in a table by time and place, in which later ones take the place of earlier ones.
-//! - **Correlated errors.** What was copied may have been rounded, delayed or filtered since. The difference of two
-//!   independent estimates of one target at one time has the sum of their covariances; that of dependent ones has twice
-//!   the covariance of their errors less. So where reports of two sources on one target coincide, the normalised square
-//!   of their difference is followed, and if its mean is far below 1, they have most of their errors in common. Claims
-//!   that are too timid make it small too; so each covariance counts as much as its source's normalised innovations say
-//!   that it is too large, and where both claim far too much to be a measure, nothing is learned. Nor is it of targets
-//!   that stand or crawl: sources that hold them where they were agree by nature.
+//! A radar with tracks over two networks looks like two radars in perfect agreement. Treated as independent, they
+//! confirm each other's false tracks, and the covariance of their combination is half of the right value. Two effects
+//! reveal dependence:
+//! - **Copies.** Two measurements of a target are never equal. A report with the time and place of another source's
+//!   report is a copy; a source with mostly copies has no information of its own. The latest reports are kept in a
+//!   table by time and place, in which later reports replace earlier ones.
+//! - **Correlated errors.** Copies may have been rounded, delayed or filtered. The difference of two independent
+//!   estimates of a target at the same time has the sum of their covariances; for dependent estimates, twice the
+//!   covariance of their errors is subtracted. Therefore the normalised square of the difference of coinciding
+//!   reports of two sources is tracked; a mean far below 1 indicates mostly common errors. Pessimistic covariances
+//!   also reduce the mean; each covariance is therefore scaled by its source's normalised innovations, and nothing is
+//!   learned if both are far too pessimistic, or from standing and slow targets, on which sources agree by nature.
 //!
 //! Sources with a smaller part of their errors in common still share measurements, and so false tracks. The filter takes
 //! both, but where it is asked whether there is a target, they are one witness.
 //!
-//! Sources that share less than that, like a centre that makes its tracks from many radars of which ours is one, cannot
-//! be told from good ones; the configuration says it of them.
+//! Sources with a smaller common part, such as a centre that uses many radars including ours, cannot be distinguished
+//! from good sources; they must be configured.
 //!
-//! Dependent sources are a group, in which one at a time speaks of a target: as of several tracks of one source.
+//! Dependent sources form a group; one source of the group at a time contributes to a target, as with several tracks
+//! of a single source.
 
 use association::distance::squared2;
 use messages::{NS_PER_S, SensorTrack};
@@ -44,8 +45,9 @@ const COMPARED_EVERY_NS: i64 = 4_000_000_000;
 /// Weight of a new value in means of normalised squares, and the largest that counts.
 const SQUARE_GAIN: f64 = 1.0 / 64.0;
 const SQUARE_MAX: f64 = 4.0;
-/// Mean normalised innovation squared below which a source's covariances are no measure: two precise sources that claim
-/// little agree with each other better than either says. That of a copy is small by itself; so one of two is enough.
+/// Mean normalised innovation squared below which a source's covariances are no measure: two precise sources with
+/// pessimistic covariances agree better than stated. That of a copy is small by itself; therefore one of two is
+/// enough.
 const HONEST: f64 = 0.5;
 /// Mean of normalised squares of differences below which two sources are dependent, and above which not any more.
 const SAME_ERRORS: f64 = 0.12;
@@ -59,8 +61,8 @@ pub(crate) struct Dependence {
     recent: Vec<(u64, u16)>,
     /// Share of each source's reports that repeat those of each other source.
     copies: Vec<f64>,
-    /// Mean normalised squares of the difference of coincident reports of each source and each other one, per axis:
-    /// with the other one moved to the time of the first, and as it is, in case only its stamp is another.
+    /// Mean normalised squares of the difference of coinciding reports for each pair of sources, per axis: with the
+    /// second report moved to the time of the first, and unmoved, in case only its stamp differs.
     differences: Vec<[f64; 2]>,
     /// Mean normalised innovation squared of each source, per axis, at most 1.
     innovations: Vec<f64>,
@@ -99,13 +101,12 @@ impl Dependence {
         new
     }
 
-    /// Finding on two sources, by the place of their pair: share of copies, mean squares of differences, and whether
-    /// that makes them dependent.
+    /// Finding on a pair of sources: share of copies, mean squares of differences, and whether the pair is dependent.
     pub(crate) fn kept(&self, place: usize) -> ((f64, [f64; 2]), bool) {
         ((self.copies[place], self.differences[place]), self.learned[place])
     }
 
-    /// Goes on with a finding that was [kept](Self::kept).
+    /// Continues with a [kept](Self::kept) finding.
     pub(crate) fn resume(&mut self, place: usize, ((copies, difference), depends): ((f64, [f64; 2]), bool)) {
         self.copies[place] = copies;
         self.differences[place] = difference;
@@ -125,7 +126,7 @@ impl Dependence {
         self.regroup();
     }
 
-    /// The group of a source: the number of its first one.
+    /// Returns the group of a source: the number of its first source.
     pub(crate) fn group_of(&self, source: u16) -> u16 {
         self.groups[usize::from(source)]
     }
@@ -153,7 +154,7 @@ impl Dependence {
         witnesses.count_ones()
     }
 
-    /// Learns from a report as its source gave it.
+    /// Learns from a report in the source's original form.
     pub(crate) fn learn(&mut self, report: &SensorTrack) {
         let count = self.groups.len();
         if count < 2 {
@@ -185,7 +186,8 @@ impl Dependence {
         *mean += SQUARE_GAIN * (squared.min(SQUARE_MAX) - *mean);
     }
 
-    /// Whether a report of a source of that period is one that is compared; `reports` is how many its track had so far.
+    /// Returns whether a report of a source with this period is compared; `reports` is the number of earlier reports
+    /// of its track.
     pub(crate) fn compares(reports: u32, period_ns: i64) -> bool {
         let every = COMPARED_EVERY_NS
             .div_euclid(period_ns.max(1))

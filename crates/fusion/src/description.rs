@@ -1,14 +1,14 @@
-//! What a target is, where its sources say so: one or a group, and of which type (WA-7, WA-9).
+//! Description of a target by its sources: single or group, and type (WA-7, WA-9).
 //!
-//! Most sources know of neither, and say nothing by saying *single* and no type. So silence does not outvote anybody: a
-//! system track is one of a group if a contribution is, with the members that the heaviest of these expects; and of the
-//! type that is stated with the greatest confidence. Of equals the source with the lowest number holds. Positions are
-//! not touched.
+//! Most sources have no such data, and report *single* without a type. Their silence overrides no statement: a system
+//! track is a group if a contribution is a group, with the expected members of the contribution with the largest
+//! weight; its type is the type stated with the greatest confidence. Among equals the source with the lowest number
+//! decides. Positions are not changed.
 
 use messages::{SensorTrack, TargetType, TrackKind};
 use serde::{Deserialize, Serialize};
 
-/// Kind, number of members and type of a target, as its sources say.
+/// Kind, number of members and type of a target, as stated by its sources.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Description {
     pub(crate) kind: TrackKind,
@@ -18,12 +18,12 @@ pub(crate) struct Description {
 }
 
 impl Description {
-    /// Whether a report says anything of the kind.
+    /// Returns whether a report contains a description.
     pub(crate) fn is_in(report: &SensorTrack) -> bool {
         is_group(report) || report.target_type.is_known()
     }
 
-    /// Of contributions with their weights, in the order of their sources.
+    /// Returns the description by contributions with weights, in the order of their sources.
     pub(crate) fn of<'a>(contributions: impl Iterator<Item = (&'a SensorTrack, f64)>) -> Self {
         let mut all = Self::default();
         let mut heaviest = f64::NEG_INFINITY;

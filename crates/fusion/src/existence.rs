@@ -1,22 +1,21 @@
-//! Whether there is a target at all (BF-2): judged from what the sources that cover the place report and do not report.
+//! Existence of targets (BF-2): decided from reports and missing reports of the sources with coverage.
 //!
-//! Every sensor has false tracks, and a system that shows whatever any sensor shows has all of them. Requiring two
-//! sources loses the targets that only one can see. What decides is how telling the silence of the others is: where a
-//! source that follows nineteen of twenty targets in this area has nothing here, there is hardly a target; where it
-//! never follows any, its silence says nothing. So with pₖ the probability that source k follows a target at this
-//! place, learned per cell of the ground from the tracks that are confirmed (or configured), one source's claim is
-//! worth
+//! Every sensor has false tracks, and a system that shows every reported track shows all of them. Requiring two
+//! sources loses targets visible to one source only. The decisive quantity is the information in the silence of the
+//! other sources: if a source that tracks nineteen of twenty targets in an area has no track here, a target is
+//! unlikely; if it tracks no targets in the area, its silence has no meaning. Let pₖ be the probability that source k
+//! tracks a target at this place, learned per cell of the ground from confirmed tracks (or configured). The
+//! log-likelihood ratio of a single source's claim is
 //!
-//! L = Σ ln(1 − pₖ) over the covering sources that are silent
-//!     + what the claim's persistence is worth: false tracks end, with a probability of about a fifth per scan
-//!     + what an address is worth: noise does not answer interrogations.
+//! L = Σ ln(1 − pₖ) over the silent sources with coverage + a term for persistence: false tracks end with a
+//! probability of about a fifth per scan + a term for an address: noise does not answer interrogations.
 //!
-//! Three sources that agree are enough by themselves, and so are two where few tracks are false. Where many are, two of
-//! them lie side by side by chance now and then, and their agreement is worth so much less that the silence of the
-//! others, and persistence, count there too. While a target that is shown already may be the same one, seen by other
-//! sources at another point of it, a second track waits: the sources are not silent then. A track that was confirmed
-//! stays so until its sources *say* that they no longer see it: each miss since the last report of any of them adds
-//! ln(1 − its probability of detection).
+//! Three sources in agreement are sufficient, and two if few tracks are false. With many false tracks, two of them
+//! coincide sometimes by chance, and the ratio of an agreement is reduced so far that the silence of the other
+//! sources, and persistence, count as well. While a shown target may be the same target, seen by other sources at
+//! another point, a second track waits: the sources are not silent then. A confirmed track stays confirmed until its
+//! sources *report* that they no longer detect the target: each miss since the last report of any source adds ln(1 −
+//! its probability of detection).
 
 use kept::{Get, Kept as _, Put, kept};
 use serde::{Deserialize, Serialize};
@@ -24,12 +23,12 @@ use serde::{Deserialize, Serialize};
 use crate::coverage::CoverageArea;
 
 settings::settings! {
-    /// Existence of targets, as far as it shows in what sources report and do not report (BF-2). Worths are logarithms
-    /// of how much likelier a target is than a false track; those of one claim add up.
+    /// Existence of targets, estimated from reports and missing reports of sources (BF-2). Keys give log-likelihood
+    /// ratios of a target to a false track; the ratios of one claim are added.
     #[derive(Copy)]
     pub struct ExistenceSettings {
-        /// Worth above which a target is believed that one source alone reports; the silence of each source that covers
-        /// the place counts against it.
+        /// Log-likelihood ratio above which a target reported by a single source exists; the silence of each source
+        /// with coverage of the place counts against the target.
         believed: f64 = -0.7, in [-20, 20], usually "-0.7: about one to two against it";
         /// Worth of each further report of the claim's sensor track: −ln of the share of false tracks that go on.
         persistence: f64 = 0.223, in [0, 10], usually "0.223: one false track in five ends with each report";
@@ -37,10 +36,11 @@ settings::settings! {
         persistence_reports: u32 = 3, in [0, 1e6];
         /// Worth of an address: noise does not answer interrogations.
         address: f64 = 5.0, in [0, 20];
-        /// Sum of ln(1 − probability of detection) over the misses since any source has seen it, at which a confirmed
-        /// target is taken to be gone, and not shown until one sees it again.
+        /// Sum of ln(1 − probability of detection) over the misses since the last detection by any source, at which a
+        /// confirmed target counts as gone: its track is withheld until the next detection.
         gone: f64 = -6.9, in [-50, -0.1], usually "-6.9: one target in a thousand would be missed that often";
-        /// Misses in a row of one source that count for that: what hides a target once hides it again.
+        /// Successive misses of a source that count for this sum: an obstacle that hides a target causes several
+        /// misses.
         misses: u32 = 2, in [1, 1000];
     }
 }
@@ -177,13 +177,13 @@ impl Coverage {
         cell.min(DETECTION_MAX)
     }
 
-    /// The place of a cell in the table, if it has one.
+    /// Returns the index of a cell in the table, if present.
     fn place(&self, x: f64, y: f64) -> Option<usize> {
         let cell = self.cell(x, y);
         self.probes(cell).find(|place| self.cells[*place] == Some(cell))
     }
 
-    /// The place of a cell in the table, a free one if it has none; `None` if there is no room near where it belongs.
+    /// Returns the index of a cell in the table, a free index if absent; `None` without room near its place.
     fn claim(&mut self, x: f64, y: f64) -> Option<usize> {
         let cell = self.cell(x, y);
         let place = self

@@ -1,17 +1,16 @@
-//! Listeners to what fusion does, and why (BF-4).
+//! Receivers of fusion's states and decisions, with reasons (BF-4).
 //!
-//! Each new state of a system track, and each decision on the way to it, is handed out as one record to whoever wants
-//! it.
+//! Each new state of a system track, and each decision before it, is passed on as a record.
 
 use messages::{Decision, OrderState, SystemTrack};
 
-/// Takes what the engine hands out. Every closure that takes a system track is one, and leaves decisions alone.
+/// Receiver of the engine's output. Every closure that takes a system track is a receiver that ignores decisions.
 pub trait Sink {
     /// A system track has a new state.
     fn track(&mut self, track: &SystemTrack);
 
-    /// A system track has a new state by the sources here alone, for other centres. Handed out before the state that
-    /// what they say has gone into, and only where [`exchange`](crate::Settings::exchange) asks for it.
+    /// A system track has a new state from local sources alone, for other centres. Passed on before the state with
+    /// other centres' data, and only if [`exchange`](crate::Settings::exchange) requests it.
     fn own_track(&mut self, track: &SystemTrack) {
         let _ = track;
     }

@@ -1,18 +1,18 @@
 //! The system filter: one per target, fed with the measurements behind all sensor tracks.
 //!
-//! Every system track has one, whatever rule makes its output: reports are compared with it, and what the sources are
-//! worth shows in its innovations. Measurements have independent errors, so it needs no assumption about how the
-//! sources' errors are correlated; it carries what each source contributed to its present estimate as a share, which
-//! decays as others contribute.
+//! Every system track has a system filter, with any rule: reports are compared with the filter, and its innovations
+//! show the accuracy of the sources. Measurements have independent errors, so that no assumption about the
+//! correlation of sources is needed. The filter keeps the contribution of each source to the present estimate as a
+//! share, which decays with the contributions of other sources.
 //!
-//! A target flies straight most of the time, and turns now and then. A filter that is ready for turns throws away most
-//! of what it could know on the straight; several sensors together would even make that worse, since more measurements
-//! per second make its memory shorter. So two filters run side by side, one that assumes steady motion and one with the
-//! process noise of turns (module `manoeuvres`). Which one holds is estimated from how well each foretells the
-//! measurements (interacting multiple models).
+//! A target flies straight most of the time, and turns sometimes. A filter prepared for turns discards most of its
+//! knowledge on straight legs; several sensors even worsen this, because more measurements per second shorten its
+//! memory. Therefore two filters run in parallel: one for steady motion, and one with the process noise of turns
+//! (module `manoeuvres`). Their probabilities follow from their predictions of the measurements (interacting multiple
+//! models).
 //!
-//! A single innovation far outside what the covariances explain (a blunder) is weighed down, not refused: refusing
-//! would lose a target that really is where nobody expected it.
+//! A single innovation far outside its covariance (a blunder) gets a small weight, but is not rejected: a rejection
+//! would lose a target at an unexpected place.
 //!
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
@@ -50,7 +50,7 @@ const PROBABILITY_MIN: f64 = 1e-4;
 const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
 
-/// State of one target's filter at one time.
+/// State of a target's filter at a time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Filter {
     pub(crate) time_ns: i64,
@@ -85,7 +85,7 @@ pub(crate) enum Fit {
     Undecided,
 }
 
-/// How a measurement differed from what the filter expected.
+/// Difference between a measurement and its prediction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Innovation {
     /// East and north, metres.
@@ -114,7 +114,7 @@ impl Filter {
         }
     }
 
-    /// A filter as it was kept: its models have the estimate in common, and differ from now on.
+    /// A kept filter: its models start with the same estimate, and differ afterwards.
     pub(crate) fn resumed(kept: &KeptFilter) -> Self {
         Self {
             probability: kept.probability,
@@ -133,7 +133,7 @@ impl Filter {
         }
     }
 
-    /// All that a report says.
+    /// All information in a report.
     pub(crate) fn of_report(report: &SensorTrack) -> Self {
         let has_height = report.has(sensor_track_bits::HEIGHT);
         Self::new(report.time_of_measurement_ns, gaussian_of(report), has_height)
@@ -146,12 +146,12 @@ impl Filter {
             && (0..STATE_LEN).all(|index| covariance.get(index, index) >= 0.0)
     }
 
-    /// The estimate as rules and messages know states.
+    /// Returns the estimate in the form of rules and messages.
     pub(crate) fn state(&self) -> State {
         State::of_estimate(self.time_ns, &self.estimate, self.has_height)
     }
 
-    /// [`Self::at`], as rules and messages know states.
+    /// Returns [`Self::at`] in the form of rules and messages.
     #[inline]
     pub(crate) fn state_at(&self, time_ns: i64, motion: &Motion) -> State {
         if time_ns == self.time_ns {
@@ -228,7 +228,7 @@ impl Filter {
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement
-    /// older than the filter is carried forward along the estimated velocity, whose uncertainty it takes on.
+    /// older than the filter is extrapolated with the estimated velocity, with a larger uncertainty.
     pub(crate) fn take(
         &mut self,
         measurement: &Measurement,

@@ -1,10 +1,9 @@
-//! Gross errors: what a report says without one, and which one would bring two tracks together.
+//! Gross biases: reports without a bias, and the bias that would bring two tracks together.
 
 use messages::{AXES, BiasKind, Covariance, NS_PER_S, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-/// A horizontal place and velocity, and the place of the sensor that reported them, if it is known; metres and metres
-/// per second.
+/// Horizontal position and velocity, and the position of the sensor, if known; metres and metres per second.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Motion {
     pub(crate) position_m: [f64; 2],
@@ -37,8 +36,8 @@ impl Motion {
         self
     }
 
-    /// The error of this kind that shows the target of `other` here, if one can; `sigma` says how far two tracks of one
-    /// target lie apart besides.
+    /// Returns the bias of this kind that would move the target of `other` here, if possible; `sigma` is the
+    /// deviation of two tracks of a target without a bias.
     pub(crate) fn implied(&self, other: &Self, kind: BiasKind, sigma: Sigma) -> Option<[f64; 2]> {
         const SIGMAS: f64 = 3.0;
         let apart = [0, 1].map(|axis| self.position_m[axis] - other.position_m[axis]);
@@ -79,8 +78,8 @@ pub(crate) struct Sigma {
 }
 
 impl Sigma {
-    /// The deviations once the error is taken off one of the two: where it has been carried along its velocity, it is
-    /// as far off as that velocity makes it.
+    /// Returns the deviations after removal of the bias from one of the two; a report moved along its velocity has an
+    /// additional error of the velocity.
     pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         if kind == BiasKind::Time {
             self.position_m = self.position_m.hypot(self.velocity_mps * value[0]);
@@ -89,8 +88,8 @@ impl Sigma {
     }
 }
 
-/// A report without a gross error of its source, at `now_ns`. A time that has been put right may be that of the
-/// present; where reports come in the order of their claimed times, it is not, and the target is carried there instead.
+/// Returns a report without its source's gross bias, at `now_ns`. A corrected time may be the present time; if
+/// reports come in the order of their stated times, the target is extrapolated instead.
 #[cold]
 pub(crate) fn corrected(
     report: &SensorTrack,

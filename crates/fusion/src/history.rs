@@ -1,9 +1,9 @@
 //! The last N reports of each sensor track, and the residual V they yield (TI-4 … TI-6).
 //!
-//! How trustworthy is a track just now? The method's answer needs nothing but the track itself: move its latest
-//! report (the *first position*) and each of the up to N earlier ones (the *second positions*) to one reference time,
-//! each along its own velocity. A track that describes its target well says the same from every report; the distance
-//! between the first position and the mean of the second is the residual V.
+//! The accuracy of a track is estimated from the track alone: its latest report (the *first position*) and each of up
+//! to N earlier reports (the *second positions*) are moved to a common reference time, each with its own velocity.
+//! For an accurate track all positions agree; the distance between the first position and the mean of the second
+//! positions is the residual V.
 
 use messages::{SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};

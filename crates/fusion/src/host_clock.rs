@@ -1,8 +1,8 @@
 //! The engine's time and the sources' time.
 //!
-//! The engine's time passes by a clock that nobody sets. Where all sources are far from it alike, the machine's clock
-//! is wrong (or all of theirs are): then that *host offset* is taken off the times of reports, and put on the times of
-//! all that the engine hands out. The offset may change while tracks live, and disturbs none of them.
+//! The engine's time follows a clock that is never adjusted. If the times of all sources have the same offset, the
+//! machine's clock is wrong (or all sources' clocks): this *host offset* is subtracted from the times of reports, and
+//! added to the times of all output. The offset may change while tracks live, without effect on tracks.
 
 use messages::{Decision, OrderState, SensorTrack, SystemTrack};
 use serde::{Deserialize, Serialize};

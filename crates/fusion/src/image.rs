@@ -1,9 +1,9 @@
-//! The whole of an engine as octets, so that another one goes on as this one would.
+//! Snapshot of an engine as bytes, from which another engine continues identically.
 //!
-//! A checkpoint has what a successor must know, and is written while the engine works. An image has all that reports
-//! and time ever change, and is made at one moment: whoever has it, and each report from then on, gets the same system
-//! tracks to the bit, as if it had been there from the beginning. What follows from the settings alone is not in it,
-//! nor are counters. Making one takes as long as there are tracks, and allocates: it is for a recorder that starts.
+//! A checkpoint has the state needed by a successor, and is written during operation. A snapshot has all state
+//! changed by reports and time, taken at one moment: with the snapshot and each later report, another engine gives
+//! the same system tracks to the bit. State derived from the settings alone and counters are not included. Making a
+//! snapshot takes time in proportion to the tracks, and allocates: it is for a recorder that starts.
 
 use kept::mixed;
 
@@ -49,10 +49,10 @@ impl Engine {
         postcard::to_stdvec(&parts).unwrap_or_default()
     }
 
-    /// Goes on from another engine's image.
+    /// Continues from another engine's snapshot.
     ///
     /// # Errors
-    /// If it is one of other settings or of another build.
+    /// If the snapshot has other settings or is from another build.
     pub fn resume_image(&mut self, image: &[u8]) -> Result<(), Refused> {
         let (of, rest) = postcard::take_from_bytes::<u64>(image).map_err(|_| Refused::Damaged(1))?;
         if of != self.image_fingerprint() {

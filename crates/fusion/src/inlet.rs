@@ -15,13 +15,13 @@ const COVARIANCE_MAX: f64 = 1e14;
 const VARIANCE_MIN: [f64; 2] = [1e-6, 1e-8];
 /// Standard deviation of a velocity that a report does not give, metres per second.
 const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
-/// Times farther from 1970 than this are none, nanoseconds: 146 years. Of any two others, and of any time span that can
-/// be configured, sums and differences can be told in 64 bits.
+/// Largest valid time from 1970, nanoseconds: 146 years. Sums and differences of two valid times, and of any
+/// configurable time span, fit into 64 bits.
 const TIME_MAX_NS: i64 = 1 << 62;
-/// Farther apart than this, two reports of one address are not of one target, metres.
+/// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
-/// Returns whether a report can be one of these sources, and no order keeps it out.
+/// Returns whether a report belongs to these sources, and no order excludes its source.
 pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
         return false;
@@ -56,8 +56,8 @@ pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Cou
     }
 }
 
-/// A report that has the trace of its covariance in place of the covariance, with one: positions as uncertain on each
-/// axis as the trace says, velocities as if they were of two such positions a period apart. `None` for any other.
+/// Returns a report with only the trace of its covariance, completed with a covariance: positions with equal
+/// uncertainty on each axis, velocities as from two such positions a period apart. `None` for other reports.
 pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Option<SensorTrack> {
     if report.covariance.upper[0] != 0.0 || !report.has(sensor_track_bits::TRACE) {
         return None;
@@ -72,7 +72,7 @@ pub(crate) fn completed(report: &SensorTrack, sources: &[SourceSettings]) -> Opt
     Some(SensorTrack { covariance, ..*report })
 }
 
-/// Whether no variance says more than can be known, and all of them together are positive definite.
+/// Returns whether all variances are plausible, and the covariance is positive definite.
 pub(crate) fn is_usable(covariance: &Covariance) -> bool {
     let is_believed = |index: usize| {
         let variance = covariance.get(index, index);
@@ -81,8 +81,7 @@ pub(crate) fn is_usable(covariance: &Covariance) -> bool {
     (0..STATE_LEN).fold(true, |all, index| all & is_believed(index)) && estimation::is_usable(covariance)
 }
 
-/// The report with its covariance, which cannot be used as it is, made usable; `None` if there is nothing to keep of
-/// it.
+/// Returns the report with a repaired covariance; `None` if unrepairable.
 #[cold]
 pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     let mut full = estimation::unpacked(&report.covariance);
@@ -99,8 +98,8 @@ pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     Some(SensorTrack { covariance, ..*report })
 }
 
-/// The identity of a report as far as it is believed, and what is to be counted of it: an address that belongs to a
-/// target far away is not believed, for transponders are misread, and two can have the same.
+/// Returns the accepted part of a report's identity, and the counter to increase: an address of a target far away is
+/// not accepted, because transponders are misread, and two can have the same address.
 pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) -> (Identity, Option<Counter>) {
     let identity = report.identity;
     let Some(system) = identity

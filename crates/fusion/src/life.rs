@@ -15,16 +15,17 @@ use crate::tracks::Tracks;
 
 /// Time between two looks, per system track, at which sources follow it, nanoseconds.
 const COVERAGE_EVERY_NS: i64 = 4_000_000_000;
-/// Cells of the table in which it is learned where sources see, and their width.
+/// Number of cells of the learned coverage table, and their width.
 const COVERAGE_CELLS: usize = 4096;
 const COVERAGE_CELL_M: f64 = 5000.0;
 
-/// Periods that a source needs to find a target: its silence before says nothing.
+/// Number of periods that a source needs to detect a new target: earlier silence has no meaning.
 const CHANCE_PERIODS: i64 = 3;
-/// Longest periods of all sources for which a second track beside a target waits to be told from another point of it.
+/// Time for which a second track beside a target waits to be distinguished from another point of the target, in
+/// periods of the slowest source.
 const PATIENCE_PERIODS: f64 = 30.0;
-/// Worth of two sources that agree where as many tracks are tentative as are shown, and the power of their ratio with
-/// which it falls on the way there: so steeply that a few tentative tracks cost no target any time.
+/// Log-likelihood ratio of two sources in agreement if as many tracks are tentative as confirmed, and the exponent of
+/// its decrease: so steep that a few tentative tracks delay no target.
 const AGREEMENT: f64 = 2.0;
 const AGREEMENT_FALLS: f64 = 5.0;
 /// A source that follows fewer targets than this here need not be waited for.
@@ -85,7 +86,8 @@ impl Life {
         }
     }
 
-    /// Whether there is a target, and what that rests on: the number of sources, or what a single one's claim is worth.
+    /// Whether the target exists, and the evidence: the number of sources, or the log-likelihood ratio of a single
+    /// source's claim.
     fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> (bool, f64) {
         let (mut sources, mut established, mut reports) = (0u64, 0u64, 0u32);
         for member in tracks.contributing(system, now_ns) {
@@ -187,8 +189,8 @@ impl Life {
     }
 }
 
-/// The worth of two sources that agree: the more tracks there are that nobody confirms, beside those that are shown,
-/// the more often two of them lie side by side by chance.
+/// Returns the log-likelihood ratio of two sources in agreement: the more unconfirmed tracks there are relative to
+/// confirmed tracks, the more often two coincide by chance.
 fn agreement_log_ratio(tracks: &Tracks) -> f64 {
     let count = |state| tracks.systems.count_in_state(state) as f64;
     let others = count(TrackState::Tentative) - 1.0;
@@ -196,8 +198,8 @@ fn agreement_log_ratio(tracks: &Tracks) -> f64 {
     AGREEMENT - AGREEMENT_FALLS * share.clamp(0.01, 1.0).ln()
 }
 
-/// Whether the target of a tentative track may be one that is shown already, which the other sources see at another
-/// point: nobody knows yet whether the two will come together.
+/// Returns whether the target of a tentative track may be a confirmed target, seen by the other sources at another
+/// point, while a later merge of the two is undecided.
 fn may_be_another(
     settings: &Settings,
     tracks: &Tracks,
@@ -217,8 +219,7 @@ fn may_be_another(
         && search.is_shown_already(system, now_ns)
 }
 
-/// Lets a system track whose deadline has come up coast or end, unless it is too early. When the next one is due;
-/// `None` if it has ended.
+/// Lets a system track with a due deadline coast or terminate. Returns the next deadline; `None` after termination.
 fn run_timer<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -272,8 +273,8 @@ pub(crate) fn count_miss<S: Sink>(
     }
 }
 
-/// Makes a system track tentative again, since its sources say that they no longer see the target: it is not shown
-/// until one does.
+/// Makes a system track tentative again because its sources no longer detect the target: it is withheld until the
+/// next detection.
 pub(crate) fn suppress<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -297,7 +298,7 @@ pub(crate) fn publish<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: S
     publish_change(settings, tracks, slot, time_ns, out);
 }
 
-/// Ends a system track; its remaining sensor tracks, all stale, go with it.
+/// Terminates a system track together with its remaining, stale sensor tracks.
 pub(crate) fn end<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,

@@ -1,10 +1,9 @@
-//! How long reports and tracks live: in multiples of the time that their sources take from one report to the next.
+//! Life times of reports and tracks, in multiples of their sources' periods.
 //!
-//! A track must live until its slowest source can have reported it again: a radar that turns once in twelve seconds
-//! would start each of its targets anew with every turn if tracks ended after six. So the times that nobody has stated
-//! follow from the sources' periods, and a period that nobody has stated is learned: it is the median time between two
-//! reports of one sensor track. While a source has reported nothing twice, it may be a slow one, and tracks are
-//! given the time that shows it.
+//! A track must live until the next report of its slowest source: with a radar turn of twelve seconds, tracks that
+//! end after six would restart at every turn. Life times without a configured value follow from the sources' periods,
+//! and an unknown period is learned: the median time between two reports of a sensor track. Before the second report
+//! of a source, the source may be slow, and tracks get sufficient time.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
@@ -31,7 +30,7 @@ pub(crate) struct Lifetimes {
     pub(crate) terminate_ns: i64,
 }
 
-/// Period of a source of which nobody has stated it.
+/// Period of a source without a configured period.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct LearnedPeriod {
     /// The shortest that is believed, nanoseconds; `None` if the source's period is stated.
@@ -71,7 +70,7 @@ impl Lifetimes {
         self.fresh_ns[usize::from(source)]
     }
 
-    /// Learns from a report of `source`, `since_ns` after the one before of its sensor track if there was one.
+    /// Learns from a report of `source`, `since_ns` after the previous report of its sensor track, if any.
     pub(crate) fn learn(&mut self, source: u16, time_ns: i64, since_ns: Option<i64>) {
         let learned = &mut self.learned[usize::from(source)];
         if learned.least_ns.is_none() {
@@ -85,8 +84,8 @@ impl Lifetimes {
         }
     }
 
-    /// Sets the periods of the sources to those that were learned, and all times follow from them; whether a period is
-    /// another one now.
+    /// Sets the sources' periods to the learned values, and derives all life times; returns whether a period has
+    /// changed.
     pub(crate) fn follow(&mut self, settings: &LifeSettings, sources: &mut [SourceSettings], now_ns: i64) -> bool {
         let mut has_changed = false;
         for ((learned, fresh_ns), source) in self.learned.iter().zip(&mut self.fresh_ns).zip(sources) {

@@ -1,11 +1,11 @@
 //! To which system track a sensor track belongs: joining, leaving, moving (TI-3, QF-3, BF-2).
 //!
-//! A sensor track stays with its system track, and leaves it only when
-//! - its identity says so: an address belongs to exactly one system track, and the other way round;
-//! - its innovations keep missing the others' to one side (a wrong association, or the sensor has swapped targets);
-//! - it keeps looking crossed with another one of its source, on a target beside its own ([`crossing`]);
-//! - it, or the whole system track it is in, keeps agreeing with another one that has none of its sources (one target
-//!   that was started twice).
+//! A sensor track stays with its system track, and leaves only under these conditions:
+//! - its identity contradicts: an address belongs to exactly one system track, and a system track has one address;
+//! - its innovations repeatedly deviate to the same side (a wrong association, or the sensor has swapped targets);
+//! - it repeatedly appears crossed with another track of its source, on a target beside its own ([`crossing`]);
+//! - the sensor track, or its whole system track, repeatedly agrees with another system track without a common source
+//!   (a target started twice).
 
 use messages::{Counter, Decision, DecisionKind, NO_SOURCE, SensorTrack, TrackState};
 
@@ -34,7 +34,7 @@ pub(crate) enum Next {
     Done,
     /// The sensor track waits until its scan is complete.
     Wait,
-    /// A system track has lost all its sensor tracks to another one, and ends.
+    /// A system track has lost all its sensor tracks to another system track, and terminates.
     End(Merged),
 }
 
@@ -77,8 +77,8 @@ impl Linking<'_> {
         }
     }
 
-    /// Associates a sensor track that belongs nowhere: an address says at once where; the others wait until their scan
-    /// is complete.
+    /// Associates a sensor track without a system track: by an address at once; without an address at the end of its
+    /// scan.
     fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         if entry.blocked {
@@ -102,7 +102,7 @@ impl Linking<'_> {
         Next::Done
     }
 
-    /// The system track of which the sensor track was a member before the start, if it may still be, with its d².
+    /// Returns the former system track of the sensor track before a restart, if still possible, with d².
     fn recall(&mut self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
         let system = self.tracks.recall(sensor)?;
         let d2 = self.search().resumption_distance(sensor, system)?;
@@ -132,7 +132,7 @@ impl Linking<'_> {
         true
     }
 
-    /// Decides whether the sensor track may stay where it is, and if not, where it goes.
+    /// Decides whether the sensor track stays, or its new system track.
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
@@ -201,7 +201,7 @@ impl Linking<'_> {
         true
     }
 
-    /// Takes a sensor track out of its system track; it goes where its scan, or its address, says.
+    /// Removes a sensor track from its system track; its scan, or its address, decides on its new system track.
     fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         self.tracks.unlink(sensor);
         self.place(sensor, out)
@@ -250,7 +250,7 @@ impl Linking<'_> {
         self.misfits(sensor, outside)
     }
 
-    /// Whether so many reports in a row did not fit, this one included if it is a `misfit`, that the sensor track
+    /// Returns whether so many successive reports did not fit, including the present `misfit`, that the sensor track
     /// leaves.
     fn misfits(&mut self, sensor: SensorSlot, misfit: bool) -> bool {
         let entry = self.tracks.sensors.get_mut(sensor);
@@ -274,8 +274,7 @@ impl Linking<'_> {
         (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
-    /// Looks, once a second, whether the target has a second system track; merges into the older one if it keeps
-    /// finding it.
+    /// Checks once a second for a duplicate of the system track; merges into the older track after repeated findings.
     fn look_for_duplicate<S: Sink>(&mut self, system: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;
@@ -309,7 +308,7 @@ impl Linking<'_> {
         Next::Done
     }
 
-    /// Makes one system track of two. The one that is shown lives on, of two that are the older one.
+    /// Merges two system tracks. The confirmed track survives; of two equal tracks the older.
     pub(crate) fn merge<S: Sink>(
         &mut self,
         a: SystemSlot,

@@ -1,14 +1,14 @@
 //! How hard targets manoeuvre: the process noise of turns, per class of targets, learned from innovations.
 //!
-//! A target that turns with the rate usual for its kind is accelerated in proportion to its speed: so there is a class
-//! of slow targets (vessels, vehicles, aircraft that taxi) and one of fast ones (aircraft). Each begins with what the
-//! sources' own trackers assume, where they betray it; a tracker with one model has to compromise between straight
-//! flight and turns, so turns are harder than that. Else it begins with what is usual.
+//! A target with the usual turn rate of its kind has an acceleration in proportion to its speed: therefore slow
+//! targets (vessels, vehicles, taxiing aircraft) and fast targets (aircraft) are separate classes. Each class begins
+//! with the assumption of the sources' own trackers, if visible. A tracker with a single model compromises between
+//! straight flight and turns, so that real turns are harder. Otherwise the class begins with the default.
 //!
-//! From there the noise is learned. While a target surely turns, the innovations of the filter's turning model should
-//! be as large, for what their covariances allow, as those of its steady model are on the straight: if they are larger,
-//! targets turn harder than assumed. Since both are compared with each other, it does not matter how true the sources'
-//! covariances are. Medians are compared, so that a wrong association cannot spoil them.
+//! Then the noise is learned. During certain turns, the innovations of the turning model should be as large, relative
+//! to their covariances, as those of the steady model on straight legs: larger innovations indicate harder turns.
+//! Because both are compared with each other, wrong covariances of sources do not matter. Medians are compared, so
+//! that a wrong association has no influence.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;

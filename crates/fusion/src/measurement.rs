@@ -1,9 +1,9 @@
 //! The measurement that a report yields: recovered from the sensor track where the source's filter can be undone, else
 //! the report itself.
 //!
-//! A report that comes from a filter which cannot be undone repeats what earlier ones said; its errors persist over
-//! some reports. Such a one stands for a measurement with three times its covariance. A covariance without correlation
-//! of position and velocity shows no filter: then the report is taken as it is.
+//! A report of a filter that cannot be undone repeats earlier information; its errors persist over some reports. Such
+//! a report stands for a measurement with three times its covariance. A covariance without correlation of position
+//! and velocity indicates no filter: the report is used directly.
 
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
 use messages::{AXES, SensorTrack, sensor_track_bits};
@@ -27,7 +27,7 @@ pub(crate) fn gaussian_of(report: &SensorTrack) -> Gaussian {
 /// Known errors of a report.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Correction {
-    /// By how much its source's known errors have moved it, metres.
+    /// Displacement by the known biases of the source, metres.
     pub(crate) shift_m: [f64; AXES],
     /// By how much its covariance claims too much.
     pub(crate) covariance_scale: f64,
@@ -49,12 +49,12 @@ pub(crate) struct Measurement {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: Symmetric3,
-    /// How many axes were measured: all, or 2 if height was not observed; then the third says nothing.
+    /// Number of measured axes: 3, or 2 without observed height; the third then has no meaning.
     pub(crate) axes: usize,
 }
 
 impl Measurement {
-    /// Takes off the known errors of its source, and gives it as much uncertainty as it should have claimed.
+    /// Removes the known biases of the source, and enlarges the covariance to the right size.
     pub(crate) fn correct(&mut self, correction: &Correction) {
         for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
             *position -= shift;
@@ -74,7 +74,7 @@ impl Measurement {
     }
 }
 
-/// All that a report knows of the position: what a sensor track that has just joined contributes.
+/// Returns all position information of a report: the contribution of a sensor track that has just joined.
 pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
     let p = |row, column| report.covariance.get(row, column);
     Measurement {
@@ -131,8 +131,8 @@ pub(crate) fn recovered_measurement(
     Some(measurement)
 }
 
-/// Whether exactly one position measurement can have led from `predicted` to `updated`: it leaves the regression of
-/// velocity on position as it was.
+/// Returns whether exactly one position measurement can explain the change from `predicted` to `updated`: the
+/// regression of velocity on position is then unchanged.
 fn is_one_update(predicted: &Gaussian, updated: &Gaussian) -> bool {
     let regression = |of: &Gaussian| {
         let block = |row: usize| Matrix2::from_fn(|i, j| of.covariance.get(row + i, j));

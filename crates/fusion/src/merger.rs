@@ -1,11 +1,11 @@
 //! Merging the sources by time (order of work `time`, PL-12).
 //!
-//! Reports of several recorded sources reach fusion in an order that depends on scheduling and replay speed. Working
-//! them off as they come would make the result depend on it too. So each source also says how far it has got, its
-//! *watermark*: nothing older will follow. The earliest waiting report may be worked off once no other source can
-//! still deliver an earlier one: every source either has a report waiting, or a watermark beyond it, or has ended. The
-//! price is latency (the slowest source sets the pace), which recorded inputs do not mind and live ones do: they use
-//! order `arrival` and no merger.
+//! Reports of several recorded sources reach fusion in an order that depends on scheduling and replay speed.
+//! Processing in this order would make the result depend on it. Therefore each source also publishes its *watermark*:
+//! no older report will follow. The earliest waiting report is processed when no other source can deliver an earlier
+//! report: every source has a waiting report, or a watermark beyond the report, or has ended. The price is latency
+//! (the slowest source sets the pace), acceptable for recorded inputs but not for live inputs, which use order
+//! `arrival` without a merger.
 
 use std::collections::VecDeque;
 
@@ -32,7 +32,7 @@ struct SourceQueue {
 pub enum PushOutcome {
     /// The report waits for its turn.
     Waiting,
-    /// The report waits, and the source's oldest waiting one was dropped for it: the queue was full.
+    /// The report waits, and the source's oldest waiting report was dropped because its queue was full.
     DroppedOldest,
     /// The report is older than one already worked off, and was rejected.
     OutOfOrder,
@@ -61,7 +61,7 @@ impl Merger {
         self.capacity - self.sources[source].queue.len()
     }
 
-    /// Hands in a report. Sequence numbers of a source must rise; what is not above the last one is a repetition.
+    /// Adds a report. Sequence numbers of a source must increase; a number not above the last is a repetition.
     pub fn push(&mut self, source: usize, report: &SensorTrack) -> PushOutcome {
         let worked_off_ns = self.worked_off_ns;
         let waiting = &mut self.sources[source];

@@ -1,4 +1,4 @@
-//! A system track as subscribers are told of it.
+//! Message of a system track for subscribers.
 
 use messages::{
     AXES, Contribution, Movement, NO_SOURCE, SensorTrack, StageTimes, SystemTrack, TrackState, contribution_bits,
@@ -56,8 +56,8 @@ pub(crate) fn publish_extrapolated<S: Sink>(
     tracks.keep(slot);
 }
 
-/// Writes into `message` what there is to say of a system track that `cause` changed, to which the contributions
-/// `weighed` led; without them, it lists none. What no message says of itself is left as it is: 0.
+/// Writes the state of a system track changed by `cause`, with the contributions `weighed`, into `message`. Fields
+/// set elsewhere remain 0.
 pub(crate) fn write(
     message: &mut SystemTrack,
     settings: &Settings,
@@ -144,7 +144,7 @@ pub(crate) fn write(
     message.contributions[left_over].fill(Contribution::default());
 }
 
-/// Lists, after the contributions, other centres that told of the target and have fallen silent.
+/// Lists, after the contributions, other centres that tracked the target and are silent now.
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {
         let centre = tracks.sensors.get(member);

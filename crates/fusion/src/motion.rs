@@ -19,7 +19,7 @@ kept! {
 }
 
 impl Motion {
-    /// Variance per axis of what turns that nobody has noticed yet do to a velocity, m²/s².
+    /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
     pub(crate) fn unnoticed_m2ps2(&self) -> f64 {
         let share = UNNOTICED_S / self.steady_s;
         0.5 * share * UNNOTICED_S * self.turns.density_m2ps3[0]

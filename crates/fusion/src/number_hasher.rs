@@ -13,7 +13,7 @@ use std::hash::{BuildHasher, Hasher};
 
 /// Numbers of one block lie next to each other.
 const BLOCK_BITS: u32 = 16;
-/// The bits by which the table tells neighbours apart without looking at them: the uppermost.
+/// Uppermost bits, by which the table distinguishes neighbours without reading them.
 const TAG_SHIFT: u32 = 57;
 
 /// Makes hashes of (source, track number), or of an address, for a table of a certain size.
@@ -71,7 +71,7 @@ impl Hasher for Place {
     }
 }
 
-/// A table in whatever form serde writes.
+/// A table in serde's form.
 pub(crate) mod table {
     use std::collections::HashMap;
 

@@ -1,9 +1,9 @@
 //! Numbers of system tracks, none of which is given to two targets within a day.
 //!
-//! Numbers count up from 1. Where nobody knows which were given, numbering begins at a place by the time of day in the
-//! upper half of all numbers, which no numbering from 1 reaches within a day: later starts begin at higher places, and
-//! no engine starts tracks faster than these places pass (25 in a millisecond). After the last number follows the first
-//! one of the upper half, which is the place of midnight.
+//! Numbers count up from 1. If the used numbers are unknown, numbering begins at a number derived from the time of
+//! day in the upper half of all numbers, which no numbering from 1 reaches within a day: later starts begin at higher
+//! numbers, and no engine starts tracks faster than these numbers increase (25 in a millisecond). The last number is
+//! followed by the first number of the upper half, which belongs to midnight.
 
 /// First number of the upper half.
 const FIRST_ANEW: u32 = 1 << 31;
@@ -22,7 +22,7 @@ pub(crate) fn reserved(next: u32) -> u32 {
     u32::try_from(end).unwrap_or_else(|_| FIRST_ANEW + (end - (1 << 32)) as u32)
 }
 
-/// Where numbering begins at `utc_ns` (nanoseconds since 1970) if nobody knows which numbers were given.
+/// Returns the first number at `utc_ns` (nanoseconds since 1970) if the used numbers are unknown.
 pub fn anew(utc_ns: i64) -> u32 {
     let of_day_ns = i128::from(utc_ns.rem_euclid(DAY_NS));
     FIRST_ANEW + (of_day_ns * i128::from(FIRST_ANEW) / i128::from(DAY_NS)) as u32

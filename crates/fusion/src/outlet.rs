@@ -34,8 +34,8 @@ pub(crate) struct Outlet<'a, S> {
 }
 
 impl<S: Sink> Outlet<'_, S> {
-    /// Hands out the message that `write` makes of the one before. `false` if its state is not finite: then nobody is
-    /// told of it, and it is counted.
+    /// Passes on the message written by `write` from the previous message. `false` if its state is not finite: the
+    /// message is then dropped and counted.
     pub(crate) fn track(&mut self, write: impl FnOnce(&mut SystemTrack)) -> bool {
         let message = &mut self.outbox.message;
         write(message);

@@ -1,4 +1,4 @@
-//! Tables in whatever form serde writes: of the places that nothing has taken, only that they are free.
+//! Tables in serde's form, with free places stored as such.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

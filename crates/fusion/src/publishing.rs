@@ -21,7 +21,7 @@ use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 use crate::weighing::{Weighed, Weigher};
 
-/// Other centres whose states are joined at a time.
+/// Largest number of joined centres.
 const CENTRES_MAX: usize = 8;
 
 /// The weighing of system tracks by the rule.
@@ -57,8 +57,8 @@ impl Publisher {
         self.rule
     }
 
-    /// States from the filter have from now on an error of this variance per axis that no innovation shows, m²: of what
-    /// the sources' offsets have in common, and of which point of a target they follow.
+    /// Adds a variance per axis to states of the filter, m², for errors invisible in innovations: common offsets of
+    /// the sources, and the unknown point of a target.
     pub(crate) fn set_common_error(&mut self, variance_m2: f64) {
         self.common_error_m2 = variance_m2;
     }
@@ -118,8 +118,8 @@ impl Publisher {
         }
     }
 
-    /// Weighs the contributions to a system track at a reference time, stores the state they yield and publishes it.
-    /// The cause is the report that made it necessary.
+    /// Weighs the contributions to a system track at a reference time, and stores and publishes the state. The cause
+    /// is the report that triggered this.
     fn weigh<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -174,7 +174,7 @@ impl Publisher {
         tracks.keep(system);
     }
 
-    /// Whether other centres are told of a system track.
+    /// Returns whether other centres receive a system track.
     fn is_exchanged(settings: &BorderSettings, tracks: &Tracks, system: SystemSlot) -> bool {
         let [east, north, _] = tracks.systems.get(system).state.position_m;
         settings.is_in_strip([east, north])
@@ -193,7 +193,7 @@ impl Publisher {
         tracks.systems.get_mut(system).ownership = ownership;
     }
 
-    /// Notes what the contributions say that the target is.
+    /// Stores the description of the target by its contributions.
     fn describe(&self, tracks: &mut Tracks, system: SystemSlot) {
         let members = self.weighed.members().iter();
         let said = members.map(|member| {
@@ -216,7 +216,7 @@ impl Publisher {
         entry.description = description;
     }
 
-    /// Makes the estimate of the target's filter its state, less sure by what no innovation shows.
+    /// Sets the state to the estimate of the target's filter, with the additional variance.
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
         let motion = sources.motion_of(&entry.filter);
@@ -229,7 +229,7 @@ impl Publisher {
         }
     }
 
-    /// Makes the target's state what `rule` makes of the contributions; `false` if it can use none of them.
+    /// Sets the state to the result of `rule` for the contributions; `false` if the rule can use none.
     fn fuse<S: Sink>(
         &mut self,
         settings: &Settings,
@@ -260,8 +260,8 @@ impl Publisher {
         is_usable
     }
 
-    /// Joins the state that the own sources led to, if it `is_usable`, with those of other centres; whether there are
-    /// any.
+    /// Joins the state of the local sources, if it `is_usable`, with those of other centres; returns whether there
+    /// are any.
     fn join_centres(
         &mut self,
         tracks: &mut Tracks,
@@ -322,8 +322,8 @@ impl Publisher {
     }
 }
 
-/// Lists, after the contributions, those of `contributors` (sources, as bits) that no longer contribute: what they said
-/// is in the state.
+/// Lists, after the contributions, `contributors` (sources, as bits) that no longer contribute: their information is
+/// in the state.
 fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], contributors: u64) {
     for (number, source) in (0..).zip(sources) {
         let is_listed = message.contributions().iter().any(|listed| listed.source == number);
@@ -343,7 +343,7 @@ fn list_contributors(message: &mut SystemTrack, sources: &[SourceSettings], cont
     }
 }
 
-/// Lets the state of a system track that is not finite begin anew with the latest report of one of its members.
+/// Restarts a state that is not finite with the latest report of a member.
 #[cold]
 fn restart(tracks: &mut Tracks, system: SystemSlot) {
     if let Some(member) = tracks.systems.get(system).members {

@@ -1,9 +1,9 @@
-//! Quality index of each sensor track: which of its last scans confirmed it (QF-4).
+//! Quality index of each sensor track: its recently confirmed scans (QF-4).
 //!
-//! A report is worth one scan of its source, 1 if the track is confirmed and 0 if not; a due scan without a report is
-//! worth 0. Scans are told apart by time alone: what comes within half a period of the scan's beginning belongs to it,
-//! and a scan is missed once half a period has passed since it was due. So an antenna may turn a little unevenly, and a
-//! source that reports more often than its period does not gain by it.
+//! A report gives a scan of its source the value 1 if the track is confirmed, otherwise 0; a due scan without a
+//! report has the value 0. Scans are distinguished by time alone: reports within half a period of the scan's
+//! beginning belong to the scan, and a scan is missed half a period after its due time. The antenna may thus turn
+//! unevenly, and a source with more frequent reports than its period has no advantage.
 
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +36,7 @@ impl Qualities {
         self.scans[slot] = Scans::default();
     }
 
-    /// A report of the track in `slot`, whose source has the given period.
+    /// Adds a report of the track in `slot` of a source with the given period.
     pub(crate) fn push(&mut self, slot: usize, time_ns: i64, period_ns: i64, confirmed: bool) {
         let scans = &mut self.scans[slot];
         let passed = scans
@@ -63,7 +63,7 @@ impl Qualities {
     }
 }
 
-/// How many scans after the one that began `age_ns` ago it is, to the nearest.
+/// Returns the number of scans since the scan that began `age_ns` ago, rounded.
 fn nearest_scan(age_ns: i64, period_ns: i64) -> u64 {
     let period_ns = period_ns.max(1);
     ((age_ns.max(0) + period_ns / 2) / period_ns) as u64

@@ -1,10 +1,10 @@
 //! Places of a table that several sources share: one source's flood must not keep the others out.
 //!
-//! A source may always have its fair share, an equal part of the table; above that it gets what is free. Nothing is
-//! kept for those who do not need it: of its share, a source's *claim* is what it has had at a time, or was refused.
-//! Places that it claims and does not have now are given to nobody else. So where one source sees nearly everything it
-//! has nearly all of the table, and one that floods the table takes nothing from those that were there before it, and
-//! loses to those that come later as its own entries end.
+//! A source may always use its fair share, an equal part of the table, and additionally free places. Unused shares
+//! are available to others: a source's *claim* is the largest part of its share that it has used, or was refused.
+//! Claimed free places are reserved for the source. A source that alone sees nearly everything thus gets nearly the
+//! whole table; a flooding source takes nothing from earlier sources, and loses places to later sources as its own
+//! entries end.
 
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +43,7 @@ impl Quota {
         }
     }
 
-    /// Takes a place for `source`; `false` if it cannot have one now.
+    /// Takes a place for `source`; `false` if none is available.
     pub(crate) fn take(&mut self, source: u16) -> bool {
         let places = &mut self.sources[usize::from(source)];
         if places.reserved() > 0 && self.free > 0 {

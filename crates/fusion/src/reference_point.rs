@@ -1,11 +1,11 @@
 //! One point per target, where the sources see different points of large targets.
 //!
-//! Each sensor sees its own antenna, edge or echo centre, and mixing them makes the fused position creep as the mixture
-//! changes. Then one point is kept per target: that of the source which comes first by its priority, so that all
-//! targets show the same point, if they can. The others' points are estimated relative to it, in a frame that turns
-//! with the target's course, and taken off their measurements; so all of them go on improving the position, and when
-//! the first source falls silent the point stays where it was. When one that comes before it has followed the target
-//! for a while, its point is taken instead.
+//! Each sensor observes its own antenna, edge or echo centre; mixing these points moves the fused position with the
+//! mixture. If sources observe different points, a single reference point is kept per target: that of the first
+//! source by priority, so that all targets show the same point, if possible. The points of other sources are
+//! estimated relative to it, in a frame that turns with the target's course, and subtracted from their measurements;
+//! all sources thus continue to improve the position, and the point remains when the first source falls silent. When
+//! a source of higher priority has tracked the target for a while, its point is used instead.
 
 use std::collections::BTreeMap;
 
@@ -55,12 +55,12 @@ const GAIN_MIN: f64 = 0.05;
 pub(crate) struct ReferencePoints {
     /// Whether the sources see different points of the targets.
     sees_points: bool,
-    /// Whether they do and the rule keeps one per target.
+    /// Whether sources observe different points, and the rule keeps a single point per target.
     keeps_points: bool,
     /// How far the point that a filter follows, one or the mean of all, lies from the target's middle, as a variance
     /// per axis, m².
     spread_m2: f64,
-    /// Number of changes of `keeps_points`: what was estimated before the last one is void.
+    /// Number of changes of `keeps_points`: estimates before the last change are void.
     epoch: u32,
 }
 
@@ -204,7 +204,7 @@ fn foremost(settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i6
     })
 }
 
-/// Whether the source of a sensor track comes before the one whose point its target's filter follows.
+/// Returns whether the source of a sensor track precedes the source of the filter's reference point.
 fn comes_first(settings: &Settings, tracks: &Tracks, sensor: SensorSlot) -> bool {
     let entry = tracks.sensors.get(sensor);
     settings.comes_before(entry.source, tracks.systems.get(entry.system).point_source)

@@ -10,7 +10,7 @@ pub const REGIONS_MAX: usize = 64;
 /// Region of a centre.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Region {
-    /// Deployment whose it is: `origin` of its configuration.
+    /// Owning deployment: `origin` of its configuration.
     pub origin: u32,
     /// Whether it is the deployment at hand.
     pub is_own: bool,
@@ -19,7 +19,8 @@ pub struct Region {
 }
 
 impl Region {
-    /// Whether a place, east and north, metres, lies in it: a ray from there crosses its sides an odd number of times.
+    /// Returns whether a place, east and north, metres, is inside: a ray from there crosses the sides an odd number
+    /// of times.
     pub fn contains(&self, [east, north]: [f64; 2]) -> bool {
         let crossed = self.sides().filter(|[a, b]| {
             let is_between = (a[1] > north) != (b[1] > north);

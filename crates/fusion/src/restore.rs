@@ -1,7 +1,7 @@
-//! Content of the engine's checkpoint, and how it starts from one.
+//! Content of the engine's checkpoint, and start from a checkpoint.
 //!
-//! Tracks write themselves when they change ([`Tracks::keep`](crate::tracks::Tracks)); what was learned of the sources
-//! is written in turn, whenever the caller has time ([`Engine::keep_learned`]), and changes nothing else.
+//! Tracks write themselves when they change ([`Tracks::keep`](crate::tracks::Tracks)); learned properties of sources
+//! are written in turn when the caller has time ([`Engine::keep_learned`]), without other effects.
 
 use kept::{Get, Kept, kept};
 use messages::{Bias, BiasKind, NS_PER_S, TrackState};
@@ -21,7 +21,7 @@ use crate::suspects::Suspects;
 use crate::system_tracks::{KeptTrack, SystemSlot};
 use crate::tracks::Member;
 
-/// A track that ended so shortly before the process was killed may never have been told ended, nanoseconds.
+/// Time before a kill within which the end of a track may not have been published, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
 /// Kinds that are written in turn.
 const IN_TURN: [Kind; 4] = [Kind::Sources, Kind::Pairs, Kind::Classes, Kind::Cells];
@@ -33,7 +33,7 @@ kept! {
         errors: KeptErrors,
         detection: Tally,
         mean_square: Option<f64>,
-        /// Gross error that is believed, and what is taken off.
+        /// Accepted gross bias, and the removed bias.
         gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
     }
 }
@@ -65,7 +65,7 @@ impl Engine {
         Layout::new(&self.settings.capacity, &self.settings.sources, sizes)
     }
 
-    /// From now on what must outlive the process is kept in `memory`, which is blank.
+    /// Keeps the engine's state in `memory`, which is blank, from now on.
     pub fn keep_checkpoint(&mut self, memory: Box<dyn Memory>) {
         let checkpoint = Checkpoint::begin(memory, self.checkpoint_layout());
         self.tracks.keep_in(checkpoint);
@@ -73,9 +73,9 @@ impl Engine {
         self.keep_learned(self.learned_records());
     }
 
-    /// Starts from what another engine had kept. Its system tracks go on under their numbers; where `ends`, as the
-    /// checkpoint is too old for that, `sink` is told that each has ended. So it is of those that had ended shortly
-    /// before, since nobody may have been told.
+    /// Starts from the state kept by another engine. System tracks continue under their numbers; with `ends`, because
+    /// the checkpoint is too old, each is reported to `sink` as terminated. The same applies to tracks that ended
+    /// shortly before, because their end may not have been published.
     pub fn resume(&mut self, snapshot: &Snapshot, ends: bool, sink: &mut impl Sink) {
         let passed_ns = snapshot.clock().map_or(i64::MIN, |clock| clock.passed_ns);
         self.host_clock.offset_ns = snapshot.clock().map_or(0, |clock| clock.host_offset_ns);
@@ -183,7 +183,7 @@ impl Engine {
         })
     }
 
-    /// Writes the next `count` records of what was learned of the sources.
+    /// Writes the next `count` records of learned properties of the sources.
     pub fn keep_learned(&mut self, count: usize) {
         for _ in 0..count {
             self.keep_next_learned();

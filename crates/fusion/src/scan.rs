@@ -1,10 +1,10 @@
-//! What is new in a scan, assigned as a whole (BF-2).
+//! Assignment of all new sensor tracks of a scan together (BF-2).
 //!
-//! A sensor track that belongs to a system track stays there; its reports need no search. The others, those that belong
-//! nowhere yet and those that are alone on a system track of their own, compete: two aircraft in formation are reported
-//! by a coarse sensor nearer to each other than its errors, and taking the nearest system track for one after the other
-//! gives the second one what is left. So they wait until the scan they came in is complete, a fraction of the source's
-//! period, and are then assigned together so that the sum of their statistical distances is smallest.
+//! A sensor track that belongs to a system track stays there; its reports need no search. Sensor tracks without a
+//! system track, and sensor tracks alone on their own system track, compete: a coarse sensor reports two aircraft in
+//! formation nearer to each other than its errors, and choosing the nearest system track for each in turn leaves the
+//! remainder to the second. Therefore they wait until their scan is complete, a fraction of the source's period, and
+//! are assigned together with the smallest sum of statistical distances.
 
 use association::assignment::{Assignment, Pair};
 use serde::{Deserialize, Serialize};
@@ -21,7 +21,7 @@ const WAITING_MAX: usize = 4096;
 /// Most admissible pairs of one scan.
 const PAIRS_MAX: usize = 4 * WAITING_MAX;
 
-/// Sensor tracks that wait for the end of their scan, per source, and room to assign them.
+/// Sensor tracks waiting for the end of their scan, per source, and room for the assignment.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Scans {
     scans: Vec<Scan>,
@@ -110,7 +110,7 @@ impl Scans {
         self.due_ns = self.due_ns.min(scan.complete_ns());
     }
 
-    /// A source whose scan is complete at `time_ns`, the one with the smallest number; `None` if no scan is any more.
+    /// Returns a source with a complete scan at `time_ns`, the source with the smallest number; `None` without one.
     pub(crate) fn complete_at(&mut self, time_ns: i64) -> Option<u16> {
         let complete = |scan: &Scan| !scan.waiting.is_empty() && scan.complete_ns() <= time_ns;
         let source = self.scans.iter().position(complete);

@@ -1,12 +1,13 @@
-//! A factor that is sought by steps, since no sample says more than "more" or "less".
+//! Factor found by steps, from samples that only indicate "more" or "less".
 //!
-//! Each sample moves its logarithm by a bounded step, so that none can spoil it: it comes to rest where as many ask for
-//! more as for less. While nearly all ask for the same, which chance seldom brings about, steps are longer.
+//! Each sample moves the logarithm by a bounded step, so that no sample can spoil the factor: it settles where as
+//! many samples ask for more as for less. While nearly all samples ask for the same, which is unlikely by chance,
+//! steps are longer.
 
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-/// Step of the logarithm per sample, and how much longer it may become where all samples say the same.
+/// Step of the logarithm per sample, and its largest factor while all samples ask for the same.
 const STEP: f64 = 0.03;
 const STRIDE: f64 = 0.3;
 /// Agreement of the samples from which the step becomes longer: chance seldom reaches it.

@@ -24,11 +24,12 @@ pub(crate) const NO_SYSTEM: u32 = u32::MAX;
 /// Role of a sensor track in its system track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Role {
-    /// The one that contributes for its source.
+    /// The primary track, which contributes for its source.
     Primary,
-    /// One whose source already has a primary there: another part of the target, or a number not yet taken over.
+    /// A track whose source already has a primary track there: another part of the target, or a number not yet taken
+    /// over.
     Duplicate,
-    /// One that other sources contradict: it contributes nothing.
+    /// A track contradicted by other sources, without a contribution.
     SetAside,
 }
 
@@ -48,8 +49,8 @@ impl Link {
     }
 }
 
-/// One live sensor track. What every report of its system track's other members looks at comes first, in one line of
-/// the cache.
+/// Live sensor track. Fields read by every report of the other members of its system track come first, in one cache
+/// line.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C, align(64))]
 pub(crate) struct SensorEntry {
@@ -70,28 +71,28 @@ pub(crate) struct SensorEntry {
     /// Source of `latest`.
     pub(crate) source: u16,
     pub(crate) role: Role,
-    /// Alerts of `latest`, and whether it says that the target is on the ground.
+    /// Alerts of `latest`, and whether its target is on the ground.
     pub(crate) alerts: u8,
     pub(crate) on_ground: bool,
-    /// Whether `latest` says that it is of a group, or of which type its target is.
+    /// Whether `latest` states a group or a type.
     pub(crate) is_described: bool,
     /// Whether it is a system track of another centre.
     pub(crate) is_foreign: bool,
     /// The latest report, without its source's known errors.
     pub(crate) latest: SensorTrack,
-    /// Whether the covariance of `latest` had to be repaired: then its source is not judged by it.
+    /// Whether the covariance of `latest` was repaired: its source is then not judged by it.
     pub(crate) repaired: bool,
     /// Reports in a row that did not fit the rest of the system track.
     pub(crate) misfits: u32,
     /// Number of another system track that the last reports fitted, and how many in a row.
     pub(crate) competing: Option<(u32, u32)>,
-    /// Number of the system track that it may be crossed with, and the sum of log-likelihood ratios for it.
+    /// Number of the system track with which it may be crossed, and the sum of log-likelihood ratios.
     pub(crate) crossed: Option<(u32, f64)>,
     /// How often the correction of gross errors of its source had changed before: `Alignment::epoch_of`.
     pub(crate) epoch: u8,
     /// Whether this place of the table is taken.
     live: bool,
-    /// Whether it waits for the end of its scan.
+    /// Whether the track waits for the end of its scan.
     pub(crate) waits: bool,
     /// True while an order keeps it from starting or joining a system track.
     pub(crate) blocked: bool,
@@ -173,8 +174,7 @@ impl SensorEntry {
         state
     }
 
-    /// Takes the next report, of which `identity` is believed, as what the source would have said without its known
-    /// errors.
+    /// Adds the next report, with the accepted `identity`, after removal of the source's known biases.
     pub(crate) fn take(&mut self, report: &SensorTrack, identity: Identity, correction: &Correction) {
         let Correction {
             shift_m,
@@ -203,7 +203,7 @@ impl SensorEntry {
         self.misses = 0;
     }
 
-    /// Forgets what it was to its last system track, since it is about to belong to another one.
+    /// Clears the relation to the last system track before the track joins another.
     pub(crate) fn forget_target(&mut self) {
         self.misfits = 0;
         self.competing = None;
@@ -235,8 +235,7 @@ pub(crate) struct SensorTracks {
     quota: Quota,
     #[serde(with = "table")]
     by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
-    /// Where the next look for sensor tracks that nobody hears of any more begins, and where the present part of the
-    /// table ends.
+    /// Start of the next search for silent sensor tracks, and end of the present part of the table.
     swept: usize,
     part_end: usize,
     /// Whether histories are kept, and whether quality indices are.
@@ -247,8 +246,8 @@ pub(crate) struct SensorTracks {
 }
 
 impl SensorTracks {
-    /// With room for `capacity` sensor tracks of `sources` sources, the histories that are wanted, and what their last
-    /// scans were if a rule `scores` by it.
+    /// Returns a table for `capacity` sensor tracks of `sources` sources, with the requested histories, and with the
+    /// results of recent scans if a rule `scores` them.
     pub(crate) fn new(capacity: usize, sources: usize, histories: Option<Histories>, scores: bool) -> Self {
         // With room for twice the entries, the map clears its tombstones in place and never grows.
         let by_number = HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity));
@@ -321,8 +320,8 @@ impl SensorTracks {
         self.free.push(slot);
     }
 
-    /// From now on a further part of the table is to be looked through for sensor tracks that nobody hears of any more:
-    /// their sources need not say that they have ended.
+    /// Begins the search of a further part of the table for silent sensor tracks: sources need not report the end of
+    /// tracks.
     pub(crate) fn begin_part(&mut self) {
         const PARTS: usize = 16;
         if self.swept == self.entries.len() {

@@ -119,7 +119,7 @@ settings::settings! {
     /// Sizes of the tables, all allocated at the start.
     #[derive(Copy)]
     pub struct Capacity {
-        /// Most tracks, with all their branches.
+        /// Largest number of tracks, with all branches.
         tracks: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
         /// Most detections in a scan.
         detections: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";

@@ -26,7 +26,7 @@ const SOURCE_VOTES: u32 = 2;
 const MACHINE_VOTES: u32 = 1;
 const NS_PER_S: i64 = 1_000_000_000;
 
-/// Clock of one source that has been heard lately.
+/// Clock of a source with recent reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClockReading {
     /// Offset against the engine's time, seconds.
@@ -47,8 +47,8 @@ pub(crate) struct Clocks {
 }
 
 impl Clocks {
-    /// Goes on at `now` with the engine's time and the host offset of the fusion before this one: `ahead_ns` is by how
-    /// much that time was ahead of the machine's.
+    /// Continues at `now` with the engine's time and the host offset of the previous fusion process: `ahead_ns` is
+    /// that time minus the machine's.
     pub(crate) fn resume(&mut self, now: Now, ahead_ns: i64, host_offset_ns: i64) {
         self.engine = Some(SteadyClock::of(now).moved(ahead_ns));
         self.host_offset_ns = host_offset_ns;
@@ -129,8 +129,8 @@ fn least_step_s(sources: impl Iterator<Item = ClockReading>) -> f64 {
     sources.map(|known| known.step_s).fold(f64::MAX, f64::min)
 }
 
-/// The host offset of clocks that agree with `of_s`: none where the machine's is one of them and has not been set, else
-/// their mean in whole seconds.
+/// Returns the host offset of clocks that agree with `of_s`: none if the machine's clock is among them and has not
+/// been adjusted, else their mean in whole seconds.
 fn shared_ns(of_s: f64, machine_s: f64, sources: impl Iterator<Item = ClockReading> + Clone) -> i64 {
     let zero_is_among = machine_s == 0.0 && of_s.abs() <= least_step_s(sources.clone());
     if zero_is_among {

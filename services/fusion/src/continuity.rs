@@ -258,7 +258,7 @@ impl Keeping {
         engine.keep_suspects(&self.suspects);
     }
 
-    /// Writes what is due.
+    /// Writes the due records.
     #[inline]
     pub(crate) fn tend(&mut self, engine: &mut Engine, now: Now, ahead_ns: i64) {
         if now.mono_ns.saturating_sub(self.noted_ns) >= NOTE_NS {

@@ -12,7 +12,7 @@ use runtime::{Now, Speed};
 use crate::clocks::ClockReading;
 use crate::source_time::{Common, SourceTime};
 
-/// A source that has sent nothing for so long has no vote on whose clock is right, nanoseconds.
+/// Silence after which a source has no vote on the right clock, nanoseconds.
 const HEARD_NS: i64 = 60_000_000_000;
 /// Slices without a report, or of another layout, that are passed over in a row before other sources have their turn.
 const PASSED_OVER_MAX: usize = 16;
@@ -28,26 +28,27 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) progress_ns: i64,
     /// Order `arrival`: the slice that is being worked off.
     in_hand: Option<InHand<S>>,
-    /// Order `arrival`: by what its clock is judged.
+    /// Order `arrival`: judge of the source's clock.
     pub(crate) time: SourceTime,
     /// Monotonic time of the latest slice, nanoseconds.
     heard_ns: i64,
-    /// Whether it has said that nothing follows.
+    /// Whether the source has announced its end.
     pub(crate) has_ended: bool,
-    /// Order `arrival`, recordings: slices that were worked off, and the number that follows; until somebody is told.
+    /// Order `arrival`, recordings: processed slices and the following number, until published.
     pub(crate) passed: Vec<(BatchHeader, u64)>,
     next_number: u64,
-    /// Order `arrival`: how far a fusion before this one had worked its reports off.
+    /// Order `arrival`: progress of the previous fusion process.
     done: Option<Position>,
-    /// What was sent before this by other publishers than that one, it had worked off, too (monotonic, nanoseconds).
+    /// The previous process had also processed all reports sent by other publishers before this time (monotonic,
+    /// nanoseconds).
     done_ns: i64,
     /// Order `time`: publishers of reports that were taken, and the number of the first report of each.
     publishers: VecDeque<(u64, u64)>,
-    /// Order `time`: the publisher whose slice was taken last.
+    /// Order `time`: publisher of the last taken slice.
     publisher: Option<u64>,
 }
 
-/// A slice that stays in shared memory while its reports are worked off one at a time, in turn with other sources'.
+/// Slice that stays in shared memory while its reports are processed one at a time, in turn with other sources'.
 #[derive(Debug)]
 struct InHand<S: Transport> {
     slice: Slice<S, SensorTrack>,
@@ -61,13 +62,13 @@ struct InHand<S: Transport> {
 pub(crate) struct InputReport {
     pub(crate) report: SensorTrack,
     pub(crate) number: ReportNumber,
-    /// Whether it was the slice's last one.
+    /// Whether the report was the last of its slice.
     pub(crate) last: bool,
 }
 
 impl<S: Transport> Input<S> {
-    /// Opens the topics of all sources, in the order of their numbers, and has `waiter` watch them. Recordings are
-    /// replayed at `speed`.
+    /// Opens the topics of all sources, in the order of their numbers, watched by `waiter`. Recordings are replayed
+    /// at `speed`.
     pub(crate) fn open_all(
         config: &Config,
         speed: Speed,
@@ -141,8 +142,8 @@ impl<S: Transport> Input<S> {
         }
     }
 
-    /// Another fusion has got as far as `done`, and with other publishers of the source to what they sent before
-    /// `done_ns`: what it has worked off is passed over, and what it has not is kept.
+    /// Another fusion process has progressed to `done`, and for other publishers of the source to reports sent before
+    /// `done_ns`: processed reports are skipped, the others are kept.
     pub(crate) fn follow(&mut self, done: Option<Position>, done_ns: i64, clock: fn() -> i64) -> anyhow::Result<()> {
         (self.done, self.done_ns) = (done.or(self.done), done_ns);
         if let Some(hand) = self.in_hand.take() {
@@ -173,7 +174,7 @@ impl<S: Transport> Input<S> {
         self.in_hand.as_ref().map(|hand| hand.slice.header().sent_ns)
     }
 
-    /// The source's clock, if it has been heard lately; the engine's time is `ahead_s` ahead of the machine's UTC.
+    /// Returns the clock of a source with recent reports; the engine's time is `ahead_s` ahead of the machine's UTC.
     pub(crate) fn known_clock(&self, now: Now, ahead_s: f64) -> Option<ClockReading> {
         let is_heard = now.mono_ns.saturating_sub(self.heard_ns) <= HEARD_NS;
         self.time.known(ahead_s).filter(|_| is_heard)
@@ -205,7 +206,7 @@ impl<S: Transport> Input<S> {
         Some(InputReport { report, number, last })
     }
 
-    /// Order `time`: a slice of `publisher` was taken, whose reports are new from number `first` on.
+    /// Order `time`: a slice of `publisher` was taken; its reports are new from number `first` on.
     pub(crate) fn came_from(&mut self, publisher: u64, first: u64) {
         if self.publisher != Some(publisher) {
             self.publisher = Some(publisher);
@@ -213,7 +214,7 @@ impl<S: Transport> Input<S> {
         }
     }
 
-    /// Order `time`: the number of a report whose turn has come.
+    /// Order `time`: number of the next report to process.
     pub(crate) fn number_of(&mut self, report: &SensorTrack) -> ReportNumber {
         while self.publishers.get(1).is_some_and(|next| next.0 <= report.sequence) {
             self.publishers.pop_front();
@@ -225,8 +226,8 @@ impl<S: Transport> Input<S> {
         }
     }
 
-    /// Takes one slice, if there is one. Each report is stamped with the time by `clock` and its source, and handed to
-    /// `visit` before the header is.
+    /// Takes a slice, if available. Each report is stamped with the time by `clock` and its source, and passed to
+    /// `visit` before the header.
     pub(crate) fn take_slice(
         &mut self,
         clock: fn() -> i64,
@@ -250,7 +251,7 @@ impl<S: Transport> Input<S> {
         self.subscriber.has_slices()
     }
 
-    /// Adds what the topic's reader has counted.
+    /// Adds the counts of the topic's reader.
     pub(crate) fn count(&self, counters: &mut Counters) {
         let counts = self.subscriber.counts();
         counters[Counter::Taken] += counts.taken;

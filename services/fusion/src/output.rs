@@ -15,7 +15,7 @@ use runtime::housekeeping::Queues;
 pub(crate) struct Output<S: Transport> {
     publisher: Publisher<S, SystemTrack>,
     waiting: Vec<SystemTrack>,
-    /// What other centres are told.
+    /// Publisher for other centres.
     own: Option<OwnTracks<S>>,
     /// For recordings: the recorder must keep up.
     flow: Option<Flow<S>>,
@@ -59,7 +59,7 @@ impl<S: Transport> Sink for Output<S> {
 }
 
 impl<S: Transport> Output<S> {
-    /// States say that they are of `epoch`.
+    /// Sets the epoch of states.
     pub(crate) fn new(
         config: &Config,
         bus: &Bus<S>,
@@ -107,7 +107,7 @@ impl<S: Transport> Output<S> {
         })
     }
 
-    /// States say that the tracks of the fusion before this one go on.
+    /// Marks states as continuing the tracks of the previous epoch.
     pub(crate) fn go_on(&mut self) {
         self.publisher.go_on();
         if let Some(own) = &mut self.own {
@@ -138,7 +138,7 @@ impl<S: Transport> Output<S> {
         self.waiting.len()
     }
 
-    /// Sends what waits; with `end`, says that nothing follows.
+    /// Sends waiting states; with `end`, announces the end.
     pub(crate) fn send(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
         if self.waiting.is_empty() && !end {
             return Ok(());
@@ -182,7 +182,7 @@ impl<S: Transport> Output<S> {
         Ok(())
     }
 
-    /// Whether those who must not miss anything have everything.
+    /// Returns whether all required readers have everything.
     pub(crate) fn all_received(&mut self) -> anyhow::Result<bool> {
         let sent = self.publisher.counts().slices;
         let Some(flow) = &mut self.flow else { return Ok(true) };

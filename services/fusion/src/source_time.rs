@@ -1,4 +1,4 @@
-//! Time in order `arrival`: by what each source's clock is judged, and how far time has passed.
+//! Time in order `arrival`: judges of the sources' clocks, and the passage of time.
 //!
 //! Time passes by the engine's clock ([`crate::clocks`]), never by what a report claims. The offset of a live source is
 //! measured against times of receipt: by its adapter, which has the kernel's stamps and states the offset in its
@@ -13,7 +13,7 @@ use runtime::{Now, Speed};
 
 use crate::clocks::{ClockReading, agrees};
 
-/// A slice that claims to be older was not sent when it says, nanoseconds.
+/// Age above which a slice's stated time of sending is invalid, nanoseconds.
 const UNDERWAY_MAX_NS: i64 = 10_000_000_000;
 
 /// Offsets that hold for all sources, seconds.
@@ -28,7 +28,7 @@ pub(crate) struct Common {
 /// One source's time.
 #[derive(Clone, Debug)]
 pub(crate) enum SourceTime {
-    /// By what its adapter states in each slice.
+    /// Judged by the offset in each slice, stated by its adapter.
     Stated {
         /// Offset against the machine's UTC, seconds; `None` while it is not known.
         offset_s: Option<f64>,
@@ -93,20 +93,20 @@ impl SourceTime {
         offset_s.map(|offset_s| ClockReading { offset_s, step_s })
     }
 
-    /// Whether it is that of a recording, which waits for its readers.
+    /// Returns whether the clock is that of a recording, which waits for its readers.
     pub(crate) fn is_of_recording(&self) -> bool {
         matches!(self, Self::Paced { .. } | Self::Unpaced)
     }
 
-    /// A slice was sent at `sent_ns` (monotonic) that says or shows that the source has come to `time_ns`.
+    /// Adds a slice sent at `sent_ns` (monotonic) that states or shows the source's progress to `time_ns`.
     pub(crate) fn begin(&mut self, time_ns: i64, sent_ns: i64) {
         if let Self::Paced { began, .. } = self {
             began.get_or_insert((time_ns, sent_ns));
         }
     }
 
-    /// Whether the time of a report may be believed that claims to be of `time_ns`; its slice states that it was sent
-    /// at `sent_ns` (monotonic). `now` has the engine's time, and `clocks` what sound clocks have against it.
+    /// Returns whether a report's time `time_ns` is valid; its slice states the time of sending `sent_ns`
+    /// (monotonic). `now` has the engine's time, and `clocks` the offset of sound clocks.
     pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: Common) -> bool {
         match self {
             Self::Unpaced => return true,
@@ -142,7 +142,7 @@ impl SourceTime {
         }
     }
 
-    /// Where a replay's clock stands; `None` before it began, or without one.
+    /// Returns the present time of a replay; `None` before its start, or without a replay.
     pub(crate) fn paced_ns(&self, now: Now) -> Option<i64> {
         let Self::Paced { factor, began, .. } = self else {
             return None;

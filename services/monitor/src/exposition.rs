@@ -41,7 +41,7 @@ pub(crate) struct Snapshot {
     pub(crate) health_rejected: u64,
 }
 
-/// Latencies of one stage of one source's reports.
+/// Latencies of a stage, for the reports of a source.
 #[derive(Clone, Debug)]
 pub(crate) struct StageSample {
     pub(crate) stage: Stage,

@@ -1,21 +1,21 @@
-//! The monitor: says, live and at the end, whether the deployment does its job (PL-9).
+//! Monitor: reports during operation and at the end whether the deployment works (PL-9).
 //!
-//! An operator asks four questions. Does everything arrive? How long does it take? Is the picture right? Is every
-//! process there? No process can answer them for the others, so all say what they count (health messages), every
-//! system track carries the stamps of its stages, and one observer puts it together:
+//! An operator asks four questions. Does everything arrive? How long does it take? Is the track picture right? Is
+//! every process present? No process can answer for the others. Therefore every process publishes counters (health
+//! messages), every system track carries the stamps of its stages, and the monitor combines both:
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
 //! | [`MonitorAgent`] | decides *when*: takes messages, closes intervals, shows, writes, ends |
 //! | `survey` | all that is known, and the summaries drawn from it: an overview per interval, and the [`Report`] |
-//! | `health_book` | the latest health of every process, its restarts, and its counters across them |
-//! | `conditions`, `machine` | finds in all that, and in the room that is left, what is an alarm |
+//! | `health_book` | latest health, restarts and accumulated counters of every process |
+//! | `conditions`, `machine` | detect alarm conditions in these data and in the machine's resources |
 //! | `alarm_desk` | raises and clears alarms, and publishes those that stand |
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
 //! | `display` | an overview as text, on a screen or in a line: pure functions |
 //! | `report_text`, `verdict` | turn the report into text: pure functions |
 //! | `screen`, `files` | where text and files go |
-//! | [`top`] | `koseki top`: the same, for whoever looks on from another terminal |
+//! | [`top`] | `koseki top`: the same in another terminal |
 //! | `exposition`, `metrics` | the same for Prometheus, served on a thread of its own |
 //!
 //! # How loss is proved
@@ -35,16 +35,16 @@
 //!   from fusion to "received" it would measure its own pause. So that stage is not measured then, and end to end and
 //!   age are taken to the moment at which fusion published. `koseki bench` measures the rest.
 //!
-//! Where fusion spins for the sake of latency, poll is the default. A queue of 256 slices holds what comes in 30 ms at
-//! half a million states per second in slices of 64, so the default pause of 5 ms leaves room for the work at the end
-//! of an interval. The stamp is taken for each slice when it is taken, not once per turn.
+//! If fusion spins for low latency, poll is the default. A queue of 256 slices holds 30 ms of data at half a million
+//! states per second in slices of 64, so that the default pause of 5 ms leaves room for the work at the end of an
+//! interval. Each slice is stamped when taken, not once per turn.
 //!
-//! When a recording is replayed as fast as possible, reports wait in full queues all the time. Those are no latencies
-//! that anybody will see in operation, so none are recorded then. And the adapters wait for fusion and the recorder,
-//! but not for the monitor: it may miss states then, counts them, and nobody else is affected.
+//! In a replay at the highest speed, reports wait in full queues all the time. Such latencies do not occur in
+//! operation, so that none are recorded then. The adapters wait for fusion and the recorder, but not for the monitor:
+//! it may miss states, counts them, and no other process is affected.
 //!
-//! Architecture invariant: of the data, the monitor is a reader only. Nothing that it does can hold up a publisher.
-//! What it publishes itself is for people who look on: alarms, and where the system frame lies.
+//! Architecture invariant: the monitor only reads data. No action of the monitor can delay a publisher. Its own
+//! topics are for users: alarms, and the origin of the system frame.
 
 #![forbid(unsafe_code)]
 
@@ -74,7 +74,7 @@ pub use observed::{Process, State, TrackCounts};
 pub use report::{AlarmReport, Hop, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict};
 pub use screen::Screen;
 
-/// Runs the monitor until the process is told to stop.
+/// Runs the monitor until a stop request.
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.

@@ -92,7 +92,7 @@ pub struct AlarmReport {
     pub times: u32,
     /// Time at which it was raised last, UTC, nanoseconds.
     pub raised_utc_ns: i64,
-    /// Time at which it was cleared, UTC, nanoseconds; `None` if it stands.
+    /// Time of clearing, UTC, nanoseconds; `None` for a present alarm.
     pub cleared_utc_ns: Option<i64>,
 }
 
@@ -193,7 +193,7 @@ pub struct SourceReport {
     pub stages: Vec<(Stage, SourceStageReport)>,
 }
 
-/// Latencies of one stage of one source's reports.
+/// Latencies of a stage, for the reports of a source.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct SourceStageReport {
     /// The latencies.
@@ -248,9 +248,9 @@ pub struct StageReport {
     pub negative: u64,
     /// Reports whose stage took more than ten minutes.
     pub too_long: u64,
-    /// Whether the stage was measured: a monitor that polls cannot measure what comes after fusion.
+    /// Whether the stage was measured: a polling monitor cannot measure stages after fusion.
     pub measured: bool,
-    /// How long the stage may take, microseconds, if anybody said.
+    /// Deadline of the stage, microseconds, if configured.
     pub deadline_us: Option<f64>,
     /// How often it took longer, among the states that the monitor saw.
     pub deadline_misses: u64,
@@ -285,8 +285,8 @@ impl StageReport {
 /// Whether every sample arrived.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Losses {
-    /// Whether the monitor has watched from the start. If it was restarted, what processes counted that were restarted
-    /// before it is not known, and shows as unread.
+    /// Whether the monitor has watched from the start. After a restart, counts of processes restarted before it are
+    /// unknown, and appear as unread.
     pub complete: bool,
     /// Reports lost on the way from the adapters to fusion.
     pub reports_lost: u64,

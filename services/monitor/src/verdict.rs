@@ -9,7 +9,7 @@ use crate::shares;
 use crate::text::{percent, several, times};
 use observed::State;
 
-/// Share of a live deployment's reports that may be unread: some are on their way when it stops.
+/// Permitted share of unread reports in a live deployment: reports in transit at the stop.
 const UNREAD_SHARE_MAX: f64 = 0.01;
 /// Share of reports that may take longer through fusion than configured.
 const DEADLINE_MISS_SHARE_MAX: f64 = 0.01;
@@ -206,7 +206,7 @@ fn about_accuracy(report: &Report, concerns: &mut Vec<String>) {
     }
 }
 
-/// Shares of the sources' reports, where no alarm tells of them.
+/// Shares of the sources' reports without an alarm.
 fn about_shares(report: &Report, concerns: &mut Vec<String>) {
     for source in &report.sources {
         let untold = shares::concerns(&source.name, &source.adapter)
@@ -215,7 +215,7 @@ fn about_shares(report: &Report, concerns: &mut Vec<String>) {
     }
 }
 
-/// Alarms that nothing else here tells of.
+/// Alarms not covered by other sentences.
 fn about_alarms(report: &Report, concerns: &mut Vec<String>) {
     let told = [
         AlarmKind::SamplesLost,

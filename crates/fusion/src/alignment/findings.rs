@@ -1,8 +1,8 @@
 //! Findings of the search on two sources: one estimate per hypothesis.
 //!
-//! A hypothesis is a kind of bias on one side of the pair. An azimuth or a range bias needs the place of its sensor, so
-//! both sides are tried. A time or a place bias of the first source is that of the second one with the other sign, so
-//! one side is enough.
+//! A hypothesis is a kind of bias on one side of the pair. An azimuth or a range bias depends on the position of its
+//! sensor, so that both sides are tried. A time or place bias of the first source equals that of the second source
+//! with the opposite sign, so that one side is enough.
 
 use kept::kept;
 use messages::BiasKind;

@@ -28,7 +28,7 @@ use crate::settings::{SourceSettings, longest_period_s};
 /// Tracks of one source that are compared at most, and at least.
 const TRACKS_MAX: usize = 40;
 const TRACKS_MIN: usize = 4;
-/// Pairs of tracks that are compared with one report, less those of one track more.
+/// Largest number of pairs of tracks compared with a report, minus the pairs of one track.
 const STEP_PAIRS: usize = 128;
 /// Half-width of the part of the area that is looked at, at first and at most, metres, and how it changes.
 const REACH_MAX_M: f64 = 400e3;
@@ -40,10 +40,10 @@ const COLLECT_S: [f64; 2] = [4.0, 15.0];
 /// Pause before the next collection where all sources agreed, where some did not, and where an error was found,
 /// seconds.
 const PAUSE_S: [f64; 3] = [15.0, 3.0, 0.0];
-/// Speed below which a track says too little, metres per second.
+/// Speed below which a track has too little information, metres per second.
 const SPEED_MIN_MPS: f64 = 5.0;
-/// Deviations that every two tracks of one target may have besides what they claim, metres and metres per second, and
-/// the acceleration that nobody foresees, metres per second squared.
+/// Additional deviations between two tracks of a target, metres and metres per second, and the unpredictable
+/// acceleration, metres per second squared.
 const POSITION_FLOOR_M: f64 = 40.0;
 const VELOCITY_FLOOR_MPS: f64 = 5.0;
 const ACCELERATION_MPS2: f64 = 2.0;
@@ -51,8 +51,8 @@ const ACCELERATION_MPS2: f64 = 2.0;
 const HEIGHT_GATE_M: f64 = 400.0;
 /// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
 const GATE: f64 = 20.0;
-/// Share of the tracks that must fit as they are for two sources to agree; share of them that an error must explain,
-/// and how much of that it must gain over no error.
+/// Share of fitting tracks at which two sources agree; share of tracks that a bias must explain, and its least
+/// improvement over no bias.
 const AGREES: f64 = 0.6;
 const EXPLAINS: f64 = 0.4;
 const GAINS: f64 = 0.35;
@@ -100,13 +100,13 @@ enum Phase {
 /// Part of the comparison of two sources.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Job {
-    /// How well do they fit as they are?
+    /// Phase of the search: fit without a bias.
     AsTheyAre,
     /// Which errors do pairs of tracks imply?
     Vote,
     /// Refinement of an error that was found roughly.
     Refine(usize),
-    /// How well do they fit without it?
+    /// Phase of the search: fit after removal of the bias.
     Try(usize),
 }
 
@@ -504,7 +504,7 @@ fn is_near(place_m: &[f64; 2], middle_m: &[f64; 2], reach_m: f64) -> bool {
     (0..2).all(|axis| (place_m[axis] - middle_m[axis]).abs() <= reach_m)
 }
 
-/// The erring one of two, and the one that is taken as true.
+/// The source with the error, and the source taken as true.
 fn sides<'a>(side: Side, own: &'a Motion, other: &'a Motion) -> (&'a Motion, &'a Motion) {
     match side {
         Side::First => (own, other),
@@ -512,8 +512,8 @@ fn sides<'a>(side: Side, own: &'a Motion, other: &'a Motion) -> (&'a Motion, &'a
     }
 }
 
-/// The other track at the time of the own one, and how far the two may be apart besides an error; `None` if they are
-/// surely not of one target.
+/// Returns the other track at the time of the own track, and their permitted distance apart from a bias; `None` if
+/// they are certainly different targets.
 fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(Motion, Sigma)> {
     let heights = own.height_m.zip(other.height_m);
     let speed = |sample: &TrackSample| sample.motion.velocity_mps[0].hypot(sample.motion.velocity_mps[1]);

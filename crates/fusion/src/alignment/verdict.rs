@@ -1,7 +1,7 @@
 //! Verdict: the source to which a bias between two sources belongs.
 //!
-//! Problem: the findings on two sources show that one of them is off, not which one. The pair alone cannot decide,
-//! since the same difference follows from either side.
+//! Problem: the findings on two sources show a bias, but not the source of the bias. The pair alone cannot decide,
+//! because either side gives the same difference.
 //!
 //! Method: further evidence decides, the strongest first.
 //! 1. The reference source is true by configuration; the other source is off.
@@ -18,7 +18,7 @@ use messages::BiasKind;
 use crate::alignment::findings::{HYPOTHESES, PairFindings, Side, WINDOWS_MIN};
 use crate::registration::ClockError;
 
-/// Clock offset, seconds, by which one of two sources must be worse to be the one whose time is wrong.
+/// Difference of clock offsets, seconds, that identifies one of two sources as the source of a time bias.
 const CLOCK_WORSE_S: f64 = 0.5;
 /// Pairs of tracks with the same address that confirm a bias.
 const ADDRESSES_MIN: u32 = 3;

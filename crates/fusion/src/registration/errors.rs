@@ -21,8 +21,8 @@ pub(crate) const SAMPLES_MIN: f64 = 20.0;
 /// Errors beyond so many of these standard deviations are none: reports that far off are not of one target.
 pub(crate) const ERROR_MAX_SIGMA: f64 = 10.0;
 
-/// Standard deviations of a time offset whose clock is off by the times of receipt, seconds: of one that is ahead, and
-/// of one that is late, as data that take long to come look like that, too.
+/// Standard deviations of a time offset of a clock that deviates from the times of receipt, seconds: of a fast clock,
+/// and of a slow clock, because slow transmission looks alike.
 const CLOCK_SIGMA_S: [f64; 2] = [0.3, 1.0];
 
 /// Error of a source's clock, as times of receipt show it.
@@ -65,7 +65,7 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// How the source's errors move its report of this target, whose velocity is given.
+    /// Returns the displacement of the report of a target with this velocity by the source's biases.
     pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
         sensitivity(self.position_m, velocity_mps, self.place_m)
     }
@@ -97,7 +97,7 @@ pub(crate) fn sensitivity(
 }
 
 kept! {
-    /// Systematic errors of one source, as far as they are known.
+    /// Biases of a source, as far as known.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
     pub struct SourceErrors {
         /// The estimate.
@@ -108,7 +108,7 @@ kept! {
         pub samples: f64,
         /// Errors that are being removed from the source's reports.
         pub removed: [bool; ERRORS],
-        /// Model of the errors: what is estimated; all other errors are 0.
+        /// Model of the biases: the estimated kinds; all other biases are 0.
         pub(crate) model: Model,
     }
 }
@@ -130,7 +130,7 @@ impl SourceErrors {
         if self.removed[TIME] { self.errors[TIME] } else { 0.0 }
     }
 
-    /// Mean square of the horizontal offset per axis, less what chance explains, m².
+    /// Mean square of the horizontal offset per axis, minus the part explained by chance, m².
     pub(crate) fn excess_m2(&self) -> f64 {
         let excess = |axis: usize| self.errors[axis] * self.errors[axis] - self.variances[axis];
         0.5 * (excess(0) + excess(1))

@@ -23,7 +23,7 @@ use crate::registration::rows::{AZIMUTH, Block, Errors, RANGE};
 pub(crate) const SOLUTIONS_MIN: u8 = 5;
 /// Memory of the latest differences, and of sources that drift, seconds.
 pub(crate) const RECENT_S: f64 = 7.0;
-/// Chi-square with two degrees of freedom beyond which what the estimates leave over is a drift.
+/// Threshold of chi-square with two degrees of freedom for a drift.
 const DRIFT_2: f64 = 9.2;
 /// Chi-square beyond which it is a step, and by how much less a source is not the one that changed.
 const STEP: f64 = 30.0;

@@ -1,9 +1,10 @@
 //! `auto`: the best there is without knowing the data; the default.
 //!
-//! It is the system filter with its eyes open. The sources' systematic errors are taken off, covariances that claim too
-//! much are inflated, and where the sources turn out to see different points of large targets, one point is kept per
-//! target instead of being averaged away: that of the source which has followed the target longest, as `best-source`
-//! would, but with the other sources' measurements, moved to that point, still improving it. See the module `feeding`.
+//! This rule is the system filter with corrections: biases of the sources are removed, optimistic covariances are
+//! scaled, and if sources observe different points of large targets, a single reference point is kept per target
+//! instead of an average. As in `best-source`, this is the point of the source that has tracked the target longest,
+//! while the measurements of other sources, moved to this point, continue to improve the position. See the module
+//! `feeding`.
 //!
 //! Nothing in it is a threshold on a position or a speed: whether points are kept is decided by how far the detection
 //! points lie apart, compared with the sources' own measurement errors.

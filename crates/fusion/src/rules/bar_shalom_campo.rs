@@ -1,10 +1,10 @@
 //! `bar-shalom-campo`: the best linear combination under a modelled cross-covariance (BF-1).
 //!
-//! What correlates two trackers of one target is the target: both lag behind its manoeuvres. Each source is taken for a
-//! steady filter of nearly constant velocity whose position variance is the one it reports; common process noise and
-//! those filters' gains give the correlations of every pair (`estimation::SteadyFilter`). They are carried over to the
-//! reported covariances by the roots of these, so that sources that are what the model takes them for are combined
-//! exactly, and the joint covariance is positive definite for all others.
+//! The target itself correlates two trackers: both lag behind its manoeuvres. Each source is modelled as a steady
+//! filter of nearly constant velocity with the reported position variance; common process noise and the gains of
+//! these filters give the correlations of every pair (`estimation::SteadyFilter`). The correlations are transferred
+//! to the reported covariances by their square roots, so that sources that fit the model are combined exactly, and
+//! the joint covariance is positive definite for all others.
 //!
 //! Limits: steady state; the shortest of the sources' periods stands for all, which errs towards more correlation; an
 //! aged report is taken for a report of a poorer filter; errors that sources share for other reasons are not seen.

@@ -1,14 +1,14 @@
 //! States of other centres, joined with that of the own sensors.
 //!
-//! What two centres say of a target is correlated where they share a sensor, and nobody knows by how much: then, and
-//! wherever it is not known whose sensors contributed, they are joined by covariance intersection. Where they share
-//! none, only the target's manoeuvres correlate them: both filters lag behind the same turns. That part is taken as
-//! constant, since neither filter is steady. Other centres may share sensors among themselves, which is never known
-//! here: their states are first joined with each other by intersection.
+//! The states of two centres are correlated by an unknown amount if the centres share a sensor: then, and if the
+//! contributing sensors are unknown, states are joined by covariance intersection. Without a common sensor, only the
+//! target's manoeuvres correlate them: both filters lag behind the same turns. This part is taken as constant,
+//! because neither filter is steady. Other centres may share sensors among themselves, which is never known here:
+//! their states are first joined with each other by intersection.
 //!
-//! A centre's newest state takes the place of the one before, and never enters the filter of a target that has sources
-//! here. So what this deployment tells others is of its own sensors alone, and nothing that it was told comes back to
-//! whoever told it, however the centres are joined.
+//! A centre's newest state replaces the previous state, and never enters the filter of a target with local sources.
+//! The data sent by this deployment therefore come from its own sensors alone, and no data return to their sender,
+//! for any topology of centres.
 
 use estimation::{Estimate, INPUTS_MAX, correlated_combination};
 use messages::AXES;

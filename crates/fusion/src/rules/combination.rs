@@ -1,14 +1,14 @@
-//! What rules that weigh whole states have in common: the weighted mean.
+//! Weighted mean, common to rules that weigh whole states.
 
 use messages::{AXES, CONTRIBUTIONS_MAX};
 
 use super::{Candidate, Share};
 use crate::state::State;
 
-/// Σ eta·state over the candidates' states, all of one time (TI-19). `shares` has one entry per candidate.
+/// Returns Σ eta·state over the candidates' states at a common time (TI-19). `shares` has an entry per candidate.
 ///
-/// Height comes from the states that have one, their weights scaled to sum to 1; where none of those has weight, from
-/// the one with the smallest accuracy value.
+/// Height comes from the states with height, with their weights scaled to sum to 1; if none of them has weight, from
+/// the state with the smallest accuracy value.
 ///
 /// The covariance is the same weighted sum: by convexity, the covariance of Σ eta·e is at most Σ eta·P whatever the
 /// correlation of the errors e. Axes with different weights are different mixtures of sources; between those the

@@ -1,4 +1,4 @@
-//! `covariance-intersection`: right whatever the correlation, at the price of a larger covariance (BF-1).
+//! `covariance-intersection`: valid under any correlation, with a larger covariance (BF-1).
 //!
 //! The weights on the inverse covariances sum to 1 and are chosen for all sources together, so that trace or
 //! determinant of the combined covariance is smallest (see `estimation`). The combination is never surer of a target

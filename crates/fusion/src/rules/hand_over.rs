@@ -1,13 +1,13 @@
 //! Hand-over: how the output passes from one source to another (TI-13 … TI-16, TI-18).
 //!
-//! Two sources see different points of a target, so a change of source moves the output sideways. It can be let happen
-//! at once, or be spread over refreshes: the new source gets a rising sequence of coefficients eta_0 and, after its
-//! last, all; what it leaves goes to the outgoing side. That is the previous source, or, where a change falls into a
-//! running hand-over, the blend that was put out last: so no change moves the output by more than its own first eta_0
+//! Two sources observe different points of a target, so that a change of source moves the output sideways. The change
+//! is immediate, or spread over refreshes: the new source gets an increasing sequence of coefficients eta_0 and,
+//! after the last, the whole weight; the remainder goes to the outgoing side. That is the previous source or, for a
+//! change during a hand-over, the last published blend: no change moves the output by more than its own first eta_0
 //! allows.
 //!
-//! A previous source that has missed its expected report is a drop-out: it is left at once, or goes into the blend by
-//! its last stored report, moved to the reference time, for as long as its sensor track is known.
+//! A previous source that has missed its expected report is a drop-out: it is dropped at once, or blended with its
+//! last stored report, moved to the reference time, as long as its sensor track exists.
 
 use messages::CONTRIBUTIONS_MAX;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use super::{Candidate, NO_SOURCE, Share};
 use crate::rules::settings::{DropOut, HandOverSettings};
 
-/// Where the hand-over of one target stands, on one axis.
+/// State of a target's hand-over on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct HandOver {
     /// The source chosen last; [`NO_SOURCE`] at first.

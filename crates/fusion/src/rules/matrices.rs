@@ -1,8 +1,8 @@
-//! What the rules that combine whole covariances have in common.
+//! Common parts of the rules that combine whole covariances.
 //!
-//! East and north, positions and velocities, are combined as one (4×4); height and vertical speed on their own (2×2),
-//! over the sources that observe height: so a source without it neither gives one nor is preferred or slighted for it.
-//! The correlation of horizontal with vertical errors, which hardly any source states, is left out.
+//! East and north, positions and velocities, are combined together (4×4); height and vertical speed separately (2×2),
+//! over the sources with observed height, so that a source without height neither contributes height nor gains or
+//! loses weight. The correlation of horizontal with vertical errors, stated by hardly any source, is omitted.
 //!
 //! A covariance that is not positive definite is repaired and counted; where nothing can be kept of it the source is
 //! left out. A single source passes through untouched.
@@ -14,7 +14,7 @@ use nalgebra::{SMatrix, SVector};
 use super::{Candidate, Share};
 use crate::state::State;
 
-/// Variance in place of 0, which claims to know exactly: (1 mm)², (1 mm/s)².
+/// Variance in the place of 0, which would claim exact knowledge: (1 mm)², (1 mm/s)².
 const VARIANCE_MIN: f64 = 1e-6;
 /// x, y, vx, vy.
 const HORIZONTAL: [usize; 4] = [0, 1, 3, 4];
@@ -78,7 +78,7 @@ pub(super) fn fuse(candidates: &[Candidate], combination: &impl Combination, sha
     Some(state)
 }
 
-/// The covariance as the source states it, without what it cannot know.
+/// Returns the covariance stated by the source, without unobserved parts.
 fn stated(state: &State) -> Matrix6 {
     let mut matrix = unpacked(&state.covariance);
     for component in 0..STATE_LEN {

@@ -1,8 +1,8 @@
 //! The rules that weigh a target's sources.
 //!
-//! A rule sees contributions that have already been brought to one reference time, and says how large a share each
-//! one gets and which state they yield. It never sees topics, files, or a clock. A new rule is a file here, a line in
-//! [`REGISTRY`], and a line in [`FusionRule`], where it gets its name and the code that messages carry.
+//! A rule receives contributions at a common reference time, and returns the share of each and the resulting state.
+//! Topics, files and clocks are outside its view. A new rule is a file here, a line in [`REGISTRY`], and a line in
+//! [`FusionRule`] with its name and the code in messages.
 
 mod auto;
 mod bar_shalom_campo;
@@ -42,10 +42,10 @@ pub struct RuleEntry {
     pub summary: &'static str,
     /// Assumption about how the sources' errors are correlated (BF-1).
     pub assumption: &'static str,
-    /// Whether the covariance it gives is meant to be the true one, which the normalised error squared shows; otherwise
-    /// it is a bound.
+    /// Whether the returned covariance is meant as the true covariance, as shown by the normalised error squared;
+    /// otherwise it is a bound.
     pub claims_consistency: bool,
-    /// Whether one point of each target is kept where the sources see different ones.
+    /// Whether a single reference point per target is kept if sources observe different points.
     pub keeps_points: bool,
     /// Origin of its states.
     pub method: Method,
@@ -57,7 +57,7 @@ impl RuleEntry {
         self.code.word()
     }
 
-    /// Whether it takes its states from the targets' filters.
+    /// Whether the rule takes states from the targets' filters.
     pub(crate) fn is_from_filter(&self) -> bool {
         matches!(self.method, Method::Filter)
     }
@@ -66,9 +66,9 @@ impl RuleEntry {
 /// Origin of the states of a rule.
 #[derive(Clone, Copy, Debug)]
 pub enum Method {
-    /// The state is the estimate of the target's filter, and a source's share is what it contributed to that. Nothing
-    /// is remembered of a target, and of the candidates source and share are filled in, the rest where accuracy values
-    /// are wanted.
+    /// The state is the estimate of the target's filter, and a share is a source's contribution to the estimate. The
+    /// rule keeps no memory of a target. Of candidates, source and share are filled in, the other values only if
+    /// accuracy values are requested.
     Filter,
     /// State and shares are made from the candidates.
     Candidates(Fuse),
@@ -99,7 +99,7 @@ pub fn entry(code: FusionRule) -> &'static RuleEntry {
     entry.expect("every code has a rule")
 }
 
-/// A rule in whatever form serde writes.
+/// A rule in serde's form.
 pub(crate) mod by_code {
     use messages::FusionRule;
     use serde::de::{Deserialize, Deserializer, Error};
@@ -117,8 +117,8 @@ pub(crate) mod by_code {
     }
 }
 
-/// Lets a rule weigh `target`. `shares` holds one share per candidate, of which there is at least one; their accuracy
-/// values are filled in for every rule (TI-9).
+/// Lets a rule weigh `target`. `shares` has a share per candidate, at least one; accuracy values are filled in for
+/// every rule (TI-9).
 pub fn fuse(
     rule: Fuse,
     settings: &RuleSettings,
@@ -135,7 +135,7 @@ pub fn fuse(
     rule(settings, target, memory, shares)
 }
 
-/// Fills one share per candidate with what it contributed to the estimate of the target's filter.
+/// Fills a share per candidate with its contribution to the estimate of the target's filter.
 pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     for (share, candidate) in shares.iter_mut().zip(candidates) {
         *share = Share {
@@ -146,10 +146,10 @@ pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     system_filter::share_out(candidates, shares);
 }
 
-/// One target, as a rule sees it.
+/// Target in the view of a rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Target<'a> {
-    /// The contributions at the reference time, in the order of their sources; at least one, at most one per source.
+    /// Contributions at the reference time, in the order of their sources; at least one, at most one per source.
     pub candidates: &'a [Candidate],
     /// The reference time, UTC, nanoseconds.
     pub reference_ns: i64,
@@ -159,7 +159,7 @@ pub struct Target<'a> {
     pub process_noise_m2ps3: f64,
 }
 
-/// One source's contribution to one target at the reference time, as a rule sees it.
+/// Contribution of a source to a target at the reference time, in the view of a rule.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     /// Source number.
@@ -179,8 +179,7 @@ pub struct Candidate {
     pub period_ns: i64,
     /// Whether its source has missed the expected report (TI-15).
     pub overdue: bool,
-    /// Whether it is no longer fresh, and here only so that the source it was handed over from can be blended out
-    /// (TI-15).
+    /// Whether the contribution is no longer fresh, and included only to blend out the previous source (TI-15).
     pub stale: bool,
     /// State of the track at its source.
     pub life: TrackState,
@@ -247,7 +246,7 @@ pub struct Share {
     pub repaired: bool,
 }
 
-/// Memory of a rule that works on candidates: what it keeps of one target between refreshes (TI-12).
+/// Memory of a rule that works on candidates, per target between refreshes (TI-12).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
@@ -291,7 +290,7 @@ pub(crate) mod testing {
         }
     }
 
-    /// What `rule`, one that makes its states from candidates, makes of these with default options and no memory.
+    /// Returns the result of `rule`, which uses candidates, with default options and no memory.
     pub(crate) fn fused_of(rule: &'static RuleEntry, candidates: &[Candidate]) -> (Option<State>, Vec<Share>) {
         let settings = RuleSettings {
             name: crate::settings::RuleName(rule.code),

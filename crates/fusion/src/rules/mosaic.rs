@@ -1,7 +1,7 @@
 //! `mosaic`: the area is divided into cells, each with a priority list of sources (QF-9).
 //!
-//! The first source of the list that is present and whose track is confirmed gives the output. A source that the list
-//! of its cell leaves out gives none there. Where no list is configured the sources' priorities decide.
+//! The output is that of the first present source of the list with a confirmed track. A source missing in the list of
+//! its cell gives no output there. Without a list, the sources' priorities decide.
 
 use messages::TrackState;
 

@@ -1,7 +1,7 @@
 //! `quality-factor`: a source weighs in by how often its track was confirmed lately (QF-4 … QF-7).
 //!
-//! M is the number of scans, of the last N due ones, that confirmed the source's track; its quality factor is C = M / Σ
-//! M. A source whose track is tentative now is left out. If nothing is left the system track coasts.
+//! M is the number of scans, of the last N due scans, that confirmed the source's track; its quality factor is C = M
+//! / Σ M. A source with a tentative track is omitted. Without any source the system track coasts.
 
 use messages::TrackState;
 

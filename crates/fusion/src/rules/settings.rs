@@ -14,7 +14,7 @@ pub const RAMP_MAX: usize = 256;
 settings::settings! {
     /// Weighing of the sources.
     pub struct RuleSettings {
-        /// Name of the rule; `koseki fuse --help` lists them.
+        /// Name of the rule (list: `koseki fuse --help`).
         name: RuleName = RuleName::default();
         /// Residual V (TI-6): `position`, norm of the position difference over the axes; `velocity`, of the velocity
         /// difference; `per-axis`, position difference with an accuracy value, a choice and a weight per axis;
@@ -23,16 +23,15 @@ settings::settings! {
         /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is
         /// plain.
         recency: f64 = 1.0, in [1e-6, 1];
-        /// Name of the source whose alpha is normalised to 1 (TI-8).
+        /// Name of the source with alpha normalised to 1 (TI-8).
         reference_source: Option<SourceRef> = None;
-        /// Accuracy values lambda (TI-9) are given also by rules that need none, whose states are those of the target's
-        /// filter: of each sensor track the last reports are then kept. Where each report gives a state, that makes the
-        /// engine's work 7 % more.
+        /// Accuracy values lambda (TI-9) also for rules that do not need lambda and use the target's filter: the last
+        /// reports of each sensor track are then kept. With a state per report, the engine's work increases by 7 %.
         accuracy_values: Option<bool> = None, usually "true with refresh_s, else false";
         /// Decision between equal accuracy values (TI-11): the source chosen last time, then priority; or priority
         /// alone.
         tie: Tie = Tie::LastThenPriority;
-        /// Age beyond which a source has missed its expected report, in periods of its own (TI-15).
+        /// Age after which a source has missed its expected report, in periods of the source (TI-15).
         overdue_periods: f64 = 1.5, in [0.5, 1e3];
         /// Due scans over which the quality index is summed (N of QF-4).
         quality_scans: u32 = 10, in [2, SCANS_MAX];
@@ -54,20 +53,21 @@ settings::settings! {
     /// Passing of the output from one source to another (TI-13 … TI-16).
     pub struct HandOverSettings beside [ordered: Vec<OrderedEta>] {
         check HandOverSettings::check;
-        /// Coefficients eta_0 of the new source at the first refresh and those that follow, rising; after the last it
-        /// is 1. Empty: at once.
+        /// Coefficients eta_0 of the new source at the first refresh and the following, increasing; after the last
+        /// coefficient 1. Empty: 1 at once.
         ramp: Vec<f64> = Vec::new(), in [0, 1];
         /// Eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
         /// used the ramp holds.
         by_traces: bool = false;
-        /// Blending when the source that is left has missed its expected report (TI-15): `switch`, the new one gets all
-        /// at once; `blend`, by its last stored report, moved to the reference time.
+        /// Blending if the previous source has missed its expected report (TI-15): `switch`, the new source gets the
+        /// whole weight at once; `blend`, with the last stored report of the previous source, moved to the reference
+        /// time.
         drop_out: DropOut = DropOut::Switch;
         /// Ordered pair of sources with a ramp of its own.
         pairs as "pair": Vec<PairRamp> = Vec::new();
     }
 
-    /// The ramp from one source to another.
+    /// Ramp from the previous source to the new source.
     pub struct PairRamp {
         check PairRamp::check;
         /// Name of the source that is left.
@@ -83,13 +83,13 @@ settings::settings! {
         check MosaicSettings::check;
         /// Width of a cell. Cell (0, 0) begins at the system origin and lies north-east of it.
         cell_m: f64 = 10_000.0, in [1, 1e7];
-        /// Names of sources, the most wanted first, where no cell says otherwise. Empty: by the sources' priorities.
+        /// Names of sources, most preferred first, outside the listed cells. Empty: by the sources' priorities.
         default: Vec<SourceRef> = Vec::new();
-        /// Cell with a list of its own.
+        /// Cell with a separate list.
         cells as "cell": Vec<MosaicCell> = Vec::new();
     }
 
-    /// One cell.
+    /// A cell.
     pub struct MosaicCell {
         /// Column, counted from the system origin to the east.
         east: i32;

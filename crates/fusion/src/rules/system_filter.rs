@@ -1,12 +1,12 @@
 //! `system-filter`: one filter per target, fed with the measurements behind the sensor tracks (BF-1).
 //!
-//! Sensor tracks of one target have correlated errors: each repeats its own past, and all lag behind the same
-//! manoeuvre. Instead of modelling the correlation, the engine undoes the sources' filters where it can, and filters
-//! their measurements, whose errors are independent, once more by itself: the estimate that one central tracker with
-//! all sensors' measurements would have. See the modules `filter` and `source_model`.
+//! Sensor tracks of a target have correlated errors: each repeats its own past, and all lag behind the same
+//! manoeuvre. Instead of modelling the correlation, the engine undoes the sources' filters if possible, and filters
+//! their measurements, with independent errors, again: the estimate of a central tracker with all sensors'
+//! measurements. See the modules `filter` and `source_model`.
 //!
-//! Shares are what each source contributed to the present estimate: a measurement with gain g takes g of everything and
-//! leaves 1 − g to those before it.
+//! Shares are the contributions of sources to the present estimate: a measurement with gain g takes g of everything
+//! and leaves 1 − g to earlier measurements.
 
 use super::{Candidate, Method, RuleEntry, Share};
 
@@ -19,7 +19,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     method: Method::Filter,
 };
 
-/// Fills the weights of one share per candidate, of which there is at least one.
+/// Fills the weights of a share per candidate, at least one.
 pub(super) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     let total: f64 = candidates.iter().map(|candidate| candidate.filter_share).sum();
     let even = 1.0 / candidates.len() as f64;

@@ -32,8 +32,8 @@ settings::settings! {
         /// Part of the variance of a difference that two tracks of one target have in common: both lag behind the same
         /// manoeuvres.
         error_correlation: f64 = 0.1, in [0, 0.9];
-        /// Time for which sensor tracks that belong nowhere yet wait for the rest of their scan, as a part of their
-        /// source's period; 0: each is placed at once, without regard to the others.
+        /// Time for which sensor tracks without a system track wait for the rest of their scan, as a part of their
+        /// source's period; 0: each track is processed at once, independent of the others.
         scan_wait: f64 = 0.05, in [0, 1];
     }
 }

@@ -35,10 +35,10 @@ settings::settings! {
         consistency: bool = true;
         /// Time between two states of a system track: published at its whole multiples for every system track (QF-6).
         refresh_s: Option<Seconds> = None, in [1e-3, 3600], usually "whenever a report has changed a system track";
-        /// Time after a refresh time at which its states are formed. Reports measured meanwhile lie on the far side of
-        /// it, so that slow sources are interpolated where they would be extrapolated (QF-6).
+        /// Delay of the states after their refresh time. Reports measured during the delay permit interpolation of
+        /// slow sources instead of extrapolation (QF-6).
         refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
-        /// States by the sources here alone are published for other centres, beside those with what they say.
+        /// Publication of a further track picture from local sources only, for other centres.
         exchange: bool = false;
         /// Borders with other centres.
         border: BorderSettings = BorderSettings::default();
@@ -48,7 +48,7 @@ settings::settings! {
         association: AssociationSettings = AssociationSettings::default();
         /// Life of system tracks.
         life: LifeSettings = LifeSettings::default();
-        /// Existence of targets, as far as it shows in what sources report and do not report (BF-2).
+        /// Existence of targets, estimated from reports and missing reports of sources (BF-2).
         existence: ExistenceSettings = ExistenceSettings::default();
         /// Systematic errors of the sources (BF-3).
         registration: RegistrationSettings = RegistrationSettings::default();
@@ -58,9 +58,8 @@ settings::settings! {
         rule: RuleSettings = RuleSettings::default();
     }
 
-    /// Sizes of the tables. Everything is allocated at the start; a full table refuses new entries, counted (PL-4). A
-    /// source may always have its fair share of a table, an equal part for each; above that it gets what the others
-    /// have not needed yet.
+    /// Sizes of the tables. All tables are allocated at the start; a full table rejects new entries and counts them
+    /// (PL-4). A source may always use its fair share of a table (equal shares), and additionally the unused room.
     #[derive(Copy)]
     pub struct Capacity {
         /// System tracks.

@@ -16,7 +16,8 @@ pub(crate) const FRESH_PERIODS: f64 = 2.5;
 settings::settings! {
     /// Weighing of one source (TI-2).
     pub struct Weighing {
-        /// Time between two reports of one target. A tracker of plots finds it in north marks, or in the plots.
+        /// Time between two reports of a target. For a tracked source, the adapter derives the period from north
+        /// marks or plots.
         period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
         /// Age beyond which a report no longer contributes, at least a period.
         fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
@@ -24,14 +25,14 @@ settings::settings! {
         priority: Option<u32> = None, usually "its place";
         /// Height above the system origin beyond which this source cannot see targets.
         ceiling_m: Option<f64> = None;
-        /// Names of sources whose measurements are in its tracks too: together they count once; or "unknown": its
-        /// tracks are the system tracks of another centre, of whatever sensors.
+        /// Names of sources with the same measurements in their tracks: together they count once; or "unknown": the
+        /// tracks are system tracks of another centre, from unknown sensors.
         shares: Shares = Shares::default();
         /// Names of sources that are never taken for the same, however alike their reports are.
         independent_of: Vec<SourceRef> = Vec::new();
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
-        /// Where it sees.
+        /// Coverage of the source.
         coverage: Option<CoverageTable> = None, usually "learned from its reports";
     }
 

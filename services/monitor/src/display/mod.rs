@@ -1,6 +1,6 @@
 //! Display of a deployment while it runs: at the terminal of `koseki demo` and `koseki up`, and in `koseki top`.
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
 //! | `overview` | state of a deployment at the end of an interval |
 //! | `tracks` | latest states of the system tracks, and rows of them |

@@ -6,7 +6,7 @@
 //! milliseconds instead, so fusion does not notice it; latencies are therefore taken to the moment at which fusion
 //! published, as by a monitor that polls.
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
 //! | `watch` | puts together what is heard: an overview per interval |
 //! | `attached` | joins the deployment, and notices its end |
