@@ -142,7 +142,7 @@ fn a_source_that_falls_silent_is_told_until_it_speaks_again() {
         status.contains("  alarm, major: radar has sent nothing for "),
         "{status}"
     );
-    assert!(status.contains("    Look whether the sensor transmits"), "{status}");
+    assert!(status.contains("    Check that the sensor transmits"), "{status}");
     let top = site.home.run(&["top", "--once", "--instance", "test"]);
     let top = String::from_utf8(top.stdout).unwrap();
     assert!(top.contains("source-silent  radar has sent nothing for "), "{top}");
@@ -211,7 +211,7 @@ fn a_flood_and_a_killed_process_are_told() {
     site.until_said(&running, "alarm, major: The kernel dropped ", flood);
     kill(site.home.status_row("out").pid, Signal::KILL);
     running.until_said("alarm, major: out was restarted, 1 time so far: the last process was killed by SIGKILL.");
-    site.until_said(&running, "alarm cleared: The kernel has dropped ", |_| {});
+    site.until_said(&running, "alarm cleared: The kernel dropped ", |_| {});
     running.stop();
 }
 

@@ -173,7 +173,10 @@ fn what_a_killed_measurement_leaves_is_removed_by_the_next() {
     let next = home.run(&options);
     let said = String::from_utf8_lossy(&next.stderr);
     assert_eq!(next.status.code(), Some(0), "{said}");
-    assert!(said.contains(&format!("instance {instance} had left")), "{said}");
+    assert!(
+        said.contains(&format!("remains of a killed bench in instance {instance}")),
+        "{said}"
+    );
     assert_eq!(folders(), 0);
     home.assert_nothing_is_left(&instance);
 }

@@ -82,8 +82,8 @@ fn what_cannot_be_decoded_is_summed_up_and_no_failure() {
     let expected = [
         "mixed.ast: 3 records of 7 blocks in 1 datagram (raw)",
         "category 010: 2 of 5 blocks do not fit edition 1.1: they are left out",
-        "category 021: 1 of 1 block does not fit edition 2.4: none of its records is given, since those that fit may do \
-         so by accident; edition 0.23 fits 1 of them (so do 0.24, 0.25, 0.26): try --edition 21=0.23",
+        "category 021: 1 of 1 block does not fit edition 2.4: none of its records is given, because blocks may \
+         fit by accident; edition 0.23 fits 1 of them (so do 0.24, 0.25, 0.26): try --edition 21=0.23",
         "left out, since there is no table of the category: 250 (1 block)",
         "2 x item cut in I010/140 (16 octets), the first: byte 17: I010/140 takes at least 3 octets, 1 left",
         "1 x block header cut (2 octets), the first: byte 61: a block header takes 3 octets, 2 left",

@@ -377,7 +377,7 @@ fn status_shows_what_runs() {
     let other = home.run(&["status", "--instance", "other"]);
     let line = String::from_utf8(other.stderr).unwrap();
     assert_eq!((other.status.code(), other.stdout.len()), (Some(2), 0), "{line}");
-    assert!(line.contains("nothing runs as instance other"), "{line}");
+    assert!(line.contains("no instance other runs"), "{line}");
     let json = |arguments: &[&str]| -> serde_json::Value {
         let output = home.run(arguments);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -515,7 +515,7 @@ fn what_is_left_where_all_were_killed_is_listed_and_the_next_start_clears_up() {
     let next = home.demo();
     let said = next.said();
     assert!(
-        said.contains("removed what an earlier run of instance demo had left"),
+        said.contains("removed the remains of an earlier run of instance demo"),
         "{said}"
     );
     next.stop();

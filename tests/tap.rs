@@ -105,5 +105,5 @@ fn what_is_no_topic_or_does_not_run_is_said() {
     assert_eq!(refused.status.code(), Some(2));
     let refused = home.run(&["tap", "--instance", "demo"]);
     let said = String::from_utf8(refused.stderr).unwrap();
-    assert!(said.contains("nothing runs as instance demo"), "{said}");
+    assert!(said.contains("no instance demo runs"), "{said}");
 }

@@ -39,7 +39,7 @@ fn what_cannot_be_looked_at_is_refused_in_one_line_with_a_remedy() {
     );
     for command in [&["top"][..], &["tap"], &["status"], &["condition", "rain"]] {
         let of_another = [command, &["--instance", "demo"]].concat();
-        refused(&of_another, 2, "nothing runs as instance demo; `koseki status` shows");
+        refused(&of_another, 2, "no instance demo runs; `koseki status` shows");
     }
     for command in [
         &["top"][..],

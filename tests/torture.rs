@@ -74,7 +74,10 @@ fn a_run_is_recorded_and_judged_again() {
     };
     let limits = ["median", "p99", "worst"].map(|name| outage_s[name].clone());
     assert_eq!(row("outage of a target at a fault"), limits);
-    assert_eq!(row("where all starts again"), [result["limits"]["rebuild_s"].clone()]);
+    assert_eq!(
+        row("outage at a restart of all"),
+        [result["limits"]["rebuild_s"].clone()]
+    );
     assert_eq!(
         row("two tracks of one target"),
         [result["limits"]["two_tracks_s"].clone()]

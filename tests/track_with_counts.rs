@@ -378,7 +378,7 @@ fn bad_reports_and_emissions_are_counted_and_explained_and_change_no_track() {
         "counts.csv: line 3, column count: \"two\" is no whole number",
         "refused: 1 wide-area reports: 10000 targets in one report; at most 256 can be used",
         "wide area: 1 reports came after the last scan",
-        "heard.csv: line 5: no frequency, by which a type could be told",
+        "heard.csv: line 5: no frequency to identify a type",
         "refused: 1 emissions: bearing and place must be numbers",
     ] {
         assert!(text.contains(expected), "{expected}\n{text}");

@@ -13,8 +13,8 @@
 //!   also reduce the mean; each covariance is therefore scaled by its source's normalised innovations, and nothing is
 //!   learned if both are far too pessimistic, or from standing and slow targets, on which sources agree by nature.
 //!
-//! Sources with a smaller part of their errors in common still share measurements, and so false tracks. The filter takes
-//! both, but where it is asked whether there is a target, they are one witness.
+//! Sources with a smaller part of their errors in common still share measurements, and therefore false tracks. The
+//! filter takes both, but for the question whether there is a target they are one witness.
 //!
 //! Sources with a smaller common part, such as a centre that uses many radars including ours, cannot be distinguished
 //! from good sources; they must be configured.

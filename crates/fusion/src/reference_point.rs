@@ -7,9 +7,7 @@
 //! all sources thus continue to improve the position, and the point remains when the first source falls silent. When
 //! a source of higher priority has tracked the target for a while, its point is used instead.
 
-use std::collections::BTreeMap;
-
-use messages::{DecisionKind, TargetType};
+use messages::DecisionKind;
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
@@ -22,26 +20,6 @@ use crate::source_model::SourceModel;
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
-
-settings::settings! {
-    /// Sizes of targets: different points of one target lie no farther apart. Larger differences between sources are
-    /// errors, not points.
-    pub struct TargetSizeSettings {
-        /// Targets of unknown type.
-        unknown_m: f64 = 80.0, in [1, 5000];
-        /// Targets by type.
-        type_m: BTreeMap<String, f64> = BTreeMap::from([("aircraft".to_owned(), 80.0), ("vessel".to_owned(), 450.0)]),
-            in [1, 5000];
-    }
-}
-
-impl TargetSizeSettings {
-    /// Size of a target of this type, metres.
-    pub(crate) fn of(&self, target_type: &TargetType) -> f64 {
-        let named = target_type.name().and_then(|name| self.type_m.get(name));
-        *named.unwrap_or(&self.unknown_m)
-    }
-}
 
 /// Innovations before a detection point is known well enough to be taken off.
 const REPORTS_MIN: u32 = 4;
@@ -247,16 +225,6 @@ fn from_body([along, across]: [f64; 2], [sin, cos]: [f64; 2]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_size_is_looked_up_by_type() {
-        let sizes = TargetSizeSettings::default();
-        let of = |name| sizes.of(&TargetType::new(name, 0.9).unwrap());
-        assert_eq!(
-            [of("vessel"), of("A320"), sizes.of(&TargetType::default())],
-            [450.0, 80.0, 80.0]
-        );
-    }
 
     #[test]
     fn body_frame_and_back() {

@@ -53,7 +53,7 @@ use messages::AXES;
 use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
+use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances, sensitivity};
 use crate::registration::model::Model;
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN, step_limit};
 use crate::registration::rows::{Block, TIME};
@@ -139,11 +139,15 @@ pub(crate) struct Registration {
     reference: Option<u16>,
     /// Number of targets that several sources observe; at least 1.
     targets: f64,
+    /// Memory of the sums, and duration of a tick, seconds.
+    memory_s: f64,
+    tick_s: f64,
     /// Whether the position of each sensor is known.
     has_place: Vec<bool>,
     /// Latest differences of each source.
     recents: Vec<Recent>,
-    /// Number of solutions of each source's present estimate, at most [`SOLUTIONS_MIN`].
+    /// Ticks of each source's present estimate, and number of its solutions, at most [`SOLUTIONS_MIN`].
+    ticks: Vec<u32>,
     solutions: Vec<u8>,
     /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
@@ -175,7 +179,10 @@ impl Registration {
             fits: vec![1.0; sources],
             has_place: vec![false; sources],
             recents: vec![Recent::default(); sources],
+            ticks: vec![0; sources],
             solutions: vec![0; sources],
+            memory_s,
+            tick_s,
             reference,
             targets: 1.0,
             keep: (-tick_s / memory_s).exp(),
@@ -285,8 +292,8 @@ impl Registration {
     }
 
     /// Learns from two views of one target at one time. `points_m2` is the variance per axis between the detected
-    /// points, m², and `reports` the number of reports of the target per source.
-    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64, reports: f64) {
+    /// points, m²; `reports` is the number of reports of the target per source, in `age_s` seconds.
+    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64, (reports, age_s): (f64, f64)) {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
@@ -315,7 +322,7 @@ impl Registration {
         }
         // The points stay where they are. However often a target is compared, it yields no more than one pair of points:
         // an aircraft at its stand must not outweigh all that pass.
-        let times = 1.0 + reports.min(self.comparisons_per_target(a.source, b.source));
+        let times = 1.0 + reports * (self.remembered_s(a.source, b.source) / age_s).clamp(0.0, 1.0);
         let weight_of = |points_m2: f64| {
             let points = estimation::Matrix3::from_diagonal(&SVector::from([points_m2, points_m2, 0.0]));
             Some((covariance_m2 + points).cholesky()?.inverse())
@@ -365,9 +372,10 @@ impl Registration {
         self.add(b.source, a.source, &weighted_b, &of_b, &of_a, &-difference);
     }
 
-    /// Returns the comparisons of one target of two sources that the sums contain, on the average.
-    fn comparisons_per_target(&self, a: u16, b: u16) -> f64 {
-        self.of(a).samples.min(self.of(b).samples) / self.targets
+    /// Returns the time over which the sums of two sources reach back, seconds.
+    fn remembered_s(&self, a: u16, b: u16) -> f64 {
+        let ticks = self.ticks[usize::from(a)].min(self.ticks[usize::from(b)]);
+        (f64::from(ticks) * self.tick_s).min(self.memory_s)
     }
 
     fn add(
@@ -399,6 +407,9 @@ impl Registration {
             for _ in 0..SWEEPS {
                 source.samples *= keep;
             }
+        }
+        for ticks in &mut self.ticks {
+            *ticks = ticks.saturating_add(1);
         }
         for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
             recent.look(self.keep_drifting, known.model);
@@ -479,6 +490,7 @@ impl Registration {
         self.contradicted[own] = 0.0;
         self.fits[own] = 1.0;
         self.recents[own] = Recent::default();
+        self.ticks[own] = 0;
         self.solutions[own] = 0;
         self.sources[own] = SourceErrors::unknown();
     }
@@ -518,7 +530,8 @@ impl Registration {
         let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
         let factor = if is_sought { normal.cholesky() } else { None };
         if let Some(factor) = &factor {
-            self.solution.sources[own].variances = factor.inverse().diagonal();
+            let held = self.solution.sources[own].model;
+            self.solution.sources[own].variances = held.known(factor.inverse().diagonal(), &prior_variances());
         }
         self.solution.factors[own] = factor;
     }
@@ -534,7 +547,8 @@ impl Registration {
             let pair = &self.pairs[own * count + other];
             right += pair.right + pair.cross * self.solution.sources[other].errors;
         }
-        self.solution.sources[own].errors = factor.solve(&right);
+        let known = &mut self.solution.sources[own];
+        known.errors = known.model.known(factor.solve(&right), &Errors::zeros());
     }
 
     /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved

@@ -47,7 +47,12 @@ fn registered_while(
                 let (offset_m, late_s) = (offset_m(source, second), late_s[usize::from(source)]);
                 view(source, truth, velocity, offset_m, late_s, second * 20 + target)
             };
-            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
+            registration.learn(
+                &of((target % 3) as u16),
+                &of(((target + 1) % 3) as u16),
+                0.0,
+                (1e9, 1.0),
+            );
         }
         registration.begin(|_| {});
         while !registration.step(&[], |_| {}) {}
@@ -140,7 +145,12 @@ fn scattered_absurd_reports_make_no_step() {
                 };
                 view(source, truth, [100.0, 0.0, 0.0], offset_m, 0.0, second * 20 + target)
             };
-            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
+            registration.learn(
+                &of((target % 3) as u16),
+                &of(((target + 1) % 3) as u16),
+                0.0,
+                (1e9, 1.0),
+            );
         }
         registration.begin(|_| restarts += 1);
         while !registration.step(&[], |_| {}) {}
@@ -187,7 +197,7 @@ fn many_sources_are_solved_for_in_steps_and_change_together() {
         let heading = f64::from(index) * 0.7;
         let velocity = [200.0 * heading.sin(), 200.0 * heading.cos(), 0.0];
         let of = |source: u16| view(source, [3e3, 4e3, 5e3], velocity, [f64::from(source), 0.0], 0.0, index);
-        registration.learn(&of(a), &of(b), 0.0, 1e9);
+        registration.learn(&of(a), &of(b), 0.0, (1e9, 1.0));
     }
     registration.begin(|_| {});
     assert!(!registration.step(&[], |_| {}) && registration.is_solving());
@@ -246,7 +256,12 @@ fn register_polar(
                 seen.place_m = places.then_some(place_m);
                 seen
             };
-            registration.learn(&of((target % 3) as u16), &of(((target + 1) % 3) as u16), 0.0, 1e9);
+            registration.learn(
+                &of((target % 3) as u16),
+                &of(((target + 1) % 3) as u16),
+                0.0,
+                (1e9, 1.0),
+            );
         }
         registration.begin(|_| {});
         while !registration.step(&[], |_| {}) {}

@@ -364,8 +364,10 @@ impl Sources {
         let (own, other) = (view(sensor), view(other));
         let extent_m = settings.association.extent_sigma_m;
         let points_m2 = self.possible_points_m2(extent_m * extent_m);
-        let reports = f64::from(tracks.systems.get(system).reports) / self.models.len() as f64;
-        self.registration.learn(&own, &other, points_m2, reports);
+        let entry = tracks.systems.get(system);
+        let reports = f64::from(entry.reports) / self.models.len() as f64;
+        let age_s = (now_ns - entry.first_seen_ns) as f64 / NS_PER_S;
+        self.registration.learn(&own, &other, points_m2, (reports, age_s));
     }
 
     /// A sensor track as its source gives it, at `time_ns`.

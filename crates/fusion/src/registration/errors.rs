@@ -113,12 +113,17 @@ kept! {
     }
 }
 
+/// Returns the variances of the errors before anything is known.
+pub(crate) fn prior_variances() -> Errors {
+    Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row])
+}
+
 impl SourceErrors {
     /// Nothing is known.
     pub(crate) fn unknown() -> Self {
         Self {
             errors: Errors::zeros(),
-            variances: Errors::from_fn(|row, _| PRIOR_SIGMA[row] * PRIOR_SIGMA[row]),
+            variances: prior_variances(),
             samples: 0.0,
             removed: [false; ERRORS],
             model: Model::OFFSET,

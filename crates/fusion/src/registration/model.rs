@@ -78,6 +78,11 @@ impl Model {
         }
     }
 
+    /// Returns the values of the errors that are estimated, and those of `others` for the errors that are not.
+    pub(crate) fn known(self, values: Errors, others: &Errors) -> Errors {
+        Errors::from_fn(|row, _| if self.estimates(row) { values[row] } else { others[row] })
+    }
+
     fn parameters(self) -> u8 {
         2 * u8::from(self.offset) + u8::from(self.range) + u8::from(self.azimuth)
     }

@@ -3,6 +3,7 @@
 
 mod association;
 mod source;
+mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
 pub use source::{
@@ -16,12 +17,12 @@ use settings::{Seconds, SettingsError};
 pub use crate::border::BorderSettings;
 pub use crate::coverage::{CoverageArea, CoverageTable};
 pub use crate::existence::ExistenceSettings;
-pub use crate::reference_point::TargetSizeSettings;
 pub use crate::registration::settings::RegistrationSettings;
 pub use crate::rules::settings::{
     DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
     RuleSettings, Tie,
 };
+pub use crate::settings::target_size::TargetSizeSettings;
 pub use crate::source_ref::{SOURCES_MAX, SourceRef};
 
 /// Most stored reports per source and target.

@@ -391,9 +391,7 @@ mod tests {
             ("prior[0].sector.bearings_deg: ", |all| {
                 all.priors[0].sector = Some(sector([0.0; 2], [1.0, 1.0]));
             }),
-            ("prior[1]: priors 1 and 2 speak of the same place", |all| {
-                beside(all, [0.9, 1.5])
-            }),
+            ("prior[1]: priors 1 and 2 overlap", |all| beside(all, [0.9, 1.5])),
             ("type[1].name: \"patrol\" is the name of an earlier type", |all| {
                 all.types.push(all.types[0].clone())
             }),

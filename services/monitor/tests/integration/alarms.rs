@@ -707,7 +707,7 @@ fn alarms_are_said_once_in_the_log_and_stand_in_the_report() {
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines.len(), 2, "{said}");
     assert!(
-        lines[0].starts_with(&format!("koseki: alarm, major: {text} Look at")),
+        lines[0].starts_with(&format!("koseki: alarm, major: {text} Check the")),
         "{said}"
     );
     assert_eq!(lines[1], format!("koseki: alarm cleared: {text}"));

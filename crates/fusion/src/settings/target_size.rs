@@ -1,0 +1,40 @@
+//! Sizes of targets by type.
+
+use std::collections::BTreeMap;
+
+use messages::TargetType;
+
+settings::settings! {
+    /// Sizes of targets: different points of one target lie no farther apart. Larger differences between sources are
+    /// errors, not points.
+    pub struct TargetSizeSettings {
+        /// Targets of unknown type.
+        unknown_m: f64 = 80.0, in [1, 5000];
+        /// Targets by type.
+        type_m: BTreeMap<String, f64> = BTreeMap::from([("aircraft".to_owned(), 80.0), ("vessel".to_owned(), 450.0)]),
+            in [1, 5000];
+    }
+}
+
+impl TargetSizeSettings {
+    /// Size of a target of this type, metres.
+    pub(crate) fn of(&self, target_type: &TargetType) -> f64 {
+        let named = target_type.name().and_then(|name| self.type_m.get(name));
+        *named.unwrap_or(&self.unknown_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_size_is_looked_up_by_type() {
+        let sizes = TargetSizeSettings::default();
+        let of = |name| sizes.of(&TargetType::new(name, 0.9).unwrap());
+        assert_eq!(
+            [of("vessel"), of("A320"), sizes.of(&TargetType::default())],
+            [450.0, 80.0, 80.0]
+        );
+    }
+}
