@@ -472,7 +472,7 @@ settings::settings! {
 
     /// The recorder process.
     pub struct RecorderTable {
-        /// Whether a checkpoint is kept.
+        /// Whether a recorder runs.
         enabled: bool = true;
         /// Files that are written: rows of text, a file for each topic of data; containers of all topics, for
         /// everything to be read again to the bit; captures of the datagrams and lines of live sources as they came.

@@ -9,8 +9,8 @@
 //! innovation. The length of the innovation has no influence, so no single report can spoil the shape (the fixed point
 //! is Tyler's estimator of shape). The size follows from the factor of covariance scaling.
 //!
-//! The shape is relative to the line of sight, so the position of the sensor must be known. Only a clear shape is used, so
-//! that the covariances of consistent sources stay as they are.
+//! The shape is relative to the line of sight, so the position of the sensor must be known. Only a clear shape is used,
+//! so that the covariances of consistent sources stay as they are.
 //!
 //! Source: D. E. Tyler, *A distribution-free M-estimator of multivariate scatter*, Annals of Statistics 15 (1987).
 
@@ -53,7 +53,8 @@ fn line_of_sight(target_m: [f64; AXES], [east, north]: [f64; 2]) -> Doubled {
 }
 
 impl ErrorShape {
-    /// Learns from an innovation (m) with its covariance (xx, xy, yy; m²), for a target and a sensor at these positions.
+    /// Learns from an innovation (m) with its covariance (xx, xy, yy; m²), for a target and a sensor at these
+    /// positions.
     pub(crate) fn learn(
         &mut self,
         [east, north]: [f64; 2],
@@ -150,27 +151,14 @@ impl Stretch {
     /// Stretches the covariance of a state: positions and velocities alike.
     pub(crate) fn apply_to_state(&self, covariance: &mut Covariance) {
         let stated = *covariance;
-        let mut rows = [[0.0; 2 * AXES]; 2 * AXES];
-        for (row, values) in rows.iter_mut().enumerate() {
-            for block in [0, AXES] {
-                let pair = self.of([stated.get(row, block), stated.get(row, block + 1)]);
-                values[block..block + 2].copy_from_slice(&pair);
-                values[block + 2] = stated.get(row, block + 2);
-            }
-        }
-        for column in 0..2 * AXES {
-            for block in [0, AXES] {
-                let pair = self.of([rows[block][column], rows[block + 1][column]]);
-                for (offset, value) in pair
-                    .into_iter()
-                    .enumerate()
-                    .filter(|(offset, _)| block + offset <= column)
-                {
-                    covariance.set(block + offset, column, value);
-                }
-                if block + 2 <= column {
-                    covariance.set(block + 2, column, rows[block + 2][column]);
-                }
+        let stretched = |row: usize, value: &dyn Fn(usize) -> f64| {
+            let pair = self.of([value(row / AXES * AXES), value(row / AXES * AXES + 1)]);
+            pair.get(row % AXES).copied().unwrap_or_else(|| value(row))
+        };
+        for row in 0..2 * AXES {
+            for column in row..2 * AXES {
+                let of_column = |row: usize| stretched(column, &|column| stated.get(row, column));
+                covariance.set(row, column, stretched(row, &of_column));
             }
         }
     }

@@ -19,8 +19,8 @@
 //!
 //! Errors may change. If the latest differences show a drift, only the differences of the last seconds count until the
 //! estimate has caught up. After a step, the estimate of the source that changed starts anew (module `recent`). The
-//! published covariances include the remaining differences, the offsets that are not removed, and the unobservable error
-//! of the median itself.
+//! published covariances include the remaining differences, the offsets that are not removed, and the unobservable
+//! error of the median itself.
 //!
 //! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report
 //! may wait that long, so a solution proceeds in steps of bounded work, and the estimates change once it is complete.
@@ -121,6 +121,7 @@ kept! {
         partners: u64,
         contradicted: f64,
         fit: f64,
+        ticks: u32,
     }
 }
 
@@ -139,8 +140,7 @@ pub(crate) struct Registration {
     reference: Option<u16>,
     /// Number of targets that several sources observe; at least 1.
     targets: f64,
-    /// Memory of the sums, and duration of a tick, seconds.
-    memory_s: f64,
+    /// Duration of a tick, seconds.
     tick_s: f64,
     /// Whether the position of each sensor is known.
     has_place: Vec<bool>,
@@ -181,7 +181,6 @@ impl Registration {
             recents: vec![Recent::default(); sources],
             ticks: vec![0; sources],
             solutions: vec![0; sources],
-            memory_s,
             tick_s,
             reference,
             targets: 1.0,
@@ -204,6 +203,7 @@ impl Registration {
             partners: self.partners[source],
             contradicted: self.contradicted[source],
             fit: self.fits[source],
+            ticks: self.ticks[source],
         }
     }
 
@@ -213,6 +213,7 @@ impl Registration {
         self.partners[source] = kept.partners;
         self.contradicted[source] = kept.contradicted;
         self.fits[source] = kept.fit;
+        self.ticks[source] = kept.ticks;
     }
 
     /// Returns the sums over each ordered pair of sources.
@@ -320,9 +321,9 @@ impl Registration {
             }
             covariance_m2[(2, 2)] = 1e12;
         }
-        // The points stay where they are. However often a target is compared, it yields no more than one pair of points:
-        // an aircraft at its stand must not outweigh all that pass.
-        let times = 1.0 + reports * (self.remembered_s(a.source, b.source) / age_s).clamp(0.0, 1.0);
+        // The points stay where they are. However often a target is compared, it yields no more than one pair of
+        // points: an aircraft at its stand must not outweigh all that pass.
+        let times = 1.0 + reports * (self.collected_s(a.source, b.source) / age_s).clamp(0.0, 1.0);
         let weight_of = |points_m2: f64| {
             let points = estimation::Matrix3::from_diagonal(&SVector::from([points_m2, points_m2, 0.0]));
             Some((covariance_m2 + points).cholesky()?.inverse())
@@ -367,15 +368,16 @@ impl Registration {
             return;
         }
         let weight = weight * SAMPLE_WEIGHT;
+        self.recents[usize::from(a.source)].add_used(&weight, [rest[0], rest[1]]);
+        self.recents[usize::from(b.source)].add_used(&weight, [-rest[0], -rest[1]]);
         let (weighted_a, weighted_b) = (of_a.transpose() * weight, of_b.transpose() * weight);
         self.add(a.source, b.source, &weighted_a, &of_a, &of_b, &difference);
         self.add(b.source, a.source, &weighted_b, &of_b, &of_a, &-difference);
     }
 
-    /// Returns the time over which the sums of two sources reach back, seconds.
-    fn remembered_s(&self, a: u16, b: u16) -> f64 {
-        let ticks = self.ticks[usize::from(a)].min(self.ticks[usize::from(b)]);
-        (f64::from(ticks) * self.tick_s).min(self.memory_s)
+    /// Returns the time since which the sums of two sources are collected, seconds.
+    fn collected_s(&self, a: u16, b: u16) -> f64 {
+        f64::from(self.ticks[usize::from(a)].min(self.ticks[usize::from(b)])) * self.tick_s
     }
 
     fn add(
@@ -396,8 +398,8 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of a
-    /// source whose errors changed by a step is dropped, and the source is passed to `restarted`.
+    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
+    /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`.
     pub(crate) fn begin(&mut self, restarted: impl FnMut(u16)) {
         if self.is_solving() {
             return;
@@ -588,10 +590,11 @@ impl Registration {
     }
 
     /// Decides the significance of the errors once a solution is complete. `spread_m2` returns the variance per axis of
-    /// the detection points of a source, `None` if too little is known for a decision. `targets` is the number of targets that several sources observe.
+    /// the detection points of a source, `None` if too little is known for a decision. `targets` is the number of
+    /// targets that several sources observe.
     ///
-    /// If detection points are known to lie `far_apart`, time offsets are left alone, unless the times of receipt confirm
-    /// them.
+    /// If detection points are known to lie `far_apart`, time offsets are left alone, unless the times of receipt
+    /// confirm them.
     pub(crate) fn decide(
         &mut self,
         clocks: &[ClockError],

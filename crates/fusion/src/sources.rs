@@ -393,9 +393,9 @@ impl Sources {
         }
     }
 
-    /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of a
-    /// target of unknown type; `confirmed` targets are followed now. Long work is spread over the calls. A source whose
-    /// estimate had to be dropped is passed to `restarted`.
+    /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of
+    /// a target of unknown type; `confirmed` targets are followed now. Long work is spread over the calls. A source
+    /// whose estimate had to be dropped is passed to `restarted`.
     pub(crate) fn register(
         &mut self,
         due: bool,
@@ -410,8 +410,9 @@ impl Sources {
             return;
         }
         self.correct_late_clocks();
-        // The distances of a source's points from the others' are those of the others' points from its. The offset of few
-        // targets may be that of wrong joins, and offsets beside a source that is set aside may be due to that source.
+        // The distances of a source's points from the others' are those of the others' points from its. The offset of
+        // few targets may be that of wrong joins, and offsets beside a source that is set aside may be due to that
+        // source.
         let learned_m2 = self.possible_points_m2(0.0);
         let largest_m2 = 0.25 * largest_m * largest_m;
         let decides_early = confirmed >= TARGETS_MIN && !self.credibility.sets_aside();

@@ -60,7 +60,7 @@
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
-#define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* The contribution is a system track of another centre. If not fresh, it is listed for a while without weight. */
+#define KOSEKI_CONTRIBUTION_CENTRE UINT64_C(0x4) /* The contribution is a system track of another centre. If not fresh, it is listed for a while without */
 #define KOSEKI_ALERT_SPECIAL_IDENTIFICATION UINT64_C(0x1) /* Special position identification: the pilot has pressed the button. */
 #define KOSEKI_ALERT_EMERGENCY UINT64_C(0x2) /* An emergency of any kind; Mode 3/A code 7700. */
 #define KOSEKI_ALERT_COMMUNICATION_FAILURE UINT64_C(0x4) /* Radio communication has failed; code 7600. */
@@ -141,7 +141,7 @@
 #define KOSEKI_STEP_PUBLISHER UINT64_C(0x3) /* The next reports of `source` come from the publisher with the incarnation `time_ns`. */
 #define KOSEKI_STEP_TIME UINT64_C(0x4) /* Time has passed up to `time_ns` without a report. */
 #define KOSEKI_STEP_CONDITION UINT64_C(0x5) /* Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by */
-#define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as terminated. */
+#define KOSEKI_STEP_RESTORED UINT64_C(0x6) /* Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as */
 #define KOSEKI_STEP_NUMBERS UINT64_C(0x7) /* Numbers of system tracks begin at `sequence`, because the numbers assigned before are unknown. */
 #define KOSEKI_STEP_IMAGE UINT64_C(0x8) /* A snapshot of the engine's present state is published on `system/restored`, with the time `time_ns`. */
 #define KOSEKI_STEP_HOST_OFFSET UINT64_C(0x9) /* The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset. */
@@ -176,15 +176,15 @@
 #define KOSEKI_DECISION_KIND_IDENTITY_CONFLICT UINT64_C(0x5) /* A sensor track left because its address contradicts the system track's. */
 #define KOSEKI_DECISION_KIND_SPLIT UINT64_C(0x6) /* A sensor track left because it kept missing the others: value d², limit the gate. */
 #define KOSEKI_DECISION_KIND_MERGED UINT64_C(0x7) /* A system track was found to be the same target as another, and merged into it: value d², limit the gate. */
-#define KOSEKI_DECISION_KIND_CONFIRMED UINT64_C(0x8) /* A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single source's claim. */
-#define KOSEKI_DECISION_KIND_WITHHELD UINT64_C(0x9) /* A system track is withheld: its sources report that they no longer detect the target. Value the sum of the misses. */
+#define KOSEKI_DECISION_KIND_CONFIRMED UINT64_C(0x8) /* A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single */
+#define KOSEKI_DECISION_KIND_WITHHELD UINT64_C(0x9) /* A system track is withheld: its sources report that they no longer detect the target. Value the sum of the */
 #define KOSEKI_DECISION_KIND_COASTED UINT64_C(0xa) /* Nothing fresh contributes any more. */
 #define KOSEKI_DECISION_KIND_ENDED UINT64_C(0xb) /* A system track has ended. */
 #define KOSEKI_DECISION_KIND_HAND_OVER UINT64_C(0xc) /* The selected source has changed: value the new source's accuracy value, limit the previous source's. */
 #define KOSEKI_DECISION_KIND_REFERENCE_POINT UINT64_C(0xd) /* The target's reference point is now that of this source. */
-#define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another track of its source: value the sum of log-likelihood ratios. */
+#define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another track of its source: value the sum of log-likelihood */
 #define KOSEKI_DECISION_KIND_ORDERED UINT64_C(0xf) /* An order of an operator has changed a system track: value the number of the order. */
-#define KOSEKI_DECISION_KIND_ORDER_ENDED UINT64_C(0x10) /* An order on system tracks has ended, since they are farther apart than it permits: value the distance in */
+#define KOSEKI_DECISION_KIND_ORDER_ENDED UINT64_C(0x10) /* An order on system tracks has ended, because the tracks are farther apart than permitted: value the */
 #define KOSEKI_ORDER_CONDITION UINT64_C(0x1) /* A weather condition holds for the accuracy of a source, or of all sources (TI-7). */
 #define KOSEKI_ORDER_SNAPSHOT UINT64_C(0x2) /* Fusion publishes a snapshot of the engine, for a recorder. */
 #define KOSEKI_ORDER_OUT UINT64_C(0x3) /* The reports of a source are counted and not used. */
@@ -318,7 +318,7 @@ typedef struct KosekiBatchHeader {
     int64_t progress_ns; /* Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown. */
     int64_t sent_ns; /* Monotonic time of the send, nanoseconds. */
     uint64_t epoch; /* Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up. */
-    uint32_t flags; /* Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it. */
+    uint32_t flags; /* Bit 0: the source has ended. Bit 1: this epoch of fusion continues the tracks of the previous epoch. Bits */
     uint32_t sensor_uid; /* Identity of the sensor, the same in every deployment; 0: unknown, or no sensor. */
     uint32_t origin; /* Original deployment of the samples, if another; 0: this deployment. */
     int32_t clock_offset_ms; /* Offset of the source's clock against the publisher's UTC, by the times at which its data are received, */
@@ -745,7 +745,7 @@ typedef struct KosekiRegistration {
     double azimuth_bias_sigma_rad; /* Standard deviation of the azimuth bias, radians. */
     double covariance_inflation; /* Factor of covariance scaling for a source that overstates its accuracy; otherwise 1. */
     uint32_t removed; /* Which of the errors are being removed from the source's reports: `registration_bits`. */
-    uint32_t gross; /* Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the */
+    uint32_t gross; /* Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the */
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
     double gross_value[2]; /* Amount of the gross error, in the unit of its kind. */
@@ -913,7 +913,7 @@ static_assert(offsetof(KosekiFrameOrigin, height_m) == 16, "offset");
 
 typedef struct KosekiWorkStep {
     int64_t time_ns; /* Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings: */
-    uint32_t sequence; /* Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own */
+    uint32_t sequence; /* Number of the report, modulo 2^32: its index among the samples of its publisher; in order `time` its own */
     uint16_t source; /* Number of the source; 65535 if the step is of none. */
     uint8_t kind; /* Kind of step: a `StepKind` code. */
     uint8_t flags; /* Flags: see `work_step_bits`. */

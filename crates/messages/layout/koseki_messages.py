@@ -62,7 +62,7 @@ PLATFORM_STATE_ATTITUDE_SIGMA = 0x40  # `pitch_sigma_rad` and `roll_sigma_rad` a
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
-CONTRIBUTION_CENTRE = 0x4  # The contribution is a system track of another centre. If not fresh, it is listed for a while without weight.
+CONTRIBUTION_CENTRE = 0x4  # The contribution is a system track of another centre. If not fresh, it is listed for a while without
 ALERT_SPECIAL_IDENTIFICATION = 0x1  # Special position identification: the pilot has pressed the button.
 ALERT_EMERGENCY = 0x2  # An emergency of any kind; Mode 3/A code 7700.
 ALERT_COMMUNICATION_FAILURE = 0x4  # Radio communication has failed; code 7600.
@@ -143,7 +143,7 @@ STEP_REPORT = 0x2  # The report of `source` with the number `sequence` is worked
 STEP_PUBLISHER = 0x3  # The next reports of `source` come from the publisher with the incarnation `time_ns`.
 STEP_TIME = 0x4  # Time has passed up to `time_ns` without a report.
 STEP_CONDITION = 0x5  # Condition (weather) number `sequence` holds from now on, when time has passed up to `time_ns`. Written by
-STEP_RESTORED = 0x6  # Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as terminated.
+STEP_RESTORED = 0x6  # Fusion resumes from the data on `system/restored` for its epoch; tracks listed there are reported as
 STEP_NUMBERS = 0x7  # Numbers of system tracks begin at `sequence`, because the numbers assigned before are unknown.
 STEP_IMAGE = 0x8  # A snapshot of the engine's present state is published on `system/restored`, with the time `time_ns`.
 STEP_HOST_OFFSET = 0x9  # The sources' time is ahead of the engine's by `time_ns` (nanoseconds) from now on: the host offset.
@@ -178,15 +178,15 @@ DECISION_KIND_DUPLICATE = 0x4  # A sensor track was recognised as another part o
 DECISION_KIND_IDENTITY_CONFLICT = 0x5  # A sensor track left because its address contradicts the system track's.
 DECISION_KIND_SPLIT = 0x6  # A sensor track left because it kept missing the others: value d², limit the gate.
 DECISION_KIND_MERGED = 0x7  # A system track was found to be the same target as another, and merged into it: value d², limit the gate.
-DECISION_KIND_CONFIRMED = 0x8  # A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single source's claim.
-DECISION_KIND_WITHHELD = 0x9  # A system track is withheld: its sources report that they no longer detect the target. Value the sum of the misses.
+DECISION_KIND_CONFIRMED = 0x8  # A system track was confirmed: value the number of sources, or the log-likelihood ratio of a single
+DECISION_KIND_WITHHELD = 0x9  # A system track is withheld: its sources report that they no longer detect the target. Value the sum of the
 DECISION_KIND_COASTED = 0xa  # Nothing fresh contributes any more.
 DECISION_KIND_ENDED = 0xb  # A system track has ended.
 DECISION_KIND_HAND_OVER = 0xc  # The selected source has changed: value the new source's accuracy value, limit the previous source's.
 DECISION_KIND_REFERENCE_POINT = 0xd  # The target's reference point is now that of this source.
-DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another track of its source: value the sum of log-likelihood ratios.
+DECISION_KIND_UNCROSSED = 0xe  # A sensor track has changed places with another track of its source: value the sum of log-likelihood
 DECISION_KIND_ORDERED = 0xf  # An order of an operator has changed a system track: value the number of the order.
-DECISION_KIND_ORDER_ENDED = 0x10  # An order on system tracks has ended, since they are farther apart than it permits: value the distance in
+DECISION_KIND_ORDER_ENDED = 0x10  # An order on system tracks has ended, because the tracks are farther apart than permitted: value the
 ORDER_CONDITION = 0x1  # A weather condition holds for the accuracy of a source, or of all sources (TI-7).
 ORDER_SNAPSHOT = 0x2  # Fusion publishes a snapshot of the engine, for a recorder.
 ORDER_OUT = 0x3  # The reports of a source are counted and not used.
@@ -378,7 +378,7 @@ class BatchHeader(ctypes.Structure):
         ("progress_ns", ctypes.c_int64),  # Progress mark: no later sample will have a time of measurement before this (UTC, ns); i64::MIN if unknown.
         ("sent_ns", ctypes.c_int64),  # Monotonic time of the send, nanoseconds.
         ("epoch", ctypes.c_uint64),  # Start-up number of fusion, rising with each start (see [`Epochs`]); tracks of smaller ones are not kept up.
-        ("flags", ctypes.c_uint32),  # Bit 0: the source has ended, nothing follows. Bit 1: fusion goes on with the tracks of the one before it.
+        ("flags", ctypes.c_uint32),  # Bit 0: the source has ended. Bit 1: this epoch of fusion continues the tracks of the previous epoch. Bits
         ("sensor_uid", ctypes.c_uint32),  # Identity of the sensor, the same in every deployment; 0: unknown, or no sensor.
         ("origin", ctypes.c_uint32),  # Original deployment of the samples, if another; 0: this deployment.
         ("clock_offset_ms", ctypes.c_int32),  # Offset of the source's clock against the publisher's UTC, by the times at which its data are received,
@@ -893,7 +893,7 @@ class Registration(ctypes.Structure):
         ("azimuth_bias_sigma_rad", ctypes.c_double),  # Standard deviation of the azimuth bias, radians.
         ("covariance_inflation", ctypes.c_double),  # Factor of covariance scaling for a source that overstates its accuracy; otherwise 1.
         ("removed", ctypes.c_uint32),  # Which of the errors are being removed from the source's reports: `registration_bits`.
-        ("gross", ctypes.c_uint32),  # Gross error, 0 for none: its kind in the lowest octet, whether it is certain (1) and removed (2) in the
+        ("gross", ctypes.c_uint32),  # Gross bias, 0 for none: its kind in the lowest byte, whether it is certain (1) and removed (2) in the
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
         ("gross_value", ctypes.c_double * 2),  # Amount of the gross error, in the unit of its kind.
@@ -1117,7 +1117,7 @@ assert FrameOrigin.height_m.offset == 16
 class WorkStep(ctypes.Structure):
     _fields_ = [
         ("time_ns", ctypes.c_int64),  # Engine's time up to which time has passed with this step, nanoseconds; i64::MIN: unknown. Other meanings:
-        ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its place among the samples of its publisher; in order `time` its own
+        ("sequence", ctypes.c_uint32),  # Number of the report, modulo 2^32: its index among the samples of its publisher; in order `time` its own
         ("source", ctypes.c_uint16),  # Number of the source; 65535 if the step is of none.
         ("kind", ctypes.c_uint8),  # Kind of step: a `StepKind` code.
         ("flags", ctypes.c_uint8),  # Flags: see `work_step_bits`.

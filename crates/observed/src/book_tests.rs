@@ -317,7 +317,10 @@ fn epochs() -> impl Strategy<Value = Vec<(u64, i64, u64)>> {
     })
 }
 
-fn with_shuffled() -> impl Strategy<Value = (Vec<(u64, i64, u64)>, Vec<(u64, i64, u64)>)> {
+/// Messages: epoch, time and count.
+type Messages = Vec<(u64, i64, u64)>;
+
+fn with_shuffled() -> impl Strategy<Value = (Messages, Messages)> {
     epochs().prop_flat_map(|messages| (Just(messages.clone()), Just(messages).prop_shuffle()))
 }
 

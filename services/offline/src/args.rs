@@ -9,7 +9,7 @@ use formats::rows::Row as _;
 use messages::Decision;
 
 use crate::files::Usage;
-use crate::locate;
+use crate::locate_columns::{DECISION_COLUMNS, FIX_COLUMNS};
 use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_second};
 
 /// A command on tables.
@@ -287,8 +287,8 @@ The same file and options give the same bytes. `koseki score fixes` scores the o
 /// Returns the help of `koseki locate`, with the keys of its configuration.
 fn locate_examples() -> String {
     let text = LOCATE_EXAMPLES.replace("{KEYS}", &configuration::locating_help());
-    text.replace("{FIX}", locate::FIX_COLUMNS)
-        .replace("{DECISION}", locate::DECISION_COLUMNS)
+    text.replace("{FIX}", FIX_COLUMNS)
+        .replace("{DECISION}", DECISION_COLUMNS)
 }
 
 /// `koseki locate`.

@@ -12,6 +12,7 @@ mod files;
 mod fuse;
 mod host;
 mod locate;
+mod locate_columns;
 mod picture;
 mod reading;
 mod score;

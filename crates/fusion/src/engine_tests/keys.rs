@@ -104,7 +104,7 @@ fn recency_weighs_the_earlier_reports_of_a_sensor_track() {
         let mut harness = Harness::new(settings);
         for scan in 0..20 {
             for source in 0..2 {
-                let aside_m = 8.0 * f64::from((scan * 7 + i32::from(source)) % 3 - 1);
+                let aside_m = 8.0 * f64::from((scan * 7 + source) % 3 - 1);
                 let time_s = f64::from(scan) + 0.3 * f64::from(source);
                 harness.take(&report(source as u16, 1, time_s, [0.0, aside_m], [20.0, 0.0]));
             }

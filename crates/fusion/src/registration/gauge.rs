@@ -1,33 +1,29 @@
 //! Gauge of the solution: the part of the errors that all sources have in common shows in no difference.
 //!
 //! Without a reference source, the geometric median of all sources is taken as true: a single outlier hardly moves it.
-//! If the sources without a significant error are the majority and agree, their mean is taken instead. Sources with
-//! wrong clocks weigh less.
+//! Sources with wrong clocks weigh less.
 //!
 //! Source: E. Weiszfeld, *Sur le point pour lequel la somme des distances de n points donnés est minimum*, Tôhoku
 //! Mathematical Journal 43 (1937).
 
 use std::ops::Range;
 
-use crate::registration::errors::{ClockError, SAMPLES_MIN, SourceErrors, clock_of};
+use crate::registration::errors::{ClockError, SourceErrors, clock_of};
 use crate::registration::rows::{Errors, TIME};
 use crate::source_ref::SOURCES_MAX;
-
-/// Mean square of the errors of sources that agree, in units of their variance.
-const AGREED: f64 = 3.0;
 
 /// Subtracts the common part of the errors: one step towards the median (Weiszfeld).
 pub(crate) fn fix(sources: &mut [SourceErrors], clocks: &[ClockError]) {
     let is_any_off = clocks.iter().any(|clock| clock.excess_s > 0.0);
-    // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative to
-    // a source that is known to have none.
+    // Range and azimuth biases are observable in absolute terms, from different positions. So is the offset, relative
+    // to a source that is known to have none.
     let is_anchored = sources
         .iter()
         .any(|source| source.samples > 0.0 && !source.model.has_offset());
     for rows in [0..2, 2..3, TIME..TIME + 1].into_iter().skip(usize::from(is_anchored)) {
         let middle = match is_any_off {
             true => median_by_clocks(sources, rows.clone(), clocks),
-            false => agreed_middle(sources, rows.clone()).unwrap_or_else(|| step_to_median(sources, rows.clone())),
+            false => step_to_median(sources, rows.clone()),
         };
         for source in sources.iter_mut().filter(|source| source.samples > 0.0) {
             for row in rows.clone() {
@@ -35,35 +31,6 @@ pub(crate) fn fix(sources: &mut [SourceErrors], clocks: &[ClockError]) {
             }
         }
     }
-}
-
-/// Returns the mean of the sources without a significant error, if these are the majority and agree: one far source
-/// still draws the geometric median towards itself.
-fn agreed_middle(sources: &[SourceErrors], rows: Range<usize>) -> Option<Errors> {
-    let is_used = |source: &&SourceErrors| source.samples >= SAMPLES_MIN && !source.model.is_polar();
-    let variance = |source: &SourceErrors| rows.clone().map(|row| source.variances[row]).sum::<f64>();
-    let all = sources.iter().filter(is_used).count();
-    let sound = sources
-        .iter()
-        .filter(is_used)
-        .filter(|source| !source.removed[rows.start]);
-    let (mut sum, mut total, mut count) = (Errors::zeros(), 0.0, 0);
-    for source in sound.clone() {
-        let weight = 1.0 / variance(source);
-        sum += source.errors * weight;
-        total += weight;
-        count += 1;
-    }
-    if count == all || 2 * count <= all {
-        return None;
-    }
-    let middle = sum / total;
-    let squared = |source: &SourceErrors| {
-        let apart = |row: usize| source.errors[row] - middle[row];
-        rows.clone().map(|row| apart(row) * apart(row)).sum::<f64>() / variance(source)
-    };
-    let is_agreed = sound.map(squared).sum::<f64>() <= AGREED * (count as f64 - 1.0);
-    is_agreed.then_some(middle)
 }
 
 /// Returns a step from 0 towards the geometric median of the compared sources.

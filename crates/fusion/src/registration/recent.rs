@@ -26,7 +26,7 @@ pub(crate) const RECENT_S: f64 = 7.0;
 /// Threshold of chi-square with two degrees of freedom for a drift.
 const DRIFT_2: f64 = 9.2;
 /// Chi-square beyond which it is a step, and by how much less a source is not the one that changed.
-const STEP: f64 = 30.0;
+const STEP: f64 = 40.0;
 const STEP_MARGIN: f64 = 10.0;
 
 /// Latest differences of a source that its estimate leaves over: without a change they are 0 on the average.
@@ -36,6 +36,9 @@ pub(crate) struct Recent {
     normal: Block,
     /// Σ HᵀW·rest.
     right: Errors,
+    /// Σ W (xx, xy, yy; 1/m²) and Σ W·rest (1/m), with the weights of the estimate.
+    information: [f64; 3],
+    sum: [f64; 2],
     /// Whether they were not 0, when last looked at.
     is_drift: bool,
     /// Chi-square of a change of the offset, the range bias or the azimuth bias, when last looked at.
@@ -47,6 +50,8 @@ impl Default for Recent {
         Self {
             normal: Block::zeros(),
             right: Errors::zeros(),
+            information: [0.0; 3],
+            sum: [0.0; 2],
             is_drift: false,
             step: 0.0,
         }
@@ -60,6 +65,16 @@ impl Recent {
         self.right += right;
     }
 
+    /// Adds a difference that the estimate uses: inverse covariance, and rest east and north, metres.
+    pub(crate) fn add_used(&mut self, weight: &estimation::Matrix3, [east, north]: [f64; 2]) {
+        let (xx, xy, yy) = (weight[(0, 0)], weight[(0, 1)], weight[(1, 1)]);
+        for (sum, value) in self.information.iter_mut().zip([xx, xy, yy]) {
+            *sum += value;
+        }
+        self.sum[0] += xx * east + xy * north;
+        self.sum[1] += xy * east + yy * north;
+    }
+
     /// Returns whether the latest differences showed a drift, when last looked at.
     pub(crate) fn is_drift(&self) -> bool {
         self.is_drift
@@ -67,8 +82,8 @@ impl Recent {
 
     /// Returns the mean square per axis of the drift, m²; 0 without one.
     pub(crate) fn drift_m2(&self) -> f64 {
-        let [xx, xy, yy] = self.of_offset();
-        let [east, north] = [self.right[0], self.right[1]];
+        let [xx, xy, yy] = self.information;
+        let [east, north] = self.sum;
         let determinant = xx * yy - xy * xy;
         if !self.is_drift {
             return 0.0;
@@ -83,23 +98,22 @@ impl Recent {
     /// Fades the sums by one tick, and tests them for a change of the errors that `model` contains. The others are no
     /// changes, but errors that the model does not contain yet.
     pub(crate) fn look(&mut self, keep: f64, model: Model) {
-        let offset = association::distance::squared2([self.right[0], self.right[1]], self.of_offset());
+        let [xx, xy, yy] = [(0, 0), (0, 1), (1, 1)].map(|place| self.normal[place]);
+        let offset = association::distance::squared2([self.right[0], self.right[1]], [xx, xy, yy]);
         let of_row = |row: usize| match self.normal[(row, row)] {
             information if information > 0.0 => self.right[row] * self.right[row] / information,
             _ => 0.0,
         };
         // The weight of the mean of numbers that fade: their squares fade twice as fast.
         let squared = |value: f64| if value.is_finite() { 2.0 * value } else { 0.0 };
-        self.is_drift = squared(offset) > DRIFT_2;
+        self.is_drift = squared(association::distance::squared2(self.sum, self.information)) > DRIFT_2;
         let rows = [(0, offset), (RANGE, of_row(RANGE)), (AZIMUTH, of_row(AZIMUTH))];
         let changes = rows.into_iter().filter(|(row, _)| model.estimates(*row));
         self.step = changes.map(|(_, value)| squared(value)).fold(0.0, f64::max);
         self.normal *= keep;
         self.right *= keep;
-    }
-
-    fn of_offset(&self) -> [f64; 3] {
-        [self.normal[(0, 0)], self.normal[(0, 1)], self.normal[(1, 1)]]
+        let values = self.information.iter_mut().chain(&mut self.sum);
+        values.for_each(|value| *value *= keep);
     }
 
     /// Returns whether the source changed by a step, given the [`step_limit`].

@@ -1,7 +1,7 @@
 //! Significance of the estimated errors: which of them are removed from the reports of their source.
 //!
-//! An error is removed once its squared statistical length is far beyond chance, until it is within chance. The means of
-//! the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
+//! An error is removed once its squared statistical length is far beyond chance, until it is within chance. The means
+//! of the detection points over the targets add to the variance. Range and azimuth biases are removed as soon as the
 //! evidence chose a model that contains them (module `model`).
 
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
@@ -18,8 +18,8 @@ const INSIGNIFICANT_1: f64 = 1.6;
 pub(crate) struct PointsVariance {
     /// Per axis, m².
     pub(crate) offset_m2: f64,
-    /// In the time offset, s². Infinite if the points are known to lie far apart: a point ahead of the others looks like
-    /// a fast clock.
+    /// In the time offset, s². Infinite if the points are known to lie far apart: a point ahead of the others looks
+    /// like a fast clock.
     pub(crate) time_s2: f64,
 }
 

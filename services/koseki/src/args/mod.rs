@@ -500,8 +500,8 @@ pub(crate) struct Serve {
     // clap puts no flattened argument into the group `Serve`: the group is present exactly if a `Serve` is given.
     #[arg(long, value_name = "CONFIG", group = "Serve")]
     pub(crate) config: PathBuf,
-    /// Name of the process: for an adapter, its source or receiver; for a gateway or link, its configured name [default:
-    /// the command's name]
+    /// Name of the process: for an adapter, its source or receiver; for a gateway or link, its configured name
+    /// [default: the command's name]
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]

@@ -7,9 +7,7 @@ use anyhow::Context as _;
 use locating::Decision;
 
 use crate::host::{Host, Output};
-
-/// Names of the columns.
-pub(crate) const COLUMNS: &str = "time_s,emitter_id,decision,subject,reason,value,limit";
+use crate::locate_columns::DECISION_COLUMNS;
 
 /// Table of decisions.
 #[derive(Debug)]
@@ -28,7 +26,7 @@ impl Decisions {
             path: path.to_owned(),
             out: host.begin(path)?,
         };
-        writeln!(table.out, "{COLUMNS}").with_context(|| table.unwritten())?;
+        writeln!(table.out, "{DECISION_COLUMNS}").with_context(|| table.unwritten())?;
         Ok(table)
     }
 

@@ -23,11 +23,10 @@ use observations::Bearing;
 use crate::args::Locate;
 use crate::files::{InputError, Usage, check_outputs};
 use crate::host::Host;
+use crate::locate_columns::FIX_COLUMNS;
 use crate::reading::{Counting, Progress, Refusals};
-pub(crate) use decisions::COLUMNS as DECISION_COLUMNS;
 use decisions::Decisions;
 use picture::Paths;
-pub(crate) use rows::COLUMNS as FIX_COLUMNS;
 use summary::Summary;
 
 /// Capacity for emitters without a configured limit: more than any file of measurements has. Memory is allocated on

@@ -4,10 +4,6 @@ use std::io::{self, Write};
 
 use locating::EmitterReport;
 
-/// Names of the columns.
-pub(crate) const COLUMNS: &str =
-    "time_s,emitter_id,x,y,z,vx,vy,vz,variance_m2,stage,selected,raw_x,raw_y,Pxx,Pxy,Pyy,raw_vx,raw_vy,motion,agreed";
-
 /// Writes a row: positions in millimetres, and velocities precise enough for the same accuracy over an hour.
 ///
 /// # Errors
