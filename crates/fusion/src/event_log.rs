@@ -1,6 +1,6 @@
 //! The event log: all that changes an engine, in its order, as steps of 16 bytes ([`WorkStep`]).
 //!
-//! Reports and snapshots are not in the log: an event names them. [`Writer`] turns events into steps, and [`Reader`]
+//! Reports and snapshots are not in the log: an event names them. `Writer` turns events into steps, and [`Reader`]
 //! turns steps back into events.
 
 use messages::{NO_SOURCE, Order, StepKind, WorkStep, work_step_bits};
