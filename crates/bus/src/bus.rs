@@ -53,7 +53,7 @@ impl<S: Transport> Bus<S> {
         Self::open_keeping(root, process, LEAVERS_MAX)
     }
 
-    /// Joins like [`Self::join`], for a process that reads topics of few publishers often. At most eight publishers
+    /// Joins like [`Self::open`], for a process that reads topics of few publishers often. At most eight publishers
     /// of a topic may leave between two reads; beyond that, unread slices are lost (and counted). iceoryx2 checks the
     /// places of all possible leavers on every read, which is most of the cost of a read.
     ///
