@@ -30,6 +30,7 @@ use crate::measurement::{Correction, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, Orders};
 use crate::outlet::Outbox;
 use crate::publishing::Publisher;
+use crate::purity::Purity;
 use crate::reference_point::ReferencePoints;
 use crate::registration::SourceErrors;
 use crate::rules;
@@ -97,6 +98,7 @@ impl Engine {
                 ),
                 Lifetimes::new(&settings.life, &settings.sources),
                 Dependence::new(&settings.sources),
+                Purity::new(sources),
             ),
             sources: Sources::new(&settings),
             points: ReferencePoints::default(),
@@ -557,6 +559,10 @@ impl Engine {
             sink.decision(&self.tracks.decision(sensor, DecisionKind::Duplicate, metres, limit));
             let source = self.tracks.sensors.get(sensor).source;
             self.outbox.counts.add(source, Counter::RejectedDuplicate);
+            return;
+        }
+        if !self.tracks.is_established(sensor) {
+            // A first report alone may join a target; it starts none.
             return;
         }
         let report = self.tracks.sensors.get(sensor).latest;

@@ -27,6 +27,7 @@ mod credibility;
 mod crossing;
 mod dependence;
 mod description;
+mod detection_map;
 mod driver;
 #[cfg(test)]
 mod driver_tests;
@@ -59,6 +60,7 @@ mod orders;
 mod outlet;
 mod places;
 mod publishing;
+mod purity;
 pub mod quality;
 mod quota;
 mod reference_point;

@@ -4,10 +4,12 @@ use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackSta
 use serde::{Deserialize, Serialize};
 
 use crate::association_step::Search;
-use crate::existence::{Claim, Coverage};
+use crate::detection_map::DetectionMap;
+use crate::existence::Claim;
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
+use crate::purity::LASTING_REPORTS;
 use crate::settings::{Settings, SourceSettings};
 use crate::sources::Sources;
 use crate::system_tracks::SystemSlot;
@@ -19,8 +21,10 @@ const COVERAGE_EVERY_NS: i64 = 4_000_000_000;
 const COVERAGE_CELLS: usize = 4096;
 const COVERAGE_CELL_M: f64 = 5000.0;
 
-/// Number of periods that a source needs to detect a new target: earlier silence has no meaning.
-const CHANCE_PERIODS: i64 = 3;
+/// Share of the silence that does not count where a track teaches coverage: the silence rests on that coverage.
+const UNTAUGHT: f64 = 0.3;
+/// Looks that every source with coverage is given before a claim that it does not support is believed.
+const CHANCE_LOOKS: f64 = 1.0;
 /// Time for which a second track beside a target waits to be distinguished from another point of the target, in
 /// periods of the slowest source.
 const PATIENCE_PERIODS: f64 = 30.0;
@@ -35,17 +39,39 @@ const DETECTION_SELDOM: f64 = 0.1;
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Life {
     /// Where each source follows targets.
-    pub(crate) coverage: Coverage,
+    pub(crate) coverage: DetectionMap,
     /// No system track is left unlooked-at for longer than this, so that its deadline can be put off but never missed,
     /// nanoseconds.
     shortest_fresh_ns: i64,
+}
+
+/// Evidence for the target of a system track.
+#[derive(Clone, Copy, Debug)]
+struct Evidence {
+    /// Whether the target is believed to exist.
+    is_believed: bool,
+    /// Logarithm of the likelihood ratio of a target to a false track; NaN before the first evidence.
+    log_ratio: f64,
+    /// The same with a part of the silence: see [`UNTAUGHT`].
+    teaching: f64,
+    /// Whether every source with coverage has had its chance.
+    is_ripe: bool,
+    /// Number of independent sources that agree.
+    witnesses: u32,
+    /// Value of the decision: number of witnesses that agree, or the ratio of a single claim.
+    stated: f64,
+}
+
+/// Probability with this logarithm of its odds.
+fn probability(log_odds: f64) -> f64 {
+    1.0 / (1.0 + (-log_odds).exp())
 }
 
 impl Life {
     pub(crate) fn new(sources: &[SourceSettings]) -> Self {
         let areas = sources.iter().map(|source| source.coverage.clone()).collect();
         Self {
-            coverage: Coverage::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
+            coverage: DetectionMap::new(areas, COVERAGE_CELLS, COVERAGE_CELL_M),
             shortest_fresh_ns: sources.iter().map(|source| source.fresh_ns).min().unwrap_or(1),
         }
     }
@@ -67,48 +93,137 @@ impl Life {
         let entry = tracks.systems.get(system);
         let now_ns = report.time_of_measurement_ns;
         match entry.life {
-            TrackState::Coasted => tracks.systems.set_life(system, TrackState::Confirmed),
+            TrackState::Coasted => {
+                tracks.systems.set_life(system, TrackState::Confirmed);
+                tracks
+                    .systems
+                    .get_mut(system)
+                    .add_evidence(settings.existence.persistence);
+            }
             TrackState::Tentative => {
-                let (believed, log_ratio) = self.evidence(settings, tracks, system, now_ns);
-                if believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
+                let evidence = self.evidence(settings, tracks, system, now_ns);
+                if now_ns >= entry.coverage_due_ns && evidence.is_ripe {
+                    self.learn_coverage(
+                        &settings.sources,
+                        tracks,
+                        (system, now_ns),
+                        probability(evidence.teaching),
+                    );
+                }
+                count_new_track(tracks, (system, now_ns), &evidence);
+                tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
+                if evidence.is_believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
                     tracks.systems.set_life(system, TrackState::Confirmed);
                     let first = !std::mem::replace(&mut tracks.systems.get_mut(system).was_shown, true);
                     if first {
                         out.count(report.source, Counter::TracksConfirmed);
                     }
-                    out.decision(&tracks.decision_on(system, DecisionKind::Confirmed, now_ns, log_ratio));
+                    let decision = tracks.decision_on(system, DecisionKind::Confirmed, now_ns, evidence.stated);
+                    out.decision(&decision);
                 }
             }
-            TrackState::Confirmed if now_ns >= entry.coverage_due_ns => {
-                self.learn_coverage(&settings.sources, tracks, system, now_ns);
+            TrackState::Confirmed => {
+                let is_due = now_ns >= entry.coverage_due_ns;
+                tracks
+                    .systems
+                    .get_mut(system)
+                    .add_evidence(settings.existence.persistence);
+                if is_due {
+                    self.learn_coverage(&settings.sources, tracks, (system, now_ns), 1.0);
+                }
             }
-            TrackState::Confirmed | TrackState::Suspended | TrackState::Terminated => {}
+            TrackState::Suspended | TrackState::Terminated => {}
         }
     }
 
-    /// Whether the target exists, and the evidence: the number of sources, or the log-likelihood ratio of a single
-    /// source's claim.
-    fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> (bool, f64) {
-        let (mut sources, mut established, mut reports) = (0u64, 0u64, 0u32);
+    /// Weighs the evidence for the target of a system track.
+    fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Evidence {
+        let (mut sources, mut reports, mut is_established) = (0u64, 0u32, false);
         for member in tracks.contributing(system, now_ns) {
             let entry = tracks.sensors.get(member);
             if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
                 // Another centre believes it, of however many sensors.
-                return (true, f64::NAN);
+                return Evidence {
+                    is_believed: true,
+                    log_ratio: f64::INFINITY,
+                    teaching: f64::INFINITY,
+                    is_ripe: true,
+                    witnesses: 2,
+                    stated: f64::NAN,
+                };
             }
             sources |= 1 << entry.source;
-            established |= u64::from(tracks.is_established(member)) << entry.source;
+            is_established |= tracks.is_established(member);
             reports = reports.saturating_add(entry.reports);
         }
-        if reports < settings.life.confirm_reports {
-            return (false, f64::NAN);
+        if reports < settings.life.confirm_reports || !is_established {
+            return Evidence {
+                is_believed: false,
+                log_ratio: f64::NAN,
+                teaching: f64::NAN,
+                is_ripe: false,
+                witnesses: 0,
+                stated: f64::NAN,
+            };
         }
-        let established = tracks.dependence.witnesses_among(established);
-        if established >= 3 {
-            return (true, f64::from(established));
+        let witnesses = tracks.dependence.witnesses_among(sources);
+        if witnesses >= 3 {
+            return Evidence {
+                is_believed: true,
+                log_ratio: f64::INFINITY,
+                teaching: f64::INFINITY,
+                is_ripe: true,
+                witnesses,
+                stated: f64::from(witnesses),
+            };
         }
+        let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
+        let purity = match witnesses {
+            // A single source that is no copy of another one.
+            1 => tracks.purity.log_odds(sources.trailing_zeros() as u16),
+            _ => 0.0,
+        };
+        let claim = Claim {
+            silence,
+            purity,
+            reports,
+            has_address: tracks.systems.get(system).identity.unique_number().is_some(),
+        };
+        let log_ratio = claim.log_ratio(&settings.existence);
+        if witnesses >= 2 {
+            let log_ratio = log_ratio + agreement_log_ratio(tracks);
+            let is_believed = log_ratio > settings.existence.believed;
+            return Evidence {
+                is_believed,
+                log_ratio,
+                teaching: log_ratio - UNTAUGHT * silence,
+                is_ripe: had_their_chance,
+                witnesses,
+                stated: f64::from(witnesses),
+            };
+        }
+        let is_believed = claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address);
+        Evidence {
+            is_believed,
+            log_ratio,
+            teaching: log_ratio - UNTAUGHT * silence,
+            is_ripe: had_their_chance,
+            witnesses,
+            stated: log_ratio,
+        }
+    }
+
+    /// Log-likelihood ratio of the silence of all sources but `sources`, and whether each of them with coverage has
+    /// had its chance.
+    fn silence(
+        &self,
+        settings: &Settings,
+        tracks: &Tracks,
+        (system, now_ns): (SystemSlot, i64),
+        sources: u64,
+    ) -> (f64, bool) {
         let entry = tracks.systems.get(system);
-        let (filter, age_ns) = (&entry.filter, now_ns - entry.first_seen_ns);
+        let (filter, age_ns) = (&entry.filter, (now_ns - entry.first_seen_ns) as f64);
         let groups = |bits: u64, source: u16| bits | 1 << tracks.dependence.group_of(source);
         let heard = (0..settings.sources.len() as u16)
             .filter(|source| sources & (1 << source) != 0)
@@ -120,37 +235,32 @@ impl Life {
             let is_silent =
                 groups(0, index as u16) & heard == 0 && tracks.dependence.is_witness_beside(index as u16, sources);
             if is_silent && may_see && !source.is_centre {
-                let detection = self
-                    .coverage
-                    .detection_probability(index as u16, filter.estimate.position_m());
-                silence += (1.0 - detection).ln();
-                had_their_chance &= detection < DETECTION_SELDOM || age_ns >= CHANCE_PERIODS * source.period_ns;
+                let detection = self.coverage.probability(index as u16, filter.estimate.position_m());
+                let looks = age_ns / source.period_ns as f64;
+                silence += (1.0 - detection.shown * looks.min(1.0)).ln();
+                had_their_chance &= detection.assumed < DETECTION_SELDOM || looks >= CHANCE_LOOKS;
             }
         }
-        let claim = Claim {
-            silence,
-            reports,
-            has_address: entry.identity.unique_number().is_some(),
-        };
-        if established >= 2 {
-            let log_ratio = claim.log_ratio(&settings.existence) + agreement_log_ratio(tracks);
-            return (log_ratio > settings.existence.believed, f64::from(established));
-        }
-        (
-            claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address),
-            claim.log_ratio(&settings.existence),
-        )
+        (silence, had_their_chance)
     }
 
-    /// Notes which sources follow a confirmed track here.
-    fn learn_coverage(&mut self, settings: &[SourceSettings], tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
+    /// Notes which sources follow a system track here whose target exists with the probability `existence`.
+    fn learn_coverage(
+        &mut self,
+        settings: &[SourceSettings],
+        tracks: &mut Tracks,
+        (system, now_ns): (SystemSlot, i64),
+        existence: f64,
+    ) {
         let sources = tracks.sources_of(system, now_ns);
         let entry = tracks.systems.get_mut(system);
         entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
+        let age_ns = now_ns - entry.first_seen_ns;
         let [x, y, _] = entry.filter.estimate.position_m();
-        self.coverage.learn(x, y, |source| {
-            let is_out = settings[usize::from(source)].is_out;
-            (!is_out).then_some(sources & (1 << source) != 0)
+        self.coverage.learn([x, y], existence, |source| {
+            let settings = &settings[usize::from(source)];
+            let follows = sources & (1 << source) != 0;
+            (!settings.is_out && (follows || age_ns >= settings.period_ns)).then_some(follows)
         });
     }
 
@@ -186,6 +296,20 @@ impl Life {
             missing_ns - missing_ns % step_ns
         };
         looked_ns.saturating_add(whole_ns).saturating_add(step_ns)
+    }
+}
+
+/// Counts a tentative system track as a target, once, where a second source agrees or where it has lasted.
+fn count_new_track(tracks: &mut Tracks, (system, now_ns): (SystemSlot, i64), evidence: &Evidence) {
+    let entry = tracks.systems.get(system);
+    let agrees = evidence.witnesses >= 2 && evidence.is_believed;
+    if entry.is_counted || !(agrees || entry.reports >= LASTING_REPORTS) {
+        return;
+    }
+    tracks.systems.get_mut(system).is_counted = true;
+    let sources = tracks.sources_of(system, now_ns);
+    for source in (0..u64::BITS as u16).filter(|source| sources & (1 << source) != 0) {
+        tracks.purity.learn(source, true);
     }
 }
 
@@ -311,7 +435,11 @@ pub(crate) fn end<S: Sink>(
         tracks.drop_sensor_track(member);
     }
     tracks.systems.end(slot);
-    tracks.systems.get_mut(slot).merged_into = merged_into;
+    let entry = tracks.systems.get_mut(slot);
+    entry.merged_into = merged_into;
+    if merged_into == 0 && !entry.is_counted && entry.contributors.count_ones() == 1 {
+        tracks.purity.learn(entry.contributors.trailing_zeros() as u16, false);
+    }
     out.count(NO_SOURCE, Counter::TracksTerminated);
     out.decision(&tracks.decision_on(slot, DecisionKind::Ended, now_ns, f64::NAN));
     publish_extrapolated(settings, tracks, slot, now_ns, out);

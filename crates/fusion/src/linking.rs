@@ -96,7 +96,7 @@ impl Linking<'_> {
             self.tracks.join(sensor, system);
             let gate = self.search().resumption_gate();
             out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
-        } else if self.tracks.is_established(sensor) {
+        } else {
             return Next::Wait;
         }
         Next::Done

@@ -97,6 +97,7 @@ pub(crate) fn write(
     message.members = entry.description.members;
     message.target_type = entry.description.target_type;
     message.mode_probabilities[..MODES].copy_from_slice(&entry.filter.mode_probabilities());
+    message.existence = entry.existence();
     message.updates = entry.reports;
     message.extrapolations = entry.extrapolations;
     let listed_before = std::mem::replace(&mut message.contribution_count, members.len() as u16);

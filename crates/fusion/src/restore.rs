@@ -8,8 +8,8 @@ use messages::{Bias, BiasKind, NS_PER_S, TrackState};
 
 use crate::alignment::PairFindings;
 use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
+use crate::detection_map::Tally;
 use crate::engine::Engine;
-use crate::existence::Tally;
 use crate::explanation::Sink;
 use crate::life;
 use crate::manoeuvres::{CLASSES, Class};
@@ -32,6 +32,7 @@ kept! {
         model: SourceModel,
         errors: KeptErrors,
         detection: Tally,
+        purity: Tally,
         mean_square: Option<f64>,
         /// Accepted gross bias, and the removed bias.
         gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
@@ -131,6 +132,7 @@ impl Engine {
             self.sources.models[source] = learned.model;
             self.sources.registration.resume(source, &learned.errors);
             *self.life.coverage.general_mut(source) = learned.detection;
+            *self.tracks.purity.tally_mut(source) = learned.purity;
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
             self.sources.alignment.resume(source, learned.gross);
         }
@@ -203,6 +205,7 @@ impl Engine {
                     model: self.sources.models[place],
                     errors: self.sources.registration.kept(place),
                     detection: *self.life.coverage.general_mut(place),
+                    purity: *self.tracks.purity.tally_mut(place),
                     mean_square: *self.publisher.accuracies.mean_square_mut(place),
                     gross: self.sources.alignment.bias_of(place),
                 };

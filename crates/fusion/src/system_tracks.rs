@@ -51,6 +51,8 @@ pub(crate) struct SystemEntry {
     pub(crate) filter: Filter,
     /// Course of the target, as sine and cosine; north until it has moved.
     pub(crate) course: [f64; 2],
+    /// Logarithm of the odds that the target exists, after the latest report; NaN before there is evidence.
+    pub(crate) log_odds: f64,
     /// Sum of ln(1 − probability of detection) over the misses since the last report.
     pub(crate) absence: f64,
     /// Normalised innovation squared of its latest report, in the plane; 0 if that was not compared with the filter.
@@ -65,6 +67,8 @@ pub(crate) struct SystemEntry {
     pub(crate) ownership: Ownership,
     /// Whether it was ever confirmed.
     pub(crate) was_shown: bool,
+    /// Whether the purity of its sources has counted it.
+    pub(crate) is_counted: bool,
     /// Whether the filter repeats what another centre says, since no source here follows the target.
     pub(crate) is_foreign: bool,
     /// Sources that the filter has learned from, as bits.
@@ -119,6 +123,7 @@ kept! {
         last_report_ns: i64,
         fresh_until_ns: i64,
         first_seen_ns: i64,
+        log_odds: f64,
         absence: f64,
         course: [f64; 2],
         identity: Identity,
@@ -144,7 +149,26 @@ impl KeptTrack {
     }
 }
 
+/// Largest logarithm of the odds: one confirmed track in ten thousand is false.
+const LOG_ODDS_MAX: f64 = 9.2;
+
 impl SystemEntry {
+    /// Adds evidence for the target.
+    #[inline]
+    pub(crate) fn add_evidence(&mut self, log_ratio: f64) {
+        self.log_odds = (self.log_odds + log_ratio).min(LOG_ODDS_MAX);
+    }
+
+    /// Probability that the target exists, in (0, 1]; 0 without evidence.
+    #[inline]
+    pub(crate) fn existence(&self) -> f32 {
+        if self.log_odds.is_nan() {
+            return 0.0;
+        }
+        let odds = (-self.log_odds.min(LOG_ODDS_MAX) - self.absence).exp();
+        (1.0 / (1.0 + odds)) as f32
+    }
+
     #[inline]
     pub(crate) fn kept(&self) -> KeptTrack {
         KeptTrack {
@@ -162,6 +186,7 @@ impl SystemEntry {
             last_report_ns: self.last_report_ns,
             fresh_until_ns: self.fresh_until_ns,
             first_seen_ns: self.first_seen_ns,
+            log_odds: self.log_odds,
             absence: self.absence,
             course: self.course,
             identity: self.identity,
@@ -176,12 +201,14 @@ impl SystemEntry {
         Self {
             identity: kept.identity,
             course: kept.course,
+            log_odds: kept.log_odds,
             absence: kept.absence,
             nis: 0.0,
             astray: 0,
             first_seen_ns: kept.first_seen_ns,
             point_source: NO_SOURCE,
             was_shown: kept.was_shown,
+            is_counted: kept.was_shown,
             contributors: u64::MAX,
             reports: kept.reports,
             extrapolations: 0,
@@ -206,6 +233,7 @@ impl SystemEntry {
             identity: Identity::default(),
             state: filter.state(),
             course: [0.0, 1.0],
+            log_odds: f64::NAN,
             absence: 0.0,
             nis: 0.0,
             astray: 0,
@@ -213,6 +241,7 @@ impl SystemEntry {
             point_source: NO_SOURCE,
             ownership: Ownership::default(),
             was_shown: false,
+            is_counted: false,
             is_foreign: false,
             contributors: 0,
             duplicate: None,

@@ -12,6 +12,7 @@ use crate::filter::Filter;
 use crate::lifetimes::Lifetimes;
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
+use crate::purity::Purity;
 use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
@@ -22,6 +23,8 @@ pub(crate) struct Tracks {
     pub(crate) systems: SystemTracks,
     pub(crate) lifetimes: Lifetimes,
     pub(crate) dependence: Dependence,
+    /// How many new tracks of each source turned out to be targets.
+    pub(crate) purity: Purity,
     /// Where what must outlive the process is written.
     #[serde(skip)]
     pub(crate) checkpoint: Option<Checkpoint>,
@@ -55,12 +58,14 @@ impl Tracks {
         systems: SystemTracks,
         lifetimes: Lifetimes,
         dependence: Dependence,
+        purity: Purity,
     ) -> Self {
         Self {
             sensors,
             systems,
             lifetimes,
             dependence,
+            purity,
             checkpoint: None,
             remembered: HashMap::with_hasher(NumberHasher::new(0)),
         }

@@ -114,6 +114,7 @@ impl Engine {
         self.sources.credibility.reset(source);
         *self.publisher.accuracies.mean_square_mut(index) = None;
         self.life.coverage.forget(index);
+        *self.tracks.purity.tally_mut(index) = Default::default();
         self.tracks.dependence.forget(source);
     }
 }

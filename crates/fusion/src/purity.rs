@@ -1,0 +1,72 @@
+//! Purity of the new tracks of each source: how many of them turn out to be targets (BF-2).
+//!
+//! A source with many false tracks deserves less belief where it stands alone. A new track is a target if a second
+//! source agrees, or if the track outlives what false tracks reach; it is false if it ends before.
+
+use serde::{Deserialize, Serialize};
+
+use crate::detection_map::Tally;
+
+/// Reports after which a track that one source alone follows is a target: false tracks seldom reach them.
+pub(crate) const LASTING_REPORTS: u32 = 12;
+/// New tracks of a source beyond this number are forgotten.
+const MEMORY: f64 = 64.0;
+/// Targets and false tracks that are assumed before anything was learned.
+const PRIOR: f64 = 2.0;
+
+/// Counts of new tracks per source.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Purity {
+    tallies: Vec<Tally>,
+}
+
+impl Purity {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            tallies: vec![Tally::default(); sources],
+        }
+    }
+
+    /// Notes that a new track of a source has turned out to be a target, or false.
+    pub(crate) fn learn(&mut self, source: u16, is_target: bool) {
+        self.tallies[usize::from(source)].add(is_target, 1.0, MEMORY);
+    }
+
+    /// Logarithm of the odds that a new track of the source is a target; at most 0, so that no source is believed for
+    /// its reputation alone.
+    pub(crate) fn log_odds(&self, source: u16) -> f64 {
+        self.tallies[usize::from(source)].log_odds(PRIOR).min(0.0)
+    }
+
+    /// Counts of a source, for checkpoints.
+    pub(crate) fn tally_mut(&mut self, source: usize) -> &mut Tally {
+        &mut self.tallies[source]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn false_tracks_count_against_their_source_alone() {
+        let mut purity = Purity::new(2);
+        for _ in 0..30 {
+            purity.learn(0, true);
+            purity.learn(1, false);
+        }
+        assert_eq!(purity.log_odds(0), 0.0);
+        assert!(purity.log_odds(1) < -2.5, "{}", purity.log_odds(1));
+    }
+
+    #[test]
+    fn a_source_that_became_pure_is_believed_again() {
+        let mut purity = Purity::new(1);
+        for is_target in [false, true] {
+            for _ in 0..200 {
+                purity.learn(0, is_target);
+            }
+        }
+        assert_eq!(purity.log_odds(0), 0.0);
+    }
+}
