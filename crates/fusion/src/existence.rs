@@ -89,7 +89,7 @@ mod tests {
         assert!(!claim((1.0_f64 - 0.9).ln(), 5).is_believed(&ExistenceSettings::default()));
         assert!(claim((1.0_f64 - 0.1).ln(), 5).is_believed(&ExistenceSettings::default()));
         let of_a_noisy_source = Claim {
-            purity: -1.0,
+            purity: -1.5,
             ..claim((1.0_f64 - 0.1).ln(), 5)
         };
         assert!(!of_a_noisy_source.is_believed(&ExistenceSettings::default()));
