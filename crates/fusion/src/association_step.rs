@@ -22,7 +22,7 @@ use crate::system_tracks::{Bond, SystemSlot};
 use crate::tracks::Tracks;
 
 /// Most cells of the grid along one side of a search.
-const SEARCH_CELLS_MAX: i32 = 16;
+pub(crate) const SEARCH_CELLS_MAX: i32 = 16;
 /// Variance added to a difference of velocities, m²/s²: smoothing lags in turns, independent of the stated accuracy.
 const VELOCITY_FLOOR_M2PS2: f64 = 4.0;
 /// Gate for coming back after a start, relative to that for staying.

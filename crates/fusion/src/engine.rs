@@ -597,7 +597,9 @@ impl Engine {
             self.tracks.sensors.get_mut(sensor).share = 1.0;
         } else if self.sources.credibility.is_misled(&self.tracks, sensor) || self.is_ahead(sensor) {
             self.restart(sensor);
-        } else if let Some(measurement) = measurement {
+        } else if let Some(measurement) = measurement
+            && (self.tracks.is_established(sensor) || !self.points.sees_points())
+        {
             self.update_filter(sensor, measurement, sink);
         }
         self.keep_alive(sensor, system, report);

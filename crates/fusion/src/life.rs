@@ -3,7 +3,7 @@
 use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackState};
 use serde::{Deserialize, Serialize};
 
-use crate::association_step::Search;
+use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::detection_map::DetectionMap;
 use crate::existence::Claim;
 use crate::explanation::Sink;
@@ -257,10 +257,17 @@ impl Life {
         entry.coverage_due_ns = now_ns.saturating_add(COVERAGE_EVERY_NS);
         let age_ns = now_ns - entry.first_seen_ns;
         let [x, y, _] = entry.filter.estimate.position_m();
+        // A source with another track near by may follow the target there: it is not asked.
+        let mut near = 0;
+        let (systems, reach_m) = (&tracks.systems, 1000.0);
+        systems
+            .grid
+            .near(x, y, reach_m, SEARCH_CELLS_MAX, |other| near |= tracks.sources_of(other, now_ns));
         self.coverage.learn([x, y], existence, |source| {
             let settings = &settings[usize::from(source)];
             let follows = sources & (1 << source) != 0;
-            (!settings.is_out && (follows || age_ns >= settings.period_ns)).then_some(follows)
+            let is_asked = near & (1 << source) == 0 && age_ns >= settings.period_ns;
+            (!settings.is_out && (follows || is_asked)).then_some(follows)
         });
     }
 

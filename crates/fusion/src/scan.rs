@@ -159,6 +159,7 @@ impl Scans {
             if !search.tracks.sensors.get(assigned.sensor).waits {
                 continue;
             }
+            let first = self.pairs.len();
             search.admissible(assigned.sensor, |system, d2| {
                 if self.pairs.len() < PAIRS_MAX {
                     self.pairs.push(Pair {
@@ -168,6 +169,10 @@ impl Scans {
                     });
                 }
             });
+            // A first report has no velocity: it joins where nothing else is possible, or waits for the second.
+            if self.pairs.len() > first + 1 && !search.tracks.is_established(assigned.sensor) {
+                self.pairs.truncate(first);
+            }
         }
     }
 
