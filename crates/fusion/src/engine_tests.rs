@@ -15,6 +15,7 @@ mod keys;
 mod large_targets;
 mod levels;
 mod orders;
+mod partial_coverage;
 mod passing_time;
 mod resumption;
 mod slow_sources;

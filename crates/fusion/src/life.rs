@@ -260,9 +260,9 @@ impl Life {
         // A source with another track near by may follow the target there: it is not asked.
         let mut near = 0;
         let (systems, reach_m) = (&tracks.systems, 1000.0);
-        systems
-            .grid
-            .near(x, y, reach_m, SEARCH_CELLS_MAX, |other| near |= tracks.sources_of(other, now_ns));
+        systems.grid.near(x, y, reach_m, SEARCH_CELLS_MAX, |other| {
+            near |= tracks.sources_of(other, now_ns)
+        });
         self.coverage.learn([x, y], existence, |source| {
             let settings = &settings[usize::from(source)];
             let follows = sources & (1 << source) != 0;
