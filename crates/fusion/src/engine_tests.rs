@@ -190,6 +190,13 @@ fn accuracy_values_tell_the_steady_source_under_rules_that_need_none_too() {
             let [unsteady, steady] = [0, 1].map(|place| track.contributions()[place].accuracy);
             assert_eq!([unsteady, steady].map(f64::is_finite), [wanted; 2], "{rule:?}");
             assert!(!wanted || unsteady > 10.0 * steady, "{rule:?}: {unsteady} {steady}");
+            let [east, north, up] = track.contributions()[0].axis_accuracies;
+            let norm = east.hypot(north);
+            assert!(
+                !wanted || (norm - unsteady as f32).abs() < 1e-3 * norm,
+                "{rule:?}: {east} {north}"
+            );
+            assert_eq!((up, east > 0.0), (0.0, wanted), "{rule:?}: no source gives heights");
         }
     }
 }

@@ -122,7 +122,7 @@ pub(crate) fn write(
             sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
             origin: member.latest.origin,
             axis_weights: share.weight.map(|weight| weight as f32),
-            axis_accuracies: [0.0; AXES],
+            axis_accuracies: candidates[index].lambda_by_axis(is_scored),
         };
         if member.latest.has(sensor_track_bits::LEVEL) {
             let stated_ns = member.time_ns - i64::from(member.latest.level_age_ms) * NS_PER_MS;

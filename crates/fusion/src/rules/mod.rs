@@ -202,6 +202,16 @@ impl Candidate {
         };
         self.residual.map_or(f64::INFINITY, |v| self.alpha * norm(v))
     }
+
+    /// Accuracy value of each axis (TI-6), metres, where the contribution `is_scored`; 0 where there is none.
+    pub(crate) fn lambda_by_axis(&self, is_scored: bool) -> [f32; 3] {
+        let residual = self.residual.filter(|_| is_scored).unwrap_or_default();
+        let mut lambda = residual.map(|part| (self.alpha * part.abs()) as f32);
+        if !self.state.has_height {
+            lambda[2] = 0.0;
+        }
+        lambda
+    }
 }
 
 impl Candidate {

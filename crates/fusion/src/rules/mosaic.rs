@@ -1,7 +1,8 @@
 //! `mosaic`: the area is divided into cells, each with a priority list of sources (QF-9).
 //!
 //! The output is that of the first present source of the list with a confirmed track. A source missing in the list of
-//! its cell gives no output there. Without a list, the sources' priorities decide.
+//! its cell gives no output there. Without a list, the sources' priorities decide. With `quality_min`, a source whose
+//! quality index (QF-4) has fallen below it gives way to the next source that reaches it.
 
 use messages::TrackState;
 
@@ -28,11 +29,12 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
         Some(list) => list.iter().position(|source| source.number == candidate.source),
         None => Some(candidate.priority as usize),
     };
-    let (_, source) = target
+    let is_poor = |candidate: &Candidate| candidate.quality < settings.mosaic.quality_min;
+    let (_, _, source) = target
         .candidates
         .iter()
         .filter(|candidate| candidate.life == TrackState::Confirmed)
-        .filter_map(|candidate| Some((rank(candidate)?, candidate.source)))
+        .filter_map(|candidate| Some((is_poor(candidate), rank(candidate)?, candidate.source)))
         .min()?;
     memory.selected = [source; 3];
     for (share, candidate) in shares.iter_mut().zip(target.candidates) {
@@ -75,6 +77,7 @@ mod tests {
             mosaic: MosaicSettings {
                 cell_m: 1000.0,
                 default: Vec::new(),
+                quality_min: 0,
                 cells: vec![MosaicCell {
                     east: -1,
                     north: 0,
@@ -100,5 +103,26 @@ mod tests {
         );
         settings.mosaic.default = vec![1.into()];
         assert_eq!(selected(&settings, &candidates, outside), Some(1));
+    }
+
+    #[test]
+    fn a_source_of_fallen_quality_gives_way_to_the_next() {
+        let mut settings = RuleSettings {
+            name: RuleName(ENTRY.code),
+            ..RuleSettings::default()
+        };
+        settings.mosaic.quality_min = 6;
+        let mut candidates = [(0, 5), (1, 6), (2, 10)].map(|(source, quality)| Candidate {
+            source,
+            quality,
+            priority: u32::from(source),
+            ..Candidate::default()
+        });
+        assert_eq!(selected(&settings, &candidates, [0.0; 3]), Some(1));
+        candidates[1].quality = 0;
+        candidates[2].quality = 0;
+        assert_eq!(selected(&settings, &candidates, [0.0; 3]), Some(0), "none reaches it");
+        settings.mosaic.quality_min = 0;
+        assert_eq!(selected(&settings, &candidates, [0.0; 3]), Some(0));
     }
 }

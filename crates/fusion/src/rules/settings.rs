@@ -85,6 +85,9 @@ settings::settings! {
         cell_m: f64 = 10_000.0, in [1, 1e7];
         /// Names of sources, most preferred first, outside the listed cells. Empty: by the sources' priorities.
         default: Vec<SourceRef> = Vec::new();
+        /// Smallest quality index (QF-4) with which a source is chosen, in scans of the last `quality_scans`; below it,
+        /// the next source of the list is chosen. Where no source reaches it, the first present source is chosen.
+        quality_min: u32 = 0, in [0, SCANS_MAX];
         /// Cell with a separate list.
         cells as "cell": Vec<MosaicCell> = Vec::new();
     }
