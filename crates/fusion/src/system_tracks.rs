@@ -7,7 +7,7 @@ use std::collections::{BinaryHeap, HashMap};
 use association::Grid;
 use estimation::Gaussian;
 use messages::{Covariance, Identity, NO_SOURCE, TargetType, TrackKind, TrackState};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::border::Ownership;
 use crate::description::Description;
@@ -147,6 +147,14 @@ impl KeptTrack {
     pub(crate) fn state_ns(&self) -> i64 {
         self.state_ns
     }
+}
+
+/// A deadline, the number of its system track, and the track's place; the earliest comes first.
+type Deadline = Reverse<(i64, u32, SystemSlot)>;
+
+/// Serialises deadlines in their order: the order in the memory of a heap depends on its history.
+fn in_order<S: Serializer>(deadlines: &BinaryHeap<Deadline>, serializer: S) -> Result<S::Ok, S::Error> {
+    deadlines.clone().into_sorted_vec().serialize(serializer)
 }
 
 /// Largest logarithm of the odds: one confirmed track in ten thousand is false.
@@ -290,7 +298,8 @@ pub(crate) struct SystemTracks {
     by_address: HashMap<u32, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
     /// that has become too early is put back when it comes up, so that a report costs no change to the heap.
-    deadlines: BinaryHeap<Reverse<(i64, u32, SystemSlot)>>,
+    #[serde(serialize_with = "in_order")]
+    deadlines: BinaryHeap<Deadline>,
     next_number: u32,
     in_state: [usize; TrackState::ALL.len()],
 }
