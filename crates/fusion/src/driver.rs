@@ -120,7 +120,7 @@ impl<L: EventLog> Driver<L> {
         self.engine.keep_position(source, position);
     }
 
-    /// Lets time pass up to `until_ns`. The log has the event only if it changes a state: otherwise the next event
+    /// Lets time pass up to `until_ns`. The log has the event only if a state is published: otherwise the next event
     /// lets the same time pass.
     pub fn advance(&mut self, until_ns: i64, sink: &mut impl Sink) {
         let mut watched = Watched::new(sink);
@@ -196,7 +196,7 @@ impl<L: EventLog> Driver<L> {
     }
 }
 
-/// Sink that notes whether a state passes.
+/// Sink that notes whether a state of a track or of an order passes.
 #[derive(Debug)]
 struct Watched<'a, S> {
     sink: &'a mut S,
@@ -222,6 +222,7 @@ impl<S: Sink> Sink for Watched<'_, S> {
     }
 
     fn order(&mut self, state: &OrderState) {
+        self.has_state = true;
         self.sink.order(state);
     }
 
