@@ -4,7 +4,7 @@
 //! send the topics that this link takes for its own deployment, and may compare clocks. Zenoh's interceptors enforce
 //! the rules at the network's edge, by the common name of the certificate or by the user.
 
-use configuration::Link;
+use deployment::Link;
 use messages::{SystemTrack, system_tracks};
 use serde_json::{Value, json};
 

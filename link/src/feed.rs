@@ -9,7 +9,7 @@
 use anyhow::anyhow;
 use bus::{Bus, Payload, SharedMemory};
 
-use configuration::{Config, Link, RemoteTopic};
+use deployment::{Deployment, Link, RemoteTopic};
 use frames::{FrameChange, SystemFrame};
 use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea, sensor_track_bits};
 use runtime::Now;
@@ -25,7 +25,7 @@ use crate::wire::{Head, Slice};
 ///
 /// # Errors
 /// If something is no topic that is fed from outside.
-pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>> {
+pub(crate) fn wanted(link: &Link, config: &Deployment) -> anyhow::Result<Vec<Wanted>> {
     let frame = config.frame;
     let pictures = [messages::own_tracks(), messages::system_tracks()];
     let wanted = |remote: &RemoteTopic| {

@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use bus::{Bus, Payload, SharedMemory};
-use configuration::{Config, Link, Process};
+use configuration::Config;
+use deployment::{Deployment, Link, Process};
 use messages::{BatchHeader, Counter, ProcessKind, SystemTrack, Topic, TrackState, Visitor};
 use runtime::instance::{Instance, hold_topics};
 use runtime::signals::Stop;
@@ -52,7 +53,7 @@ impl std::error::Error for Usage {}
 /// # Errors
 /// If the instance runs already, or an endpoint cannot be had.
 pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
-    let config = Config::read(&mirror.config, &[])?;
+    let config = Config::read(&mirror.config, &[])?.deployment;
     let instance = mirror.instance.unwrap_or_else(|| config.name.clone());
     let is_insecure = mirror.insecure || config.links.first().is_some_and(|link| link.insecure);
     for endpoint in mirror.listen.iter().chain(&mirror.connect) {
@@ -94,7 +95,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     done.and(claimed.clear())
 }
 
-fn reflect(config: Config, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
+fn reflect(config: Deployment, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
     let process = Process::connect(config, options, ProcessKind::Link, &link.name)?;
     let _held = hold_topics(&process.config, &process.bus)?;
     let (session, _gates) = session::open(&process.config.name, link)?;

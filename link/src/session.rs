@@ -1,7 +1,7 @@
 //! The session with links on other hosts.
 
 use anyhow::{Context as _, anyhow};
-use configuration::Link;
+use deployment::Link;
 use serde_json::json;
 use zenoh::{Config, Session, Wait as _};
 

@@ -1,6 +1,7 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
 mod modules;
+mod rebuilds;
 mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,6 +41,7 @@ const ORDER: &[&str] = &[
     "net",
     "web",
     "runtime",
+    "deployment",
     "configuration",
     "adapter",
     "fusion-service",
@@ -75,6 +77,7 @@ const OUTSIDE: &[&str] = &[
     "net",
     "web",
     "runtime",
+    "deployment",
     "configuration",
     "adapter",
     "fusion-service",

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use ::fusion::Settings as Engine;
 use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
 use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
@@ -13,6 +14,7 @@ use reception::{Limits, SourceModel};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
+use super::Config;
 use super::check_display::check_display;
 use super::check_link::check_hosts;
 use super::check_monitor::check_monitor;
@@ -24,10 +26,10 @@ use super::tables::{
 };
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
-use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{
-    Checkpoint, Config, Durable, Fusion, Input, Instrument, Links, Recorded, RecordedFormat, Recording, ReportOrder,
-    Segments, Source, Standby,
+use super::wide_area_sensor::{check_company, check_wide_area_sensors};
+use deployment::{
+    Checkpoint, Delivery, Deployment, Durable, Fusion, Gateway, GatewayContent, Input, Instrument, Link, Links,
+    Recorded, RecordedFormat, Recording, ReportOrder, Segments, Source, Standby, WideAreaSensor,
 };
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
@@ -76,11 +78,11 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         }
     }
     let mut network = Network::new(&raw.receivers)?;
-    let mut sources = Vec::new();
-    let mut weighing = Vec::new();
+    let (mut sources, mut processing, mut weighing) = (Vec::new(), Vec::new(), Vec::new());
     for (index, source) in raw.sources.iter().enumerate() {
-        let (source, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
+        let (source, processed, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
         sources.push(source);
+        processing.push(processed);
         weighing.push(weighed);
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
@@ -108,19 +110,19 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         ));
     }
     let durable = durable(&raw.checkpoint)?;
-    let mut fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
-    fusion.settings.border.regions = check_regions(&raw.regions, (raw.origin, fusion.settings.exchange), &frame)?;
-    let sends_own = |gateway: &super::Gateway| gateway.content == super::GatewayContent::OwnTracks;
+    let (fusion, mut engine) = fusion(raw.fusion, raw.checkpoint, weighing)?;
+    engine.border.regions = check_regions(&raw.regions, (raw.origin, fusion.exchange), &frame)?;
+    let sends_own = |gateway: &Gateway| gateway.content == GatewayContent::OwnTracks;
     if let Some(index) = gateways.iter().position(sends_own)
-        && !fusion.settings.exchange
+        && !fusion.exchange
     {
         let what = "needs fusion.exchange = true, which says what the sensors here know";
         return Err(SettingsError::new(format!("gateway[{index}].own"), what));
     }
     let own = messages::own_tracks().name;
-    let sends_own = |link: &super::Link| link.send.iter().any(|topic| topic == own.as_str());
+    let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());
     if let Some(index) = links.iter().position(sends_own)
-        && !(fusion.settings.exchange && raw.origin != 0)
+        && !(fusion.exchange && raw.origin != 0)
     {
         let what = format!(
             "\"{}\" needs fusion.exchange = true, and an origin other than 0",
@@ -128,7 +130,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         );
         return Err(SettingsError::new(format!("link[{index}].send"), what));
     }
-    Ok(Config {
+    let deployment = Deployment {
         monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,
         name: raw.name,
@@ -149,6 +151,11 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         recorder: raw.recorder.enabled,
         display: check_display(&raw.display)?,
         watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
+    };
+    Ok(Config {
+        deployment,
+        engine,
+        processing,
     })
 }
 
@@ -205,7 +212,7 @@ fn check_source(
     system: &SystemFrame,
     origin: &PlaceTable,
     network: &mut Network,
-) -> Checked<(Source, SourceSettings)> {
+) -> Checked<(Source, Processing, SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
     let mut origin = place(&key("place"), sensor_place)?;
@@ -235,12 +242,13 @@ fn check_source(
     let tracker =
         check_tracker(index, raw, &input, network)?.map(|settings| Processing::Detections(Box::new(settings)));
     let locator = check_locator(index, raw, &input, network)?.map(|settings| Processing::Bearings(Box::new(settings)));
+    let processing = tracker.or(locator).unwrap_or(Processing::Tracks);
     let source = Source {
         number: index as u16,
         uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
         name: raw.name.clone(),
         technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
-        processing: tracker.or(locator).unwrap_or(Processing::Tracks),
+        delivers: delivery(&processing),
         links: Links::default(),
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
@@ -277,11 +285,21 @@ fn check_source(
         // What comes through an adapter has been looked at there.
         weighed.limits = limits(&source.model.limits, place_m);
     }
-    if source.locator().is_some() {
+    if source.has_bearings() {
         // A direction finder hears what transmits: its silence is no evidence of absence.
         weighed.coverage.get_or_insert_with(CoverageArea::none);
     }
-    Ok((source, weighed))
+    Ok((source, processing, weighed))
+}
+
+fn delivery(processing: &Processing) -> Delivery {
+    match processing {
+        Processing::Tracks => Delivery::Tracks,
+        Processing::Detections(tracker) => Delivery::Detections {
+            cues: tracker.outputs.cues,
+        },
+        Processing::Bearings(_) => Delivery::Bearings,
+    }
 }
 
 /// Silence that is an alarm.
@@ -406,17 +424,14 @@ fn check_scenario(
 }
 
 /// The fusion process, which fuses these sources.
-fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
-    let queue = raw.engine.capacity.queue;
+fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSettings>) -> Checked<(Fusion, Engine)> {
     if raw.standby && !checkpoint.enabled {
         let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
         return Err(SettingsError::new("fusion.standby", what));
     }
-    Ok(Fusion {
-        settings: raw
-            .engine
-            .with_sources(sources)
-            .map_err(|error| error.under("fusion"))?,
+    let engine = raw.engine.with_sources(sources);
+    let engine = engine.map_err(|error| error.under("fusion"))?;
+    let fusion = Fusion {
         wait: match raw.wait {
             WaitWord::Event => WaitMode::Event,
             WaitWord::Spin => WaitMode::Spin,
@@ -439,7 +454,11 @@ fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSett
             takeover_ns: (raw.takeover_ms * 1e6) as i64,
         }),
         decisions: raw.decisions,
-        queue,
+        queue: engine.capacity.queue,
+        system_tracks_max: engine.capacity.system_tracks(),
+        exchange: engine.exchange,
+        rule: engine.rule.name.0,
         deadline_ns: (raw.deadline_us * 1e3) as i64,
-    })
+    };
+    Ok((fusion, engine))
 }

@@ -5,12 +5,9 @@ use std::path::PathBuf;
 
 use settings::SettingsError;
 
-use super::Display;
 use super::check::Checked;
 use super::tables::DisplayTable;
-
-/// Fewest characters of a token: it is to be guessed by nobody.
-pub(super) const TOKEN_MIN: usize = 16;
+use deployment::{Display, TOKEN_MIN};
 
 pub(super) fn check_display(raw: &DisplayTable) -> Checked<Option<Display>> {
     let Some(listen) = &raw.listen else { return Ok(None) };

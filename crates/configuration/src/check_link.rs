@@ -8,9 +8,8 @@ use messages::{SensorTrack, Streamed as _, WideArea};
 use settings::SettingsError;
 
 use super::check::{Checked, check_name};
-use super::link::{Link, LinkPeer, LinkTls, RemoteTopic};
 use super::tables::{LinkPeerTable, LinkTable, RemoteTopicTable};
-use super::{Input, Source, WideAreaInput, WideAreaSensor};
+use deployment::{Input, Link, LinkPeer, LinkTls, RemoteTopic, Source, WideAreaInput, WideAreaSensor};
 
 /// The links to other hosts.
 pub(super) fn check_hosts(raw: &[LinkTable], sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<Vec<Link>> {

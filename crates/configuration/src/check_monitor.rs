@@ -11,7 +11,7 @@ use settings::SettingsError;
 use super::check::Checked;
 use super::check_display::hosts;
 use super::tables::{DeadlineTable, MonitorTable, MonitorWord};
-use super::{Fusion, Monitor, MonitorWait};
+use deployment::{Fusion, Monitor, MonitorWait};
 
 pub(super) fn check_monitor(raw: &MonitorTable, fusion: &Fusion) -> Checked<Monitor> {
     let polls = match raw.wait {

@@ -13,10 +13,11 @@ use scenario::SensorKind;
 use settings::SettingsError;
 
 use super::check::{Checked, check_name};
-use super::network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
 use super::tables::{AreaTable, AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
-use super::wide_area_sensor::WideAreaSensor;
-use super::{Input, Instrument, RecordedFormat, Simulated, Source};
+use deployment::{
+    Area, Asterix, Gateway, GatewayContent, Input, Instrument, Live, Receiver, RecordedFormat, Simulated, Source,
+    Transport, WideAreaSensor,
+};
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
 const FIRST_SIMULATED_PORT: u16 = 30_001;
@@ -199,7 +200,7 @@ impl Network {
                 );
                 return Err(SettingsError::new(key, what));
             }
-            if behind.len() > 1 && behind.iter().any(|source| source.locator().is_some()) {
+            if behind.len() > 1 && behind.iter().any(|source| source.has_bearings()) {
                 let what = format!(
                     "tables of bearings are of one source, but {} have receiver = \"{name}\"",
                     behind.len()

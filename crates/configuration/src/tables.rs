@@ -11,7 +11,7 @@ use settings::{Degrees, Seconds, SettingsError};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use super::{RecordedFormat, ReportOrder, Truncated};
+use deployment::{RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.

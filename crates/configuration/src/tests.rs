@@ -1,5 +1,8 @@
 //! Configurations that must be read, and mistakes that must be named.
 
+use std::time::Duration;
+
+use deployment::{GatewayContent, Input, MonitorWait, ReportOrder};
 use reception::Method;
 
 use super::*;
@@ -25,7 +28,7 @@ fn with_line(old: &str, new: &str) -> (String, usize) {
 fn the_shipped_configurations_are_sound() {
     let demo = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap();
     assert!(demo.sources.len() >= 3 && !demo.is_recorded() && demo.order == ReportOrder::Arrival);
-    assert!(demo.scenario.unwrap().targets >= 60);
+    assert!(demo.scenario.as_ref().unwrap().targets >= 60);
     let barcelona = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     assert!(barcelona.is_recorded() && barcelona.order == ReportOrder::Time);
     assert_eq!(barcelona.first_day_ns, Some(16_931 * 86_400 * 1_000_000_000));
@@ -140,7 +143,7 @@ fn regions_lie_in_the_system_frame_and_mistakes_in_them_are_named() {
     let exchange = ["origin=1", "fusion.exchange=true"];
     let (west, east) = (region("west", 1, [1.0, 2.0]), region("east", 2, [2.0, 3.0]));
     let found = read(&format!("{west}{east}"), &exchange).unwrap();
-    let regions = &found.fusion.settings.border.regions;
+    let regions = &found.engine.border.regions;
     assert_eq!([regions[0].is_own, regions[1].is_own], [true, false]);
     // The airport lies near 2.08 degrees east.
     assert!(regions[1].contains([0.0, 0.0]) && !regions[0].contains([0.0, 0.0]));
@@ -174,7 +177,7 @@ fn sensors_and_deployments_have_an_identity() {
     assert_eq!((radar.uid, named.origin), (messages::sensor_uid("radar"), 0));
     let overrides = ["source[0].uid=77".to_owned(), "origin=3".to_owned()];
     let numbered = Config::parse(Path::new("barcelona.toml"), &barcelona(), &overrides).unwrap();
-    let weighed = &numbered.fusion.settings.sources[0];
+    let weighed = &numbered.engine.sources[0];
     assert_eq!(
         (numbered.sources[0].uid, weighed.sensor_uid, numbered.origin),
         (77, 77, 3)
@@ -249,11 +252,7 @@ fn every_option_of_weighing_can_be_set_and_its_mistakes_are_named() {
                    [[fusion.rule.mosaic.cell]]\neast = 1\nnorth = -1\nsources = [\"radar\"]\n\
                    [[fusion.rule.mosaic.cell]]\neast = 0\nnorth = 0\nsources = [\"multilateration\"]";
     let (text, first_line) = with_line("name = \"auto\"", options);
-    let rule = Config::parse(Path::new("test.toml"), &text, &[])
-        .unwrap()
-        .fusion
-        .settings
-        .rule;
+    let rule = Config::parse(Path::new("test.toml"), &text, &[]).unwrap().engine.rule;
     assert_eq!((rule.hysteresis, rule.hold_refreshes), (0.8, 2));
     assert_eq!((rule.overdue_periods, rule.quality_scans), (2.0, 6));
     assert_eq!(rule.intersection, fusion::settings::Intersection::Trace);
@@ -332,10 +331,10 @@ fn overrides_replace_values_and_are_checked_too() {
         let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
         Config::parse(Path::new("test.toml"), &barcelona(), &overrides)
     };
-    assert!(read(&[]).unwrap().fusion.settings.association.use_identity);
+    assert!(read(&[]).unwrap().engine.association.use_identity);
     let hidden = read(&["fusion.association.use_identity=false", "source[1].fresh_s=5"]).unwrap();
-    assert!(!hidden.fusion.settings.association.use_identity);
-    assert_eq!(hidden.fusion.settings.sources[1].fresh_ns, 5_000_000_000);
+    assert!(!hidden.engine.association.use_identity);
+    assert_eq!(hidden.engine.sources[1].fresh_ns, 5_000_000_000);
     assert!(
         read(&["fusion.nonsense=1"])
             .unwrap_err()
@@ -647,17 +646,11 @@ fn bearings_come_from_a_socket_or_a_simulated_finder() {
     let locator = "[source.locator]\n[source.locator.motion]\nfilter = \"fixed\"\n";
     let text = format!("{frame}{receiver}{live}{locator}{finder}");
     let config = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
-    let filters = [0, 1].map(|source: usize| config.sources[source].locator().map(|locator| locator.motion.filter));
+    let filters = [0, 1].map(|source| config.locator(source).map(|locator| locator.motion.filter));
     use ::locating::settings::FilterChoice;
     assert_eq!(filters, [Some(FilterChoice::Fixed), Some(FilterChoice::Auto)]);
     assert!(config.is_simulated());
-    let probability = |source: usize| {
-        config.fusion.settings.sources[source]
-            .coverage
-            .as_ref()
-            .unwrap()
-            .probability
-    };
+    let probability = |source: usize| config.engine.sources[source].coverage.as_ref().unwrap().probability;
     assert_eq!([0, 1].map(probability), [0.0; 2], "silence says nothing");
     for (text, expected) in [
         (format!("{frame}{finder}speed_mps = 1.0\n"), "speed_mps"),

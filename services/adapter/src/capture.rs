@@ -18,8 +18,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Process, Segments};
 use crossbeam_queue::ArrayQueue;
+use deployment::{Process, Segments};
 use formats::containers::{Way, begin_capture, capture};
 use messages::Counter;
 use runtime::{HealthEntry, Now, NumberedFiles};

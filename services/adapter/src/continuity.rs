@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use configuration::{Process, Source};
+use deployment::{Process, Source};
 use runtime::Now;
 use sources::Pipeline;
 

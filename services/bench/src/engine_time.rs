@@ -138,7 +138,7 @@ impl Run {
     fn new(config: &Config, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Self> {
         let now = Now::read();
         Ok(Self {
-            engine: Engine::new(config.fusion.settings.clone())?,
+            engine: Engine::new(config.engine.clone())?,
             traffic: Traffic::new(
                 settings.targets,
                 settings.sources,

@@ -14,6 +14,7 @@ use std::time::Duration;
 use anyhow::{Context as _, bail};
 use bus::{Bus, Held, Root, SharedMemory, Subscriber};
 use configuration::Config;
+use deployment::Deployment;
 use messages::{Health, LifeState, NO_SOURCE};
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::{Instance, hold_topics};
@@ -332,11 +333,11 @@ fn remove_folders(prefix: &str) {
 }
 
 /// Writes the configuration for reports at `rate_per_s`.
-fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::Result<(PathBuf, Config)> {
+fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::Result<(PathBuf, Deployment)> {
     let path = folder.join("bench.toml");
     std::fs::write(&path, config_text(settings, rate_per_s)).with_context(|| format!("writing {}", path.display()))?;
     let config = Config::read(&path, &[])?;
-    Ok((path, config))
+    Ok((path, config.deployment))
 }
 
 /// Returns the configuration of a deployment whose sources the bench publishes at `rate_per_s` in total.
@@ -400,7 +401,7 @@ mod tests {
             let config = Config::parse(Path::new("bench.toml"), &config_text(&settings, rate), &[]).unwrap();
             assert_eq!(config.sources.len(), usize::from(sources));
             assert!(config.adapters().is_empty() && !config.is_recorded());
-            fusion::Engine::new(config.fusion.settings).unwrap();
+            fusion::Engine::new(config.engine).unwrap();
         }
     }
 }

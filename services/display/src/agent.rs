@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use bus::{Bus, Payload, Subscriber, Transport};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{
     Alarm, Counter, Cue, Decision, FrameOrigin, Health, OrderState, SensorBearing, SensorDetection, SensorTrack,
     Stream, Streamed as _, SystemTrack, WideArea,
@@ -50,7 +50,7 @@ impl<S: Transport> DisplayAgent<S> {
     /// # Errors
     /// If a topic cannot be opened.
     pub(crate) fn new(
-        config: &Config,
+        config: &Deployment,
         bus: &Bus<S>,
         incarnation: u64,
         shared: Arc<Shared>,

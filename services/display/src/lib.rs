@@ -43,7 +43,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Config, Display, Process};
+use deployment::{Deployment, Display, Process};
 use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
@@ -93,7 +93,7 @@ fn overlays(display: &Display, data: &Path) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// A sentence about the first file that is missing or not valid GeoJSON.
-pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
+pub fn check_overlays(config: &Deployment, data: &Path) -> Result<(), String> {
     let files = config.display.as_ref().map(|display| overlays(display, data));
     for (number, path) in files.unwrap_or_default().iter().enumerate() {
         pages::read_overlay(path, &config.frame).map_err(|error| {
@@ -109,7 +109,7 @@ pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
 ///
 /// # Errors
 /// If the recording cannot be read or no port is free.
-pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
+pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let display = Display {
         listen: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8900),
@@ -192,7 +192,7 @@ fn say(server: &Server, display: &Display) {
     ));
 }
 
-fn origin(config: &Config) -> FrameOrigin {
+fn origin(config: &Deployment) -> FrameOrigin {
     let place = config.frame.to_geodetic([0.0; 3]);
     FrameOrigin {
         latitude_deg: place.latitude_deg(),
@@ -201,7 +201,7 @@ fn origin(config: &Config) -> FrameOrigin {
     }
 }
 
-fn sources(config: &Config) -> Vec<SourceFact> {
+fn sources(config: &Deployment) -> Vec<SourceFact> {
     let observed = config.observed_sources().into_iter();
     observed
         .zip(&config.sources)
@@ -209,7 +209,7 @@ fn sources(config: &Config) -> Vec<SourceFact> {
         .collect()
 }
 
-fn fact(observed: observed::Source, source: &configuration::Source) -> SourceFact {
+fn fact(observed: observed::Source, source: &deployment::Source) -> SourceFact {
     SourceFact {
         source: observed,
         kind: match source.technology {

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
-use configuration::{Config, ReportOrder, Source};
+use deployment::{Deployment, ReportOrder, Source};
 use fusion::suspects::Verdict;
-use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Sink as _};
+use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Settings, Sink as _};
 use messages::{
     BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
     SensorTrack, Stream, StreamId, TrackState,
@@ -80,9 +80,9 @@ impl<S: Transport> Ready<S> {
     /// # Errors
     /// If a setting is invalid or a topic cannot be opened.
     pub(crate) fn new(
-        config: &Config,
-        speed: Speed,
-        core: Option<usize>,
+        config: &Deployment,
+        settings: &Settings,
+        (speed, core): (Speed, Option<usize>),
         bus: &Bus<S>,
         incarnation: u64,
     ) -> anyhow::Result<Self> {
@@ -95,7 +95,7 @@ impl<S: Transport> Ready<S> {
             waiter.watch(bus, &messages::progress())?;
         }
         Ok(Self {
-            engine: Engine::new(config.fusion.settings.clone())?,
+            engine: Engine::new(settings.clone())?,
             inputs,
             waiter,
         })
@@ -103,19 +103,26 @@ impl<S: Transport> Ready<S> {
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Creates fusion of `config` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
+    /// Creates fusion of `config` with the engine of `settings` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
     /// monotonic start time. Orders come from `queues`, and decisions go there.
     ///
     /// # Errors
     /// If a setting is invalid or a topic cannot be opened.
     pub fn new(
-        config: &Config,
+        config: &Deployment,
+        settings: &Settings,
         speed: Speed,
         bus: &Bus<S>,
         incarnation: u64,
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
-        let ready = Ready::new(config, speed, config.fusion.placement.core, bus, incarnation)?;
+        let ready = Ready::new(
+            config,
+            settings,
+            (speed, config.fusion.placement.core),
+            bus,
+            incarnation,
+        )?;
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
@@ -125,7 +132,7 @@ impl<S: Transport> FusionAgent<S> {
     /// If a topic cannot be opened.
     pub(crate) fn begin(
         ready: Ready<S>,
-        config: &Config,
+        config: &Deployment,
         bus: &Bus<S>,
         (incarnation, epoch): (u64, u64),
         queues: Arc<Queues>,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bus::{Outlasting, Root, Transport};
-use configuration::Checkpoint;
+use deployment::Checkpoint;
 use fusion::checkpoint::{Clock, IN_WORK, Layout, Memory as _, Snapshot};
 use fusion::numbering::anew;
 use fusion::suspects::{Suspects, Verdict, report_key};

@@ -30,7 +30,8 @@ pub use agent::FusionAgent;
 use std::sync::Arc;
 
 use bus::WaitMode;
-use configuration::Process;
+use deployment::Process;
+use fusion::Settings;
 use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
@@ -44,11 +45,11 @@ const REST: Rest = Rest {
     for_ns: 60_000,
 };
 
-/// Runs fusion until every source has ended or a stop is requested.
+/// Runs fusion with the engine of `settings` until every source has ended or a stop is requested.
 ///
 /// # Errors
 /// If the machine refuses a required setting, or shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let config = &process.config;
     let fusion = &config.fusion;
     let queues = Queues::new(fusion.decisions);
@@ -66,7 +67,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     };
     // Before this thread takes its core: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
-    let mut part = FusionPart::new(process, lock, queues, Now::read())?;
+    let mut part = FusionPart::new(process, settings, lock, queues, Now::read())?;
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");

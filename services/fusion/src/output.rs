@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::{Config, ReportOrder};
+use deployment::{Deployment, ReportOrder};
 use fusion::Sink;
 use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::{boot_identity, mono_ns};
@@ -61,7 +61,7 @@ impl<S: Transport> Sink for Output<S> {
 impl<S: Transport> Output<S> {
     /// Sets the epoch of states.
     pub(crate) fn new(
-        config: &Config,
+        config: &Deployment,
         bus: &Bus<S>,
         (incarnation, epoch): (u64, u64),
         queues: Arc<Queues>,
@@ -77,9 +77,8 @@ impl<S: Transport> Output<S> {
                 &[ProcessKind::Recorder],
             )
         };
-        let settings = &config.fusion.settings;
         // The ends of all tracks at once fit too.
-        let room = topic.capacity.slice_len + settings.capacity.system_tracks();
+        let room = topic.capacity.slice_len + config.fusion.system_tracks_max;
         let boot = boot_identity();
         let own = || -> anyhow::Result<_> {
             Ok(OwnTracks {
@@ -93,7 +92,7 @@ impl<S: Transport> Output<S> {
         Ok(Self {
             publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch).of_boot(boot),
             waiting: Vec::with_capacity(room),
-            own: settings.exchange.then(own).transpose()?,
+            own: config.fusion.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: match config.order {

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::SharedMemory;
-use configuration::Process;
+use deployment::Process;
+use fusion::Settings;
 use messages::ProcessKind;
 use runtime::cores;
 use runtime::housekeeping::Queues;
@@ -41,21 +42,22 @@ impl<'a> FusionPart<'a> {
     /// If a setting is invalid, or a topic cannot be opened.
     pub(crate) fn new(
         process: &'a Process,
+        settings: &Settings,
         lock: Option<LeadLock>,
         queues: Arc<Queues>,
         now: Now,
     ) -> anyhow::Result<Self> {
         let (config, speed) = (&process.config, process.options.speed);
         let core = config.fusion.placement.core;
-        let ready = Ready::new(config, speed, core, &process.bus, process.incarnation)?;
+        let ready = Ready::new(config, settings, (speed, core), &process.bus, process.incarnation)?;
         let mut part = Self {
             process,
             queues,
             state: State::Changes,
         };
         match config.standby().zip(lock) {
-            Some((settings, lock)) => {
-                let standby = Standby::new(process, settings, lock, ready, now);
+            Some((standby, lock)) => {
+                let standby = Standby::new(process, standby, lock, ready, now);
                 part.state = State::StandsBy(Box::new(standby));
                 part.call(standby::NAME);
             }

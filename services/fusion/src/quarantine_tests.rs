@@ -75,7 +75,7 @@ impl Site {
     /// A fusion that resumes from what the one before has left.
     fn start(&self) -> FusionAgent<SharedMemory> {
         let (config, bus, now) = (&self.config, &self.bus, self.now);
-        let ready = Ready::new(config, Speed::Factor(1.0), None, bus, 1).unwrap();
+        let ready = Ready::new(config, &config.engine, (Speed::Factor(1.0), None), bus, 1).unwrap();
         let settings = config.fusion.checkpoint.unwrap();
         let start = Start::look(bus.root(), settings, &ready.engine, now);
         let mut agent = FusionAgent::begin(ready, config, bus, (1, start.epoch), Arc::clone(&self.queues)).unwrap();

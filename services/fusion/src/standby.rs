@@ -28,7 +28,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
-use configuration::{Process, Standby as Settings};
+use deployment::{Process, Standby as Settings};
 use fusion::checkpoint::{Clock, Layout, clock_of, position_of};
 use runtime::Now;
 use runtime::clock::mono_ns;

@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
-use configuration::{Config, Gateway, GatewayContent, Source};
+use deployment::{Deployment, Gateway, GatewayContent, Source};
 use messages::{Alarm, BatchHeader, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
 use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
@@ -85,7 +85,7 @@ impl<S: Transport> GatewayAgent<S> {
     ///
     /// # Errors
     /// If the socket or a topic cannot be opened.
-    pub(crate) fn new(config: &Config, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+    pub(crate) fn new(config: &Deployment, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
         let sender =
             UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;
         let mut waiter = bus.waiter(WaitMode::Event);
@@ -94,7 +94,7 @@ impl<S: Transport> GatewayAgent<S> {
         let content = match gateway.content {
             GatewayContent::SystemTracks | GatewayContent::OwnTracks => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
-                let capacity = config.fusion.settings.capacity.system_tracks();
+                let capacity = config.fusion.system_tracks_max;
                 let reports = SystemReports::new(gateway.table, sac, sic, config.frame, &sources, block_bytes)?
                     .with_height(gateway.heights)
                     .with_tracks(capacity);

@@ -14,7 +14,7 @@ mod selection;
 mod sensor_states;
 
 use anyhow::Context as _;
-use configuration::Process;
+use deployment::Process;
 
 /// Runs the gateway named in `process` until a stop request.
 ///

@@ -1,6 +1,6 @@
 //! Selection of tracks for a user: an area and a range of flight levels.
 
-use configuration::{Area, Gateway};
+use deployment::{Area, Gateway};
 use frames::SystemFrame;
 
 /// Area and flight levels of a user.

@@ -5,9 +5,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::{
-    Config, Input, Monitor, MonitorWait, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor,
-};
+use configuration::Config;
+use deployment::{Input, Monitor, MonitorWait, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor};
 use offline::Usage;
 use scenario::ScenarioSettings;
 use serde_json::{Value, json};
@@ -44,7 +43,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
 
 /// The summary for programs.
 fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> Value {
-    let settings = &config.fusion.settings;
+    let settings = &config.engine;
     let source = |source: &Source| {
         let found = found.iter().find(|found| found.source == source.number);
         json!({
@@ -113,9 +112,9 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
 /// Returns the time between two reports of a target by the source, seconds; `None` if the source's adapter measures
 /// it.
 fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f64> {
-    let period_ns = match source.tracker() {
+    let period_ns = match config.tracker(source.number) {
         Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
-        None => Some(config.fusion.settings.sources[usize::from(source.number)].period_ns),
+        None => Some(config.engine.sources[usize::from(source.number)].period_ns),
     };
     Some(period_ns? as f64 / NS as f64)
 }
@@ -125,8 +124,8 @@ fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let Some(period_s) = period_s(source, config, found) else {
         return "every antenna turn, with a duration measured by the adapter".to_owned();
     };
-    let is_configured = source
-        .tracker()
+    let is_configured = config
+        .tracker(source.number)
         .is_none_or(|tracker| tracker.cutter.period_ns.is_some());
     match found.and_then(|found| found.turn).filter(|_| !is_configured) {
         Some(turn) => format!("every {} s, as {} show", digits(period_s), shown_by(turn.basis)),
@@ -138,7 +137,7 @@ fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
 fn doubtful_periods<'a>(config: &'a Config, found: &'a [Found]) -> impl Iterator<Item = String> + 'a {
     found.iter().filter_map(|found| {
         let source = &config.sources[usize::from(found.source)];
-        let (configured_ns, turn) = (source.tracker()?.cutter.period_ns?, found.turn?);
+        let (configured_ns, turn) = (config.tracker(found.source)?.cutter.period_ns?, found.turn?);
         let configured_s = configured_ns as f64 / NS as f64;
         let turn_s = turn.ns as f64 / NS as f64;
         ((turn_s / configured_s).ln().abs() > PERIOD_DOUBT).then(|| {
@@ -177,7 +176,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         ReportOrder::Arrival => "in order of arrival (live)",
         ReportOrder::Time => "in order of time (the result does not depend on speed)",
     };
-    let settings = &config.fusion.settings;
+    let settings = &config.engine;
     row("deployment", config.name.clone());
     row("fusion", format!("rule {}, {order}", settings.rule.name.0.word()));
     row("", format!("waits by {}, {}", wait(config.fusion.wait), place(config)));
@@ -272,12 +271,14 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             )
         }
     };
-    let tracked = source.tracker().map_or("", |tracker| match tracker.cutter.boundaries {
-        Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
-        Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
-    });
-    let links = source
-        .tracker()
+    let tracked = config
+        .tracker(source.number)
+        .map_or("", |tracker| match tracker.cutter.boundaries {
+            Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
+            Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
+        });
+    let links = config
+        .tracker(source.number)
         .map_or_else(String::new, |tracker| links(tracker, source, config));
     format!("{}, {period}: {input}{tracked}{links}", source.name)
 }

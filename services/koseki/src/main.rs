@@ -43,7 +43,8 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Parser as _;
 use clap::error::ErrorKind;
-use configuration::{BUILT_IN_DEMO, Config, Process};
+use configuration::{BUILT_IN_DEMO, Config};
+use deployment::Process;
 use launcher::Orders;
 use messages::ProcessKind;
 use offline::{Host, Terminal, Usage};
@@ -136,20 +137,24 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Torture(torture) => torture::run(&torture),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
-        Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, launcher::keeper::run),
-        Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
-        Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
-        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
-        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process| {
+        Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, |process, _| launcher::keeper::run(process)),
+        Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, |process, config| {
+            adapter::run(process, &config.processing)
+        }),
+        Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, |process, config| {
+            fusion_service::run(process, &config.engine)
+        }),
+        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, |process, _| monitor::run(process)),
+        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process, _| {
             recorder::run(process, args::VERSION)
         }),
-        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
+        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, |process, _| gateway::run(process)),
         Command::Link(serve) => link::run(serve),
         Command::Display(args::Display { recording, serve }) => match serve {
-            Some(serve) => run_service(ProcessKind::Display, serve, display::run),
+            Some(serve) => run_service(ProcessKind::Display, serve, |process, _| display::run(process)),
             None => replay::show(&recording.unwrap_or_default()),
         },
-        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
+        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, _| simulator::run(process)),
     }
 }
 
@@ -179,7 +184,7 @@ fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyho
 fn run_service(
     kind: ProcessKind,
     serve: Serve,
-    service: impl FnOnce(&Process) -> anyhow::Result<()>,
+    service: impl FnOnce(&Process, &Config) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let (config, mut options) = args::deployment(&serve.config, serve.shared)?;
     options.launcher = serve.launcher;
@@ -191,8 +196,8 @@ fn run_service(
         }
         _ => error.context(name.clone()),
     };
-    let process = Process::connect(config, options, kind, &name).map_err(named)?;
-    service(&process).map_err(named)
+    let process = Process::connect(config.deployment.clone(), options, kind, &name).map_err(named)?;
+    service(&process, &config).map_err(named)
 }
 
 /// Adapters, gateways and links have configured names; other processes may have any name, by default the name of

@@ -85,7 +85,7 @@ impl Blocks {
         });
         let sources: Vec<_> = sources.collect();
         // With the settings of this deployment's gateway, if present.
-        let of_tracks = |gateway: &&configuration::Gateway| gateway.table.number == SYSTEM_TRACKS;
+        let of_tracks = |gateway: &&deployment::Gateway| gateway.table.number == SYSTEM_TRACKS;
         let gateway = config.gateways.iter().find(of_tracks);
         let table = gateway.map_or(table, |gateway| gateway.table);
         let (sac, sic) = gateway.map_or((0, 0), |gateway| (gateway.sac, gateway.sic));

@@ -9,7 +9,7 @@ use std::thread::JoinHandle;
 
 use anyhow::Context as _;
 use bus::Root;
-use configuration::Durable;
+use deployment::Durable;
 
 use crate::say;
 

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, SharedMemory, Subscriber};
-use configuration::Process;
+use deployment::Process;
 use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};

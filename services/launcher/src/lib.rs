@@ -55,7 +55,7 @@ mod wake;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 use runtime::{Now, Options};
@@ -78,7 +78,7 @@ pub struct Orders {
 /// # Errors
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
 /// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
-pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
+pub fn run(config: &Deployment, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
@@ -99,7 +99,7 @@ pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
 }
 
 /// Returns the options with a folder for this start in place of the requested folder, if any file is written.
-fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
+fn with_records(config: &Deployment, mut orders: Orders) -> anyhow::Result<Orders> {
     if config.recorder || config.monitor.files {
         let out = &mut orders.options.out;
         *out = records::begin(out, Now::read().utc_ns)?;
@@ -109,7 +109,7 @@ fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
 }
 
 /// Returns the maximum size of a deployment in shared memory, bytes.
-pub fn needed_bytes(config: &Config) -> u64 {
+pub fn needed_bytes(config: &Deployment) -> u64 {
     instance::needed_bytes(config, part::parts(config).len())
 }
 

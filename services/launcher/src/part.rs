@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use configuration::Config;
+use deployment::Deployment;
 use messages::{NO_SOURCE, ProcessKind};
 use runtime::{Options, Speed};
 
@@ -54,7 +54,7 @@ pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
 ];
 
 /// Returns the processes of a deployment, in the order of the start.
-pub(crate) fn parts(config: &Config) -> Vec<Part> {
+pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
     let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
     parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
@@ -73,7 +73,7 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
     parts
 }
 
-fn adapter(config: &Config, name: &str) -> Part {
+fn adapter(config: &Deployment, name: &str) -> Part {
     let mut sources = config.sources.iter().filter(|source| source.adapter == name);
     let required = sources.clone().any(|source| source.required);
     let source = match (sources.next(), sources.next()) {
@@ -152,7 +152,7 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use configuration::BUILT_IN_DEMO;
+    use configuration::{BUILT_IN_DEMO, Config};
 
     #[test]
     fn keeper_and_monitor_start_first_and_stop_last() {

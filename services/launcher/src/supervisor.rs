@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use bus::Unborn;
-use configuration::Config;
+use deployment::Deployment;
 use messages::{LifeState, ProcessKind};
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::Instance;
@@ -44,7 +44,7 @@ pub struct ChildRefused {
 /// Children of one deployment.
 #[derive(Debug)]
 pub(crate) struct Supervisor<'a> {
-    config: &'a Config,
+    config: &'a Deployment,
     orders: &'a Orders,
     instance: &'a Instance,
     executable: PathBuf,
@@ -105,7 +105,7 @@ impl<'a> Supervisor<'a> {
     /// # Errors
     /// If the executable cannot be found.
     pub(crate) fn new(
-        config: &'a Config,
+        config: &'a Deployment,
         orders: &'a Orders,
         instance: &'a Instance,
         stop: Stop,

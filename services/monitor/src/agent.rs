@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Subscriber, Transport, WaitMode, Waiter};
-use configuration::{Config, MonitorWait};
+use deployment::{Deployment, MonitorWait};
 use messages::{FrameOrigin, Health, SystemTrack};
 use runtime::{Agent, HealthEntry, Now, Options, Turn};
 
@@ -102,7 +102,7 @@ impl<S: Transport> MonitorAgent<S> {
     /// If a topic cannot be opened or a file cannot be created.
     /// If a topic cannot be opened or a file not be made.
     pub fn new(
-        config: &Config,
+        config: &Deployment,
         options: &Options,
         name: &str,
         bus: &Bus<S>,

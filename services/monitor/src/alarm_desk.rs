@@ -4,7 +4,7 @@ use std::path::Path;
 
 use alarms::{AlarmKind, Board, History, RateLimit};
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
@@ -37,7 +37,13 @@ impl<S: Transport> AlarmDesk<S> {
     ///
     /// # Errors
     /// If the topic cannot be opened.
-    pub(crate) fn new(config: &Config, name: &str, folder: &Path, bus: &Bus<S>, begun: Now) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        config: &Deployment,
+        name: &str,
+        folder: &Path,
+        bus: &Bus<S>,
+        begun: Now,
+    ) -> anyhow::Result<Self> {
         let publish = || bus.publisher(&messages::alarms(), begun.mono_ns as u64);
         let writes = config.recorder || config.monitor.files;
         Ok(Self {

@@ -4,7 +4,6 @@
 //! …) and reports its findings for the round. The board decides on raising and clearing.
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, Usual, above, below};
-use configuration::Config;
 use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack};
 use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::Now;
@@ -162,7 +161,7 @@ const ERRORS: [SourceError; 5] = [
 
 impl Conditions {
     /// Creates the conditions of the deployment of `config`, with files in `folder`.
-    pub(crate) fn new(config: &Config, own_name: &str, folder: String, begun: Now) -> Self {
+    pub(crate) fn new(config: &deployment::Deployment, own_name: &str, folder: String, begun: Now) -> Self {
         let watched = |facts| Watched {
             facts,
             usual: [Usual::default(); ERRORS.len()],

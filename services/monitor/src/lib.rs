@@ -78,7 +78,7 @@ pub use screen::Screen;
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.
-pub fn run(process: &configuration::Process) -> anyhow::Result<()> {
+pub fn run(process: &deployment::Process) -> anyhow::Result<()> {
     let say = |line: &str| {
         runtime::notice(format_args!("koseki: {}: {line}", process.name));
     };

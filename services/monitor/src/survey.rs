@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use bus::{SubscriberCounts, WaitMode};
-use configuration::{Config, Input, MonitorWait, ReportOrder};
+use deployment::{Input, MonitorWait, ReportOrder};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
 use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::{Now, Options, Speed};
@@ -39,7 +39,12 @@ impl Survey {
     ///
     /// # Errors
     /// If the simulated world cannot be made.
-    pub(crate) fn new(config: &Config, options: &Options, name: &str, begun: Now) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        config: &deployment::Deployment,
+        options: &Options,
+        name: &str,
+        begun: Now,
+    ) -> anyhow::Result<Self> {
         let settings = run_settings(config, options);
         let observed = Deployment::new(config.observed_sources())
             .observed_since(begun.mono_ns)
@@ -345,7 +350,7 @@ impl Survey {
 }
 
 /// Stages that are measured, and how far they go.
-fn journey(config: &Config) -> Journey {
+fn journey(config: &deployment::Deployment) -> Journey {
     Journey {
         end: match config.monitor.wait {
             MonitorWait::Event => JourneyEnd::Received,
@@ -361,7 +366,7 @@ fn journey(config: &Config) -> Journey {
 }
 
 /// The processes of a deployment, the monitor called `monitor` last.
-fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
+fn expected(config: &deployment::Deployment, monitor: &str) -> Vec<(ProcessKind, String)> {
     let service = |kind: ProcessKind| (kind, kind.word().to_owned());
     let adapters = config
         .adapters()
@@ -391,7 +396,7 @@ fn restarts(processes: &[Process]) -> Restarts {
     }
 }
 
-fn run_settings(config: &Config, options: &Options) -> RunSettings {
+fn run_settings(config: &deployment::Deployment, options: &Options) -> RunSettings {
     let count = |of: fn(&Input) -> bool| config.sources.iter().filter(|source| of(&source.input)).count();
     let recorded = count(|input| matches!(input, Input::Recorded(_)));
     let simulated = count(|input| matches!(input, Input::Simulated(_)));
@@ -402,7 +407,7 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
     RunSettings {
         deployment: config.name.clone(),
         instance: options.instance.clone(),
-        rule: config.fusion.settings.rule.name.0.word().to_owned(),
+        rule: config.fusion.rule.word().to_owned(),
         order: match config.order {
             ReportOrder::Arrival => "arrival",
             ReportOrder::Time => "time",

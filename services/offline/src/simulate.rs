@@ -9,7 +9,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
-use configuration::{Config, DEMO, Input, Instrument, Source};
+use configuration::{Config, DEMO};
+use deployment::{Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detections_csv::DetectionWriter;
 use formats::sensor_tracks_csv::SensorTrackWriter;

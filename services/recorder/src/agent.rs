@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bus::{Bus, Transport, WaitMode, Waiter};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -37,7 +37,7 @@ impl<S: Transport> RecorderAgent<S> {
     ///
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
-    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, start: &Start<'_>) -> anyhow::Result<Self> {
+    pub fn new(config: &Deployment, bus: &Bus<S>, incarnation: u64, start: &Start<'_>) -> anyhow::Result<Self> {
         let mut waiter = bus.waiter(WaitMode::Event);
         let (intake, topics) = Intake::open(config, bus, &mut waiter, incarnation)?;
         let journal = Journal::new(config, start, topics, intake.since_ns())?;

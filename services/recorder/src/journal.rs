@@ -4,7 +4,7 @@
 //! data stream. The [`Account`] of each topic holds its position and losses, whichever sinks are configured.
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use messages::layout::{Layout, Sample};
 use messages::{BatchHeader, Streamed};
 use recording::Facts;
@@ -35,7 +35,7 @@ impl Journal {
     /// # Errors
     /// If the folder holds another run, or the files of an earlier recorder cannot be read or continued.
     pub(crate) fn new(
-        config: &Config,
+        config: &Deployment,
         start: &Start<'_>,
         topics: Vec<(String, Layout)>,
         since_ns: i64,

@@ -44,7 +44,7 @@ pub use agent::RecorderAgent;
 pub use start::Start;
 pub use tables::Tables;
 
-use configuration::Process;
+use deployment::Process;
 
 /// Runs the recorder, of an executable of this `version`, until every topic has ended or a stop is requested.
 ///

@@ -10,7 +10,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::{Config, Transport};
+use configuration::Config;
+use deployment::Transport;
 use messages::codes;
 use serde::{Serialize, Serializer};
 

@@ -48,7 +48,7 @@ impl<'a> Setup<'a> {
                     .sources
                     .iter()
                     .map(|source| observations::sensor_id(source.number));
-                (ids.collect(), config.fusion.settings)
+                (ids.collect(), config.engine)
             }
             Given::Offline(config) => {
                 check(input, &survey)?;

@@ -12,7 +12,8 @@ mod support;
 
 use std::path::Path;
 
-use configuration::{Config, SeenDetections, Source, Tracking};
+use configuration::{Config, SeenDetections, Tracking};
+use deployment::Source;
 use observations::sensor_id;
 use sources::{Outputs, Scan, ScanTracker};
 use tracking::Settings;
@@ -140,7 +141,7 @@ impl Given {
         };
         let tracker_of = |id: &u32| {
             let of_files = |source: &&Source| sensor_id(source.number) == *id;
-            config.sources.iter().find(of_files)?.tracker()
+            config.tracker(config.sources.iter().find(of_files)?.number)
         };
         let mut ids = seen.sensor_ids.iter();
         match (ids.next(), ids.next()) {

@@ -85,7 +85,7 @@ impl Deployment {
         let config = configuration::Config::read(path, &torture.set)?;
         let start_utc_ns = Now::read().utc_ns;
         let world = World::new(&config, start_utc_ns)?;
-        let settings = &config.fusion.settings;
+        let settings = &config.engine;
         let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
         let terminate_s = settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S;
         let standby = config.fusion.standby.is_some();
@@ -122,7 +122,12 @@ impl Deployment {
             command,
             launcher,
             starts: 1,
-            sources: config.sources.into_iter().map(|source| source.name).collect(),
+            sources: config
+                .deployment
+                .sources
+                .into_iter()
+                .map(|source| source.name)
+                .collect(),
             expected: Vec::new(),
             world,
             ledger,
