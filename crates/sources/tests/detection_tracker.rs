@@ -21,7 +21,13 @@ const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 
 fn tracker(keys: &str) -> DetectionTracker {
     let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
     let source = &config.sources[0];
-    DetectionTracker::new(source.number, config.tracker(source.number).unwrap(), 0, Arrivals::new()).unwrap()
+    DetectionTracker::new(
+        source.number,
+        config.tracker(source.number).unwrap(),
+        0,
+        Arrivals::new(),
+    )
+    .unwrap()
 }
 
 fn east_m(time_s: f64) -> f64 {
