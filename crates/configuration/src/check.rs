@@ -14,22 +14,16 @@ use reception::{Limits, SourceModel};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
-use super::Config;
-use super::check_display::check_display;
 use super::check_link::check_hosts;
-use super::check_monitor::check_monitor;
-use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
+use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::check_region::check_regions;
-use super::tables::{
-    CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable,
-    WaitWord,
-};
+use super::tables::{CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable, WaitWord};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use deployment::{
-    Checkpoint, Delivery, Deployment, Durable, Fusion, Gateway, GatewayContent, Input, Instrument, Link, Links,
-    Recorded, RecordedFormat, Recording, ReportOrder, Segments, Source, Standby, WideAreaSensor,
+    Checkpoint, Delivery, Deployment, Durable, Fusion, Input, Instrument, Link, Links, Recorded, RecordedFormat,
+    ReportOrder, Services, Source, Standby, WideAreaSensor, check_name,
 };
 use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
@@ -39,22 +33,8 @@ const SILENT_MIN_S: f64 = 1.0;
 
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
-pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
-    let fits = (1..=31).contains(&name.len())
-        && name
-            .bytes()
-            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
-    if fits {
-        return Ok(());
-    }
-    Err(SettingsError::new(
-        key,
-        format!("\"{name}\" cannot be a name: use 1 to 31 letters, digits, - and _"),
-    ))
-}
-
-/// The checked deployment that `raw`, read from `path`, describes.
-pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
+/// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
+pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() {
@@ -89,7 +69,6 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     check_company(&sources, &wide_area_sensors)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
-    let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
     let links = check_hosts(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
@@ -112,13 +91,6 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
     let durable = durable(&raw.checkpoint)?;
     let (fusion, mut engine) = fusion(raw.fusion, raw.checkpoint, weighing)?;
     engine.border.regions = check_regions(&raw.regions, (raw.origin, fusion.exchange), &frame)?;
-    let sends_own = |gateway: &Gateway| gateway.content == GatewayContent::OwnTracks;
-    if let Some(index) = gateways.iter().position(sends_own)
-        && !fusion.exchange
-    {
-        let what = "needs fusion.exchange = true, which says what the sensors here know";
-        return Err(SettingsError::new(format!("gateway[{index}].own"), what));
-    }
     let own = messages::own_tracks().name;
     let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());
     if let Some(index) = links.iter().position(sends_own)
@@ -131,7 +103,6 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         return Err(SettingsError::new(format!("link[{index}].send"), what));
     }
     let deployment = Deployment {
-        monitor: check_monitor(&raw.monitor, &fusion)?,
         fusion,
         name: raw.name,
         origin: raw.origin,
@@ -143,20 +114,12 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         sources,
         wide_area_sensors,
         receivers,
-        gateways,
         links,
         durable,
         scenario,
-        recording: check_recording(&raw.recorder)?,
-        recorder: raw.recorder.enabled,
-        display: check_display(&raw.display)?,
-        watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
+        services: Services::default(),
     };
-    Ok(Config {
-        deployment,
-        engine,
-        processing,
-    })
+    Ok((deployment, engine, processing))
 }
 
 fn durable(raw: &CheckpointTable) -> Checked<Option<Durable>> {
@@ -173,26 +136,6 @@ fn durable(raw: &CheckpointTable) -> Checked<Option<Durable>> {
             every: Duration::from_nanos(raw.copy_every_s.ns().unsigned_abs()),
         })),
     }
-}
-
-fn check_recording(raw: &RecorderTable) -> Checked<Recording> {
-    let has = |word| raw.format.contains(&word);
-    let csv = has(RecordWord::Csv);
-    if !csv && !has(RecordWord::Mcap) {
-        let why = "the recorder would write nothing: name \"csv\" or \"mcap\", or say enabled = false";
-        return Err(SettingsError::new("recorder.format", why));
-    }
-    let segments = || Segments {
-        flush_ns: raw.flush_s.ns(),
-        bytes: u64::from(raw.segment_mb) * 1_000_000,
-        length_ns: raw.segment_s.ns(),
-        keep_bytes: raw.keep_gb.map(|gigabytes| (gigabytes * 1e9) as u64),
-    };
-    Ok(Recording {
-        csv,
-        mcap: has(RecordWord::Mcap).then(segments),
-        captures: (raw.enabled && has(RecordWord::Pcapng)).then(segments),
-    })
 }
 
 pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {

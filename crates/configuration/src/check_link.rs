@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use messages::{SensorTrack, Streamed as _, WideArea};
 use settings::SettingsError;
 
-use super::check::{Checked, check_name};
+use super::check::Checked;
 use super::tables::{LinkPeerTable, LinkTable, RemoteTopicTable};
-use deployment::{Input, Link, LinkPeer, LinkTls, RemoteTopic, Source, WideAreaInput, WideAreaSensor};
+use deployment::{Input, Link, LinkPeer, LinkTls, RemoteTopic, Source, WideAreaInput, WideAreaSensor, check_name};
 
 /// The links to other hosts.
 pub(super) fn check_hosts(raw: &[LinkTable], sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<Vec<Link>> {

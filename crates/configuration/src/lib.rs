@@ -6,9 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod check;
-mod check_display;
 mod check_link;
-mod check_monitor;
 mod check_network;
 mod check_region;
 mod locating;
@@ -23,8 +21,9 @@ use std::fmt;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use deployment::{Deployment, IN_INSTANCE};
-use settings::{Document, SettingsError, Table, Value};
+use check::Checked;
+use deployment::{Deployment, IN_INSTANCE, Parts};
+use settings::{Document, SettingsError, Shared, Table, Value};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
@@ -43,18 +42,23 @@ const OVERRIDE: &str = "# --set ";
 /// The configuration of the demonstration, as text.
 pub const DEMO: &str = include_str!("../../../config/demo.toml");
 
-/// A checked deployment, with the settings of its algorithms.
+/// A checked deployment, with the settings of its algorithms, and without those of services.
+pub type Config = ConfigWith<()>;
+
+/// A checked deployment, with the settings of its algorithms and of the services `P`.
 #[derive(Clone, Debug)]
-pub struct Config {
+pub struct ConfigWith<P> {
     /// Facts for each process.
     pub deployment: Deployment,
     /// Settings of the fusion engine.
     pub engine: fusion::Settings,
     /// How each source's tracks come about, in the order of the sources' numbers.
     pub processing: Vec<Processing>,
+    /// Settings of services.
+    pub parts: P,
 }
 
-impl Deref for Config {
+impl<P> Deref for ConfigWith<P> {
     type Target = Deployment;
 
     fn deref(&self) -> &Deployment {
@@ -96,7 +100,27 @@ fn in_file(path: &Path, error: SettingsError) -> ConfigError {
     }
 }
 
-impl Config {
+/// Reads the text of the configuration in the file `path`.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn text(path: &Path) -> Result<String, ConfigError> {
+    let read = std::fs::read_to_string(path);
+    read.map_err(|error| in_file(path, SettingsError::new("", format!("cannot be read: {error}"))))
+}
+
+/// Reads a deployment, of which `services` have read their tables then.
+fn read_deployment(
+    path: &Path,
+    document: &Document<'_>,
+    services: Vec<&mut dyn Table>,
+) -> Checked<(Deployment, fusion::Settings, Vec<Processing>)> {
+    let mut table = DeploymentTable::default();
+    document.read_into(&mut Shared::new(&mut table, services))?;
+    check::check(path, table)
+}
+
+impl<P: Parts> ConfigWith<P> {
     /// Reads and checks `path`; each of `overrides` (`key.path=value`, the value in TOML) replaces a value of the file.
     ///
     /// # Errors
@@ -105,9 +129,7 @@ impl Config {
         if path == Path::new(BUILT_IN_DEMO) {
             return Self::parse(path, DEMO, overrides);
         }
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| in_file(path, SettingsError::new("", format!("cannot be read: {error}"))))?;
-        Self::parse(path, &text, overrides)
+        Self::parse(path, &text(path)?, overrides)
     }
 
     /// As [`Config::read`], from the file's text.
@@ -115,15 +137,21 @@ impl Config {
     /// # Errors
     /// As [`Config::read`].
     pub fn parse(path: &Path, text: &str, overrides: &[String]) -> Result<Self, ConfigError> {
+        let mut parts = P::default();
         let document = Document::parse(text, overrides).map_err(|error| in_file(path, error))?;
-        let checked = document
-            .read::<DeploymentTable>()
-            .and_then(|table| check::check(path, table));
-        let mut config = checked.map_err(|error| in_file(path, document.located(error)))?;
-        let whole = &mut config.deployment.text;
+        let located = |error| in_file(path, document.located(error));
+        let read = read_deployment(path, &document, parts.tables());
+        let (mut deployment, engine, processing) = read.map_err(located)?;
+        parts.join(&mut deployment).map_err(located)?;
+        let whole = &mut deployment.text;
         text.clone_into(whole);
         whole.extend(overrides.iter().map(|each| format!("\n{OVERRIDE}{each}")));
-        Ok(config)
+        Ok(Self {
+            deployment,
+            engine,
+            processing,
+            parts,
+        })
     }
 
     /// As [`Config::parse`], from a [`Deployment::text`], which ends with the replaced values: that of a recording, or of
@@ -144,17 +172,29 @@ impl Config {
     /// As [`Config::read`].
     pub fn of_running(instance: &Path) -> Result<Self, ConfigError> {
         let path = instance.join(IN_INSTANCE);
-        let text = std::fs::read_to_string(&path)
-            .map_err(|error| in_file(&path, SettingsError::new("", format!("cannot be read: {error}"))))?;
-        Self::parse_whole(&path, &text)
+        Self::parse_whole(&path, &text(&path)?)
     }
 
+    /// The same without the settings of services.
+    pub fn without_services(self) -> Config {
+        ConfigWith {
+            deployment: self.deployment,
+            engine: self.engine,
+            processing: self.processing,
+            parts: (),
+        }
+    }
+}
+
+impl Config {
     /// Whether a file's text describes a deployment, rightly or wrongly; else it may be an [`Offline`] configuration.
     pub fn is_deployment(text: &str) -> bool {
         let keys = ["name", "frame", "source"];
         Document::parse(text, &[]).is_ok_and(|document| keys.iter().any(|key| document.has(key)))
     }
+}
 
+impl<P> ConfigWith<P> {
     /// Settings of the tracker of source `number`, if its tracks are made of its detections.
     pub fn tracker(&self, number: u16) -> Option<&TrackerSettings> {
         self.processing[usize::from(number)].tracker()

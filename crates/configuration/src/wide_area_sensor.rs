@@ -36,10 +36,10 @@ use frames::{SensorFrame, SystemFrame};
 use reception::{CovarianceModel, SourceModel};
 use settings::SettingsError;
 
-use super::check::{Checked, check_name, place};
+use super::check::{Checked, place};
 use super::check_network::{Network, asterix};
 use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
-use deployment::{CountedTracks, Input, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use deployment::{CountedTracks, Input, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
 
 /// Most wide-area sensors of a deployment.
 const SENSORS_MAX: usize = 16;

@@ -6,31 +6,29 @@
 #![forbid(unsafe_code)]
 
 mod link;
+mod names;
 mod network;
 mod observed;
+mod parts;
 mod processes;
 mod source;
 mod streams;
 mod wide_area;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use frames::SystemFrame;
 
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic};
-pub use network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
-pub use processes::{
-    Checkpoint, Display, Durable, Fusion, Monitor, MonitorWait, Recording, ReportOrder, Segments, Standby,
-};
+pub use names::check_name;
+pub use network::{Asterix, Live, Output, Receiver, Transport, category};
+pub use parts::Parts;
+pub use processes::{Checkpoint, Durable, Fusion, ReportOrder, Secret, Segments, Services, Standby};
 pub use source::{Delivery, Input, Instrument, Links, Recorded, RecordedFormat, Simulated, Source, Truncated};
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// One process of a deployment, connected and ready.
 pub type Process = runtime::Process<Deployment>;
-
-/// Fewest characters of a token: nobody may guess it.
-pub const TOKEN_MIN: usize = 16;
 
 /// File in the folder of a running instance that contains its [`Deployment::text`].
 pub const IN_INSTANCE: &str = "configuration.toml";
@@ -61,8 +59,6 @@ pub struct Deployment {
     pub wide_area_sensors: Vec<WideAreaSensor>,
     /// The network inputs; each is an adapter process.
     pub receivers: Vec<Receiver>,
-    /// The outputs to the network; each is a gateway process.
-    pub gateways: Vec<Gateway>,
     /// The links to deployments on other hosts; each is a process.
     pub links: Vec<Link>,
     /// Copies on disk of what outlasts the processes; `None` if there are none.
@@ -71,32 +67,15 @@ pub struct Deployment {
     pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
     pub fusion: Fusion,
-    /// The monitor process.
-    pub monitor: Monitor,
-    /// The display process, if there is one.
-    pub display: Option<Display>,
-    /// Whether a recorder runs.
-    pub recorder: bool,
-    /// Forms of the recording.
-    pub recording: Recording,
-    /// A process that does not move for so long is replaced.
-    pub watchdog: Duration,
+    /// Facts about services.
+    pub services: Services,
 }
 
 impl Deployment {
     /// The whole text without secrets, for recordings.
     pub fn text_without_secrets(&self) -> String {
-        let display = self.display.iter();
-        let secrets = display.flat_map(|display| {
-            [
-                (&display.token, "hidden-token-"),
-                (&display.operator_token, "hidden-order-token-"),
-            ]
-        });
-        secrets.fold(self.text.clone(), |text, (secret, placeholder)| match secret {
-            Some(secret) => text.replace(secret.as_str(), &format!("{placeholder}{}", "x".repeat(TOKEN_MIN))),
-            None => text,
-        })
+        let replace = |text: String, secret: &Secret| text.replace(&secret.text, &secret.placeholder);
+        self.services.secrets.iter().fold(self.text.clone(), replace)
     }
 
     /// Writes the whole text into the folder of the running instance, for other commands, and
@@ -128,11 +107,6 @@ impl Deployment {
     /// The link called `name`.
     pub fn link(&self, name: &str) -> Option<&Link> {
         self.links.iter().find(|link| link.name == name)
-    }
-
-    /// The gateway called `name`.
-    pub fn gateway(&self, name: &str) -> Option<&Gateway> {
-        self.gateways.iter().find(|gateway| gateway.name == name)
     }
 
     /// The names of the adapter processes, in the order of their first sources, then of the wide-area sensors. External

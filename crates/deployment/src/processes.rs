@@ -1,13 +1,13 @@
 //! Facts about the processes of a deployment.
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use bus::WaitMode;
 use messages::FusionRule;
 use runtime::cores::Placement;
-use telemetry::Deadlines;
+
+use crate::network::Output;
 
 settings::words! {
     /// Order in which fusion takes reports.
@@ -73,69 +73,6 @@ pub struct Standby {
     pub takeover_ns: i64,
 }
 
-/// The monitor process.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Monitor {
-    /// Time between two tables, nanoseconds.
-    pub interval_ns: i64,
-    /// Whether the monitor writes its files (histogram log, percentiles, JSON).
-    pub files: bool,
-    /// How it waits for system tracks.
-    pub wait: MonitorWait,
-    /// How long each stage may take; fusion's own stage always has a deadline.
-    pub deadlines: Deadlines,
-    /// Where it serves metrics for Prometheus, if it does.
-    pub metrics: Option<SocketAddr>,
-    /// Names by which they may be asked for, besides the machine's own for itself, in small letters.
-    pub metrics_hosts: Vec<String>,
-    /// Limits beyond which alarms are raised.
-    pub alarms: alarms::Limits,
-}
-
-/// The display process.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Display {
-    /// Where it is.
-    pub listen: SocketAddr,
-    /// How many ports after that one are tried where it is taken.
-    pub more_ports: u32,
-    /// Names by which it may be asked for, besides the machine's own for itself, in small letters.
-    pub hosts: Vec<String>,
-    /// Token that every browser has to show.
-    pub token: Option<String>,
-    /// Token of the operators, who give orders; `None`: no orders.
-    pub operator_token: Option<String>,
-    /// Time for which the past is kept, seconds.
-    pub history_s: i64,
-    /// Most memory that it takes, octets.
-    pub history_octets: usize,
-    /// Files that are drawn under the tracks, relative to the data folder unless absolute.
-    pub overlays: Vec<PathBuf>,
-}
-
-/// How the monitor waits for system tracks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MonitorWait {
-    /// Woken for each slice: exact, at the price of a system call of fusion's per slice.
-    Event,
-    /// Looks now and then, which costs fusion nothing: what comes after fusion is not measured.
-    Poll {
-        /// Time between two looks.
-        pause: Duration,
-    },
-}
-
-/// Forms of a recording.
-#[derive(Clone, Copy, Debug)]
-pub struct Recording {
-    /// Whether rows of text are written.
-    pub csv: bool,
-    /// Containers of all topics, if they are written.
-    pub mcap: Option<Segments>,
-    /// Captures of what live sources send, if adapters write them.
-    pub captures: Option<Segments>,
-}
-
 /// Containers or captures, one after another.
 #[derive(Clone, Copy, Debug)]
 pub struct Segments {
@@ -147,4 +84,30 @@ pub struct Segments {
     pub length_ns: i64,
     /// Size of all beyond which the oldest are deleted; `None` keeps all.
     pub keep_bytes: Option<u64>,
+}
+
+/// Text of the configuration that recordings must not contain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Secret {
+    /// The text.
+    pub text: String,
+    /// Text that replaces it.
+    pub placeholder: String,
+}
+
+/// Facts about services, which the services add ([`Parts`](crate::Parts)).
+#[derive(Clone, Debug, Default)]
+pub struct Services {
+    /// Outputs to the network; each is a gateway process.
+    pub gateways: Vec<Output>,
+    /// Whether there is a display.
+    pub display: bool,
+    /// Whether a recorder runs.
+    pub recorder: bool,
+    /// Captures of what live sources send, if adapters write them.
+    pub captures: Option<Segments>,
+    /// Whether the monitor writes files.
+    pub monitor_files: bool,
+    /// Texts of the configuration that recordings must not contain.
+    pub secrets: Vec<Secret>,
 }

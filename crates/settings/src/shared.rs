@@ -29,19 +29,19 @@ impl Value for Unread {
 }
 
 /// A file's table, in which some keys have the values of other tables.
-pub struct Shared<'a> {
-    file: &'a mut dyn Table,
-    parts: Vec<&'a mut dyn Table>,
+pub struct Shared<'f, 'p> {
+    file: &'f mut dyn Table,
+    parts: Vec<&'p mut dyn Table>,
     /// For each key of the file: the part with the key and the place there; `None` if the file itself has the value.
     owners: Vec<Option<(usize, usize)>>,
 }
 
-impl<'a> Shared<'a> {
+impl<'f, 'p> Shared<'f, 'p> {
     /// Gives each key of `parts` to the key of the same name of `file`, which keeps its place among the keys.
     ///
     /// # Panics
     /// If the file has no such key, which is a mistake in the declarations.
-    pub fn new(file: &'a mut dyn Table, parts: Vec<&'a mut dyn Table>) -> Self {
+    pub fn new(file: &'f mut dyn Table, parts: Vec<&'p mut dyn Table>) -> Self {
         let mut owners = vec![None; file.keys().len()];
         for (part, table) in parts.iter().enumerate() {
             for (index, key) in table.keys().into_iter().enumerate() {
@@ -54,7 +54,7 @@ impl<'a> Shared<'a> {
     }
 }
 
-impl Table for Shared<'_> {
+impl Table for Shared<'_, '_> {
     fn name(&self) -> &'static str {
         self.file.name()
     }

@@ -69,7 +69,7 @@ impl Capture {
     /// # Errors
     /// If the second thread cannot be started.
     pub(crate) fn open(process: &Process, to: SocketAddr) -> anyhow::Result<Option<Self>> {
-        let Some(settings) = process.config.recording.captures else {
+        let Some(settings) = process.config.services.captures else {
             return Ok(None);
         };
         Self::begin(settings, &process.options.out, &process.name, to).map(Some)

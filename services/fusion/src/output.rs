@@ -67,7 +67,7 @@ impl<S: Transport> Output<S> {
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
-        let follow = config.is_recorded() && config.recorder;
+        let follow = config.is_recorded() && config.services.recorder;
         let flow = || {
             Flow::new(
                 bus,

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use bench_service::{Outcome, Product};
-use configuration::Config;
 use deployment::Deployment;
 use messages::{SensorTrack, SystemTrack};
 
 use crate::args::Bench;
+use crate::config::Config;
 use crate::print;
 
 /// This executable, as the product under test.

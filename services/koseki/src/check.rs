@@ -5,18 +5,19 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::Config;
-use deployment::{Input, Monitor, MonitorWait, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use deployment::{Input, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use monitor::MonitorWait;
 use offline::Usage;
 use scenario::ScenarioSettings;
 use serde_json::{Value, json};
 use sources::TrackerSettings;
-use telemetry::Stage;
 use telemetry::table::duration;
+use telemetry::{Deadlines, Stage};
 use tracking::cutting::Boundaries;
 use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
+use crate::config::Config;
 use crate::recordings::{self, Depth, Found};
 
 /// Nanoseconds in a second.
@@ -32,7 +33,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
     let config = Config::read(&check.config, &check.set)?;
     let data = args::data_folder(check.data.clone());
     let found = recordings::inspect(&config, &data, Depth::Records)?;
-    display::check_overlays(&config, &data).map_err(Usage)?;
+    display::check_overlays(config.parts.display(), &config.frame, &data).map_err(Usage)?;
     let free_bytes = bus::free_space().ok();
     if check.json {
         let summary = json(&check.config, &config, &found, free_bytes);
@@ -68,8 +69,10 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
             "text": describe_wide_area(sensor, config),
         })
     };
+    let monitor = config.parts.monitor();
+    let deadlines_of_monitor = monitor.configured_deadlines(&config.fusion);
     let deadline_us = |stage: Stage| {
-        let deadline_ns = config.monitor.deadlines.get(stage)?;
+        let deadline_ns = deadlines_of_monitor.get(stage)?;
         Some((stage.key(), deadline_ns as f64 / 1e3))
     };
     let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
@@ -93,13 +96,13 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
             "waiting_reports_per_source": config.fusion.queue,
         },
         "monitor": {
-            "interval_s": config.monitor.interval_ns as f64 / NS as f64,
-            "files": config.monitor.files,
-            "wait": watching(&config.monitor),
+            "interval_s": monitor.interval_s.ns() as f64 / NS as f64,
+            "files": monitor.files,
+            "wait": watching(monitor.waiting(&config.fusion)),
             "deadline_us": Stage::ALL.into_iter().filter_map(deadline_us).collect::<BTreeMap<_, _>>(),
-            "metrics": config.monitor.metrics.map(|address| address.to_string()),
+            "metrics": monitor.metrics().map(|address| address.to_string()),
         },
-        "recorder": config.recorder,
+        "recorder": config.parts.recorder().enabled,
         "shared_memory": {
             "needed_bytes": launcher::needed_bytes(config),
             "free_bytes": free_bytes,
@@ -190,21 +193,25 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
             config.fusion.queue
         ),
     );
-    let (monitor, seconds) = (&config.monitor, config.monitor.interval_ns as f64 / NS as f64);
+    let monitor = config.parts.monitor();
+    let seconds = monitor.interval_s.ns() as f64 / NS as f64;
     let files = if monitor.files { "with files" } else { "without files" };
     row(
         "monitor",
-        format!("a table every {seconds} s, {files}; {}", watching(monitor)),
+        format!(
+            "a table every {seconds} s, {files}; {}",
+            watching(monitor.waiting(&config.fusion))
+        ),
     );
     let late = match config.order {
-        ReportOrder::Arrival => format!("deadline: {}", deadlines(monitor)),
+        ReportOrder::Arrival => format!("deadline: {}", deadlines(monitor.configured_deadlines(&config.fusion))),
         ReportOrder::Time => "nothing is late: reports wait for each other by intention".to_owned(),
     };
     row("", late);
-    if let Some(address) = monitor.metrics {
+    if let Some(address) = monitor.metrics() {
         row("", format!("metrics for Prometheus at http://{address}/metrics"));
     }
-    let recorder = if config.recorder { "on" } else { "off" };
+    let recorder = if config.parts.recorder().enabled { "on" } else { "off" };
     row("recorder", recorder.to_owned());
     let regions = &settings.border.regions;
     if !regions.is_empty() {
@@ -348,8 +355,8 @@ fn wait(mode: WaitMode) -> &'static str {
     }
 }
 
-fn watching(monitor: &Monitor) -> String {
-    match monitor.wait {
+fn watching(wait: MonitorWait) -> String {
+    match wait {
         MonitorWait::Event => "woken for each slice of system tracks".to_owned(),
         MonitorWait::Poll { pause } => format!(
             "looks every {} ms, so transport out is not measured",
@@ -358,8 +365,8 @@ fn watching(monitor: &Monitor) -> String {
     }
 }
 
-fn deadlines(monitor: &Monitor) -> String {
-    let of = |stage: Stage| Some((stage, monitor.deadlines.get(stage)?));
+fn deadlines(deadlines: Deadlines) -> String {
+    let of = |stage: Stage| Some((stage, deadlines.get(stage)?));
     let words = Stage::ALL
         .into_iter()
         .filter_map(of)

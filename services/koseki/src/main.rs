@@ -16,6 +16,7 @@ mod args;
 mod bearings;
 mod bench;
 mod check;
+mod config;
 mod decode;
 mod doctor;
 mod encode;
@@ -43,7 +44,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Parser as _;
 use clap::error::ErrorKind;
-use configuration::{BUILT_IN_DEMO, Config};
+use configuration::BUILT_IN_DEMO;
 use deployment::Process;
 use launcher::Orders;
 use messages::ProcessKind;
@@ -51,6 +52,7 @@ use offline::{Host, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
+use config::Config;
 use recordings::{Depth, RecordingError};
 
 /// Exit code of a failure while running.
@@ -113,7 +115,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
-            display::check_overlays(&config, &options.data).map_err(Usage)?;
+            display::check_overlays(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
@@ -131,7 +133,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Condition(condition) => order::condition(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),
-        Command::OnTables(command) => command.run(&Terminal::default()),
+        Command::OnTables(command) => command.run(&Terminal::reading(config::read)),
         Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Send(send) => send::run(&send),
         Command::Torture(torture) => torture::run(&torture),
@@ -144,14 +146,20 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, |process, config| {
             fusion_service::run(process, &config.engine)
         }),
-        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, |process, _| monitor::run(process)),
-        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process, _| {
-            recorder::run(process, args::VERSION)
+        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, |process, config| {
+            monitor::run(process, config.parts.monitor())
         }),
-        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, |process, _| gateway::run(process)),
+        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process, config| {
+            recorder::run(process, config.parts.recorder(), args::VERSION)
+        }),
+        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, |process, config| {
+            gateway::run(process, &config.parts.gateway)
+        }),
         Command::Link(serve) => link::run(serve),
         Command::Display(args::Display { recording, serve }) => match serve {
-            Some(serve) => run_service(ProcessKind::Display, serve, |process, _| display::run(process)),
+            Some(serve) => run_service(ProcessKind::Display, serve, |process, config| {
+                display::run(process, config.parts.display())
+            }),
             None => replay::show(&recording.unwrap_or_default()),
         },
         Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, _| simulator::run(process)),
@@ -160,7 +168,7 @@ fn run(command: Command) -> anyhow::Result<()> {
 
 /// Creates the folder of recordings and tests writing there, before several processes fail for this reason.
 fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
-    if !config.recorder && !config.monitor.files {
+    if !config.parts.recorder().enabled && !config.parts.monitor().files {
         return Ok(());
     }
     let out = options.out.display();
@@ -177,7 +185,7 @@ fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
     instances::named(&options.instance)?;
     make_out_folder(config, &options)?;
-    launcher::run(config, &Orders { options, run_for })
+    launcher::run(config, config.parts.launcher(), &Orders { options, run_for })
 }
 
 /// Runs one process of a deployment.
@@ -206,7 +214,13 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
     let names: Vec<&str> = match kind {
         ProcessKind::Adapter => config.adapters(),
         ProcessKind::Link => config.links.iter().map(|link| link.name.as_str()).collect(),
-        ProcessKind::Gateway => config.gateways.iter().map(|gateway| gateway.name.as_str()).collect(),
+        ProcessKind::Gateway => config
+            .parts
+            .gateway
+            .gateways
+            .iter()
+            .map(|gateway| gateway.name.as_str())
+            .collect(),
         _ => return Ok(given.unwrap_or_else(|| kind.word().to_owned())),
     };
     let (kind, path) = (kind.word(), config.path.display());

@@ -12,7 +12,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
-use configuration::Config;
 use csv_table::CsvError;
 use deployment::{Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use formats::containers::{Container, TimeStamp, datagrams};
@@ -24,6 +23,8 @@ use reception::observation::{Reading, read};
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::Turn;
 use tracking::wide_area::arrivals::Arrivals;
+
+use crate::config::Config;
 
 /// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -358,6 +359,7 @@ fn categories(numbers: &[u8], last: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
 
     const EDITION_10: &str = "source[0].recorded.editions={ \"10\" = \"1.1\" }";
 

@@ -48,6 +48,7 @@ mod part;
 mod preflight;
 mod records;
 mod service_manager;
+mod settings;
 mod supervisor;
 mod suspicion;
 mod wake;
@@ -60,6 +61,7 @@ use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 use runtime::{Now, Options};
 
+pub use settings::{Keys, Settings};
 pub use supervisor::ChildRefused;
 
 /// Options of a run.
@@ -78,7 +80,7 @@ pub struct Orders {
 /// # Errors
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
 /// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
-pub fn run(config: &Deployment, orders: &Orders) -> anyhow::Result<()> {
+pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
@@ -90,7 +92,9 @@ pub fn run(config: &Deployment, orders: &Orders) -> anyhow::Result<()> {
             None => Ok(()),
         })
         .and_then(|()| with_records(config, orders.clone()))
-        .and_then(|orders| supervisor::Supervisor::new(config, &orders, &instance, stop, wake)?.run());
+        .and_then(|orders| {
+            supervisor::Supervisor::new((config, settings.watchdog()), &orders, &instance, stop, wake)?.run()
+        });
     let cleared = instance.clear();
     if let Some(durable) = &config.durable {
         root.remove_copies(&durable.folder);
@@ -100,7 +104,7 @@ pub fn run(config: &Deployment, orders: &Orders) -> anyhow::Result<()> {
 
 /// Returns the options with a folder for this start in place of the requested folder, if any file is written.
 fn with_records(config: &Deployment, mut orders: Orders) -> anyhow::Result<Orders> {
-    if config.recorder || config.monitor.files {
+    if config.services.recorder || config.services.monitor_files {
         let out = &mut orders.options.out;
         *out = records::begin(out, Now::read().utc_ns)?;
         say(&format!("this start writes to {}", out.display()));

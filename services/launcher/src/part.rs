@@ -57,12 +57,12 @@ pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
 pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
     let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
-    parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
-    let gateways = config.gateways.iter().map(|gateway| &gateway.name);
+    parts.extend(config.services.recorder.then(|| service(ProcessKind::Recorder)));
+    let gateways = config.services.gateways.iter().map(|gateway| &gateway.name);
     parts.extend(gateways.map(|name| Part::named(ProcessKind::Gateway, name)));
     let links = config.links.iter().map(|link| &link.name);
     parts.extend(links.map(|name| Part::named(ProcessKind::Link, name)));
-    parts.extend(config.display.iter().map(|_| service(ProcessKind::Display)));
+    parts.extend(config.services.display.then(|| service(ProcessKind::Display)));
     parts.push(Part::leader());
     parts.extend(config.standby().map(|_| Part {
         name: STANDBY.to_owned(),

@@ -30,7 +30,7 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
         }
         say(&format!("{what}; it is tried again until it works"));
     }
-    for gateway in &config.gateways {
+    for gateway in &config.services.gateways {
         if let Err(error) = UdpSender::open(&gateway.sender) {
             say(&format!(
                 "gateway {}: {error}; it is tried again until it works",

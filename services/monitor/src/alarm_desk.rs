@@ -10,6 +10,7 @@ use runtime::Now;
 
 use crate::conditions::{Conditions, Sight};
 use crate::machine::{Machine, Room, is_gone};
+use crate::settings::Settings;
 use crate::survey::Survey;
 
 /// Period of evaluation and publication, nanoseconds.
@@ -38,17 +39,17 @@ impl<S: Transport> AlarmDesk<S> {
     /// # Errors
     /// If the topic cannot be opened.
     pub(crate) fn new(
-        config: &Deployment,
+        (config, settings): (&Deployment, &Settings),
         name: &str,
         folder: &Path,
         bus: &Bus<S>,
         begun: Now,
     ) -> anyhow::Result<Self> {
         let publish = || bus.publisher(&messages::alarms(), begun.mono_ns as u64);
-        let writes = config.recorder || config.monitor.files;
+        let writes = config.services.recorder || settings.files;
         Ok(Self {
             board: Board::default(),
-            conditions: Conditions::new(config, name, folder.display().to_string(), begun),
+            conditions: Conditions::new((config, settings.alarms), name, folder.display().to_string(), begun),
             machine: Machine {
                 folder: writes.then(|| folder.to_owned()),
             },

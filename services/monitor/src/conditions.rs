@@ -161,7 +161,12 @@ const ERRORS: [SourceError; 5] = [
 
 impl Conditions {
     /// Creates the conditions of the deployment of `config`, with files in `folder`.
-    pub(crate) fn new(config: &deployment::Deployment, own_name: &str, folder: String, begun: Now) -> Self {
+    pub(crate) fn new(
+        (config, limits): (&deployment::Deployment, Limits),
+        own_name: &str,
+        folder: String,
+        begun: Now,
+    ) -> Self {
         let watched = |facts| Watched {
             facts,
             usual: [Usual::default(); ERRORS.len()],
@@ -170,7 +175,7 @@ impl Conditions {
         };
         let sources: Vec<Watched> = config.observed_sources().into_iter().map(watched).collect();
         Self {
-            limits: config.monitor.alarms,
+            limits,
             own_name: own_name.to_owned(),
             folder,
             silence: Silence::new(sources.len(), begun.mono_ns),

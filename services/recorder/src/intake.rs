@@ -197,13 +197,13 @@ impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
 }
 
 impl<S: Transport> Intake<S> {
-    /// Opens the data streams of `config`, and with `mcap` files all other topics, for the recorder that started at
+    /// Opens the data streams of `config`, and if it `has_all` topics to record all others, for the recorder that started at
     /// `incarnation`. Topics of data wake `waiter`. Returns the names and layouts of the topics in their order, too.
     ///
     /// # Errors
     /// If a topic cannot be opened.
     pub(crate) fn open(
-        config: &Deployment,
+        (config, has_all): (&Deployment, bool),
         bus: &Bus<S>,
         waiter: &mut Waiter<S>,
         incarnation: u64,
@@ -219,7 +219,7 @@ impl<S: Transport> Intake<S> {
         for (id, name) in config.streams() {
             opening.open_stream(id.stream, name)?;
         }
-        if config.recording.mcap.is_some() {
+        if has_all {
             opening.open_others(config.fusion.exchange)?;
         }
         let intake = Self {

@@ -16,10 +16,10 @@ use std::time::Duration;
 
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use configuration::Config;
 use offline::values::seconds;
 use runtime::{Now, Options, Speed};
 
+use crate::config::Config;
 use crate::instances;
 
 use bearings::BEARINGS_EXAMPLES;

@@ -10,12 +10,12 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use bus::WaitMode;
-use configuration::Config;
 use deployment::Transport;
 use messages::codes;
 use serde::{Serialize, Serializer};
 
 use crate::args::Doctor;
+use crate::config::Config;
 use machine::Machine;
 
 /// Smallest limit of open files: each process has several for each topic and process that it meets.

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use configuration::Config;
 use deployment::ReportOrder;
 use messages::{Covariance, SensorTrack, StepKind, TrackState, WorkStep};
 
 use super::again::{Again, Outcome, Plan};
+
+use crate::config::Config;
 
 const PUBLISHER: u64 = 77;
 

@@ -13,7 +13,6 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::Context as _;
-use configuration::Config;
 use deployment::Source;
 use formats::rows::RowWriter;
 use formats::tracks_csv::PlacedTrack;
@@ -25,6 +24,7 @@ use recording::{Facts, Item};
 use runtime::Speed;
 
 use crate::args::Replay;
+use crate::config::Config;
 use crate::recording_info::files;
 use again::{Again, Outcome, Plan, Spans};
 use verification::Verification;

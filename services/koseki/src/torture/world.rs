@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use configuration::Config;
 use messages::NS_PER_S;
 use scenario::Truth;
+
+use crate::config::Config;
 
 /// Seed of the traffic, independent of the faults: other faults must not change the victims.
 pub(super) const SEED: u64 = 1;

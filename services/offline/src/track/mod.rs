@@ -129,7 +129,7 @@ impl Given {
     fn read(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
         let text = host.text(path)?;
         Ok(match Config::is_deployment(&text) {
-            true => Self::Deployment(Box::new(Config::parse(path, &text, &[])?)),
+            true => Self::Deployment(Box::new(host.deployment(path, &text, &[])?)),
             false => Self::Offline(Box::new(Tracking::parse(path, &text)?)),
         })
     }

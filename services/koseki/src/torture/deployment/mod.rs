@@ -82,7 +82,7 @@ impl Deployment {
             .config
             .as_deref()
             .unwrap_or(Path::new(configuration::BUILT_IN_DEMO));
-        let config = configuration::Config::read(path, &torture.set)?;
+        let config = crate::config::Config::read(path, &torture.set)?;
         let start_utc_ns = Now::read().utc_ns;
         let world = World::new(&config, start_utc_ns)?;
         let settings = &config.engine;
