@@ -57,7 +57,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     let instance = mirror.instance.unwrap_or_else(|| config.name.clone());
     let is_insecure = mirror.insecure || config.links.first().is_some_and(|link| link.insecure);
     for endpoint in mirror.listen.iter().chain(&mirror.connect) {
-        configuration::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
+        deployment::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
             let what = what.replace("authority, certificate and private_key", "--certificates");
             Usage(what.replace("set insecure = true", "give --insecure"))
         })?;
@@ -75,8 +75,11 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     let link = match config.links.first() {
         // With the certificate and the trust of this host.
         Some(own) if mirror.certificates => Link {
-            tls: own.tls.clone(),
+            authority: own.authority.clone(),
+            certificate: own.certificate.clone(),
+            private_key: own.private_key.clone(),
             user: own.user.clone(),
+            password_file: own.password_file.clone(),
             ..link
         },
         _ => link,

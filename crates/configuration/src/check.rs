@@ -4,28 +4,24 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use ::fusion::Settings as Engine;
 use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
-use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use reception::{Limits, SourceModel};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
-use super::check_link::check_hosts;
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::check_region::check_regions;
-use super::tables::{CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable, WaitWord};
+use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use deployment::{
-    Checkpoint, Delivery, Deployment, Durable, Fusion, Input, Instrument, Link, Links, Recorded, RecordedFormat,
-    ReportOrder, Services, Source, Standby, WideAreaSensor, check_name,
+    Delivery, Deployment, Input, Instrument, Link, Links, Recorded, RecordedFormat, ReportOrder, Services, Source,
+    SystemTracks, WideAreaSensor, check_name,
 };
-use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
@@ -69,16 +65,16 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     check_company(&sources, &wide_area_sensors)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
-    let links = check_hosts(&raw.links, &sources, &wide_area_sensors)?;
+    deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
     // What a link brings has its source's progress with it.
     let is_linked = |source: &Source| {
         let topic = messages::sensor_tracks(&source.name).name;
-        links
+        raw.links
             .iter()
             .flat_map(|link| &link.receive)
-            .any(|remote| remote.into == topic.as_str())
+            .any(|remote| remote.into() == topic.as_str())
     };
     let is_live = |source: &Source| matches!(source.input, Input::External) && !is_linked(source);
     let external = sources.iter().any(is_live);
@@ -88,13 +84,21 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
-    let durable = durable(&raw.checkpoint)?;
-    let (fusion, mut engine) = fusion(raw.fusion, raw.checkpoint, weighing)?;
-    engine.border.regions = check_regions(&raw.regions, (raw.origin, fusion.exchange), &frame)?;
+    let FusionTable {
+        engine,
+        process: fusion,
+    } = raw.fusion;
+    if fusion.standby && !raw.checkpoint.enabled {
+        let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
+        return Err(SettingsError::new("fusion.standby", what));
+    }
+    let engine = engine.with_sources(weighing);
+    let mut engine = engine.map_err(|error| error.under("fusion"))?;
+    engine.border.regions = check_regions(&raw.regions, (raw.origin, engine.exchange), &frame)?;
     let own = messages::own_tracks().name;
     let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());
-    if let Some(index) = links.iter().position(sends_own)
-        && !(fusion.exchange && raw.origin != 0)
+    if let Some(index) = raw.links.iter().position(sends_own)
+        && !(engine.exchange && raw.origin != 0)
     {
         let what = format!(
             "\"{}\" needs fusion.exchange = true, and an origin other than 0",
@@ -114,28 +118,18 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         sources,
         wide_area_sensors,
         receivers,
-        links,
-        durable,
+        links: raw.links,
+        checkpoint: raw.checkpoint,
+        system_tracks: SystemTracks {
+            max: engine.capacity.system_tracks(),
+            exchange: engine.exchange,
+            rule: engine.rule.name.0,
+            queue: engine.capacity.queue,
+        },
         scenario,
         services: Services::default(),
     };
     Ok((deployment, engine, processing))
-}
-
-fn durable(raw: &CheckpointTable) -> Checked<Option<Durable>> {
-    let refused = |key: &str, what: &str| Err(SettingsError::new(format!("checkpoint.{key}"), what));
-    match &raw.folder {
-        _ if !raw.durable => Ok(None),
-        _ if !raw.enabled => refused("durable", "there is no checkpoint to copy: leave it enabled"),
-        None => refused(
-            "folder",
-            "must be given with durable: a folder on a disk of this machine",
-        ),
-        Some(folder) => Ok(Some(Durable {
-            folder: PathBuf::from(folder),
-            every: Duration::from_nanos(raw.copy_every_s.ns().unsigned_abs()),
-        })),
-    }
 }
 
 pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {
@@ -364,44 +358,4 @@ fn check_scenario(
         }
         (scenario, _) => Ok(scenario.clone()),
     }
-}
-
-/// The fusion process, which fuses these sources.
-fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSettings>) -> Checked<(Fusion, Engine)> {
-    if raw.standby && !checkpoint.enabled {
-        let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
-        return Err(SettingsError::new("fusion.standby", what));
-    }
-    let engine = raw.engine.with_sources(sources);
-    let engine = engine.map_err(|error| error.under("fusion"))?;
-    let fusion = Fusion {
-        wait: match raw.wait {
-            WaitWord::Event => WaitMode::Event,
-            WaitWord::Spin => WaitMode::Spin,
-            WaitWord::Hybrid => WaitMode::Hybrid {
-                spin_ns: (raw.hybrid_spin_us * 1e3) as u64,
-            },
-        },
-        placement: Placement {
-            core: raw.core,
-            realtime_priority: raw.realtime_priority,
-            lock_memory: raw.lock_memory,
-        },
-        required: raw.required,
-        rests: raw.rests,
-        checkpoint: checkpoint.enabled.then_some(Checkpoint {
-            max_age_ns: checkpoint.max_age_s.ns(),
-        }),
-        standby: raw.standby.then_some(Standby {
-            core: raw.standby_core,
-            takeover_ns: (raw.takeover_ms * 1e6) as i64,
-        }),
-        decisions: raw.decisions,
-        queue: engine.capacity.queue,
-        system_tracks_max: engine.capacity.system_tracks(),
-        exchange: engine.exchange,
-        rule: engine.rule.name.0,
-        deadline_ns: (raw.deadline_us * 1e3) as i64,
-    };
-    Ok((fusion, engine))
 }

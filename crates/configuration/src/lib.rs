@@ -6,7 +6,6 @@
 #![forbid(unsafe_code)]
 
 mod check;
-mod check_link;
 mod check_network;
 mod check_region;
 mod locating;
@@ -27,7 +26,6 @@ use settings::{Document, SettingsError, Shared, Table, Value};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
-pub use check_link::check_endpoint;
 pub use locating::locating_settings;
 pub use offline::{Offline, OfflineSettings, SeenSensor};
 pub use reference::{locating_help, reference, sensor_help, tracking_help};

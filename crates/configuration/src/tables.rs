@@ -12,7 +12,7 @@ use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use deployment::{RecordedFormat, ReportOrder, Truncated};
+use deployment::{Checkpoint, Fusion, Link, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -34,7 +34,7 @@ settings::settings! {
         /// Gateways.
         gateways as "gateway": Unread = Unread;
         /// Link to deployments on other hosts: one process, `koseki-link`.
-        links as "link": Vec<LinkTable> = Vec::new();
+        links as "link": Vec<Link> = Vec::new();
         /// Region of a centre, which owns the targets in the region.
         regions as "region": Vec<RegionTable> = Vec::new();
         /// World that simulated sources observe.
@@ -46,7 +46,7 @@ settings::settings! {
         /// Recorder.
         recorder: Unread = Unread;
         /// Memory of fusion for its successor.
-        checkpoint: CheckpointTable = CheckpointTable::default();
+        checkpoint: Checkpoint = Checkpoint::default();
         /// Display.
         display: Unread = Unread;
         /// Launcher.
@@ -267,120 +267,8 @@ settings::settings! {
         limits: Limits = Limits::default();
     }
 
-    /// A link to deployments on other hosts.
-    pub struct LinkTable {
-        /// Name of the link process.
-        name: String;
-        /// Endpoints at which links of other hosts reach this one, as in `"tls/[::]:7447"` or `"tcp/127.0.0.1:7447"`.
-        listen: Vec<String> = Vec::new();
-        /// Endpoints of links on other hosts.
-        connect: Vec<String> = Vec::new();
-        /// Topics that others may have, such as `"sensor/NAME/tracks"`.
-        send: Vec<String> = vec!["system/tracks".to_owned()];
-        /// Topics of other deployments to receive.
-        receive: Vec<RemoteTopicTable> = Vec::new();
-        /// Size of the queue for the network, megabytes. In a full queue, a newer state of a system track replaces an
-        /// older state; of other samples the newest are dropped. Both are counted.
-        queue_mb: u32 = 16, in [1, 4096];
-        /// Offset added to the UTC announced to other hosts, to test their reaction.
-        pretend_utc_off_s: Seconds = Seconds::of(0.0), in [-3600, 3600];
-        /// Certificate of the authority that signed the others' certificates, a file in PEM.
-        authority: Option<String> = None;
-        /// Certificate that this host shows, a file in PEM.
-        certificate: Option<String> = None;
-        /// Private key of the certificate, a file in PEM.
-        private_key: Option<String> = None;
-        /// User that this host is, where the others ask for one.
-        user: Option<String> = None;
-        /// File with the user's password on its first line.
-        password_file: Option<String> = None;
-        /// File with a line `USER:PASSWORD` per permitted user; other users are rejected.
-        users_file: Option<String> = None;
-        /// Others that this link deals with. Without any, it deals with all that may connect.
-        peers as "peer": Vec<LinkPeerTable> = Vec::new();
-        /// Allow TCP to other machines without encryption: every host on the path can read and change the data.
-        insecure: bool = false;
-    }
-
-    /// Another link that a link deals with.
-    pub struct LinkPeerTable {
-        /// Common name of the peer's certificate, or the peer's user name.
-        name: String;
-        /// Topics that the peer may request.
-        read: Option<Vec<String>> = None, usually "all that are sent";
-        /// Deployment whose topics the peer may send.
-        deployment: Option<String> = None, usually "that of its name";
-    }
-
-    /// A topic of another deployment.
-    pub struct RemoteTopicTable {
-        /// Name of the other deployment.
-        deployment: String;
-        /// Topic there, as in `"sensor/radar/tracks"`.
-        topic: String;
-        /// Topic here, of a source or wide-area sensor that is `external`.
-        into: Option<String> = None, usually "the same name";
-    }
-
     /// The fusion process.
-    pub struct FusionTable with engine: fusion::Settings {
-        check FusionTable::check;
-        /// Kind of waiting for work: `spin` polls without a pause and uses a whole core; `event` sleeps until
-        /// notified; `hybrid` does both in turn.
-        wait: WaitWord = WaitWord::Event;
-        /// Time for which `hybrid` spins.
-        hybrid_spin_us: f64 = 20.0, in [0.1, 1e6];
-        /// Core to run on.
-        core: Option<usize> = None, usually "any";
-        /// `SCHED_FIFO` priority.
-        realtime_priority: Option<i32> = None, in [1, 99];
-        /// All memory is locked, so that no page is ever fetched late.
-        lock_memory: bool = false;
-        /// A machine that refuses core, priority or locking is an error.
-        required: bool = false;
-        /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
-        rests: bool = true;
-        /// A second fusion process stands by, and takes over where the first one dies or stands still.
-        standby: bool = false;
-        /// Core for the fusion that stands by.
-        standby_core: Option<usize> = None, usually "any";
-        /// Time for which a fusion may stand still before the one that stands by takes over.
-        takeover_ms: f64 = 100.0, in [50, 60_000];
-        /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
-        decisions: bool = false;
-        /// Time through fusion beyond which a report has missed its deadline.
-        deadline_us: f64 = 1000.0, in [0.1, 1e9];
-    }
-
-    /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same
-    /// tracks with the same numbers. Not used for recordings, which can be repeated.
-    pub struct CheckpointTable {
-        /// Whether a checkpoint is kept.
-        enabled: bool = true;
-        /// Age after which the tracks of a checkpoint are terminated instead of resumed.
-        max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
-        /// Whether the checkpoint is copied to a disk, to survive a reboot: numbers are not reused, and learned
-        /// values are kept; tracks resume within `max_age_s`.
-        durable: bool = false;
-        /// Folder for the copies.
-        folder: Option<String> = None, usually "must be given with durable";
-        /// Interval of the copies: changes since the last copy are lost with the machine.
-        copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
-    }
-
-}
-
-settings::words! {
-    /// Words for how fusion waits.
-    pub enum WaitWord {
-        /// Asleep until notified.
-        Event = "event",
-        /// Asks again and again.
-        Spin = "spin",
-        /// Spins for a while, then sleeps until notified.
-        Hybrid = "hybrid",
-    }
-
+    pub struct FusionTable with engine: fusion::Settings, process: Fusion {}
 }
 
 /// Refuses a table that has none or several of these keys.
@@ -431,19 +319,6 @@ impl SourceTable {
     /// Time between two reports of one target, seconds.
     pub(crate) fn period_s(&self) -> f64 {
         self.weighing.period_s.unwrap_or(1.0)
-    }
-}
-
-impl FusionTable {
-    fn check(&self) -> Result<(), SettingsError> {
-        let cores = runtime::cores::online();
-        for (key, core) in [("core", self.core), ("standby_core", self.standby_core)] {
-            if let Some(core) = core.filter(|core| !cores.contains(core)) {
-                let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
-                return Err(SettingsError::new(key, what));
-            }
-        }
-        Ok(())
     }
 }
 

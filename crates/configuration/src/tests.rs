@@ -70,11 +70,11 @@ fn a_link_that_others_can_reach_says_who_they_are() {
     }
     let link = &read(&format!("{tls}\n{peer}")).unwrap().links[0];
     assert_eq!(
-        (link.peers[0].name.as_str(), &link.peers[0].read),
-        ("centre", &link.send)
+        (link.peers[0].name.as_str(), link.peers[0].read(link)),
+        ("centre", link.send.as_slice())
     );
     let giver = format!("{tls}\n{peer}\ndeployment = \"west\"\n{receive}\n{more}");
-    assert_eq!(read(&giver).unwrap().links[0].peers[0].deployment, "west");
+    assert_eq!(read(&giver).unwrap().links[0].peers[0].gives(), "west");
 }
 
 #[test]

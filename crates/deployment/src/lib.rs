@@ -5,6 +5,7 @@
 
 #![forbid(unsafe_code)]
 
+mod fusion;
 mod link;
 mod names;
 mod network;
@@ -19,11 +20,12 @@ use std::path::{Path, PathBuf};
 
 use frames::SystemFrame;
 
-pub use link::{Link, LinkPeer, LinkTls, RemoteTopic};
+pub use fusion::{Checkpoint, Fusion, WaitWord};
+pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
 pub use network::{Asterix, Live, Output, Receiver, Transport, category};
 pub use parts::Parts;
-pub use processes::{Checkpoint, Durable, Fusion, ReportOrder, Secret, Segments, Services, Standby};
+pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
 pub use source::{Delivery, Input, Instrument, Links, Recorded, RecordedFormat, Simulated, Source, Truncated};
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
@@ -61,12 +63,14 @@ pub struct Deployment {
     pub receivers: Vec<Receiver>,
     /// The links to deployments on other hosts; each is a process.
     pub links: Vec<Link>,
-    /// Copies on disk of what outlasts the processes; `None` if there are none.
-    pub durable: Option<Durable>,
     /// The simulated world, if there are simulated sources.
     pub scenario: Option<scenario::ScenarioSettings>,
     /// The fusion process.
     pub fusion: Fusion,
+    /// The system tracks.
+    pub system_tracks: SystemTracks,
+    /// Memory of fusion and adapters for their successors.
+    pub checkpoint: Checkpoint,
     /// Facts about services.
     pub services: Services,
 }
@@ -150,8 +154,8 @@ impl Deployment {
         })
     }
 
-    /// The fusion that stands by; none where recordings are replayed.
-    pub fn standby(&self) -> Option<Standby> {
-        self.fusion.standby.filter(|_| !self.is_recorded())
+    /// Whether a second fusion stands by; none does where recordings are replayed.
+    pub fn has_standby(&self) -> bool {
+        self.fusion.standby && !self.is_recorded()
     }
 }

@@ -8,7 +8,7 @@ use crate::Deployment;
 
 impl runtime::Deployment for Deployment {
     fn fusion_core(&self) -> Option<usize> {
-        self.fusion.placement.core
+        self.fusion.core
     }
 
     fn first_day_ns(&self) -> Option<i64> {
@@ -30,7 +30,7 @@ impl runtime::Deployment for Deployment {
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
-        match self.fusion.exchange {
+        match self.system_tracks.exchange {
             true => visit.visit(&messages::own_tracks(), publishers),
             false => Ok(()),
         }

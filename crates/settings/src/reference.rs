@@ -30,7 +30,10 @@ fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str,
         format!("`{path}` (*{file}*)")
     };
     let mut fresh = Vec::new();
-    for part in table.bases().into_iter().chain([table]) {
+    let bases = table.bases();
+    // A table that only joins others has no keys to write.
+    let own = (bases.is_empty() || !table.keys().is_empty()).then_some(table);
+    for part in bases.into_iter().chain(own) {
         if table_once(out, written, &place, part) {
             fresh.extend(part.keys().into_iter().zip(part.values()));
         }

@@ -86,7 +86,7 @@ impl<S: Transport> Ready<S> {
         bus: &Bus<S>,
         incarnation: u64,
     ) -> anyhow::Result<Self> {
-        let mut waiter = bus.waiter(config.fusion.wait);
+        let mut waiter = bus.waiter(config.fusion.wait_mode());
         if core.is_some() {
             waiter = waiter.without_yielding();
         }
@@ -116,13 +116,7 @@ impl<S: Transport> FusionAgent<S> {
         incarnation: u64,
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
-        let ready = Ready::new(
-            config,
-            settings,
-            (speed, config.fusion.placement.core),
-            bus,
-            incarnation,
-        )?;
+        let ready = Ready::new(config, settings, (speed, config.fusion.core), bus, incarnation)?;
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
@@ -160,7 +154,7 @@ impl<S: Transport> FusionAgent<S> {
             waiter,
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
-            merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.fusion.queue)),
+            merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.system_tracks.queue)),
             reached: recorded.then(reached).transpose()?,
             inputs,
             end_sent: false,

@@ -78,7 +78,7 @@ impl<S: Transport> Output<S> {
             )
         };
         // The ends of all tracks at once fit too.
-        let room = topic.capacity.slice_len + config.fusion.system_tracks_max;
+        let room = topic.capacity.slice_len + config.system_tracks.max;
         let boot = boot_identity();
         let own = || -> anyhow::Result<_> {
             Ok(OwnTracks {
@@ -92,11 +92,11 @@ impl<S: Transport> Output<S> {
         Ok(Self {
             publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch).of_boot(boot),
             waiting: Vec::with_capacity(room),
-            own: config.fusion.exchange.then(own).transpose()?,
+            own: config.system_tracks.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: match config.order {
-                ReportOrder::Arrival => config.fusion.deadline_ns,
+                ReportOrder::Arrival => config.fusion.deadline_ns(),
                 // Reports wait for each other by intention: none is late.
                 ReportOrder::Time => i64::MAX,
             },

@@ -97,7 +97,7 @@ impl<S: Transport> GatewayAgent<S> {
         let content = match what {
             Sent::SystemTracks | Sent::OwnTracks => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
-                let capacity = config.fusion.system_tracks_max;
+                let capacity = config.system_tracks.max;
                 let reports = SystemReports::new(table, sac, sic, config.frame, &sources, block_bytes)?
                     .with_height(gateway.heights)
                     .with_tracks(capacity);

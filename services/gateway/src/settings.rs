@@ -249,7 +249,7 @@ impl Parts for Keys {
             }
             let content = each.content(deployment);
             let content = content.map_err(|error| error.under(&format!("gateway[{index}]")))?;
-            if matches!(content, Content::OwnTracks) && !deployment.fusion.exchange {
+            if matches!(content, Content::OwnTracks) && !deployment.system_tracks.exchange {
                 let what = "needs fusion.exchange = true, which says what the sensors here know";
                 return Err(SettingsError::new(key("own"), what));
             }

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use bus::WaitMode;
-use deployment::{Input, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor};
+use deployment::{Input, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput, WideAreaSensor};
 use monitor::MonitorWait;
 use offline::Usage;
 use scenario::ScenarioSettings;
@@ -93,7 +92,7 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
         "capacity": {
             "system_tracks": settings.capacity.system_tracks(),
             "sensor_tracks": settings.capacity.sensor_tracks(),
-            "waiting_reports_per_source": config.fusion.queue,
+            "waiting_reports_per_source": config.system_tracks.queue,
         },
         "monitor": {
             "interval_s": monitor.interval_s.ns() as f64 / NS as f64,
@@ -190,7 +189,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
             "{} system tracks, {} sensor tracks, {} waiting reports per source",
             capacity.system_tracks(),
             capacity.sensor_tracks(),
-            config.fusion.queue
+            config.system_tracks.queue
         ),
     );
     let monitor = config.parts.monitor();
@@ -347,11 +346,11 @@ fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
     format!("{}: {input}; {heard} listens to it", sensor.name)
 }
 
-fn wait(mode: WaitMode) -> &'static str {
-    match mode {
-        WaitMode::Spin => "spinning",
-        WaitMode::Event => "sleeping",
-        WaitMode::Hybrid { .. } => "spinning, then sleeping",
+fn wait(word: WaitWord) -> &'static str {
+    match word {
+        WaitWord::Spin => "spinning",
+        WaitWord::Event => "sleeping",
+        WaitWord::Hybrid => "spinning, then sleeping",
     }
 }
 
@@ -375,7 +374,7 @@ fn deadlines(deadlines: Deadlines) -> String {
 }
 
 fn place(config: &Config) -> String {
-    let place = config.fusion.placement;
+    let place = config.fusion.placement();
     let mut words = vec![match place.core {
         Some(core) => format!("on core {core}"),
         None => "on any core".to_owned(),

@@ -169,9 +169,9 @@ impl DerefMut for Children {
 /// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
 /// end.
 fn backoff(part: &Part, config: &Deployment) -> Backoff {
-    match (part.kind, config.fusion.checkpoint) {
-        (ProcessKind::Fusion, Some(checkpoint)) => {
-            Backoff::with_longest(Duration::from_nanos(checkpoint.max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
+    match (part.kind, config.checkpoint.max_age_ns()) {
+        (ProcessKind::Fusion, Some(max_age_ns)) => {
+            Backoff::with_longest(Duration::from_nanos(max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
         }
         _ => Backoff::new(),
     }

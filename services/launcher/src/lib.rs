@@ -86,9 +86,10 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow:
     let processes = part::parts(config).len();
     let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
     let root = instance.root().clone();
+    let copies = config.checkpoint.copies();
     let result = preflight::check(config)
-        .and_then(|()| match &config.durable {
-            Some(durable) => durable::revive(&root, &durable.folder),
+        .and_then(|()| match &copies {
+            Some((folder, _)) => durable::revive(&root, folder),
             None => Ok(()),
         })
         .and_then(|()| with_records(config, orders.clone()))
@@ -96,8 +97,8 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow:
             supervisor::Supervisor::new((config, settings.watchdog()), &orders, &instance, stop, wake)?.run()
         });
     let cleared = instance.clear();
-    if let Some(durable) = &config.durable {
-        root.remove_copies(&durable.folder);
+    if let Some((folder, _)) = &copies {
+        root.remove_copies(folder);
     }
     result.and(cleared)
 }

@@ -64,7 +64,7 @@ pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
     parts.extend(links.map(|name| Part::named(ProcessKind::Link, name)));
     parts.extend(config.services.display.then(|| service(ProcessKind::Display)));
     parts.push(Part::leader());
-    parts.extend(config.standby().map(|_| Part {
+    parts.extend(config.has_standby().then(|| Part {
         name: STANDBY.to_owned(),
         ..service(ProcessKind::Fusion)
     }));

@@ -3,7 +3,6 @@
 use std::net::SocketAddr;
 use std::time::Duration;
 
-use bus::WaitMode;
 use deployment::{Deployment, Fusion, Parts, ReportOrder};
 use settings::{Seconds, SettingsError, Table};
 use telemetry::{Deadlines, Stage};
@@ -108,7 +107,7 @@ impl Settings {
         let polls = match self.wait {
             Some(wait) => wait == WaitWord::Poll,
             // A core that spins for low latency should not pay a system call per slice for being watched.
-            None => fusion.wait != WaitMode::Event,
+            None => fusion.wait != deployment::WaitWord::Event,
         };
         match polls {
             true => MonitorWait::Poll {
@@ -129,7 +128,7 @@ impl Settings {
 
     /// Returns the configured deadlines, whether or not reports can be late.
     pub fn configured_deadlines(&self, fusion: &Fusion) -> Deadlines {
-        let of_fusion = Deadlines::default().with(Stage::TakenToFused, Some(fusion.deadline_ns as u64));
+        let of_fusion = Deadlines::default().with(Stage::TakenToFused, Some(fusion.deadline_ns() as u64));
         let given = self.deadline_us.given().into_iter();
         given.fold(of_fusion, |deadlines, (stage, given_us)| match given_us {
             Some(given_us) => deadlines.with(stage, Some((given_us * 1e3) as u64)),

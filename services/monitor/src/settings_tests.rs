@@ -50,7 +50,7 @@ fn deadlines_are_those_given_and_fusion_has_its_own() {
     let of = |stage| deadlines.get(stage);
     assert_eq!(of(Stage::EndToEnd), Some(2_500_000));
     assert_eq!(of(Stage::Age), Some(5_000_000_000));
-    assert_eq!(of(Stage::TakenToFused), Some(config.fusion.deadline_ns as u64));
+    assert_eq!(of(Stage::TakenToFused), Some(config.fusion.deadline_ns() as u64));
     assert_eq!(of(Stage::PublishToTaken), None);
     assert_eq!(config.order, ReportOrder::Time);
     assert_eq!(

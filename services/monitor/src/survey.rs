@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use bus::{SubscriberCounts, WaitMode};
+use bus::SubscriberCounts;
 use deployment::{Input, ReportOrder};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
 use observed::{Deployment, Process, Source, State, process_title as title};
@@ -405,16 +405,12 @@ fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &O
     RunSettings {
         deployment: config.name.clone(),
         instance: options.instance.clone(),
-        rule: config.fusion.rule.word().to_owned(),
+        rule: config.system_tracks.rule.word().to_owned(),
         order: match config.order {
             ReportOrder::Arrival => "arrival",
             ReportOrder::Time => "time",
         },
-        wait: match config.fusion.wait {
-            WaitMode::Spin => "spin",
-            WaitMode::Event => "event",
-            WaitMode::Hybrid { .. } => "hybrid",
-        },
+        wait: config.fusion.wait.word(),
         recorded_sources: recorded,
         simulated_sources: simulated,
         live_sources: config.sources.len() - recorded - simulated,
@@ -427,7 +423,7 @@ fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &O
             .filter(|_| simulated > 0)
             .map(|world| world.target_count(options.seed)),
         interval_s: monitor.interval_s.ns() as f64 / 1e9,
-        deadline_us: config.fusion.deadline_ns as f64 / 1e3,
+        deadline_us: config.fusion.deadline_ns() as f64 / 1e3,
         monitor_wait: match monitor.waiting(&config.fusion) {
             MonitorWait::Event => "event",
             MonitorWait::Poll { .. } => "poll",

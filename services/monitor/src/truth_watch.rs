@@ -58,7 +58,7 @@ impl TruthWatch {
             sensors,
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,
-            states: LatestStates::new(config.fusion.system_tracks_max),
+            states: LatestStates::new(config.system_tracks.max),
             accuracy: Accuracy::default(),
             targets: Vec::new(),
             picture: Vec::new(),

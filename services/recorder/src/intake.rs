@@ -220,7 +220,7 @@ impl<S: Transport> Intake<S> {
             opening.open_stream(id.stream, name)?;
         }
         if has_all {
-            opening.open_others(config.fusion.exchange)?;
+            opening.open_others(config.system_tracks.exchange)?;
         }
         let intake = Self {
             topics: opening.topics,

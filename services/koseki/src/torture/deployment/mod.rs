@@ -88,7 +88,7 @@ impl Deployment {
         let settings = &config.engine;
         let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
         let terminate_s = settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S;
-        let standby = config.fusion.standby.is_some();
+        let standby = config.fusion.standby;
         let conditions = Conditions {
             seed: torture.seed,
             standby,
