@@ -152,8 +152,8 @@ impl<P: Parts> ConfigWith<P> {
         })
     }
 
-    /// As [`Config::parse`], from a [`Deployment::text`], which ends with the replaced values: that of a recording, or of
-    /// a running instance.
+    /// As [`Config::parse`], from a [`Deployment::text`], which ends with the replaced values: that of a recording, or
+    /// of a running instance.
     ///
     /// # Errors
     /// As [`Config::read`].

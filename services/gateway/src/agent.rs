@@ -95,14 +95,14 @@ impl<S: Transport> GatewayAgent<S> {
         let user = (gateway.refresh_s.ns(), Selection::new(gateway, config.frame));
         let what = gateway.content(config)?;
         let content = match what {
-            Sent::SystemTracks | Sent::OwnTracks => {
+            Sent::Fused | Sent::Own => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
                 let capacity = config.system_tracks.max;
                 let reports = SystemReports::new(table, sac, sic, config.frame, &sources, block_bytes)?
                     .with_height(gateway.heights)
                     .with_tracks(capacity);
                 let topic = match what {
-                    Sent::OwnTracks => messages::own_tracks(),
+                    Sent::Own => messages::own_tracks(),
                     _ => messages::system_tracks(),
                 };
                 waiter.watch(bus, &topic)?;
@@ -112,7 +112,7 @@ impl<S: Transport> GatewayAgent<S> {
                 let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
                 Content::System(Box::new(picture), Box::new(status))
             }
-            Sent::SensorTracks(source) => {
+            Sent::OfSource(source) => {
                 let model = &source.model;
                 let reports = SensorReports::new(table, sac, sic, model.frame, model.system, block_bytes)?
                     .with_height(gateway.heights);

@@ -110,11 +110,11 @@ settings::spelt_as!(Destination, String, "text", Self::parse, |to| to.0.to_strin
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Content<'a> {
     /// The fused picture.
-    SystemTracks,
+    Fused,
     /// The fused picture from local sources only.
-    OwnTracks,
+    Own,
     /// The sensor tracks of a source.
-    SensorTracks(&'a Source),
+    OfSource(&'a Source),
 }
 
 impl Settings {
@@ -185,11 +185,11 @@ impl Settings {
     /// If the deployment has no such source.
     pub(crate) fn content<'a>(&self, deployment: &'a Deployment) -> Result<Content<'a>, SettingsError> {
         match &self.source {
-            None if self.own => Ok(Content::OwnTracks),
-            None => Ok(Content::SystemTracks),
+            None if self.own => Ok(Content::Own),
+            None => Ok(Content::Fused),
             Some(name) => {
                 let missing = || SettingsError::new("source", format!("there is no source named \"{name}\""));
-                deployment.source(name).map(Content::SensorTracks).ok_or_else(missing)
+                deployment.source(name).map(Content::OfSource).ok_or_else(missing)
             }
         }
     }
@@ -249,7 +249,7 @@ impl Parts for Keys {
             }
             let content = each.content(deployment);
             let content = content.map_err(|error| error.under(&format!("gateway[{index}]")))?;
-            if matches!(content, Content::OwnTracks) && !deployment.system_tracks.exchange {
+            if matches!(content, Content::Own) && !deployment.system_tracks.exchange {
                 let what = "needs fusion.exchange = true, which says what the sensors here know";
                 return Err(SettingsError::new(key("own"), what));
             }

@@ -156,8 +156,9 @@ mod tests {
 
     #[test]
     fn keeper_and_monitor_start_first_and_stop_last() {
-        let overrides = ["recorder.enabled=true".to_owned()];
-        let config = Config::read(Path::new(BUILT_IN_DEMO), &overrides).unwrap();
+        let mut config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap().deployment;
+        // As the keys of recorder and display would say.
+        (config.services.recorder, config.services.display) = (true, true);
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
         use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};
         assert_eq!(kinds[..6], [Keeper, Monitor, Recorder, Display, Fusion, Adapter]);
