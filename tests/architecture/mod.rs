@@ -52,6 +52,7 @@ const ORDER: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
     "offline",
     "koseki",
 ];
@@ -67,6 +68,7 @@ const SERVICES: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
 ];
 
 /// Crates that may know the outside world; all others are pure.
@@ -88,6 +90,7 @@ const OUTSIDE: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
     "offline",
     "koseki",
 ];

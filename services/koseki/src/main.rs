@@ -2,7 +2,7 @@
 //!
 //! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
 //! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
-//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`mod@torture`]), orders ([`order`]), files for the
+//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`tested`]), orders ([`order`]), files for the
 //! machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
 //! [`send`]). Commands on tables are in [`offline`].
 //!
@@ -33,8 +33,8 @@ mod replay;
 mod send;
 mod status;
 mod tap;
+mod tested;
 mod top;
-mod torture;
 
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
@@ -136,7 +136,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::OnTables(command) => command.run(&Terminal::reading(config::read)),
         Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Send(send) => send::run(&send),
-        Command::Torture(torture) => torture::run(&torture),
+        Command::Torture(torture) => tested::run(&torture),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
         Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, |process, _| launcher::keeper::run(process)),
@@ -244,6 +244,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = offline::is_refused(error)
         || error.is::<RecordingError>()
         || error.is::<bench_service::Refused>()
+        || error.is::<torture::Refused>()
         || error.is::<launcher::ChildRefused>();
     match () {
         () if refused => CODE_REFUSED,
