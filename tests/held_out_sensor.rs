@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use adapter::recorded_source::RecordedSource;
-use configuration::{Config, Input};
+use configuration::Config;
+use deployment::Input;
 use fusion::{Engine, Settings};
 use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
 use test_support::recordings;
@@ -41,16 +42,17 @@ struct Recorded {
 fn recorded(data: &Path) -> Recorded {
     let config = Config::read(&repository("config/barcelona.toml"), &[]).unwrap();
     let mut reports: Vec<SensorTrack> = Vec::new();
-    for source in &config.sources {
+    for (source, processing) in config.sources.iter().zip(&config.processing) {
         let Input::Recorded(recorded) = &source.input else {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        reports.extend(RecordedSource::new(bytes, recorded, source, config.first_day_ns.unwrap()).unwrap());
+        reports
+            .extend(RecordedSource::new(bytes, recorded, (source, processing), config.first_day_ns.unwrap()).unwrap());
     }
     reports.sort_by_key(|report| report.time_of_measurement_ns);
     Recorded {
-        settings: config.fusion.settings,
+        settings: config.engine,
         reports,
     }
 }

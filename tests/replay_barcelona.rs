@@ -8,7 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use adapter::recorded_source::RecordedSource;
-use configuration::{Config, Input};
+use configuration::Config;
+use deployment::Input;
 use messages::{Counter, SensorTrack, TrackState};
 use rustix::process::Signal;
 use test_support::recordings;
@@ -66,12 +67,12 @@ fn decode_inputs(data: &Path) -> Inputs {
     let first_day_ns = config.first_day_ns.unwrap();
     let mut rejected = [messages::Counters::default(); 3];
     let reports = std::array::from_fn(|index| {
-        let source = &config.sources[index];
-        let Input::Recorded(recorded) = &source.input else {
+        let processed = (&config.sources[index], &config.processing[index]);
+        let Input::Recorded(recorded) = &processed.0.input else {
             panic!("not recorded")
         };
         let bytes = std::fs::read(data.join(&recorded.file)).unwrap();
-        let mut recording = RecordedSource::new(bytes, recorded, source, first_day_ns).unwrap();
+        let mut recording = RecordedSource::new(bytes, recorded, processed, first_day_ns).unwrap();
         let mut reports: Vec<SensorTrack> = recording.by_ref().collect();
         for report in &mut reports {
             report.time_of_measurement_ns -= first_day_ns;

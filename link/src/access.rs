@@ -4,7 +4,7 @@
 //! send the topics that this link takes for its own deployment, and may compare clocks. Zenoh's interceptors enforce
 //! the rules at the network's edge, by the common name of the certificate or by the user.
 
-use configuration::Link;
+use deployment::Link;
 use messages::{SystemTrack, system_tracks};
 use serde_json::{Value, json};
 
@@ -48,20 +48,20 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
     let mut subjects = Vec::new();
     let mut policies = Vec::new();
     for (index, peer) in link.peers.iter().enumerate() {
-        let mut had: Vec<String> = peer
-            .read
+        let read = peer.read(link);
+        let mut had: Vec<String> = read
             .iter()
             .map(|topic| keys::topic_of_any_layout(deployment, topic))
             .collect();
         had.extend(had.clone().iter().map(|key| keys::again(key)));
-        if peer.read.iter().any(|topic| topic == system_tracks().name.as_str()) {
+        if read.iter().any(|topic| topic == system_tracks().name.as_str()) {
             had.push(keys::picture::<SystemTrack>(deployment));
         }
         let mut own = common.clone();
         let id = format!("had-{index}");
         let (asked, answered) = (["declare_subscriber", "query"], ["put", "reply", "declare_queryable"]);
         allow(&mut own, &id, &had, &asked, &answered);
-        let of_peer = link.receive.iter().filter(|topic| topic.deployment == peer.deployment);
+        let of_peer = link.receive.iter().filter(|topic| topic.deployment == peer.gives());
         let mut given: Vec<String> = of_peer
             .map(|topic| keys::topic_of_any_layout(&topic.deployment, &topic.topic))
             .collect();
@@ -69,7 +69,7 @@ pub(crate) fn rules(deployment: &str, link: &Link) -> Option<Value> {
         allow(&mut own, &format!("given-{index}"), &given, &answered, &asked);
         let mut identities = Vec::new();
         for (kind, is_used) in [
-            ("cert_common_names", link.tls.is_some()),
+            ("cert_common_names", link.tls().is_some()),
             ("usernames", link.users_file.is_some()),
         ] {
             if is_used {

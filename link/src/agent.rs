@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::anyhow;
 use bus::{Bus, Payload, SharedMemory, WaitMode, Waiter};
-use configuration::{Link, Process};
+use deployment::{Link, Process};
 use messages::{Counter, FrameOrigin, SystemTrack, Topic, Visitor};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use zenoh::bytes::ZBytes;
@@ -75,7 +75,7 @@ impl LinkAgent {
             keys: Vec::new(),
             picture: None,
             histories: Vec::new(),
-            history_room: link.queue_octets / link.send.len().max(1),
+            history_room: link.queue_bytes() / link.send.len().max(1),
             sender,
         };
         for topic in &link.send {
@@ -87,7 +87,7 @@ impl LinkAgent {
             let publisher = publisher.congestion_control(CongestionControl::Drop);
             publisher.wait().map_err(|error| refused(key, error))
         });
-        let outbox = Outbox::open(link.queue_octets, publishers.collect::<anyhow::Result<_>>()?)?;
+        let outbox = Outbox::open(link.queue_bytes(), publishers.collect::<anyhow::Result<_>>()?)?;
         let picture = open
             .picture
             .map(|picture| tell_picture(&session, deployment, sender, picture));
@@ -99,7 +99,7 @@ impl LinkAgent {
         let histories = histories.collect::<anyhow::Result<Vec<_>>>()?;
         let own_clock = keys::clock(deployment, &link.name);
         let clock =
-            clocks::answer(&session, &own_clock, link.pretended_ns).map_err(|error| refused("the clock", error))?;
+            clocks::answer(&session, &own_clock, link.pretend_utc_off_s.ns()).map_err(|error| refused("the clock", error))?;
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
         let clocks = Clocks::default();

@@ -9,7 +9,7 @@
 use anyhow::anyhow;
 use bus::{Bus, Payload, SharedMemory};
 
-use configuration::{Config, Link, RemoteTopic};
+use deployment::{Deployment, Link, RemoteTopic};
 use frames::{FrameChange, SystemFrame};
 use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea, sensor_track_bits};
 use runtime::Now;
@@ -25,11 +25,11 @@ use crate::wire::{Head, Slice};
 ///
 /// # Errors
 /// If something is no topic that is fed from outside.
-pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>> {
+pub(crate) fn wanted(link: &Link, config: &Deployment) -> anyhow::Result<Vec<Wanted>> {
     let frame = config.frame;
     let pictures = [messages::own_tracks(), messages::system_tracks()];
     let wanted = |remote: &RemoteTopic| {
-        let mut parts = remote.into.split('/');
+        let mut parts = remote.into().split('/');
         let (kind, name) = (parts.next(), parts.next().unwrap_or_default().to_owned());
         let again = keys::again(&keys::topic_of_any_layout(&remote.deployment, &remote.topic));
         let inlet: Box<dyn FnOnce() -> Box<dyn Inlet> + Send> = match kind {
@@ -54,7 +54,7 @@ pub(crate) fn wanted(link: &Link, config: &Config) -> anyhow::Result<Vec<Wanted>
                 let copy = |sample: &WideArea| Some(*sample);
                 Box::new(move || Feed::open(Some(again), frame, messages::wide_area(&name), copy))
             }
-            _ => return Err(anyhow!("{} is no topic that is fed from outside", remote.into)),
+            _ => return Err(anyhow!("{} is no topic that is fed from outside", remote.into())),
         };
         Ok(Wanted {
             deployment: remote.deployment.clone(),

@@ -29,7 +29,8 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use clap::{Args, Parser, Subcommand};
-use configuration::{Config, ConfigError, Process};
+use configuration::{Config, ConfigError};
+use deployment::Process;
 use messages::ProcessKind;
 use runtime::{Now, Options, Speed};
 
@@ -143,7 +144,7 @@ fn run(join: Join) -> anyhow::Result<()> {
         scenario_start_ns: Now::read().utc_ns,
         launcher: join.launcher,
     };
-    let process = Process::connect(config, options, ProcessKind::Link, &join.name)?;
+    let process = Process::connect(config.deployment, options, ProcessKind::Link, &join.name)?;
     let link = process.config.link(&process.name).with_context(|| {
         let path = process.config.path.display();
         format!("{path}: no link is named \"{}\"", process.name)

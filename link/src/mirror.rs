@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use bus::{Bus, Payload, SharedMemory};
-use configuration::{Config, Link, Process};
+use configuration::Config;
+use deployment::{Deployment, Link, Process};
 use messages::{BatchHeader, Counter, ProcessKind, SystemTrack, Topic, TrackState, Visitor};
 use runtime::instance::{Instance, hold_topics};
 use runtime::signals::Stop;
@@ -52,11 +53,11 @@ impl std::error::Error for Usage {}
 /// # Errors
 /// If the instance runs already, or an endpoint cannot be had.
 pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
-    let config = Config::read(&mirror.config, &[])?;
+    let config = Config::read(&mirror.config, &[])?.deployment;
     let instance = mirror.instance.unwrap_or_else(|| config.name.clone());
     let is_insecure = mirror.insecure || config.links.first().is_some_and(|link| link.insecure);
     for endpoint in mirror.listen.iter().chain(&mirror.connect) {
-        configuration::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
+        deployment::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
             let what = what.replace("authority, certificate and private_key", "--certificates");
             Usage(what.replace("set insecure = true", "give --insecure"))
         })?;
@@ -74,8 +75,11 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     let link = match config.links.first() {
         // With the certificate and the trust of this host.
         Some(own) if mirror.certificates => Link {
-            tls: own.tls.clone(),
+            authority: own.authority.clone(),
+            certificate: own.certificate.clone(),
+            private_key: own.private_key.clone(),
             user: own.user.clone(),
+            password_file: own.password_file.clone(),
             ..link
         },
         _ => link,
@@ -94,7 +98,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     done.and(claimed.clear())
 }
 
-fn reflect(config: Config, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
+fn reflect(config: Deployment, options: Options, link: &Link, topics: &[String]) -> anyhow::Result<()> {
     let process = Process::connect(config, options, ProcessKind::Link, &link.name)?;
     let _held = hold_topics(&process.config, &process.bus)?;
     let (session, _gates) = session::open(&process.config.name, link)?;

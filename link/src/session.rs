@@ -1,7 +1,7 @@
 //! The session with links on other hosts.
 
 use anyhow::{Context as _, anyhow};
-use configuration::Link;
+use deployment::Link;
 use serde_json::json;
 use zenoh::{Config, Session, Wait as _};
 
@@ -60,7 +60,7 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<(Session, Ga
     if let Some(rules) = access::rules(deployment, link) {
         set("access_control", rules)?;
     }
-    if let Some(tls) = &link.tls {
+    if let Some(tls) = link.tls() {
         for file in [&tls.authority, &tls.certificate, &tls.key] {
             std::fs::File::open(file).with_context(|| format!("reading {}", file.display()))?;
         }
@@ -74,14 +74,14 @@ pub(crate) fn open(deployment: &str, link: &Link) -> anyhow::Result<(Session, Ga
             set(&format!("transport/link/tls/{side}_private_key"), json!(tls.key))?;
         }
     }
-    if let Some((user, file)) = &link.user {
-        let text = std::fs::read_to_string(file).with_context(|| format!("reading {}", file.display()))?;
+    if let Some((user, file)) = link.user.as_ref().zip(link.password_file.as_ref()) {
+        let text = std::fs::read_to_string(file).with_context(|| format!("reading {file}"))?;
         let password = text.lines().next().unwrap_or_default();
         set("transport/auth/usrpwd/user", json!(user))?;
         set("transport/auth/usrpwd/password", json!(password))?;
     }
     if let Some(file) = &link.users_file {
-        std::fs::File::open(file).with_context(|| format!("reading {}", file.display()))?;
+        std::fs::File::open(file).with_context(|| format!("reading {file}"))?;
         set("transport/auth/usrpwd/dictionary_file", json!(file))?;
     }
     let at = || format!("{} {}", link.listen.join(" "), link.connect.join(" "));

@@ -1,6 +1,7 @@
 //! The rules of ARCHITECTURE.md that a program can check.
 
 mod modules;
+mod rebuilds;
 mod source;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,6 +41,7 @@ const ORDER: &[&str] = &[
     "net",
     "web",
     "runtime",
+    "deployment",
     "configuration",
     "adapter",
     "fusion-service",
@@ -50,6 +52,7 @@ const ORDER: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
     "offline",
     "koseki",
 ];
@@ -65,6 +68,7 @@ const SERVICES: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
 ];
 
 /// Crates that may know the outside world; all others are pure.
@@ -75,6 +79,7 @@ const OUTSIDE: &[&str] = &[
     "net",
     "web",
     "runtime",
+    "deployment",
     "configuration",
     "adapter",
     "fusion-service",
@@ -85,6 +90,7 @@ const OUTSIDE: &[&str] = &[
     "simulator",
     "launcher",
     "bench-service",
+    "torture",
     "offline",
     "koseki",
 ];

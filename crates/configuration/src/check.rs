@@ -4,32 +4,24 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
+use ::fusion::Settings as Engine;
 use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
-use bus::WaitMode;
 use frames::{Geodetic, SensorFrame, SystemFrame};
 use reception::{Limits, SourceModel};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
-use super::check_display::check_display;
-use super::check_link::check_hosts;
-use super::check_monitor::check_monitor;
-use super::check_network::{Network, asterix, check_gateways, simulated_sac_sic, technology};
+use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::check_region::check_regions;
-use super::tables::{
-    CheckpointTable, DeploymentTable, FusionTable, PlaceTable, RecordWord, RecordedTable, RecorderTable, SourceTable,
-    WaitWord,
-};
+use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
-use super::wide_area_sensor::{WideAreaSensor, check_company, check_wide_area_sensors};
-use super::{
-    Checkpoint, Config, Durable, Fusion, Input, Instrument, Links, Recorded, RecordedFormat, Recording, ReportOrder,
-    Segments, Source, Standby,
+use super::wide_area_sensor::{check_company, check_wide_area_sensors};
+use deployment::{
+    Delivery, Deployment, Input, Instrument, Link, Links, Recorded, RecordedFormat, ReportOrder, Services, Source,
+    SystemTracks, WideAreaSensor, check_name,
 };
-use runtime::cores::Placement;
 use sources::{Processing, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
@@ -37,22 +29,8 @@ const SILENT_MIN_S: f64 = 1.0;
 
 pub(super) type Checked<T> = Result<T, SettingsError>;
 
-pub(super) fn check_name(key: &str, name: &str) -> Checked<()> {
-    let fits = (1..=31).contains(&name.len())
-        && name
-            .bytes()
-            .all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
-    if fits {
-        return Ok(());
-    }
-    Err(SettingsError::new(
-        key,
-        format!("\"{name}\" cannot be a name: use 1 to 31 letters, digits, - and _"),
-    ))
-}
-
-/// The checked deployment that `raw`, read from `path`, describes.
-pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
+/// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
+pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
     if raw.sources.is_empty() {
@@ -76,28 +54,27 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         }
     }
     let mut network = Network::new(&raw.receivers)?;
-    let mut sources = Vec::new();
-    let mut weighing = Vec::new();
+    let (mut sources, mut processing, mut weighing) = (Vec::new(), Vec::new(), Vec::new());
     for (index, source) in raw.sources.iter().enumerate() {
-        let (source, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
+        let (source, processed, weighed) = check_source(index, source, &frame, &raw.frame, &mut network)?;
         sources.push(source);
+        processing.push(processed);
         weighing.push(weighed);
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     check_company(&sources, &wide_area_sensors)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
-    let gateways = check_gateways(&raw.gateways, &sources, &wide_area_sensors)?;
-    let links = check_hosts(&raw.links, &sources, &wide_area_sensors)?;
+    deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
     // What a link brings has its source's progress with it.
     let is_linked = |source: &Source| {
         let topic = messages::sensor_tracks(&source.name).name;
-        links
+        raw.links
             .iter()
             .flat_map(|link| &link.receive)
-            .any(|remote| remote.into == topic.as_str())
+            .any(|remote| remote.into() == topic.as_str())
     };
     let is_live = |source: &Source| matches!(source.input, Input::External) && !is_linked(source);
     let external = sources.iter().any(is_live);
@@ -107,20 +84,21 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
             "\"time\" is for recorded inputs; simulated, external and received sources are live: use \"arrival\"",
         ));
     }
-    let durable = durable(&raw.checkpoint)?;
-    let mut fusion = fusion(raw.fusion, raw.checkpoint, weighing)?;
-    fusion.settings.border.regions = check_regions(&raw.regions, (raw.origin, fusion.settings.exchange), &frame)?;
-    let sends_own = |gateway: &super::Gateway| gateway.content == super::GatewayContent::OwnTracks;
-    if let Some(index) = gateways.iter().position(sends_own)
-        && !fusion.settings.exchange
-    {
-        let what = "needs fusion.exchange = true, which says what the sensors here know";
-        return Err(SettingsError::new(format!("gateway[{index}].own"), what));
+    let FusionTable {
+        engine,
+        process: fusion,
+    } = raw.fusion;
+    if fusion.standby && !raw.checkpoint.enabled {
+        let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
+        return Err(SettingsError::new("fusion.standby", what));
     }
+    let engine = engine.with_sources(weighing);
+    let mut engine = engine.map_err(|error| error.under("fusion"))?;
+    engine.border.regions = check_regions(&raw.regions, (raw.origin, engine.exchange), &frame)?;
     let own = messages::own_tracks().name;
-    let sends_own = |link: &super::Link| link.send.iter().any(|topic| topic == own.as_str());
-    if let Some(index) = links.iter().position(sends_own)
-        && !(fusion.settings.exchange && raw.origin != 0)
+    let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());
+    if let Some(index) = raw.links.iter().position(sends_own)
+        && !(engine.exchange && raw.origin != 0)
     {
         let what = format!(
             "\"{}\" needs fusion.exchange = true, and an origin other than 0",
@@ -128,8 +106,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         );
         return Err(SettingsError::new(format!("link[{index}].send"), what));
     }
-    Ok(Config {
-        monitor: check_monitor(&raw.monitor, &fusion)?,
+    let deployment = Deployment {
         fusion,
         name: raw.name,
         origin: raw.origin,
@@ -141,51 +118,18 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<Config> {
         sources,
         wide_area_sensors,
         receivers,
-        gateways,
-        links,
-        durable,
+        links: raw.links,
+        checkpoint: raw.checkpoint,
+        system_tracks: SystemTracks {
+            max: engine.capacity.system_tracks(),
+            exchange: engine.exchange,
+            rule: engine.rule.name.0,
+            queue: engine.capacity.queue,
+        },
         scenario,
-        recording: check_recording(&raw.recorder)?,
-        recorder: raw.recorder.enabled,
-        display: check_display(&raw.display)?,
-        watchdog: Duration::from_secs_f64(raw.launcher.watchdog_s),
-    })
-}
-
-fn durable(raw: &CheckpointTable) -> Checked<Option<Durable>> {
-    let refused = |key: &str, what: &str| Err(SettingsError::new(format!("checkpoint.{key}"), what));
-    match &raw.folder {
-        _ if !raw.durable => Ok(None),
-        _ if !raw.enabled => refused("durable", "there is no checkpoint to copy: leave it enabled"),
-        None => refused(
-            "folder",
-            "must be given with durable: a folder on a disk of this machine",
-        ),
-        Some(folder) => Ok(Some(Durable {
-            folder: PathBuf::from(folder),
-            every: Duration::from_nanos(raw.copy_every_s.ns().unsigned_abs()),
-        })),
-    }
-}
-
-fn check_recording(raw: &RecorderTable) -> Checked<Recording> {
-    let has = |word| raw.format.contains(&word);
-    let csv = has(RecordWord::Csv);
-    if !csv && !has(RecordWord::Mcap) {
-        let why = "the recorder would write nothing: name \"csv\" or \"mcap\", or say enabled = false";
-        return Err(SettingsError::new("recorder.format", why));
-    }
-    let segments = || Segments {
-        flush_ns: raw.flush_s.ns(),
-        bytes: u64::from(raw.segment_mb) * 1_000_000,
-        length_ns: raw.segment_s.ns(),
-        keep_bytes: raw.keep_gb.map(|gigabytes| (gigabytes * 1e9) as u64),
+        services: Services::default(),
     };
-    Ok(Recording {
-        csv,
-        mcap: has(RecordWord::Mcap).then(segments),
-        captures: (raw.enabled && has(RecordWord::Pcapng)).then(segments),
-    })
+    Ok((deployment, engine, processing))
 }
 
 pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {
@@ -205,7 +149,7 @@ fn check_source(
     system: &SystemFrame,
     origin: &PlaceTable,
     network: &mut Network,
-) -> Checked<(Source, SourceSettings)> {
+) -> Checked<(Source, Processing, SourceSettings)> {
     let key = |part: &str| format!("source[{index}].{part}");
     let sensor_place = raw.place.as_ref().unwrap_or(origin);
     let mut origin = place(&key("place"), sensor_place)?;
@@ -235,12 +179,13 @@ fn check_source(
     let tracker =
         check_tracker(index, raw, &input, network)?.map(|settings| Processing::Detections(Box::new(settings)));
     let locator = check_locator(index, raw, &input, network)?.map(|settings| Processing::Bearings(Box::new(settings)));
+    let processing = tracker.or(locator).unwrap_or(Processing::Tracks);
     let source = Source {
         number: index as u16,
         uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
         name: raw.name.clone(),
         technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
-        processing: tracker.or(locator).unwrap_or(Processing::Tracks),
+        delivers: delivery(&processing),
         links: Links::default(),
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
@@ -277,11 +222,21 @@ fn check_source(
         // What comes through an adapter has been looked at there.
         weighed.limits = limits(&source.model.limits, place_m);
     }
-    if source.locator().is_some() {
+    if source.has_bearings() {
         // A direction finder hears what transmits: its silence is no evidence of absence.
         weighed.coverage.get_or_insert_with(CoverageArea::none);
     }
-    Ok((source, weighed))
+    Ok((source, processing, weighed))
+}
+
+fn delivery(processing: &Processing) -> Delivery {
+    match processing {
+        Processing::Tracks => Delivery::Tracks,
+        Processing::Detections(tracker) => Delivery::Detections {
+            cues: tracker.outputs.cues,
+        },
+        Processing::Bearings(_) => Delivery::Bearings,
+    }
 }
 
 /// Silence that is an alarm.
@@ -403,43 +358,4 @@ fn check_scenario(
         }
         (scenario, _) => Ok(scenario.clone()),
     }
-}
-
-/// The fusion process, which fuses these sources.
-fn fusion(raw: FusionTable, checkpoint: CheckpointTable, sources: Vec<SourceSettings>) -> Checked<Fusion> {
-    let queue = raw.engine.capacity.queue;
-    if raw.standby && !checkpoint.enabled {
-        let what = "needs the checkpoint, from which it goes on: leave [checkpoint] enabled";
-        return Err(SettingsError::new("fusion.standby", what));
-    }
-    Ok(Fusion {
-        settings: raw
-            .engine
-            .with_sources(sources)
-            .map_err(|error| error.under("fusion"))?,
-        wait: match raw.wait {
-            WaitWord::Event => WaitMode::Event,
-            WaitWord::Spin => WaitMode::Spin,
-            WaitWord::Hybrid => WaitMode::Hybrid {
-                spin_ns: (raw.hybrid_spin_us * 1e3) as u64,
-            },
-        },
-        placement: Placement {
-            core: raw.core,
-            realtime_priority: raw.realtime_priority,
-            lock_memory: raw.lock_memory,
-        },
-        required: raw.required,
-        rests: raw.rests,
-        checkpoint: checkpoint.enabled.then_some(Checkpoint {
-            max_age_ns: checkpoint.max_age_s.ns(),
-        }),
-        standby: raw.standby.then_some(Standby {
-            core: raw.standby_core,
-            takeover_ns: (raw.takeover_ms * 1e6) as i64,
-        }),
-        decisions: raw.decisions,
-        queue,
-        deadline_ns: (raw.deadline_us * 1e3) as i64,
-    })
 }

@@ -1,33 +1,28 @@
-//! Checking receivers, the sources behind them, and gateways.
+//! Checking receivers, and the sources behind them.
 
 use std::collections::BTreeSet;
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
-use asterix::{Category, Edition, Mode, registry};
+use asterix::Mode;
 use formats::sbs::SbsSettings;
-use net::{ReceiverSettings, SenderSettings};
+use net::ReceiverSettings;
 use outgoing::Technology;
 use reception::Method;
 use scenario::SensorKind;
 
 use settings::SettingsError;
 
-use super::check::{Checked, check_name};
-use super::network::{Area, Asterix, Gateway, GatewayContent, Live, Receiver, Transport};
-use super::tables::{AreaTable, AsterixTable, GatewayTable, LiveTable, ReceiverTable, UdpTable, interface};
-use super::wide_area_sensor::WideAreaSensor;
-use super::{Input, Instrument, RecordedFormat, Simulated, Source};
+use super::check::Checked;
+use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
+use deployment::{
+    Asterix, Input, Instrument, Live, Receiver, RecordedFormat, Simulated, Source, Transport, WideAreaSensor, category,
+    check_name,
+};
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
 const FIRST_SIMULATED_PORT: u16 = 30_001;
 /// Port of the first simulated wide-area sensor; the others follow.
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
-/// Categories that a gateway can send of a sensor.
-const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
-/// Categories of status messages.
-const STATUS_CATEGORIES: [u8; 2] = [65, 63];
-/// Category that a gateway sends of the fused picture.
-const SYSTEM_CATEGORY: u8 = 62;
 
 /// SAC and SIC of a simulated sensor: those of data that stay where they are, and its number from 1.
 pub(super) fn simulated_sac_sic(number: u16) -> (u8, u8) {
@@ -199,7 +194,7 @@ impl Network {
                 );
                 return Err(SettingsError::new(key, what));
             }
-            if behind.len() > 1 && behind.iter().any(|source| source.locator().is_some()) {
+            if behind.len() > 1 && behind.iter().any(|source| source.has_bearings()) {
                 let what = format!(
                     "tables of bearings are of one source, but {} have receiver = \"{name}\"",
                     behind.len()
@@ -268,168 +263,16 @@ fn server(key: &str, text: &str) -> Checked<SocketAddr> {
 /// How ASTERIX records are read, with the editions that `key` states.
 pub(super) fn asterix(key: &str, reading: &AsterixTable) -> Checked<Asterix> {
     let mut tables = Vec::new();
-    for (category, edition) in &reading.editions {
-        let number: u8 = category.parse().map_err(|_| {
-            let what = format!("\"{category}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
+    for (word, edition) in &reading.editions {
+        let number: u8 = word.parse().map_err(|_| {
+            let what = format!("\"{word}\" is not an ASTERIX category: write \"21\" = \"0.23\"");
             SettingsError::new(key, what)
         })?;
-        tables.push(table(key, number, Some(edition))?);
+        tables.push(category(key, number, Some(edition))?);
     }
     Ok(Asterix {
         tables,
         mode: if reading.strict { Mode::Strict } else { Mode::Lenient },
-    })
-}
-
-/// The table of a category's edition, or of its default edition.
-fn table(key: &str, number: u8, edition: Option<&str>) -> Checked<&'static Category> {
-    let Some(edition) = edition else {
-        return registry::default_edition(number)
-            .ok_or_else(|| SettingsError::new(key, format!("category {number} is not known")));
-    };
-    let table = edition
-        .parse::<Edition>()
-        .ok()
-        .and_then(|edition| registry::find(number, edition));
-    table.ok_or_else(|| {
-        let mut known: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
-        if known.is_empty() {
-            known = registry::defaults().map(ToString::to_string).collect();
-        }
-        let what = format!(
-            "category {number} edition \"{edition}\" is not known; there are: {}",
-            known.join(", ")
-        );
-        SettingsError::new(key, what)
-    })
-}
-
-/// The gateways.
-pub(super) fn check_gateways(
-    raw: &[GatewayTable],
-    sources: &[Source],
-    sensors: &[WideAreaSensor],
-) -> Checked<Vec<Gateway>> {
-    let mut names = BTreeSet::new();
-    let mut gateways = Vec::new();
-    for (index, each) in raw.iter().enumerate() {
-        let key = |part: &str| format!("gateway[{index}].{part}");
-        check_name(&key("name"), &each.name)?;
-        if !names.insert(&each.name) {
-            let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
-            return Err(SettingsError::new(key("name"), what));
-        }
-        let mut adapters = sources
-            .iter()
-            .map(|source| &source.adapter)
-            .chain(sensors.iter().map(|sensor| &sensor.adapter));
-        if adapters.any(|adapter| *adapter == each.name) {
-            let what = format!(
-                "\"{}\" is the name of an adapter process; give the gateway another",
-                each.name
-            );
-            return Err(SettingsError::new(key("name"), what));
-        }
-        gateways.push(check_gateway(&key, each, sources)?);
-    }
-    Ok(gateways)
-}
-
-fn check_gateway(key: &impl Fn(&str) -> String, raw: &GatewayTable, sources: &[Source]) -> Checked<Gateway> {
-    let send_to: SocketAddr = raw.send_to.parse().map_err(|_| {
-        let what = format!(
-            "\"{}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\"",
-            raw.send_to
-        );
-        SettingsError::new(key("send_to"), what)
-    })?;
-    if send_to.port() == 0 {
-        return Err(SettingsError::new(
-            key("send_to"),
-            "port 0 is no port; give one from 1 to 65535",
-        ));
-    }
-    let sender = SenderSettings {
-        interface: raw.interface.as_deref().map(interface),
-        time_to_live: raw.ttl,
-        ..SenderSettings::new(send_to)
-    };
-    sender
-        .check()
-        .map_err(|error| SettingsError::new(key("send_to"), error.to_string()))?;
-    let (content, category) = match (&raw.source, raw.category) {
-        (Some(_), _) if raw.own => {
-            let what = "is about the fused picture; a source's sensor tracks are its own: leave one of the two out";
-            return Err(SettingsError::new(key("own"), what));
-        }
-        (None, None | Some(SYSTEM_CATEGORY)) if raw.own => (GatewayContent::OwnTracks, SYSTEM_CATEGORY),
-        (None, None | Some(SYSTEM_CATEGORY)) => (GatewayContent::SystemTracks, SYSTEM_CATEGORY),
-        (None, Some(other)) => {
-            let what = format!("{other}: the fused picture goes out in category 62; for sensor tracks give a source");
-            return Err(SettingsError::new(key("category"), what));
-        }
-        (Some(name), Some(category)) if SENSOR_CATEGORIES.contains(&category) => {
-            let source = sources.iter().find(|source| source.name == *name);
-            let source = source
-                .ok_or_else(|| SettingsError::new(key("source"), format!("there is no source named \"{name}\"")))?;
-            (GatewayContent::SensorTracks(source.number), category)
-        }
-        (Some(_), _) => {
-            let what = "sensor tracks go out in category 10, 20, 21 or 48: give one of them";
-            return Err(SettingsError::new(key("category"), what));
-        }
-    };
-    if let Some(other) = raw.status.iter().find(|category| !STATUS_CATEGORIES.contains(category)) {
-        let what = format!("{other}: status messages are of category 65 or 63");
-        return Err(SettingsError::new(key("status"), what));
-    }
-    let area = raw.area.as_ref().map(|area| check_area(key, area)).transpose()?;
-    if let Some([low, high]) = raw.levels.filter(|[low, high]| !(*low..=*high).contains(low)) {
-        let what = format!("{low} lies above {high}; write the lower level first");
-        return Err(SettingsError::new(key("levels"), what));
-    }
-    if raw.refresh_s.ns() == 0 && (area.is_some() || raw.levels.is_some()) {
-        let what = "0: whether a track has left the area or the levels is known only of tracks that have turns; \
-                    give a period";
-        return Err(SettingsError::new(key("refresh_s"), what));
-    }
-    Ok(Gateway {
-        name: raw.name.clone(),
-        sender,
-        content,
-        table: table(&key("edition"), category, raw.edition.as_deref())?,
-        sac: raw.sac,
-        sic: raw.sic,
-        refresh_ns: raw.refresh_s.ns(),
-        status_ns: raw.status_s.ns(),
-        status: raw.status.clone(),
-        area,
-        levels: raw.levels,
-        block_bytes: raw.block_bytes,
-        heights: raw.heights,
-    })
-}
-
-fn check_area(key: &impl Fn(&str) -> String, raw: &AreaTable) -> Checked<Area> {
-    let sides = [
-        ("south_deg", raw.south_deg, 90.0),
-        ("north_deg", raw.north_deg, 90.0),
-        ("west_deg", raw.west_deg, 180.0),
-        ("east_deg", raw.east_deg, 180.0),
-    ];
-    for (side, value, limit) in sides {
-        if !(-limit..=limit).contains(&value) {
-            let what = format!("{value} must lie between -{limit} and {limit}");
-            return Err(SettingsError::new(key(&format!("area.{side}")), what));
-        }
-    }
-    if raw.south_deg > raw.north_deg {
-        let what = format!("{} lies north of north_deg, {}", raw.south_deg, raw.north_deg);
-        return Err(SettingsError::new(key("area.south_deg"), what));
-    }
-    Ok(Area {
-        latitude_deg: [raw.south_deg, raw.north_deg],
-        longitude_deg: [raw.west_deg, raw.east_deg],
     })
 }
 

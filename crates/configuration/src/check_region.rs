@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use deployment::check_name;
 use frames::{Geodetic, SystemFrame};
 use fusion::region::{CORNERS_MAX, REGIONS_MAX, Region};
 use settings::SettingsError;
 
-use super::check::{Checked, check_name};
+use super::check::Checked;
 use super::tables::RegionTable;
 
 /// The regions in the system frame, of which those of `origin` are the own.

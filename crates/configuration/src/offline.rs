@@ -24,12 +24,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use deployment::check_name;
 use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
 use reception::Limits;
 use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, check_name, limits};
+use super::check::{Checked, limits};
 use super::tables::FusionTable;
 
 /// Period of a sensor that never reported a track twice, and has none configured, seconds.

@@ -1,5 +1,8 @@
 //! All keys for people, from their declarations.
 
+use deployment::Parts;
+use settings::Shared;
+
 use super::locating::LocatingTable;
 use super::offline::{OfflineSensorTable, OfflineTable};
 use super::tables::DeploymentTable;
@@ -22,9 +25,12 @@ the same as leaving it out where the default is `\"off\"`. `--set key.path=value
 - *Deployment*: `koseki up`, `koseki check`, and `--config` of `koseki fuse`, `koseki track` and `koseki simulate`.
 ";
 
-/// The document `docs/configuration.md`: all keys by table with name, type, unit, range, default and text.
-pub fn reference() -> String {
-    let (deployment, offline) = (DeploymentTable::default(), OfflineTable::default());
+/// The document `docs/configuration.md`: all keys, with those of the services `P`, by table with name, type, unit, range,
+/// default and text.
+pub fn reference<P: Parts>() -> String {
+    let (mut deployment, mut services) = (DeploymentTable::default(), P::default());
+    let deployment = Shared::new(&mut deployment, services.tables());
+    let offline = OfflineTable::default();
     let (tracking, locating) = (tracking::Settings::default(), LocatingTable::default());
     let files: [(&str, &str, &dyn settings::Table); 4] = [
         (
@@ -60,17 +66,4 @@ pub fn locating_help() -> String {
 /// The keys of `[[sensor]]` in `koseki fuse --config` with their defaults, a line each, for its help.
 pub fn sensor_help() -> String {
     settings::help(&OfflineSensorTable::default(), INDENT)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::path::Path;
-
-    use super::*;
-
-    #[test]
-    fn the_document_says_what_is_declared() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/configuration.md");
-        test_support::assert_golden(&path, &reference());
-    }
 }

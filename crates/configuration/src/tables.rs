@@ -1,17 +1,18 @@
-//! The tables of a deployment's file, as they are written: every key that belongs to no other crate.
+//! The tables of a deployment's file, as they are written: every key that belongs to no other crate. Services declare
+//! their own tables ([`Unread`]).
 //!
 //! What is checked here is what one table says of itself; how tables fit together is checked in `check` and its like.
 
 use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
-use outgoing::{HeightReference, Technology};
+use outgoing::Technology;
 use reception::{CovarianceModel, Limits, Method, PositionForm, STANDARD_PRESSURE_HPA};
-use settings::{Degrees, Seconds, SettingsError};
+use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use super::{RecordedFormat, ReportOrder, Truncated};
+use deployment::{Checkpoint, Fusion, Link, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -30,26 +31,26 @@ settings::settings! {
         sources as "source": Vec<SourceTable> = Vec::new();
         /// Wide-area sensor: counts targets (WA).
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
-        /// Network output: a gateway process.
-        gateways as "gateway": Vec<GatewayTable> = Vec::new();
+        /// Gateways.
+        gateways as "gateway": Unread = Unread;
         /// Link to deployments on other hosts: one process, `koseki-link`.
-        links as "link": Vec<LinkTable> = Vec::new();
+        links as "link": Vec<Link> = Vec::new();
         /// Region of a centre, which owns the targets in the region.
         regions as "region": Vec<RegionTable> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.
         fusion: FusionTable = FusionTable::default();
-        /// Monitor process.
-        monitor: MonitorTable = MonitorTable::default();
-        /// Recorder process.
-        recorder: RecorderTable = RecorderTable::default();
+        /// Monitor.
+        monitor: Unread = Unread;
+        /// Recorder.
+        recorder: Unread = Unread;
         /// Memory of fusion for its successor.
-        checkpoint: CheckpointTable = CheckpointTable::default();
-        /// Display process.
-        display: DisplayTable = DisplayTable::default();
-        /// The launcher, which starts and watches the others.
-        launcher: LauncherTable = LauncherTable::default();
+        checkpoint: Checkpoint = Checkpoint::default();
+        /// Display.
+        display: Unread = Unread;
+        /// Launcher.
+        launcher: Unread = Unread;
     }
 
     /// A region of a centre that exchanges tracks with others.
@@ -266,283 +267,9 @@ settings::settings! {
         limits: Limits = Limits::default();
     }
 
-    /// A part of the Earth between two parallels and two meridians (WGS-84).
-    pub struct AreaTable {
-        /// Latitude of the southern edge, −90 to 90.
-        south_deg: f64;
-        /// Latitude of the northern edge, −90 to 90.
-        north_deg: f64;
-        /// Longitude of the western edge, −180 to 180.
-        west_deg: f64;
-        /// Longitude of the eastern edge, −180 to 180; smaller than the western longitude if the area crosses 180°.
-        east_deg: f64;
-    }
-
-    /// Network output to a user.
-    pub struct GatewayTable {
-        /// Name of the gateway process.
-        name: String;
-        /// Multicast group or address, with the port, that datagrams go to.
-        send_to: String;
-        /// Interface on which datagrams leave, by address, name or index.
-        interface: Option<String> = None, usually "the machine's choice";
-        /// Routers that datagrams to a group may pass (time to live).
-        ttl: Option<u8> = None, usually "the machine's choice";
-        /// Source of the sensor tracks to send.
-        source: Option<String> = None, usually "none: the fused picture is sent";
-        /// Send the track picture from local sources only, without data of other centres: for another centre, which
-        /// must not get back its own data. Needs `fusion.exchange`.
-        own: bool = false;
-        /// ASTERIX category: 62 for the fused picture; 10, 20, 21 or 48 for sensor tracks.
-        category: Option<u8> = None, usually "62 for the fused picture";
-        /// Edition of the category.
-        edition: Option<String> = None, usually "the newest one known";
-        /// System area code of the sender.
-        sac: u8;
-        /// System identification code of the sender.
-        sic: u8;
-        /// Time between two reports of a track; 0: every report is sent.
-        refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
-        /// Time between two status messages.
-        status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
-        /// Categories of the status messages that go with the fused picture: 65 for the system, 63 for its sensors.
-        status: Vec<u8> = vec![65, 63];
-        /// Area that the user gets tracks of; a track that leaves it is ended there. Needs `refresh_s` above 0.
-        area: Option<AreaTable> = None, usually "everywhere";
-        /// Lowest and highest flight level (hundreds of feet, of the tracks' heights) that the user gets tracks of;
-        /// tracks of unknown height are on all levels. Needs `refresh_s` above 0.
-        levels: Option<[f64; 2]> = None, usually "all";
-        /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
-        /// UDP, at most the limit of IPv4.
-        block_bytes: usize = 1472, in [256, 65_507];
-        /// Reference of the heights of system tracks; selects the items for heights.
-        heights: HeightReference = HeightReference::Barometric;
-    }
-
-    /// A link to deployments on other hosts.
-    pub struct LinkTable {
-        /// Name of the link process.
-        name: String;
-        /// Endpoints at which links of other hosts reach this one, as in `"tls/[::]:7447"` or `"tcp/127.0.0.1:7447"`.
-        listen: Vec<String> = Vec::new();
-        /// Endpoints of links on other hosts.
-        connect: Vec<String> = Vec::new();
-        /// Topics that others may have, such as `"sensor/NAME/tracks"`.
-        send: Vec<String> = vec!["system/tracks".to_owned()];
-        /// Topics of other deployments to receive.
-        receive: Vec<RemoteTopicTable> = Vec::new();
-        /// Size of the queue for the network, megabytes. In a full queue, a newer state of a system track replaces an
-        /// older state; of other samples the newest are dropped. Both are counted.
-        queue_mb: u32 = 16, in [1, 4096];
-        /// Offset added to the UTC announced to other hosts, to test their reaction.
-        pretend_utc_off_s: Seconds = Seconds::of(0.0), in [-3600, 3600];
-        /// Certificate of the authority that signed the others' certificates, a file in PEM.
-        authority: Option<String> = None;
-        /// Certificate that this host shows, a file in PEM.
-        certificate: Option<String> = None;
-        /// Private key of the certificate, a file in PEM.
-        private_key: Option<String> = None;
-        /// User that this host is, where the others ask for one.
-        user: Option<String> = None;
-        /// File with the user's password on its first line.
-        password_file: Option<String> = None;
-        /// File with a line `USER:PASSWORD` per permitted user; other users are rejected.
-        users_file: Option<String> = None;
-        /// Others that this link deals with. Without any, it deals with all that may connect.
-        peers as "peer": Vec<LinkPeerTable> = Vec::new();
-        /// Allow TCP to other machines without encryption: every host on the path can read and change the data.
-        insecure: bool = false;
-    }
-
-    /// Another link that a link deals with.
-    pub struct LinkPeerTable {
-        /// Common name of the peer's certificate, or the peer's user name.
-        name: String;
-        /// Topics that the peer may request.
-        read: Option<Vec<String>> = None, usually "all that are sent";
-        /// Deployment whose topics the peer may send.
-        deployment: Option<String> = None, usually "that of its name";
-    }
-
-    /// A topic of another deployment.
-    pub struct RemoteTopicTable {
-        /// Name of the other deployment.
-        deployment: String;
-        /// Topic there, as in `"sensor/radar/tracks"`.
-        topic: String;
-        /// Topic here, of a source or wide-area sensor that is `external`.
-        into: Option<String> = None, usually "the same name";
-    }
-
     /// The fusion process.
-    pub struct FusionTable with engine: fusion::Settings {
-        check FusionTable::check;
-        /// Kind of waiting for work: `spin` polls without a pause and uses a whole core; `event` sleeps until
-        /// notified; `hybrid` does both in turn.
-        wait: WaitWord = WaitWord::Event;
-        /// Time for which `hybrid` spins.
-        hybrid_spin_us: f64 = 20.0, in [0.1, 1e6];
-        /// Core to run on.
-        core: Option<usize> = None, usually "any";
-        /// `SCHED_FIFO` priority.
-        realtime_priority: Option<i32> = None, in [1, 99];
-        /// All memory is locked, so that no page is ever fetched late.
-        lock_memory: bool = false;
-        /// A machine that refuses core, priority or locking is an error.
-        required: bool = false;
-        /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
-        rests: bool = true;
-        /// A second fusion process stands by, and takes over where the first one dies or stands still.
-        standby: bool = false;
-        /// Core for the fusion that stands by.
-        standby_core: Option<usize> = None, usually "any";
-        /// Time for which a fusion may stand still before the one that stands by takes over.
-        takeover_ms: f64 = 100.0, in [50, 60_000];
-        /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
-        decisions: bool = false;
-        /// Time through fusion beyond which a report has missed its deadline.
-        deadline_us: f64 = 1000.0, in [0.1, 1e9];
-    }
-
-    /// The monitor process.
-    pub struct MonitorTable {
-        /// Time between two tables.
-        interval_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
-        /// Whether the monitor writes its files (histogram log, percentiles, JSON).
-        files: bool = true;
-        /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion
-        /// nothing.
-        wait: Option<MonitorWord> = None, usually "event if fusion waits by event, else poll";
-        /// Pause between two reads. System tracks that wait longer in the monitor's queue are replaced by newer
-        /// tracks, even at low rates.
-        poll_ms: f64 = 5.0, in [0.5, 100];
-        /// Time that each stage may take.
-        deadline_us: DeadlineTable = DeadlineTable::default();
-        /// Address and port where metrics for Prometheus are served.
-        prometheus: Option<String> = None;
-        /// Allows an address that other machines can reach.
-        prometheus_public: bool = false;
-        /// Names of this machine, besides its address and localhost, by which metrics are asked for.
-        prometheus_hosts: Vec<String> = Vec::new(), usually "none";
-        /// Limits beyond which alarms are raised.
-        alarms: alarms::Limits = alarms::Limits::default();
-    }
-
-    /// Deadlines of the stages, in microseconds. A duration beyond the histograms' range does not count as a latency,
-    /// and could never be a miss.
-    pub struct DeadlineTable {
-        /// In the adapter: from the report's last byte to its hand-over to shared memory.
-        ingest_to_publish: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// Transport in: until fusion takes the sample.
-        publish_to_taken: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// In fusion: until the system track was handed over to shared memory.
-        taken_to_fused: Option<f64> = None, in [0.1, LATENCY_MAX_US], usually "that of fusion";
-        /// Transport out: until the subscriber has the sample.
-        fused_to_received: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// All of these: from the report's last byte to the subscriber.
-        end_to_end: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-        /// Age of the data: from the measurement to the subscriber, between the sensor's clock and this machine's
-        /// (UTC).
-        age: Option<f64> = None, in [0.1, LATENCY_MAX_US];
-    }
-
-    /// The display process.
-    pub struct DisplayTable {
-        /// Address and port where the picture is shown to browsers; nowhere: there is no display.
-        listen: Option<String> = None;
-        /// Number of further ports to try if the port is in use.
-        more_ports: u32 = 0, in [0, 1000];
-        /// Allow an address reachable by other machines, without encryption: every host on the path can read the
-        /// track picture and the token. A proxy with TLS in front of a loopback address is better.
-        insecure: bool = false;
-        /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
-        token: Option<String> = None;
-        /// Token of the operators, who give orders. The display must listen on a loopback address; other machines
-        /// connect through a proxy with TLS.
-        operator_token: Option<String> = None, usually "none: no orders";
-        /// Further names of this machine in requests, besides its address and localhost.
-        hosts: Vec<String> = Vec::new(), usually "none";
-        /// Time for which the past of the picture is kept.
-        history_s: u32 = 600, in [0, 86_400];
-        /// Memory that the past may take, megabytes; the oldest is forgotten first.
-        history_mb: u32 = 256, in [1, 65_536];
-        /// Files of GeoJSON that are drawn under the tracks, relative to the data folder unless absolute.
-        overlays: Vec<String> = Vec::new(), usually "none";
-    }
-
-    /// The recorder process.
-    pub struct RecorderTable {
-        /// Whether a recorder runs.
-        enabled: bool = true;
-        /// Files that are written: rows of text, a file for each topic of data; containers of all topics, for
-        /// everything to be read again to the bit; captures of the datagrams and lines of live sources as they came.
-        format: Vec<RecordWord> = vec![RecordWord::Csv];
-        /// Interval at which containers of all topics are written: the largest loss of a killed recorder.
-        flush_s: Seconds = Seconds::of(1.0), in [0.01, 3_600];
-        /// Size at which another container or capture is begun, megabytes.
-        segment_mb: u32 = 256, in [1, 65_536];
-        /// Time after which another container or capture is begun.
-        segment_s: Seconds = Seconds::of(3_600.0), in [1, 604_800];
-        /// Size of all containers of a start beyond which the oldest are deleted, gigabytes; of the captures of each
-        /// receiver likewise.
-        keep_gb: Option<f64> = None, in [0.001, 1e6];
-    }
-
-    /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same
-    /// tracks with the same numbers. Not used for recordings, which can be repeated.
-    pub struct CheckpointTable {
-        /// Whether a checkpoint is kept.
-        enabled: bool = true;
-        /// Age after which the tracks of a checkpoint are terminated instead of resumed.
-        max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
-        /// Whether the checkpoint is copied to a disk, to survive a reboot: numbers are not reused, and learned
-        /// values are kept; tracks resume within `max_age_s`.
-        durable: bool = false;
-        /// Folder for the copies.
-        folder: Option<String> = None, usually "must be given with durable";
-        /// Interval of the copies: changes since the last copy are lost with the machine.
-        copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
-    }
-
-    /// The launcher, which starts and watches the others.
-    pub struct LauncherTable {
-        /// Time without a sign of life after which a process is killed and replaced; six times as much while it starts.
-        watchdog_s: f64 = 5.0, in [1, 3600];
-    }
+    pub struct FusionTable with engine: fusion::Settings, process: Fusion {}
 }
-
-settings::words! {
-    /// Words for how fusion waits.
-    pub enum WaitWord {
-        /// Asleep until notified.
-        Event = "event",
-        /// Asks again and again.
-        Spin = "spin",
-        /// Spins for a while, then sleeps until notified.
-        Hybrid = "hybrid",
-    }
-
-    /// Words for the forms of a recording.
-    pub enum RecordWord {
-        /// Rows of text.
-        Csv = "csv",
-        /// Containers.
-        Mcap = "mcap",
-        /// Captures.
-        Pcapng = "pcapng",
-    }
-
-    /// Words for how the monitor waits.
-    pub enum MonitorWord {
-        /// Woken for each slice.
-        Event = "event",
-        /// Looks now and then.
-        Poll = "poll",
-    }
-}
-
-/// Longest latency that can be measured, microseconds.
-const LATENCY_MAX_US: f64 = telemetry::VALUE_MAX_NS as f64 / 1e3;
 
 /// Refuses a table that has none or several of these keys.
 fn exactly_one(table: &str, name: &str, keys: &[(&str, bool)]) -> Result<(), SettingsError> {
@@ -592,19 +319,6 @@ impl SourceTable {
     /// Time between two reports of one target, seconds.
     pub(crate) fn period_s(&self) -> f64 {
         self.weighing.period_s.unwrap_or(1.0)
-    }
-}
-
-impl FusionTable {
-    fn check(&self) -> Result<(), SettingsError> {
-        let cores = runtime::cores::online();
-        for (key, core) in [("core", self.core), ("standby_core", self.standby_core)] {
-            if let Some(core) = core.filter(|core| !cores.contains(core)) {
-                let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
-                return Err(SettingsError::new(key, what));
-            }
-        }
-        Ok(())
     }
 }
 

@@ -14,11 +14,11 @@ use settings::SettingsError;
 
 use super::check::Checked;
 use super::tables::{SourceTable, WideAreaSensorTable};
-use super::{Input, Source};
+use deployment::{Input, Source};
 
 /// Lets the trackers know what they are linked with.
 pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: &[WideAreaSensorTable]) -> Checked<()> {
-    let hears = |source: &&Source| source.locator().is_some();
+    let hears = |source: &&Source| source.has_bearings();
     let finders: Vec<(String, u16)> = sources
         .iter()
         .filter(hears)
@@ -120,7 +120,7 @@ receiver = "ears"
     fn links_are_heard_and_what_cannot_be_is_refused() {
         let parse = |text: &str| Config::parse(Path::new("t.toml"), text, &[]).map_err(|error| error.to_string());
         let config = parse(SITE).unwrap();
-        let outputs = config.sources[0].tracker().unwrap().outputs;
+        let outputs = config.tracker(0).unwrap().outputs;
         assert_eq!((&config.sources[0].links.emissions[..], outputs.cues), (&[1][..], true));
         assert_eq!(outputs.period_ns, Some(500_000_000));
         for (old, new, line, expected) in [

@@ -177,7 +177,7 @@ fn a_source_has_the_same_tables() {
         )
     };
     let read = |tables: &str| Config::parse(Path::new("x.toml"), &text(tables), &[]).map_err(|error| error.to_string());
-    let live = read(&tables).unwrap().sources[0].tracker().unwrap().settings.clone();
+    let live = read(&tables).unwrap().tracker(0).unwrap().settings.clone();
     let offline = settings(ALL).unwrap();
     assert_eq!((live.wide_area, live.selection), (offline.wide_area, offline.selection));
     let refused = read("[source.tracker.wide_area]\nvalid_s = -1").unwrap_err();

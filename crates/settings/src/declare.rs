@@ -48,7 +48,7 @@ macro_rules! settings {
                 concat!($($doc),*)
             }
 
-            fn keys(&self) -> &'static [$crate::Key] {
+            fn keys(&self) -> Vec<&'static $crate::Key> {
                 const KEYS: &[$crate::Key] = &[ $( $crate::Key {
                     name: $crate::first!($($key,)? stringify!($field)),
                     doc: concat!($($key_doc),+),
@@ -56,7 +56,7 @@ macro_rules! settings {
                     usually: $crate::optional!($($usually)?),
                     is_required: $crate::is_nothing!($($default)?),
                 }, )* ];
-                KEYS
+                KEYS.iter().collect()
             }
 
             fn values(&self) -> Vec<&dyn $crate::Value> {

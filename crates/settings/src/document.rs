@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::{Node, Place, Range, SettingsError, Table, Value};
+use crate::{Node, Place, SettingsError, Table, Value, read_table};
 
 /// Offset that a value has which is not in the text.
 const NOT_IN_TEXT: usize = usize::MAX;
@@ -46,8 +46,15 @@ impl<'a> Document<'a> {
     /// The first mistake, with its line.
     pub fn read<T: Table + Value + Default>(&self) -> Result<T, SettingsError> {
         let mut table = T::default();
-        let read = Value::read(&mut table, &self.root, Range::Any, &Place::ROOT);
-        read.map(|()| table).map_err(|error| self.located(error))
+        self.read_into(&mut table).map(|()| table)
+    }
+
+    /// Reads the whole document into `table`; keys missing in the document keep their values.
+    ///
+    /// # Errors
+    /// The first mistake, with its line.
+    pub fn read_into(&self, table: &mut dyn Table) -> Result<(), SettingsError> {
+        read_table(table, &self.root, &Place::ROOT).map_err(|error| self.located(error))
     }
 
     /// Returns this error with the line of its key, or with the option that set the key. Later calls change nothing.

@@ -33,6 +33,8 @@
 //! with the key's whole path, its line, its value and the permitted values. [`reference`](reference()) prints all
 //! keys as a document, [`help`] as a text for a terminal.
 //!
+//! A file may have tables of several crates, each declared by the crate that uses it: see [`Shared`].
+//!
 //! Reading is not generic: a table gives its keys and its values as `dyn Value`, so that a new key costs a line of code
 //! and next to no time to compile. Leaves are read by `serde`.
 
@@ -47,6 +49,7 @@ mod leaves;
 mod place;
 mod quantities;
 mod reference;
+mod shared;
 mod spelling;
 mod table;
 mod value;
@@ -58,6 +61,7 @@ pub use key::{Key, Range, unit_of, within};
 pub use place::Place;
 pub use quantities::{Degrees, Seconds};
 pub use reference::{help, reference};
+pub use shared::{Shared, Unread};
 pub use table::{check, check_table, nearest, read_table};
 pub use value::{Node, Table, Value};
 pub use words::not_known;

@@ -30,9 +30,12 @@ fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str,
         format!("`{path}` (*{file}*)")
     };
     let mut fresh = Vec::new();
-    for part in table.bases().into_iter().chain([table]) {
+    let bases = table.bases();
+    // A table that only joins others has no keys to write.
+    let own = (bases.is_empty() || !table.keys().is_empty()).then_some(table);
+    for part in bases.into_iter().chain(own) {
         if table_once(out, written, &place, part) {
-            fresh.extend(part.keys().iter().zip(part.values()));
+            fresh.extend(part.keys().into_iter().zip(part.values()));
         }
     }
     for (key, value) in fresh {
@@ -66,7 +69,7 @@ fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &
 
 fn rows(table: &dyn Table) -> String {
     let mut out = String::new();
-    let own: Vec<_> = table.keys().iter().zip(table.values()).collect();
+    let own: Vec<_> = table.keys().into_iter().zip(table.values()).collect();
     if own.is_empty() {
         return "\nIt has no keys of its own.\n".to_owned();
     }
@@ -94,7 +97,7 @@ fn rows(table: &dyn Table) -> String {
 
 /// The keys of a table and of its bases.
 fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
-    let own = table.keys().iter().zip(table.values());
+    let own = table.keys().into_iter().zip(table.values());
     own.chain(table.bases().into_iter().flat_map(all)).collect()
 }
 

@@ -42,8 +42,9 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
 
 /// Reads a key of a table or of a base of the table; returns whether the key exists.
 fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) -> Result<bool, SettingsError> {
-    if let Some(index) = table.keys().iter().position(|key| key.name == name) {
-        let range = table.keys()[index].range;
+    let own = table.keys();
+    if let Some(index) = own.iter().position(|key| key.name == name) {
+        let range = own[index].range;
         return table.values_mut()[index].read(node, range, at).map(|()| true);
     }
     for base in table.bases_mut() {
@@ -56,7 +57,7 @@ fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) 
 
 /// Returns the table's own keys and the keys of its bases.
 fn keys(table: &dyn Table) -> Vec<&'static Key> {
-    let own = table.keys().iter();
+    let own = table.keys().into_iter();
     own.chain(table.bases().into_iter().flat_map(keys)).collect()
 }
 
@@ -74,7 +75,7 @@ fn check_all_together(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsE
 /// The first value that cannot be used.
 pub fn check_table(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsError> {
     table.bases().into_iter().try_for_each(|base| check_table(base, at))?;
-    let mut all = table.keys().iter().zip(table.values());
+    let mut all = table.keys().into_iter().zip(table.values());
     all.try_for_each(|(key, value)| value.check(key.range, &at.key(key.name)))?;
     table.check_together().map_err(|error| error.under(&at.to_string()))
 }

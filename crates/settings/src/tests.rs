@@ -224,3 +224,66 @@ fn keys_are_printed_for_people() {
         assert!(text.contains(expected), "{expected}\n{text}");
     }
 }
+
+mod shared {
+    use crate::{Document, Shared, Table as _, Unread};
+
+    crate::settings! {
+        /// A file.
+        struct File {
+            /// Name of the whole.
+            name: String;
+            /// Table of another crate.
+            other: Unread = Unread;
+            /// Size of the whole.
+            size: u32 = 1;
+        }
+
+        /// The part of another crate.
+        struct Part {
+            /// Table.
+            other: Other = Other::default();
+        }
+
+        /// Table of a part.
+        struct Other {
+            /// Count.
+            count: u32 = 0, in [0, 9];
+        }
+    }
+
+    fn read(text: &str) -> Result<(File, Part), String> {
+        let (mut file, mut part) = (File::default(), Part::default());
+        let document = Document::parse(text, &[]).unwrap();
+        let read = document.read_into(&mut Shared::new(&mut file, vec![&mut part]));
+        read.map(|()| (file, part)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_table_is_read_where_its_crate_is_there_and_ignored_elsewhere() {
+        let text = "name = \"a\"\n[other]\ncount = 3\n";
+        let (file, part) = read(text).unwrap();
+        assert_eq!((file.name.as_str(), part.other.count), ("a", 3));
+        let error = read(&text.replace('3', "10")).unwrap_err();
+        assert!(error.starts_with("other.count: 10 is out of range"), "{error}");
+        let alone: File = Document::parse(&text.replace("count", "cuont"), &[])
+            .unwrap()
+            .read()
+            .unwrap();
+        assert_eq!(alone.name, "a");
+    }
+
+    #[test]
+    fn a_shared_table_keeps_the_order_of_the_file_and_refuses_unknown_keys() {
+        let (mut file, mut part) = (File::default(), Part::default());
+        let shared = Shared::new(&mut file, vec![&mut part]);
+        let names: Vec<&str> = shared.keys().iter().map(|key| key.name).collect();
+        assert_eq!(names, ["name", "other", "size"]);
+        assert_eq!(shared.values()[1].kind(), "table");
+        let error = read("name = \"a\"\nothre = 1\n").unwrap_err();
+        assert!(
+            error.contains("there are: name, other, size; did you mean other?"),
+            "{error}"
+        );
+    }
+}

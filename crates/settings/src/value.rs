@@ -44,7 +44,7 @@ pub trait Table {
     fn doc(&self) -> &'static str;
 
     /// Its own keys.
-    fn keys(&self) -> &'static [Key];
+    fn keys(&self) -> Vec<&'static Key>;
 
     /// The values of its own keys, in the same order.
     fn values(&self) -> Vec<&dyn Value>;

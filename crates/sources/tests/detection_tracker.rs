@@ -21,7 +21,13 @@ const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 
 fn tracker(keys: &str) -> DetectionTracker {
     let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
     let source = &config.sources[0];
-    DetectionTracker::new(source.number, source.tracker().unwrap(), 0, Arrivals::new()).unwrap()
+    DetectionTracker::new(
+        source.number,
+        config.tracker(source.number).unwrap(),
+        0,
+        Arrivals::new(),
+    )
+    .unwrap()
 }
 
 fn east_m(time_s: f64) -> f64 {
@@ -103,7 +109,7 @@ fn tracks_are_made_turn_by_turn_where_no_period_is_configured() {
     for by in ["north marks", "statement", "plots"] {
         let site = SITE.replace("period_s = 4.0\n", "").replace("scans = \"period\"\n", "");
         let config = Config::parse(Path::new("t.toml"), &site.replace("KEYS", ""), &[]).unwrap();
-        let settings = config.sources[0].tracker().unwrap();
+        let settings = config.tracker(0).unwrap();
         let mut tracking = DetectionTracker::new(0, settings, 0, Arrivals::new()).unwrap();
         let mut made = Samples::default();
         for turn in 0..40 {

@@ -21,10 +21,12 @@
 #![forbid(unsafe_code)]
 
 mod guard;
+mod host_name;
 mod server;
 
 pub use axum;
 pub use tokio;
 
 pub use guard::{Counts, Guard, Refusal, Writer};
+pub use host_name::HostName;
 pub use server::{CONNECTIONS_MAX, PATIENCE, Server, listen};

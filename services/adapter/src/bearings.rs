@@ -1,11 +1,12 @@
 //! Bearings in datagrams (FM-7), and the direction finder behind the socket.
 
 use anyhow::Context as _;
-use configuration::{Process, Source};
+use deployment::Process;
 use formats::bearings_csv::BearingReader;
 use messages::Counters;
 use runtime::{HealthEntry, Now};
 
+use crate::Processed;
 use crate::channel::Channel;
 use crate::receiver::{Datagrams, Received};
 use crate::tables::{Tables, utc_ns};
@@ -18,8 +19,8 @@ pub(crate) struct Bearings {
 }
 
 impl Bearings {
-    pub(crate) fn new(process: &Process, sources: &[&Source]) -> anyhow::Result<Self> {
-        let source = sources.first().context("no source is behind this receiver")?;
+    pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
+        let source = *sources.first().context("no source is behind this receiver")?;
         Ok(Self {
             channel: Channel::open(process, source)?,
             tables: Tables::default(),

@@ -7,12 +7,13 @@
 
 use anyhow::Context as _;
 use asterix::{Decoder, blocks};
-use configuration::{Asterix, Input, Process, Source};
+use deployment::{Asterix, Input, Process, Source};
 use messages::Counter;
 use reception::Method;
 use reception::observation::{self, Reading};
 use runtime::{HealthEntry, Now};
 
+use crate::Processed;
 use crate::channel::Channel;
 use crate::counted::decoded;
 use crate::misfits::{Misfits, Strangers};
@@ -34,7 +35,7 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    pub(crate) fn new(process: &Process, sources: &[&Source]) -> anyhow::Result<Self> {
+    pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
         let mut all = Self {
             senders: Vec::new(),
             methods: Vec::new(),
@@ -45,13 +46,13 @@ impl Blocks {
             blocks_rejected: 0,
             bytes_rejected: 0,
         };
-        for source in sources {
+        for (source, processing) in sources {
             let asterix = asterix(source).context("a source of datagrams is live or simulated")?;
             all.senders.push(source.model.sac_sic);
             all.methods.push(source.model.method);
             all.decoders.push(asterix.decoder());
             all.misfits.push(Misfits::new(asterix));
-            all.channels.push(Channel::open(process, source)?);
+            all.channels.push(Channel::open(process, (source, processing))?);
         }
         Ok(all)
     }

@@ -18,8 +18,8 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Process, Segments};
 use crossbeam_queue::ArrayQueue;
+use deployment::{Process, Segments};
 use formats::containers::{Way, begin_capture, capture};
 use messages::Counter;
 use runtime::{HealthEntry, Now, NumberedFiles};
@@ -69,7 +69,7 @@ impl Capture {
     /// # Errors
     /// If the second thread cannot be started.
     pub(crate) fn open(process: &Process, to: SocketAddr) -> anyhow::Result<Option<Self>> {
-        let Some(settings) = process.config.recording.captures else {
+        let Some(settings) = process.config.services.captures else {
             return Ok(None);
         };
         Self::begin(settings, &process.options.out, &process.name, to).map(Some)

@@ -1,7 +1,7 @@
 //! Path of a source's observations to its topics.
 
 use bus::{BusError, Mark, SharedMemory, Subscriber};
-use configuration::{Process, Source};
+use deployment::{Process, Source};
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
 };
@@ -11,6 +11,7 @@ use runtime::{HealthEntry, Now};
 use sources::{Pipeline, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
+use crate::Processed;
 use crate::continuity;
 use crate::outlet::Outlet;
 use crate::receiver::Received;
@@ -49,14 +50,13 @@ struct Outlets {
 impl Outlets {
     fn open(process: &Process, source: &Source) -> Result<Self, BusError> {
         let (name, uid) = (source.name.as_str(), source.uid);
-        let (has_detections, has_bearings) = (source.tracker().is_some(), source.locator().is_some());
-        let has_cues = source.tracker().is_some_and(|tracker| tracker.outputs.cues);
+        let (has_detections, has_bearings) = (source.has_detections(), source.has_bearings());
         Ok(Self {
             detections: Outlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
             platforms: Outlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
             bearings: Outlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
             tracks: Outlet::open(process, &messages::sensor_tracks(name), uid, true)?,
-            cues: Outlet::open(process, &messages::cues(name), uid, has_cues)?,
+            cues: Outlet::open(process, &messages::cues(name), uid, source.has_cues())?,
         })
     }
 
@@ -71,7 +71,7 @@ impl Outlets {
 }
 
 impl Channel {
-    pub(crate) fn open(process: &Process, source: &Source) -> anyhow::Result<Self> {
+    pub(crate) fn open(process: &Process, (source, processing): Processed<'_>) -> anyhow::Result<Self> {
         let config = &process.config;
         let counts = source.links.wide_area_sensors.iter().map(|number| {
             let topic = messages::wide_area(&config.wide_area_sensors[usize::from(*number)].name);
@@ -82,7 +82,7 @@ impl Channel {
             process.bus.subscriber(&topic, || process.incarnation)
         });
         let first_day_ns = process.first_day_ns();
-        let mut pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, Arrivals::new())?;
+        let mut pipeline = Pipeline::new(source.model, processing, first_day_ns, Arrivals::new())?;
         continuity::go_on(process, source, &mut pipeline);
         Ok(Self {
             counts: counts.collect::<Result<_, _>>()?,

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::io::Cursor;
 
 use asterix::{Block, Decoder, Error, blocks};
-use configuration::{Recorded, RecordedFormat};
 use csv_table::CsvError;
+use deployment::{Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::sbs::{Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;

@@ -5,20 +5,20 @@
 
 use std::sync::Arc;
 
-use configuration::{Process, Source};
+use deployment::{Process, Source};
 use runtime::Now;
 use sources::Pipeline;
 
 /// Continues a source's pipeline from its kept tracks, and keeps its tracks for a successor.
 pub(crate) fn go_on(process: &Process, source: &Source, pipeline: &mut Pipeline) {
-    let (Some(words), Some(settings)) = (pipeline.kept_words(), process.config.fusion.checkpoint) else {
+    let (Some(words), Some(max_age_ns)) = (pipeline.kept_words(), process.config.checkpoint.max_age_ns()) else {
         return;
     };
     let (root, name, owner) = (process.bus.root(), format!("tracks-{}", source.name), &source.name);
     let now_ns = Now::read().utc_ns;
     let resumed = match root.outlasting(&name) {
         Ok(Some(memory)) => {
-            let resumed = pipeline.resume(memory.words(), owner, now_ns - settings.max_age_ns);
+            let resumed = pipeline.resume(memory.words(), owner, now_ns - max_age_ns);
             resumed.map_err(|refused| refused.to_string())
         }
         Ok(None) => Ok(()),

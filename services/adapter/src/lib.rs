@@ -26,27 +26,32 @@ mod tables;
 mod wide_area;
 
 use anyhow::Context as _;
-use configuration::{Input, Process, Source, Transport};
+use deployment::{Input, Process, Source, Transport};
 use runtime::Agent;
+use sources::Processing;
 
 use crate::bearings::Bearings;
 use crate::blocks::Blocks;
 use crate::lines::Lines;
 use crate::receiver::Receiver;
 
+/// Source, and how its tracks come about.
+pub(crate) type Processed<'a> = (&'a Source, &'a Processing);
+
 /// Runs the adapter named in `process` (of a receiver, a recorded source or a wide-area sensor) until its work is
-/// done or a stop is requested.
+/// done or a stop is requested. `processing` has an item for each source of the deployment.
 ///
 /// # Errors
 /// If there is no such source, its input cannot be read, or shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
+pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
         return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
     }
-    let sources: Vec<&Source> = config.sources.iter().filter(|source| source.adapter == *name).collect();
+    let sources = config.sources.iter().zip(processing);
+    let sources: Vec<Processed<'_>> = sources.filter(|(source, _)| source.adapter == *name).collect();
     if let Some(receiver) = config.receiver(name) {
-        let has_bearings = sources.iter().any(|source| source.locator().is_some());
+        let has_bearings = sources.iter().any(|(source, _)| source.has_bearings());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
             Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),
             transport if has_bearings => {
@@ -56,7 +61,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         };
         return runtime::service::run(process, agent.as_mut());
     }
-    let recorded = sources.first().and_then(|source| match &source.input {
+    let recorded = sources.first().and_then(|source| match &source.0.input {
         Input::Recorded(recorded) => Some((*source, recorded)),
         _ => None,
     });

@@ -7,13 +7,14 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Process, Source};
+use deployment::Process;
 use formats::sbs::{Merger, SbsSettings};
 use messages::Counter;
 use net::{LinesSettings, TcpLines};
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
+use crate::Processed;
 use crate::capture::Capture;
 use crate::channel::Channel;
 use crate::counted::merged;
@@ -38,9 +39,9 @@ impl Lines {
         process: &Process,
         server: SocketAddr,
         settings: SbsSettings,
-        sources: &[&Source],
+        sources: &[Processed<'_>],
     ) -> anyhow::Result<Self> {
-        let source = sources.first().context("no source is behind this receiver")?;
+        let source = *sources.first().context("no source is behind this receiver")?;
         Ok(Self {
             client: TcpLines::new(LinesSettings::new(server))?,
             // The readers are unknown here.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use asterix::{Block, Edition};
-use configuration::Asterix;
+use deployment::Asterix;
 use formats::recording::CategorySurvey;
 use messages::{Counter, Counters};
 

@@ -1,7 +1,7 @@
 //! Publication of samples of one kind.
 
 use bus::{BusError, Mark, Payload, Publisher, SharedMemory};
-use configuration::Process;
+use deployment::Process;
 use messages::{Outgoing, ProcessKind, StreamId, Topic};
 use runtime::flow::Flow;
 

@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use std::net::IpAddr;
 use std::time::Duration;
 
-use configuration::{Process, Transport};
+use deployment::{Process, Transport};
 use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::clock::SteadyClock;

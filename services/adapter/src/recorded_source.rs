@@ -6,11 +6,12 @@
 use std::collections::VecDeque;
 
 use anyhow::Context as _;
-use configuration::{Process, Recorded, Source};
+use deployment::{Process, Recorded, Source};
 use messages::{Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
-use sources::Pipeline;
+use sources::{Pipeline, Processing};
 use tracking::wide_area::arrivals::Arrivals;
 
+use crate::Processed;
 use crate::content::Content;
 use crate::intake::Intake;
 use crate::replay::{Published, Replay, Replayed};
@@ -37,13 +38,14 @@ pub struct RecordedSource {
 /// If the recording cannot be read, or shared memory fails.
 pub(crate) fn replay(
     process: &Process,
-    source: &Source,
+    processed: Processed<'_>,
     recorded: &Recorded,
 ) -> anyhow::Result<Replay<RecordedSource>> {
+    let (source, _) = processed;
     let path = process.options.data.join(&recorded.file);
     let bytes = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
     let first_day_ns = process.first_day_ns();
-    let recording = RecordedSource::supported(bytes, recorded, source, first_day_ns, counts(process, source)?);
+    let recording = RecordedSource::supported(bytes, recorded, processed, first_day_ns, counts(process, source)?);
     let (number, sensor_uid) = (source.number, Some(source.uid));
     let tracks = Published {
         topic: &messages::sensor_tracks(&source.name),
@@ -65,7 +67,7 @@ pub(crate) fn replay(
         },
         sensor_uid,
     };
-    let detections = source.tracker().map(|_| detections.open(process, &[]));
+    let detections = source.has_detections().then(|| detections.open(process, &[]));
     Replay::new(
         process,
         recording.with_context(|| path.display().to_string())?,
@@ -91,8 +93,13 @@ impl RecordedSource {
     ///
     /// # Errors
     /// If the file is configured as a table and its header is not that of a table of sensor tracks.
-    pub fn new(bytes: Vec<u8>, recorded: &Recorded, source: &Source, first_day_ns: i64) -> anyhow::Result<Self> {
-        Self::supported(bytes, recorded, source, first_day_ns, Arrivals::default())
+    pub fn new(
+        bytes: Vec<u8>,
+        recorded: &Recorded,
+        processed: (&Source, &Processing),
+        first_day_ns: i64,
+    ) -> anyhow::Result<Self> {
+        Self::supported(bytes, recorded, processed, first_day_ns, Arrivals::default())
     }
 
     /// Creates the recording as [`Self::new`] does, with the `counts` of the wide-area sensors of the source's
@@ -103,11 +110,11 @@ impl RecordedSource {
     pub fn supported(
         bytes: Vec<u8>,
         recorded: &Recorded,
-        source: &Source,
+        (source, processing): (&Source, &Processing),
         first_day_ns: i64,
         counts: Arrivals,
     ) -> anyhow::Result<Self> {
-        let pipeline = Pipeline::new(source.model, &source.processing, first_day_ns, counts)?;
+        let pipeline = Pipeline::new(source.model, processing, first_day_ns, counts)?;
         let mut recording = Self {
             content: Content::open(bytes, recorded, first_day_ns)?,
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),

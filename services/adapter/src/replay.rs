@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 use bus::{Mark, SharedMemory, WaitMode, Waiter};
-use configuration::Process;
+use deployment::Process;
 use messages::{Counter, Counters, Outgoing, ProcessKind, SensorDetection, StreamId, Topic};
 use runtime::clock::mono_ns;
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
@@ -86,7 +86,7 @@ pub(crate) struct Published<'a, T> {
 impl<T: Outgoing> Published<'_, T> {
     /// Opens the topic, which `consumers` must be able to follow, and, if there is one, the recorder.
     pub(crate) fn open(&self, process: &Process, consumers: &[ProcessKind]) -> anyhow::Result<PacedOutlet<T>> {
-        let recorder = process.config.recorder.then_some(ProcessKind::Recorder);
+        let recorder = process.config.services.recorder.then_some(ProcessKind::Recorder);
         let consumers: Vec<ProcessKind> = consumers.iter().copied().chain(recorder).collect();
         PacedOutlet::open(process, self.topic, self.stream, self.sensor_uid, &consumers)
     }

@@ -9,17 +9,18 @@ use crate::engine_time::{self, EngineTimes};
 use crate::figures::{Figures, median};
 use crate::machine::{self, Machine};
 use crate::outputs::Outputs;
+use crate::product::Product;
 use crate::progress::say;
 use crate::recorder::histogram;
 use crate::report::Report;
 use crate::settings::Settings;
 use crate::text;
 
-/// Measures the engine; the rate of `settings` only sets the time between reports. Returns the text to show.
+/// Measures the engine of `product`; the rate of `settings` only sets the time between reports. Returns the text to show.
 ///
 /// # Errors
 /// If the settings are invalid, or a file cannot be written.
-pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
+pub fn run(product: &dyn Product, settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     settings.check_without_cores()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
@@ -35,7 +36,8 @@ pub fn run(settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
     let mut runs: Vec<EngineTimes> = Vec::new();
     let mut single: Histogram<u64> = histogram();
     for number in 1..=settings.runs {
-        let (times, each) = engine_time::measure(settings, settings.rates_per_s[0], settings.seconds, watch)?;
+        let (times, each) =
+            engine_time::measure(product, settings, (settings.rates_per_s[0], settings.seconds), watch)?;
         say(&format!(
             "run {number} of {}: {} per update",
             settings.runs,

@@ -10,11 +10,8 @@
 //! work evicts these tables between updates.
 
 use std::hint::black_box;
-use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use configuration::Config;
-use fusion::Engine;
 use messages::{SystemTrack, TrackState};
 use runtime::Now;
 use runtime::cores::Placement;
@@ -25,6 +22,7 @@ use crate::figures::{Figures, median, range};
 use crate::jitter::reading_ns;
 use crate::measure::WarmUp;
 use crate::pinned;
+use crate::product::{Engine, Product};
 use crate::recorder::histogram;
 use crate::settings::Settings;
 use crate::site::config_text;
@@ -57,20 +55,20 @@ pub struct EngineTimes {
     pub chunks: usize,
 }
 
-/// Measures the engine at `place`; polls `stop` for a request to end.
+/// Measures the engine of `product` at a rate of reports, for some seconds; polls `stop` for a request to end.
 pub(crate) fn measure(
+    product: &dyn Product,
     settings: &Settings,
-    rate_per_s: f64,
-    seconds: f64,
+    (rate_per_s, seconds): (f64, f64),
     watch: impl FnMut() -> anyhow::Result<()>,
 ) -> anyhow::Result<(EngineTimes, hdrhistogram::Histogram<u64>)> {
     let place = Placement {
         core: Some(settings.fusion_core),
         ..settings.bench_place()
     };
-    let config = Config::parse(Path::new("bench.toml"), &config_text(settings, rate_per_s), &[])?;
+    let config = config_text(settings, rate_per_s);
     pinned::run(place, watch, |abort| {
-        let mut run = Run::new(&config, settings, rate_per_s)?;
+        let mut run = Run::new(product.engine(&config)?, settings, rate_per_s);
         let warm_up = run.warm_up();
         let clock = MachineClock;
         let reading_ns = reading_ns(&clock);
@@ -124,7 +122,7 @@ pub(crate) fn measure(
 }
 
 struct Run {
-    engine: Engine,
+    engine: Box<dyn Engine>,
     traffic: Traffic,
     interval_ns: f64,
     start_ns: i64,
@@ -135,10 +133,10 @@ struct Run {
 }
 
 impl Run {
-    fn new(config: &Config, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Self> {
+    fn new(engine: Box<dyn Engine>, settings: &Settings, rate_per_s: f64) -> Self {
         let now = Now::read();
-        Ok(Self {
-            engine: Engine::new(config.fusion.settings.clone())?,
+        Self {
+            engine,
             traffic: Traffic::new(
                 settings.targets,
                 settings.sources,
@@ -151,7 +149,7 @@ impl Run {
             next: 0,
             batch: settings.batch as u64,
             odd: 0,
-        })
+        }
     }
 
     fn report_at(&self, number: u64) -> messages::SensorTrack {

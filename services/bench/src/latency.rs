@@ -12,6 +12,7 @@ use crate::engine_time::{self, EngineTimes};
 use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
 use crate::outputs::Outputs;
+use crate::product::Product;
 use crate::progress::say;
 use crate::report::{Outcome, Point, Report};
 use crate::settings::Settings;
@@ -24,24 +25,24 @@ const KNEE_FACTOR: u64 = 10;
 /// Share of a run for watching the machine alone, and for measuring the engine alone.
 const ASIDE: f64 = 0.5;
 
-/// Measures every rate of `settings`; with `sweep`, up to the knee. Returns the text to show, and the reason if the
+/// Measures `product` at every rate of `settings`; with `sweep`, up to the knee. Returns the text to show, and the reason if the
 /// figures are unreliable.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
-pub fn run(settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<Outcome> {
+pub fn run(product: &dyn Product, settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
-    let site = Site::prepare(settings, &stop)?;
+    let site = Site::prepare(product, settings, &stop)?;
     let first = settings.rates_per_s[0];
     say(&format!(
         "engine alone, {} targets seen by {} sources",
         count(settings.targets.into()),
         settings.sources
     ));
-    let (engine, single) = engine_time::measure(settings, first, settings.seconds, || check(&site))?;
+    let (engine, single) = engine_time::measure(product, settings, (first, settings.seconds), || check(&site))?;
 
     let mut points = Vec::new();
     let mut distributions = Vec::new();

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use bus::{Bus, Held, Root, SharedMemory, Subscriber};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{Health, LifeState, NO_SOURCE};
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::{Instance, hold_topics};
@@ -21,6 +21,7 @@ use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::link::source_name;
+use crate::product::Product;
 use crate::progress;
 use crate::settings::Settings;
 
@@ -52,17 +53,14 @@ pub(crate) struct Site {
 
 impl Site {
     /// Claims an instance and creates its topics.
-    pub(crate) fn prepare(settings: &Settings, stop: &Stop) -> anyhow::Result<Self> {
+    pub(crate) fn prepare(product: &dyn Product, settings: &Settings, stop: &Stop) -> anyhow::Result<Self> {
         remove_left_behind();
         let instance = format!("{INSTANCES}{}", std::process::id());
         let folder = tempfile::Builder::new().prefix(&folder_prefix(&instance)).tempdir();
         let folder = folder.context("making a folder for the configuration")?;
-        let config = write_config(
-            folder.path(),
-            settings,
-            settings.rates_per_s.first().copied().unwrap_or(1.0),
-        )?
-        .1;
+        let rate_per_s = settings.rates_per_s.first().copied().unwrap_or(1.0);
+        let path = write_config(folder.path(), settings, rate_per_s)?;
+        let config: Deployment = product.deployment(&path, &config_text(settings, rate_per_s))?;
         let claimed = Instance::claim(&config, &instance, PROCESSES, stop, progress::say)?;
         // From here on, dropping `site` cleans up after an error.
         let mut site = Self {
@@ -122,7 +120,7 @@ impl Site {
 
     /// Starts fusion for reports at `rate_per_s`, and waits until it runs.
     pub(crate) fn start_fusion(&self, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Fusion<'_>> {
-        let (path, _) = write_config(self.folder.path(), settings, rate_per_s)?;
+        let path = write_config(self.folder.path(), settings, rate_per_s)?;
         let running = self.start("fusion", vec!["fusion".into(), "--config".into(), path.clone().into()])?;
         let mut fusion = Fusion {
             heard: self.hear(running)?,
@@ -332,11 +330,10 @@ fn remove_folders(prefix: &str) {
 }
 
 /// Writes the configuration for reports at `rate_per_s`.
-fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::Result<(PathBuf, Config)> {
+fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::Result<PathBuf> {
     let path = folder.join("bench.toml");
     std::fs::write(&path, config_text(settings, rate_per_s)).with_context(|| format!("writing {}", path.display()))?;
-    let config = Config::read(&path, &[])?;
-    Ok((path, config))
+    Ok(path)
 }
 
 /// Returns the configuration of a deployment whose sources the bench publishes at `rate_per_s` in total.
@@ -381,6 +378,8 @@ pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use configuration::Config;
+
     use super::*;
     use crate::settings::test_settings;
 
@@ -400,7 +399,7 @@ mod tests {
             let config = Config::parse(Path::new("bench.toml"), &config_text(&settings, rate), &[]).unwrap();
             assert_eq!(config.sources.len(), usize::from(sources));
             assert!(config.adapters().is_empty() && !config.is_recorded());
-            fusion::Engine::new(config.fusion.settings).unwrap();
+            fusion::Engine::new(config.engine.clone()).unwrap();
         }
     }
 }

@@ -25,6 +25,7 @@ use crate::link::queues;
 use crate::machine;
 use crate::measure::{self, Measured, Plan};
 use crate::outputs::Outputs;
+use crate::product::Product;
 use crate::progress::say;
 use crate::recorder::STAGES;
 use crate::report::{Outcome, Overload, ProbeFigures, Report, Throughput};
@@ -55,12 +56,17 @@ const OVERFLOWS: f64 = 3.0;
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
-pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow::Result<Outcome> {
+pub fn run(
+    product: &dyn Product,
+    settings: &Settings,
+    probe_seconds: f64,
+    outputs: &Outputs,
+) -> anyhow::Result<Outcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
-    let site = Site::prepare(settings, &stop)?;
+    let site = Site::prepare(product, settings, &stop)?;
     let bench = Bench {
         site: &site,
         settings,
@@ -70,7 +76,7 @@ pub fn run(settings: &Settings, probe_seconds: f64, outputs: &Outputs) -> anyhow
         anyhow::ensure!(!site.stop_requested(), "stopped before the end; no figures are shown");
         Ok(())
     };
-    let (engine, single) = engine_time::measure(settings, START_PER_S, settings.seconds.min(3.0), watch)?;
+    let (engine, single) = engine_time::measure(product, settings, (START_PER_S, settings.seconds.min(3.0)), watch)?;
     say(&format!("engine alone: {} per update", duration(engine.ns_per_update)));
 
     let floor = highest(START_PER_S, LIMIT_PER_S, TOLERANCE, TRIES, |rate| {

@@ -17,6 +17,7 @@ use crate::figures::{Figures, Ratio};
 use crate::links::{Carried, Links};
 use crate::machine::{self, Machine};
 use crate::measure::{self, Plan};
+use crate::product::Product;
 use crate::progress::say;
 use crate::settings::{Flood, Refused, Settings};
 use crate::site::{Fusion, Running, Site};
@@ -83,11 +84,16 @@ struct Watched<'a> {
     carried: &'a [Carried],
 }
 
-/// Measures `settings.runs` pairs. Returns the text to show.
+/// Measures `settings.runs` pairs of runs of `product`. Returns the text to show.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or the file cannot be written.
-pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> anyhow::Result<String> {
+pub fn run(
+    product: &dyn Product,
+    settings: &Settings,
+    with: Extra,
+    json: Option<&std::path::Path>,
+) -> anyhow::Result<String> {
     settings.check()?;
     if let Extra::Flood(factor) = with {
         let flooded = Settings {
@@ -105,7 +111,7 @@ pub fn run(settings: &Settings, with: Extra, json: Option<&std::path::Path>) -> 
     }
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, _) = machine::begin(settings);
-    let site = Site::prepare(settings, &stop)?;
+    let site = Site::prepare(product, settings, &stop)?;
     let plan = Plan {
         rate_per_s: settings.rates_per_s[0],
         seconds: settings.seconds,

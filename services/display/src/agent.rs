@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use bus::{Bus, Payload, Subscriber, Transport};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{
     Alarm, Counter, Cue, Decision, FrameOrigin, Health, OrderState, SensorBearing, SensorDetection, SensorTrack,
     Stream, Streamed as _, SystemTrack, WideArea,
@@ -45,20 +45,18 @@ pub(crate) struct DisplayAgent<S: Transport> {
 }
 
 impl<S: Transport> DisplayAgent<S> {
-    /// Creates the display agent of the deployment `config`; it fills `shared`.
+    /// Creates the display agent of the deployment `config`, which may have operators; it fills `shared`.
     ///
     /// # Errors
     /// If a topic cannot be opened.
     pub(crate) fn new(
-        config: &Config,
+        config: &Deployment,
+        has_operators: bool,
         bus: &Bus<S>,
         incarnation: u64,
-        shared: Arc<Shared>,
-        refused: Arc<Counts>,
+        (shared, refused): (Arc<Shared>, Arc<Counts>),
     ) -> anyhow::Result<Self> {
         let now_ns = || incarnation;
-        let display = config.display.as_ref();
-        let has_operators = display.is_some_and(|display| display.operator_token.is_some());
         let mut agent = Self {
             shared,
             refused,

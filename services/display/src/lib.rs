@@ -30,6 +30,9 @@ mod orders;
 mod pages;
 mod records;
 mod reports;
+mod settings;
+#[cfg(test)]
+mod settings_tests;
 mod shared;
 mod status;
 mod tape;
@@ -43,14 +46,16 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Config, Display, Process};
+use deployment::{Deployment, Process};
+use frames::SystemFrame;
 use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
 use runtime::signals::Stop;
-use web::{Guard, Server, Writer};
+use web::{Guard, HostName, Server, Writer};
 
 use crate::clock::PictureClock;
+pub use crate::settings::{Keys, Settings};
 use crate::shared::Shared;
 use crate::tape::Tape;
 use crate::wire::Past;
@@ -63,40 +68,36 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 ///
 /// # Errors
 /// If the configuration has no display, no port is free, or shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let path = process.config.path.display();
-    let display = process.config.display.as_ref();
-    let display = display.with_context(|| format!("{path}: display.listen is not given"))?;
-    let overlays = overlays(display, &process.options.data);
+    let first = settings.address();
+    first.with_context(|| format!("{path}: display.listen is not given"))?;
+    let overlays = settings.overlays_in(&process.options.data);
     let mut world = World::new(
         &process.options.instance,
         sources(&process.config),
-        display.history_s,
-        display.history_octets,
+        settings.history_s.into(),
+        settings.history_bytes(),
     );
     world.place(&origin(&process.config));
     world.set_clock(PictureClock::of(process.config.is_recorded()));
     let shared = Shared::new(world, overlays, Now::read);
-    let server = serve(display, &shared)?;
-    say(&server, display);
-    let refused = server.counts().clone();
-    let mut agent = agent::DisplayAgent::new(&process.config, &process.bus, process.incarnation, shared, refused)?;
+    let server = serve(settings, &shared)?;
+    say(&server, settings);
+    let sight = (shared, server.counts().clone());
+    let has_operators = settings.operator_token.is_some();
+    let mut agent = agent::DisplayAgent::new(&process.config, has_operators, &process.bus, process.incarnation, sight)?;
     runtime::service::run(process, &mut agent)
 }
 
-/// Returns the paths of the overlays in the folder `data`.
-fn overlays(display: &Display, data: &Path) -> Vec<PathBuf> {
-    display.overlays.iter().map(|file| data.join(file)).collect()
-}
-
-/// Checks that every overlay of the display can be drawn.
+/// Checks that every overlay of the display can be drawn in the system frame `frame`.
 ///
 /// # Errors
 /// A sentence about the first file that is missing or not valid GeoJSON.
-pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
-    let files = config.display.as_ref().map(|display| overlays(display, data));
+pub fn check_overlays(settings: &Settings, frame: &SystemFrame, data: &Path) -> Result<(), String> {
+    let files = settings.address().map(|_| settings.overlays_in(data));
     for (number, path) in files.unwrap_or_default().iter().enumerate() {
-        pages::read_overlay(path, &config.frame).map_err(|error| {
+        pages::read_overlay(path, frame).map_err(|error| {
             let (path, at) = (path.display(), format!("display.overlays[{number}]"));
             format!("{path}: {error}; it is an overlay: name its folder with --data, or correct {at}")
         })?;
@@ -109,22 +110,22 @@ pub fn check_overlays(config: &Config, data: &Path) -> Result<(), String> {
 ///
 /// # Errors
 /// If the recording cannot be read or no port is free.
-pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
+pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
-    let display = Display {
-        listen: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8900),
+    let settings = Settings {
+        listen: Some(SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 8900).to_string()),
         more_ports: 100,
-        hosts: Vec::new(),
-        token: None,
-        operator_token: None,
-        history_s: 600,
-        history_octets: 256_000_000,
-        overlays: Vec::new(),
+        ..Settings::default()
     };
     let mut tape = Tape::open(config, files)?;
     // The real name instead of the link `latest`.
     let name = path.canonicalize()?;
-    let mut world = World::new(&config.name, sources(config), display.history_s, display.history_octets);
+    let mut world = World::new(
+        &config.name,
+        sources(config),
+        settings.history_s.into(),
+        settings.history_bytes(),
+    );
     world.place(&origin(config));
     let span_ns = tape.span_ns();
     world.recording = Some(Recording {
@@ -139,8 +140,8 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
         since_ns: Now::read().mono_ns,
     });
     let shared = Shared::new(world, Vec::new(), Now::read);
-    let server = serve(&display, &shared)?;
-    say(&server, &display);
+    let server = serve(&settings, &shared)?;
+    say(&server, &settings);
     while !stop.requested() {
         {
             let mut world = shared.world();
@@ -156,23 +157,23 @@ pub fn show_recording(config: &Config, path: &Path, files: &[PathBuf]) -> anyhow
 }
 
 /// Serves `shared` on the first free port.
-fn serve(display: &Display, shared: &std::sync::Arc<Shared>) -> anyhow::Result<Server> {
+fn serve(settings: &Settings, shared: &std::sync::Arc<Shared>) -> anyhow::Result<Server> {
     let guard = Guard {
-        hosts: display.hosts.clone(),
-        token: display.token.clone(),
-        writer: display.operator_token.clone().map(|token| Writer {
+        hosts: settings.hosts.iter().map(HostName::in_small_letters).collect(),
+        token: settings.token.clone(),
+        writer: settings.operator_token.clone().map(|token| Writer {
             token,
             path: operator::ORDER,
             login: operator::LOGIN,
         }),
     };
-    let listener = listen(display)?;
+    let listener = listen(settings)?;
     Server::start_on("pages", listener, guard, pages::router(shared.clone())).context("serving pages")
 }
 
-fn listen(display: &Display) -> anyhow::Result<TcpListener> {
-    let first = display.listen;
-    let ports = (u32::from(first.port())..=u32::from(u16::MAX)).take(1 + display.more_ports as usize);
+fn listen(settings: &Settings) -> anyhow::Result<TcpListener> {
+    let first = settings.address().context("display.listen is not given")?;
+    let ports = (u32::from(first.port())..=u32::from(u16::MAX)).take(1 + settings.more_ports as usize);
     let mut refusal = None;
     for port in ports {
         match web::listen(SocketAddr::new(first.ip(), port as u16)) {
@@ -184,15 +185,15 @@ fn listen(display: &Display) -> anyhow::Result<TcpListener> {
 }
 
 /// Prints the address of the display.
-fn say(server: &Server, display: &Display) {
-    let token = display.token.as_ref().map_or("", |_| "?token=…");
+fn say(server: &Server, settings: &Settings) {
+    let token = settings.token.as_ref().map_or("", |_| "?token=…");
     runtime::notice(format_args!(
         "koseki: the picture is at http://{}/{token}",
         server.address()
     ));
 }
 
-fn origin(config: &Config) -> FrameOrigin {
+fn origin(config: &Deployment) -> FrameOrigin {
     let place = config.frame.to_geodetic([0.0; 3]);
     FrameOrigin {
         latitude_deg: place.latitude_deg(),
@@ -201,7 +202,7 @@ fn origin(config: &Config) -> FrameOrigin {
     }
 }
 
-fn sources(config: &Config) -> Vec<SourceFact> {
+fn sources(config: &Deployment) -> Vec<SourceFact> {
     let observed = config.observed_sources().into_iter();
     observed
         .zip(&config.sources)
@@ -209,7 +210,7 @@ fn sources(config: &Config) -> Vec<SourceFact> {
         .collect()
 }
 
-fn fact(observed: observed::Source, source: &configuration::Source) -> SourceFact {
+fn fact(observed: observed::Source, source: &deployment::Source) -> SourceFact {
     SourceFact {
         source: observed,
         kind: match source.technology {

@@ -11,7 +11,7 @@ use std::io::BufReader;
 use std::path::PathBuf;
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use messages::layout::Sample;
 use messages::{
     Alarm, BatchHeader, Cue, Decision, Health, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed as _,
@@ -78,11 +78,11 @@ impl Tape {
     ///
     /// # Errors
     /// If a file cannot be read, or no file holds a system track.
-    pub(crate) fn open(config: &Config, files: &[PathBuf]) -> anyhow::Result<Self> {
+    pub(crate) fn open(config: &Deployment, files: &[PathBuf]) -> anyhow::Result<Self> {
         Self::open_with(config, PictureClock::of(config.is_recorded()), files)
     }
 
-    fn open_with(config: &Config, mut clock: PictureClock, files: &[PathBuf]) -> anyhow::Result<Self> {
+    fn open_with(config: &Deployment, mut clock: PictureClock, files: &[PathBuf]) -> anyhow::Result<Self> {
         let open = |path: &PathBuf| -> Result<_, RecordingError> {
             Chunks::new(BufReader::with_capacity(1 << 18, File::open(path)?))
         };
@@ -254,7 +254,7 @@ fn recorded(utc_ns: i64) -> Now {
 }
 
 /// Returns the displayed topics of the deployment of `config`, by name.
-fn topics(config: &Config) -> BTreeMap<String, Kind> {
+fn topics(config: &Deployment) -> BTreeMap<String, Kind> {
     let streams = config.streams().filter_map(|(id, name)| {
         let topic = match id.stream {
             Stream::SensorTracks => SensorTrack::topic(name).name,
@@ -302,7 +302,7 @@ fn put(world: &mut World, slice: &Slice) {
 
 #[cfg(test)]
 mod tests {
-    use configuration::BUILT_IN_DEMO;
+    use configuration::{BUILT_IN_DEMO, Config};
     use messages::TrackState;
     use messages::layout::Sample as _;
     use recording::{Facts, Writer};

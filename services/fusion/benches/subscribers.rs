@@ -100,7 +100,8 @@ fn drive(reading: usize, stopped: usize, sources: usize, slice: u64) -> (u64, Du
     held.push(bus.hold(&messages::system_tracks()).expect("a topic"));
     held.push(bus.hold(&messages::progress()).expect("a topic"));
     let speed = runtime::Speed::Factor(1.0);
-    let mut agent = FusionAgent::new(&config(sources), speed, &bus, 1, Queues::new(false)).expect("an agent");
+    let config = config(sources);
+    let mut agent = FusionAgent::new(&config, &config.engine, speed, &bus, 1, Queues::new(false)).expect("an agent");
     let publisher = |topic| bus.publisher(topic, 2).expect("a publisher");
     let mut publishers: Vec<Publisher<InProcess, SensorTrack>> = topics.iter().map(publisher).collect();
     let subscriber = |_| bus.subscriber(&messages::system_tracks(), || 1).expect("a subscriber");
@@ -144,7 +145,7 @@ fn drive(reading: usize, stopped: usize, sources: usize, slice: u64) -> (u64, Du
 
 /// The same reports, for the engine alone.
 fn drive_engine(sources: usize) -> (u64, Duration) {
-    let mut engine = Engine::new(config(sources).fusion.settings).expect("an engine");
+    let mut engine = Engine::new(config(sources).engine).expect("an engine");
     let (mut reports, mut spent) = (0, Duration::ZERO);
     let turns = TARGETS * sources as u64;
     for scan in 0..STEADY.end {

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
-use configuration::{Config, ReportOrder, Source};
+use deployment::{Deployment, ReportOrder, Source};
 use fusion::suspects::Verdict;
-use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Sink as _};
+use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Settings, Sink as _};
 use messages::{
     BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
     SensorTrack, Stream, StreamId, TrackState,
@@ -80,13 +80,13 @@ impl<S: Transport> Ready<S> {
     /// # Errors
     /// If a setting is invalid or a topic cannot be opened.
     pub(crate) fn new(
-        config: &Config,
-        speed: Speed,
-        core: Option<usize>,
+        config: &Deployment,
+        settings: &Settings,
+        (speed, core): (Speed, Option<usize>),
         bus: &Bus<S>,
         incarnation: u64,
     ) -> anyhow::Result<Self> {
-        let mut waiter = bus.waiter(config.fusion.wait);
+        let mut waiter = bus.waiter(config.fusion.wait_mode());
         if core.is_some() {
             waiter = waiter.without_yielding();
         }
@@ -95,7 +95,7 @@ impl<S: Transport> Ready<S> {
             waiter.watch(bus, &messages::progress())?;
         }
         Ok(Self {
-            engine: Engine::new(config.fusion.settings.clone())?,
+            engine: Engine::new(settings.clone())?,
             inputs,
             waiter,
         })
@@ -103,19 +103,20 @@ impl<S: Transport> Ready<S> {
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Creates fusion of `config` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
+    /// Creates fusion of `config` with the engine of `settings` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
     /// monotonic start time. Orders come from `queues`, and decisions go there.
     ///
     /// # Errors
     /// If a setting is invalid or a topic cannot be opened.
     pub fn new(
-        config: &Config,
+        config: &Deployment,
+        settings: &Settings,
         speed: Speed,
         bus: &Bus<S>,
         incarnation: u64,
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
-        let ready = Ready::new(config, speed, config.fusion.placement.core, bus, incarnation)?;
+        let ready = Ready::new(config, settings, (speed, config.fusion.core), bus, incarnation)?;
         Self::begin(ready, config, bus, (incarnation, incarnation), queues)
     }
 
@@ -125,7 +126,7 @@ impl<S: Transport> FusionAgent<S> {
     /// If a topic cannot be opened.
     pub(crate) fn begin(
         ready: Ready<S>,
-        config: &Config,
+        config: &Deployment,
         bus: &Bus<S>,
         (incarnation, epoch): (u64, u64),
         queues: Arc<Queues>,
@@ -153,7 +154,7 @@ impl<S: Transport> FusionAgent<S> {
             waiter,
             round: Vec::with_capacity(inputs.len()),
             look_at: 0,
-            merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.fusion.queue)),
+            merger: (config.order == ReportOrder::Time).then(|| Merger::new(streams.len(), config.system_tracks.queue)),
             reached: recorded.then(reached).transpose()?,
             inputs,
             end_sent: false,

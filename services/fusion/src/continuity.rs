@@ -12,7 +12,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bus::{Outlasting, Root, Transport};
-use configuration::Checkpoint;
 use fusion::checkpoint::{Clock, IN_WORK, Layout, Memory as _, Snapshot};
 use fusion::numbering::anew;
 use fusion::suspects::{Suspects, Verdict, report_key};
@@ -69,9 +68,9 @@ enum Predecessor {
 
 impl Start {
     /// Looks for the checkpoint of the previous fusion, which no longer writes.
-    pub(crate) fn look(root: &Root, settings: Checkpoint, engine: &Engine, now: Now) -> Self {
+    pub(crate) fn look(root: &Root, max_age_ns: i64, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
-        let found = find(root, settings, &layout, now);
+        let found = find(root, max_age_ns, &layout, now);
         let last = match &found {
             Predecessor::Tracks { snapshot, .. } => snapshot.clock().map_or(0, |clock| clock.epoch),
             _ => 0,
@@ -180,7 +179,7 @@ impl Start {
     }
 }
 
-fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predecessor {
+fn find(root: &Root, max_age_ns: i64, layout: &Layout, now: Now) -> Predecessor {
     let refused = |reason: String| {
         let aside = root.put_outlasting_aside(CHECKPOINT);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
@@ -192,7 +191,7 @@ fn find(root: &Root, settings: Checkpoint, layout: &Layout, now: Now) -> Predece
         Ok(Some(memory)) => match Snapshot::read(memory.words(), layout) {
             Ok(snapshot) => {
                 let age_ns = snapshot.clock().map(|clock| now.utc_ns.saturating_sub(clock.utc_ns));
-                let ends = age_ns.is_none_or(|age_ns| age_ns > settings.max_age_ns);
+                let ends = age_ns.is_none_or(|age_ns| age_ns > max_age_ns);
                 let suspects = Suspects::found(memory.words(), &snapshot);
                 if suspects.has_quarantined() {
                     // The state before the report, to reproduce the fault.

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
-use configuration::Config;
+use deployment::Deployment;
 use fusion::ReportNumber;
 use fusion::checkpoint::Position;
 use messages::{BatchHeader, Counter, Counters, SensorTrack};
@@ -70,7 +70,7 @@ impl<S: Transport> Input<S> {
     /// Opens the topics of all sources, in the order of their numbers, watched by `waiter`. Recordings are replayed
     /// at `speed`.
     pub(crate) fn open_all(
-        config: &Config,
+        config: &Deployment,
         speed: Speed,
         bus: &Bus<S>,
         incarnation: u64,

@@ -29,8 +29,8 @@ pub use agent::FusionAgent;
 
 use std::sync::Arc;
 
-use bus::WaitMode;
-use configuration::Process;
+use deployment::{Process, WaitWord};
+use fusion::Settings;
 use runtime::cores::Placement;
 use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
@@ -44,36 +44,36 @@ const REST: Rest = Rest {
     for_ns: 60_000,
 };
 
-/// Runs fusion until every source has ended or a stop is requested.
+/// Runs fusion with the engine of `settings` until every source has ended or a stop is requested.
 ///
 /// # Errors
 /// If the machine refuses a required setting, or shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     let config = &process.config;
     let fusion = &config.fusion;
     let queues = Queues::new(fusion.decisions);
     // One entry for the process as a whole, and one for each source.
     let entries_max = 1 + config.sources.len();
-    let standby = config.standby();
-    let lock = standby.map(|_| LeadLock::open(process)).transpose()?;
+    let has_standby = config.has_standby();
+    let lock = has_standby.then(|| LeadLock::open(process)).transpose()?;
     // With a standby, each fusion starts as a standby: `fusion.core` belongs to the leader.
-    let placement = match standby {
-        Some(standby) => Placement {
-            core: standby.core,
-            ..fusion.placement
+    let placement = match has_standby {
+        true => Placement {
+            core: fusion.standby_core,
+            ..fusion.placement()
         },
-        None => fusion.placement,
+        false => fusion.placement(),
     };
     // Before this thread takes its core: threads inherit core and priority.
-    let housekeeper = Housekeeper::start(process, fusion.placement.core, entries_max, Arc::clone(&queues))?;
-    let mut part = FusionPart::new(process, lock, queues, Now::read())?;
+    let housekeeper = Housekeeper::start(process, fusion.core, entries_max, Arc::clone(&queues))?;
+    let mut part = FusionPart::new(process, settings, lock, queues, Now::read())?;
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");
         runtime::notice(format_args!("warning: {refused}; going on without"));
         housekeeper.set_note(refused);
     }
-    let hardly_sleeps = fusion.wait != WaitMode::Event && fusion.placement.realtime_priority.is_some();
+    let hardly_sleeps = fusion.wait != WaitWord::Event && fusion.realtime_priority.is_some();
     let rest = hardly_sleeps.then_some(REST).filter(|_| fusion.rests);
     runtime::service::run_apart(process, &mut part, rest, housekeeper)
 }

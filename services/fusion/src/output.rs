@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::{Config, ReportOrder};
+use deployment::{Deployment, ReportOrder};
 use fusion::Sink;
 use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::{boot_identity, mono_ns};
@@ -61,13 +61,13 @@ impl<S: Transport> Sink for Output<S> {
 impl<S: Transport> Output<S> {
     /// Sets the epoch of states.
     pub(crate) fn new(
-        config: &Config,
+        config: &Deployment,
         bus: &Bus<S>,
         (incarnation, epoch): (u64, u64),
         queues: Arc<Queues>,
     ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
-        let follow = config.is_recorded() && config.recorder;
+        let follow = config.is_recorded() && config.services.recorder;
         let flow = || {
             Flow::new(
                 bus,
@@ -77,9 +77,8 @@ impl<S: Transport> Output<S> {
                 &[ProcessKind::Recorder],
             )
         };
-        let settings = &config.fusion.settings;
         // The ends of all tracks at once fit too.
-        let room = topic.capacity.slice_len + settings.capacity.system_tracks();
+        let room = topic.capacity.slice_len + config.system_tracks.max;
         let boot = boot_identity();
         let own = || -> anyhow::Result<_> {
             Ok(OwnTracks {
@@ -93,11 +92,11 @@ impl<S: Transport> Output<S> {
         Ok(Self {
             publisher: bus.publisher(&topic, incarnation)?.with_epoch(epoch).of_boot(boot),
             waiting: Vec::with_capacity(room),
-            own: settings.exchange.then(own).transpose()?,
+            own: config.system_tracks.exchange.then(own).transpose()?,
             flow: follow.then(flow).transpose()?,
             origin: config.origin,
             deadline_ns: match config.order {
-                ReportOrder::Arrival => config.fusion.deadline_ns,
+                ReportOrder::Arrival => config.fusion.deadline_ns(),
                 // Reports wait for each other by intention: none is late.
                 ReportOrder::Time => i64::MAX,
             },

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::SharedMemory;
-use configuration::Process;
+use deployment::Process;
+use fusion::Settings;
 use messages::ProcessKind;
 use runtime::cores;
 use runtime::housekeeping::Queues;
@@ -41,21 +42,22 @@ impl<'a> FusionPart<'a> {
     /// If a setting is invalid, or a topic cannot be opened.
     pub(crate) fn new(
         process: &'a Process,
+        settings: &Settings,
         lock: Option<LeadLock>,
         queues: Arc<Queues>,
         now: Now,
     ) -> anyhow::Result<Self> {
         let (config, speed) = (&process.config, process.options.speed);
-        let core = config.fusion.placement.core;
-        let ready = Ready::new(config, speed, core, &process.bus, process.incarnation)?;
+        let core = config.fusion.core;
+        let ready = Ready::new(config, settings, (speed, core), &process.bus, process.incarnation)?;
         let mut part = Self {
             process,
             queues,
             state: State::Changes,
         };
-        match config.standby().zip(lock) {
-            Some((settings, lock)) => {
-                let standby = Standby::new(process, settings, lock, ready, now);
+        match lock {
+            Some(lock) => {
+                let standby = Standby::new(process, config.fusion.takeover_ns(), lock, ready, now);
                 part.state = State::StandsBy(Box::new(standby));
                 part.call(standby::NAME);
             }
@@ -79,8 +81,8 @@ impl<'a> FusionPart<'a> {
         let Process { config, bus, .. } = self.process;
         let incarnation = self.process.incarnation;
         // Recorded samples are sent again.
-        let kept = config.fusion.checkpoint.filter(|_| !config.is_recorded());
-        let start = kept.map(|settings| Start::look(bus.root(), settings, &ready.engine, now));
+        let kept = config.checkpoint.max_age_ns().filter(|_| !config.is_recorded());
+        let start = kept.map(|max_age_ns| Start::look(bus.root(), max_age_ns, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
             // There is one start, and room for it.
@@ -110,7 +112,7 @@ impl FusionPart<'_> {
     /// If the core is required and refused. A fusion that takes over continues without the core.
     fn take_core(&self, take_over: TakeOver) -> anyhow::Result<()> {
         let fusion = &self.process.config.fusion;
-        let refused = match (fusion.placement.core, fusion.standby.and_then(|standby| standby.core)) {
+        let refused = match (fusion.core, fusion.standby_core.filter(|_| fusion.standby)) {
             (Some(core), _) => cores::pin_to(core),
             (None, Some(_)) => cores::unpin(),
             (None, None) => Ok(()),

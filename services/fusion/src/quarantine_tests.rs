@@ -75,9 +75,9 @@ impl Site {
     /// A fusion that resumes from what the one before has left.
     fn start(&self) -> FusionAgent<SharedMemory> {
         let (config, bus, now) = (&self.config, &self.bus, self.now);
-        let ready = Ready::new(config, Speed::Factor(1.0), None, bus, 1).unwrap();
-        let settings = config.fusion.checkpoint.unwrap();
-        let start = Start::look(bus.root(), settings, &ready.engine, now);
+        let ready = Ready::new(config, &config.engine, (Speed::Factor(1.0), None), bus, 1).unwrap();
+        let max_age_ns = config.checkpoint.max_age_ns().unwrap();
+        let start = Start::look(bus.root(), max_age_ns, &ready.engine, now);
         let mut agent = FusionAgent::begin(ready, config, bus, (1, start.epoch), Arc::clone(&self.queues)).unwrap();
         agent.resume(start, TakeOver::default(), now).unwrap();
         agent

@@ -7,7 +7,7 @@
 //! first time when the first slice was sent, and runs as fast as the replay. At the greatest speed there is none; then
 //! time passes to where all recordings say that they have got.
 
-use configuration::{Input, Source};
+use deployment::{Input, Source};
 use estimation::SourceClock;
 use runtime::{Now, Speed};
 

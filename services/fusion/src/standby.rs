@@ -28,7 +28,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
-use configuration::{Process, Standby as Settings};
+use deployment::Process;
 use fusion::checkpoint::{Clock, Layout, clock_of, position_of};
 use runtime::Now;
 use runtime::clock::mono_ns;
@@ -79,7 +79,7 @@ impl LeadLock {
 /// Standby fusion.
 #[derive(Debug)]
 pub(crate) struct Standby {
-    settings: Settings,
+    takeover_ns: i64,
     lock: LeadLock,
     ready: Ready<SharedMemory>,
     layout: Layout,
@@ -123,7 +123,7 @@ impl Standby {
     /// Creates the standby with all that is `ready`.
     pub(crate) fn new(
         process: &Process,
-        settings: Settings,
+        takeover_ns: i64,
         lock: LeadLock,
         ready: Ready<SharedMemory>,
         now: Now,
@@ -134,7 +134,7 @@ impl Standby {
             0
         };
         Self {
-            settings,
+            takeover_ns,
             lock,
             layout: ready.engine.checkpoint_layout(),
             ready,
@@ -199,7 +199,7 @@ impl Standby {
         leader.clock = clock;
         let begins = now.mono_ns.saturating_sub(leader.since_ns) < COURTESY.as_nanos() as i64;
         let least_ns = if begins { BEGINS.as_nanos() as i64 } else { 0 };
-        if self.still_ns >= self.settings.takeover_ns.max(least_ns) && !self.killed {
+        if self.still_ns >= self.takeover_ns.max(least_ns) && !self.killed {
             self.killed = true;
             // Fails only if the process has ended, as intended.
             let _ = pidfd_send_signal(&leader.process, Signal::KILL);
@@ -224,7 +224,7 @@ impl Standby {
         // none: then the kernel's list of locks decides.
         let lives = |memory: &Outlasting| {
             let noted = clock_of(memory.words(), &self.layout).map_or(0, |clock| clock.turn_ns);
-            mono_ns().saturating_sub(noted) < self.settings.takeover_ns
+            mono_ns().saturating_sub(noted) < self.takeover_ns
         };
         let leads = || leading_fusion(process.bus.root()) == Some(clock.process_id);
         if let Some(process) = opened.filter(|_| lives(&memory) || leads()) {

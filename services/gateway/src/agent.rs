@@ -5,7 +5,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use asterix::registry;
 use bus::{Bus, Payload, Subscriber, Transport, WaitMode, Waiter};
-use configuration::{Config, Gateway, GatewayContent, Source};
+use deployment::{Deployment, Source};
 use messages::{Alarm, BatchHeader, Counter, Health, SensorTrack, SystemTrack, Topic, TrackState, sensor_track_bits};
 use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
@@ -14,6 +14,7 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 use crate::schedule::Schedule;
 use crate::selection::Selection;
 use crate::sensor_states::SensorStates;
+use crate::settings::{Content as Sent, Settings};
 
 /// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
@@ -85,21 +86,23 @@ impl<S: Transport> GatewayAgent<S> {
     ///
     /// # Errors
     /// If the socket or a topic cannot be opened.
-    pub(crate) fn new(config: &Config, gateway: &Gateway, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
-        let sender =
-            UdpSender::open(&gateway.sender).with_context(|| format!("sending to {}", gateway.sender.destination))?;
+    pub(crate) fn new(config: &Deployment, gateway: &Settings, bus: &Bus<S>, incarnation: u64) -> anyhow::Result<Self> {
+        let sender = UdpSender::open(&gateway.sender());
+        let sender = sender.with_context(|| format!("sending to {}", gateway.send_to.0))?;
+        let table = gateway.table()?;
         let mut waiter = bus.waiter(WaitMode::Event);
         let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
-        let user = (gateway.refresh_ns, Selection::new(gateway, config.frame));
-        let content = match gateway.content {
-            GatewayContent::SystemTracks | GatewayContent::OwnTracks => {
+        let user = (gateway.refresh_s.ns(), Selection::new(gateway, config.frame));
+        let what = gateway.content(config)?;
+        let content = match what {
+            Sent::Fused | Sent::Own => {
                 let sources: Vec<SystemSource> = config.sources.iter().map(system_source).collect();
-                let capacity = config.fusion.settings.capacity.system_tracks();
-                let reports = SystemReports::new(gateway.table, sac, sic, config.frame, &sources, block_bytes)?
+                let capacity = config.system_tracks.max;
+                let reports = SystemReports::new(table, sac, sic, config.frame, &sources, block_bytes)?
                     .with_height(gateway.heights)
                     .with_tracks(capacity);
-                let topic = match gateway.content {
-                    GatewayContent::OwnTracks => messages::own_tracks(),
+                let topic = match what {
+                    Sent::Own => messages::own_tracks(),
                     _ => messages::system_tracks(),
                 };
                 waiter.watch(bus, &topic)?;
@@ -109,10 +112,9 @@ impl<S: Transport> GatewayAgent<S> {
                 let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
                 Content::System(Box::new(picture), Box::new(status))
             }
-            GatewayContent::SensorTracks(number) => {
-                let source = &config.sources[usize::from(number)];
+            Sent::OfSource(source) => {
                 let model = &source.model;
-                let reports = SensorReports::new(gateway.table, sac, sic, model.frame, model.system, block_bytes)?
+                let reports = SensorReports::new(table, sac, sic, model.frame, model.system, block_bytes)?
                     .with_height(gateway.heights);
                 let topic = messages::sensor_tracks(&source.name);
                 waiter.watch(bus, &topic)?;
@@ -129,7 +131,7 @@ impl<S: Transport> GatewayAgent<S> {
             sender,
             waiter,
             status: gateway.status.clone(),
-            status_ns: gateway.status_ns,
+            status_ns: gateway.status_s.ns(),
             next_status_ns: i64::MIN,
         })
     }

@@ -5,13 +5,14 @@ use std::time::Duration;
 
 use asterix::{Mode, NamedRecord, Value, blocks, registry};
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
-use configuration::Config;
+use configuration::ConfigWith;
 use messages::{Counter, Health, LifeState, ProcessKind, SystemTrack, TrackState};
 use runtime::{Agent as _, HealthEntry, Now};
 use tempfile::TempDir;
 use test_support::S;
 
 use crate::agent::GatewayAgent;
+use crate::settings::Keys;
 
 const LOAD: &str = include_str!("../../../config/load.toml");
 
@@ -48,7 +49,7 @@ impl Bench {
             .replace("refresh_s = 0.0", "refresh_s = 1.0");
         let path = folder.path().join("gateway.toml");
         std::fs::write(&path, text).unwrap();
-        let config = Config::read(&path, &overrides).unwrap();
+        let config = ConfigWith::<Keys>::read(&path, &overrides).unwrap();
         let root = Root::in_base(folder.path(), "test").unwrap();
         let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
         let held = (
@@ -58,7 +59,7 @@ impl Bench {
             bus.hold(&messages::alarms()).unwrap(),
         );
         Self {
-            gateway: GatewayAgent::new(&config, &config.gateways[0], &bus, 1).unwrap(),
+            gateway: GatewayAgent::new(&config, &config.parts.gateways[0], &bus, 1).unwrap(),
             user,
             now_ns: 100 * S,
             health: bus.publisher(&messages::health(), 1).unwrap(),

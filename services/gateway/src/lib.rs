@@ -12,16 +12,21 @@ mod agent_tests;
 mod schedule;
 mod selection;
 mod sensor_states;
+mod settings;
+#[cfg(test)]
+mod settings_tests;
 
 use anyhow::Context as _;
-use configuration::Process;
+use deployment::Process;
 
-/// Runs the gateway named in `process` until a stop request.
+pub use settings::{Area, Destination, Keys, Settings};
+
+/// Runs the gateway of `keys` named in `process` until a stop request.
 ///
 /// # Errors
 /// If the configuration has no such gateway, if the socket cannot be opened, or if shared memory fails.
-pub fn run(process: &Process) -> anyhow::Result<()> {
-    let gateway = process.config.gateway(&process.name).with_context(|| {
+pub fn run(process: &Process, keys: &Keys) -> anyhow::Result<()> {
+    let gateway = keys.gateway(&process.name).with_context(|| {
         let path = process.config.path.display();
         format!("{path}: no gateway is named \"{}\"", process.name)
     })?;

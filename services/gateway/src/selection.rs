@@ -1,7 +1,8 @@
 //! Selection of tracks for a user: an area and a range of flight levels.
 
-use configuration::{Area, Gateway};
 use frames::SystemFrame;
+
+use crate::settings::{Area, Settings};
 
 /// Area and flight levels of a user.
 #[derive(Clone, Debug)]
@@ -13,7 +14,7 @@ pub(crate) struct Selection {
 
 impl Selection {
     /// Returns the selection of the user of `gateway`, for tracks in `frame`.
-    pub(crate) fn new(gateway: &Gateway, frame: SystemFrame) -> Self {
+    pub(crate) fn new(gateway: &Settings, frame: SystemFrame) -> Self {
         Self {
             frame,
             area: gateway.area,
@@ -40,7 +41,7 @@ impl Selection {
 }
 
 fn is_in(area: &Area, latitude_deg: f64, longitude_deg: f64) -> bool {
-    let ([south, north], [west, east]) = (area.latitude_deg, area.longitude_deg);
+    let (south, north, west, east) = (area.south_deg, area.north_deg, area.west_deg, area.east_deg);
     let between = if west <= east {
         (west..=east).contains(&longitude_deg)
     } else {
@@ -67,8 +68,10 @@ mod tests {
     #[test]
     fn a_track_counts_where_it_is_and_on_its_level() {
         let area = Area {
-            latitude_deg: [49.9, 50.1],
-            longitude_deg: [9.9, 10.1],
+            south_deg: 49.9,
+            north_deg: 50.1,
+            west_deg: 9.9,
+            east_deg: 10.1,
         };
         let both = selection(Some(area), Some([50.0, 200.0]));
         let level_100 = 10_000.0 * 0.3048;
@@ -85,8 +88,10 @@ mod tests {
     #[test]
     fn an_area_may_lie_across_the_antimeridian() {
         let area = Area {
-            latitude_deg: [-20.0, 20.0],
-            longitude_deg: [170.0, -170.0],
+            south_deg: -20.0,
+            north_deg: 20.0,
+            west_deg: 170.0,
+            east_deg: -170.0,
         };
         let inside = [175.0, -175.0, 180.0, -180.0].map(|longitude_deg| is_in(&area, 0.0, longitude_deg));
         assert_eq!(inside, [true; 4]);

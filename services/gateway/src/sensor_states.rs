@@ -9,9 +9,8 @@
 //! bias from the reports: before, the estimate may be due to chance.
 
 use alarms::AlarmKind;
-use configuration::Config;
+use deployment::Deployment;
 use messages::{Alarm, AlarmSeverity, registration_bits};
-use observed::Deployment;
 use outgoing::{
     Condition, SendBlock, SensorBiases, SensorStatus, ServiceEvent, StatusReports, SystemStatus, Technology,
 };
@@ -20,7 +19,7 @@ use runtime::Now;
 /// States of fusion and of the sensors of all sources, in the order of the sources' numbers.
 #[derive(Debug)]
 pub(crate) struct SensorStates {
-    pub(crate) observed: Deployment,
+    pub(crate) observed: observed::Deployment,
     /// Condition sent last, once the system has been operational.
     condition: Option<Condition>,
     /// Value that changes whenever tracks are numbered anew.
@@ -37,7 +36,7 @@ struct Sensor {
 }
 
 impl SensorStates {
-    pub(crate) fn new(config: &Config) -> Self {
+    pub(crate) fn new(config: &Deployment) -> Self {
         let sensors = config.sources.iter().map(|source| Sensor {
             number: source.number,
             // A sensor without SAC and SIC is identified by its number.
@@ -45,7 +44,7 @@ impl SensorStates {
             primary: source.technology == Technology::Primary,
         });
         Self {
-            observed: Deployment::new(config.observed_sources()),
+            observed: observed::Deployment::new(config.observed_sources()),
             condition: None,
             renumbered: false,
             sensors: sensors.collect(),
@@ -111,7 +110,7 @@ impl SensorStates {
 
 impl Sensor {
     /// Returns the state of the sensor at `now_ns` (monotonic).
-    fn at(&self, observed: &Deployment, now_ns: i64) -> SensorStatus {
+    fn at(&self, observed: &observed::Deployment, now_ns: i64) -> SensorStatus {
         let own = observed
             .alarms(now_ns)
             .iter()
@@ -136,7 +135,7 @@ impl Sensor {
         }
     }
 
-    fn biases(&self, observed: &Deployment) -> SensorBiases {
+    fn biases(&self, observed: &observed::Deployment) -> SensorBiases {
         let learned = observed.book().registration(self.number);
         let known = |bit, value| learned.removes(bit).then_some(value);
         SensorBiases {
@@ -152,7 +151,7 @@ impl Sensor {
 mod tests {
     use std::path::Path;
 
-    use configuration::BUILT_IN_DEMO;
+    use configuration::{BUILT_IN_DEMO, Config};
     use messages::{BatchHeader, Counter, Health, LifeState, NO_SOURCE, ProcessKind};
 
     use super::*;

@@ -1,9 +1,36 @@
 //! `koseki bench`: runs a measurement, and prints the results.
 
-use bench_service::Outcome;
+use std::path::Path;
+
+use bench_service::{Outcome, Product};
+use deployment::Deployment;
+use messages::{SensorTrack, SystemTrack};
 
 use crate::args::Bench;
+use crate::config::Config;
 use crate::print;
+
+/// This executable, as the product under test.
+struct Itself;
+
+impl Product for Itself {
+    fn deployment(&self, path: &Path, text: &str) -> anyhow::Result<Deployment> {
+        Ok(Config::parse(path, text, &[])?.deployment)
+    }
+
+    fn engine(&self, text: &str) -> anyhow::Result<Box<dyn bench_service::Engine>> {
+        let config = Config::parse(Path::new("bench.toml"), text, &[])?;
+        Ok(Box::new(Engine(fusion::Engine::new(config.engine)?)))
+    }
+}
+
+struct Engine(fusion::Engine);
+
+impl bench_service::Engine for Engine {
+    fn take(&mut self, report: &SensorTrack, changed: &mut dyn FnMut(&SystemTrack)) {
+        self.0.take(report, &mut |track: &SystemTrack| changed(track));
+    }
+}
 
 /// Runs a measurement.
 ///
@@ -13,19 +40,19 @@ pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
     match what {
         Bench::Latency(latency) => {
             let (settings, sweep, outputs) = latency.orders();
-            show(&bench_service::latency(&settings, sweep, &outputs)?)
+            show(&bench_service::latency(&Itself, &settings, sweep, &outputs)?)
         }
         Bench::Throughput(throughput) => {
             let (settings, probe_seconds, outputs) = throughput.orders();
-            show(&bench_service::throughput(&settings, probe_seconds, &outputs)?)
+            show(&bench_service::throughput(&Itself, &settings, probe_seconds, &outputs)?)
         }
         Bench::Engine(engine) => {
             let (settings, outputs) = engine.orders();
-            print(&bench_service::engine(&settings, &outputs)?)
+            print(&bench_service::engine(&Itself, &settings, &outputs)?)
         }
         Bench::Watch(watch) => {
             let (settings, with, json) = watch.orders();
-            print(&bench_service::watch(&settings, with, json.as_deref())?)
+            print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)
         }
         Bench::Compare(compare) => print(&bench_service::compare(&compare.before, &compare.after, compare.force)?),
     }

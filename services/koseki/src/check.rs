@@ -4,20 +4,19 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use bus::WaitMode;
-use configuration::{
-    Config, Input, Monitor, MonitorWait, ReportOrder, Source, TrackFeed, WideAreaInput, WideAreaSensor,
-};
+use deployment::{Input, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput, WideAreaSensor};
+use monitor::MonitorWait;
 use offline::Usage;
 use scenario::ScenarioSettings;
 use serde_json::{Value, json};
 use sources::TrackerSettings;
-use telemetry::Stage;
 use telemetry::table::duration;
+use telemetry::{Deadlines, Stage};
 use tracking::cutting::Boundaries;
 use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
+use crate::config::Config;
 use crate::recordings::{self, Depth, Found};
 
 /// Nanoseconds in a second.
@@ -33,7 +32,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
     let config = Config::read(&check.config, &check.set)?;
     let data = args::data_folder(check.data.clone());
     let found = recordings::inspect(&config, &data, Depth::Records)?;
-    display::check_overlays(&config, &data).map_err(Usage)?;
+    display::check_overlays(config.parts.display(), &config.frame, &data).map_err(Usage)?;
     let free_bytes = bus::free_space().ok();
     if check.json {
         let summary = json(&check.config, &config, &found, free_bytes);
@@ -44,7 +43,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
 
 /// The summary for programs.
 fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> Value {
-    let settings = &config.fusion.settings;
+    let settings = &config.engine;
     let source = |source: &Source| {
         let found = found.iter().find(|found| found.source == source.number);
         json!({
@@ -69,8 +68,10 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
             "text": describe_wide_area(sensor, config),
         })
     };
+    let monitor = config.parts.monitor();
+    let deadlines_of_monitor = monitor.configured_deadlines(&config.fusion);
     let deadline_us = |stage: Stage| {
-        let deadline_ns = config.monitor.deadlines.get(stage)?;
+        let deadline_ns = deadlines_of_monitor.get(stage)?;
         Some((stage.key(), deadline_ns as f64 / 1e3))
     };
     let warnings = settings.doubtful_lifetimes().into_iter().map(|doubt| doubt.to_string());
@@ -91,16 +92,16 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
         "capacity": {
             "system_tracks": settings.capacity.system_tracks(),
             "sensor_tracks": settings.capacity.sensor_tracks(),
-            "waiting_reports_per_source": config.fusion.queue,
+            "waiting_reports_per_source": config.system_tracks.queue,
         },
         "monitor": {
-            "interval_s": config.monitor.interval_ns as f64 / NS as f64,
-            "files": config.monitor.files,
-            "wait": watching(&config.monitor),
+            "interval_s": monitor.interval_s.ns() as f64 / NS as f64,
+            "files": monitor.files,
+            "wait": watching(monitor.waiting(&config.fusion)),
             "deadline_us": Stage::ALL.into_iter().filter_map(deadline_us).collect::<BTreeMap<_, _>>(),
-            "metrics": config.monitor.metrics.map(|address| address.to_string()),
+            "metrics": monitor.metrics().map(|address| address.to_string()),
         },
-        "recorder": config.recorder,
+        "recorder": config.parts.recorder().enabled,
         "shared_memory": {
             "needed_bytes": launcher::needed_bytes(config),
             "free_bytes": free_bytes,
@@ -113,9 +114,9 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
 /// Returns the time between two reports of a target by the source, seconds; `None` if the source's adapter measures
 /// it.
 fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f64> {
-    let period_ns = match source.tracker() {
+    let period_ns = match config.tracker(source.number) {
         Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
-        None => Some(config.fusion.settings.sources[usize::from(source.number)].period_ns),
+        None => Some(config.engine.sources[usize::from(source.number)].period_ns),
     };
     Some(period_ns? as f64 / NS as f64)
 }
@@ -125,8 +126,8 @@ fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
     let Some(period_s) = period_s(source, config, found) else {
         return "every antenna turn, with a duration measured by the adapter".to_owned();
     };
-    let is_configured = source
-        .tracker()
+    let is_configured = config
+        .tracker(source.number)
         .is_none_or(|tracker| tracker.cutter.period_ns.is_some());
     match found.and_then(|found| found.turn).filter(|_| !is_configured) {
         Some(turn) => format!("every {} s, as {} show", digits(period_s), shown_by(turn.basis)),
@@ -138,7 +139,7 @@ fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
 fn doubtful_periods<'a>(config: &'a Config, found: &'a [Found]) -> impl Iterator<Item = String> + 'a {
     found.iter().filter_map(|found| {
         let source = &config.sources[usize::from(found.source)];
-        let (configured_ns, turn) = (source.tracker()?.cutter.period_ns?, found.turn?);
+        let (configured_ns, turn) = (config.tracker(found.source)?.cutter.period_ns?, found.turn?);
         let configured_s = configured_ns as f64 / NS as f64;
         let turn_s = turn.ns as f64 / NS as f64;
         ((turn_s / configured_s).ln().abs() > PERIOD_DOUBT).then(|| {
@@ -177,7 +178,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
         ReportOrder::Arrival => "in order of arrival (live)",
         ReportOrder::Time => "in order of time (the result does not depend on speed)",
     };
-    let settings = &config.fusion.settings;
+    let settings = &config.engine;
     row("deployment", config.name.clone());
     row("fusion", format!("rule {}, {order}", settings.rule.name.0.word()));
     row("", format!("waits by {}, {}", wait(config.fusion.wait), place(config)));
@@ -188,24 +189,28 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
             "{} system tracks, {} sensor tracks, {} waiting reports per source",
             capacity.system_tracks(),
             capacity.sensor_tracks(),
-            config.fusion.queue
+            config.system_tracks.queue
         ),
     );
-    let (monitor, seconds) = (&config.monitor, config.monitor.interval_ns as f64 / NS as f64);
+    let monitor = config.parts.monitor();
+    let seconds = monitor.interval_s.ns() as f64 / NS as f64;
     let files = if monitor.files { "with files" } else { "without files" };
     row(
         "monitor",
-        format!("a table every {seconds} s, {files}; {}", watching(monitor)),
+        format!(
+            "a table every {seconds} s, {files}; {}",
+            watching(monitor.waiting(&config.fusion))
+        ),
     );
     let late = match config.order {
-        ReportOrder::Arrival => format!("deadline: {}", deadlines(monitor)),
+        ReportOrder::Arrival => format!("deadline: {}", deadlines(monitor.configured_deadlines(&config.fusion))),
         ReportOrder::Time => "nothing is late: reports wait for each other by intention".to_owned(),
     };
     row("", late);
-    if let Some(address) = monitor.metrics {
+    if let Some(address) = monitor.metrics() {
         row("", format!("metrics for Prometheus at http://{address}/metrics"));
     }
-    let recorder = if config.recorder { "on" } else { "off" };
+    let recorder = if config.parts.recorder().enabled { "on" } else { "off" };
     row("recorder", recorder.to_owned());
     let regions = &settings.border.regions;
     if !regions.is_empty() {
@@ -272,12 +277,14 @@ fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
             )
         }
     };
-    let tracked = source.tracker().map_or("", |tracker| match tracker.cutter.boundaries {
-        Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
-        Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
-    });
-    let links = source
-        .tracker()
+    let tracked = config
+        .tracker(source.number)
+        .map_or("", |tracker| match tracker.cutter.boundaries {
+            Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
+            Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
+        });
+    let links = config
+        .tracker(source.number)
         .map_or_else(String::new, |tracker| links(tracker, source, config));
     format!("{}, {period}: {input}{tracked}{links}", source.name)
 }
@@ -339,16 +346,16 @@ fn describe_wide_area(sensor: &WideAreaSensor, config: &Config) -> String {
     format!("{}: {input}; {heard} listens to it", sensor.name)
 }
 
-fn wait(mode: WaitMode) -> &'static str {
-    match mode {
-        WaitMode::Spin => "spinning",
-        WaitMode::Event => "sleeping",
-        WaitMode::Hybrid { .. } => "spinning, then sleeping",
+fn wait(word: WaitWord) -> &'static str {
+    match word {
+        WaitWord::Spin => "spinning",
+        WaitWord::Event => "sleeping",
+        WaitWord::Hybrid => "spinning, then sleeping",
     }
 }
 
-fn watching(monitor: &Monitor) -> String {
-    match monitor.wait {
+fn watching(wait: MonitorWait) -> String {
+    match wait {
         MonitorWait::Event => "woken for each slice of system tracks".to_owned(),
         MonitorWait::Poll { pause } => format!(
             "looks every {} ms, so transport out is not measured",
@@ -357,8 +364,8 @@ fn watching(monitor: &Monitor) -> String {
     }
 }
 
-fn deadlines(monitor: &Monitor) -> String {
-    let of = |stage: Stage| Some((stage, monitor.deadlines.get(stage)?));
+fn deadlines(deadlines: Deadlines) -> String {
+    let of = |stage: Stage| Some((stage, deadlines.get(stage)?));
     let words = Stage::ALL
         .into_iter()
         .filter_map(of)
@@ -367,7 +374,7 @@ fn deadlines(monitor: &Monitor) -> String {
 }
 
 fn place(config: &Config) -> String {
-    let place = config.fusion.placement;
+    let place = config.fusion.placement();
     let mut words = vec![match place.core {
         Some(core) => format!("on core {core}"),
         None => "on any core".to_owned(),

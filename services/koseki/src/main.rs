@@ -2,7 +2,7 @@
 //!
 //! The crates of the services contain the processes. This crate contains the command line ([`args`]), the check of
 //! recordings against the configuration ([`recordings`]), and commands: questions ([`check`], [`mod@doctor`],
-//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`mod@torture`]), orders ([`order`]), files for the
+//! [`status`], [`top`]), measurements ([`mod@bench`]), faults ([`tested`]), orders ([`order`]), files for the
 //! machine ([`mod@generate`]), and work on files ([`mod@recording_info`], [`decode`], [`encode`], [`bearings`],
 //! [`send`]). Commands on tables are in [`offline`].
 //!
@@ -16,6 +16,7 @@ mod args;
 mod bearings;
 mod bench;
 mod check;
+mod config;
 mod decode;
 mod doctor;
 mod encode;
@@ -32,8 +33,8 @@ mod replay;
 mod send;
 mod status;
 mod tap;
+mod tested;
 mod top;
-mod torture;
 
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
@@ -43,13 +44,15 @@ use std::time::Duration;
 use anyhow::Context as _;
 use clap::Parser as _;
 use clap::error::ErrorKind;
-use configuration::{BUILT_IN_DEMO, Config, Process};
+use configuration::BUILT_IN_DEMO;
+use deployment::Process;
 use launcher::Orders;
 use messages::ProcessKind;
 use offline::{Host, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
+use config::Config;
 use recordings::{Depth, RecordingError};
 
 /// Exit code of a failure while running.
@@ -112,7 +115,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Up(up) => {
             let (config, options) = args::deployment(&up.config, up.shared)?;
             recordings::inspect(&config, &options.data, Depth::Blocks)?;
-            display::check_overlays(&config, &options.data).map_err(Usage)?;
+            display::check_overlays(config.parts.display(), &config.frame, &options.data).map_err(Usage)?;
             launch(&config, options, up.seconds)
         }
         Command::Check(check) => check::run(&check),
@@ -130,32 +133,42 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Condition(condition) => order::condition(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),
-        Command::OnTables(command) => command.run(&Terminal::default()),
+        Command::OnTables(command) => command.run(&Terminal::reading(config::read)),
         Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Send(send) => send::run(&send),
-        Command::Torture(torture) => torture::run(&torture),
+        Command::Torture(torture) => tested::run(&torture),
         Command::Bench(what) => bench::run(what),
         Command::BenchRelay(relay) => bench_service::relay::run(&relay.options()),
-        Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, launcher::keeper::run),
-        Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, adapter::run),
-        Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, fusion_service::run),
-        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, monitor::run),
-        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process| {
-            recorder::run(process, args::VERSION)
+        Command::Keeper(serve) => run_service(ProcessKind::Keeper, serve, |process, _| launcher::keeper::run(process)),
+        Command::Adapter(serve) => run_service(ProcessKind::Adapter, serve, |process, config| {
+            adapter::run(process, &config.processing)
         }),
-        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, gateway::run),
+        Command::Fusion(serve) => run_service(ProcessKind::Fusion, serve, |process, config| {
+            fusion_service::run(process, &config.engine)
+        }),
+        Command::Monitor(serve) => run_service(ProcessKind::Monitor, serve, |process, config| {
+            monitor::run(process, config.parts.monitor())
+        }),
+        Command::Recorder(serve) => run_service(ProcessKind::Recorder, serve, |process, config| {
+            recorder::run(process, config.parts.recorder(), args::VERSION)
+        }),
+        Command::Gateway(serve) => run_service(ProcessKind::Gateway, serve, |process, config| {
+            gateway::run(process, &config.parts.gateway)
+        }),
         Command::Link(serve) => link::run(serve),
         Command::Display(args::Display { recording, serve }) => match serve {
-            Some(serve) => run_service(ProcessKind::Display, serve, display::run),
+            Some(serve) => run_service(ProcessKind::Display, serve, |process, config| {
+                display::run(process, config.parts.display())
+            }),
             None => replay::show(&recording.unwrap_or_default()),
         },
-        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, simulator::run),
+        Command::Simulator(serve) => run_service(ProcessKind::Simulator, serve, |process, _| simulator::run(process)),
     }
 }
 
 /// Creates the folder of recordings and tests writing there, before several processes fail for this reason.
 fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
-    if !config.recorder && !config.monitor.files {
+    if !config.parts.recorder().enabled && !config.parts.monitor().files {
         return Ok(());
     }
     let out = options.out.display();
@@ -172,14 +185,14 @@ fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
     instances::named(&options.instance)?;
     make_out_folder(config, &options)?;
-    launcher::run(config, &Orders { options, run_for })
+    launcher::run(config, config.parts.launcher(), &Orders { options, run_for })
 }
 
 /// Runs one process of a deployment.
 fn run_service(
     kind: ProcessKind,
     serve: Serve,
-    service: impl FnOnce(&Process) -> anyhow::Result<()>,
+    service: impl FnOnce(&Process, &Config) -> anyhow::Result<()>,
 ) -> anyhow::Result<()> {
     let (config, mut options) = args::deployment(&serve.config, serve.shared)?;
     options.launcher = serve.launcher;
@@ -191,8 +204,8 @@ fn run_service(
         }
         _ => error.context(name.clone()),
     };
-    let process = Process::connect(config, options, kind, &name).map_err(named)?;
-    service(&process).map_err(named)
+    let process = Process::connect(config.deployment.clone(), options, kind, &name).map_err(named)?;
+    service(&process, &config).map_err(named)
 }
 
 /// Adapters, gateways and links have configured names; other processes may have any name, by default the name of
@@ -201,7 +214,13 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
     let names: Vec<&str> = match kind {
         ProcessKind::Adapter => config.adapters(),
         ProcessKind::Link => config.links.iter().map(|link| link.name.as_str()).collect(),
-        ProcessKind::Gateway => config.gateways.iter().map(|gateway| gateway.name.as_str()).collect(),
+        ProcessKind::Gateway => config
+            .parts
+            .gateway
+            .gateways
+            .iter()
+            .map(|gateway| gateway.name.as_str())
+            .collect(),
         _ => return Ok(given.unwrap_or_else(|| kind.word().to_owned())),
     };
     let (kind, path) = (kind.word(), config.path.display());
@@ -225,6 +244,7 @@ fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = offline::is_refused(error)
         || error.is::<RecordingError>()
         || error.is::<bench_service::Refused>()
+        || error.is::<torture::Refused>()
         || error.is::<launcher::ChildRefused>();
     match () {
         () if refused => CODE_REFUSED,

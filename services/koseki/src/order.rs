@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use anyhow::bail;
 use bus::{Bus, OrderPort, Root, SharedMemory};
-use configuration::Config;
 use formats::rows::Utc;
 use messages::{NO_SOURCE, NS_PER_S, Order, OrderKind, OrderState, OrderStatus, Parameter};
 use offline::Usage;
@@ -17,6 +16,7 @@ use serde_json::{Value, json};
 use telemetry::table::{Align, Table};
 
 use crate::args::{Condition, GiveOrder};
+use crate::config::Config;
 use crate::instances;
 
 /// Time to wait for the answer: with a standby, a take-over fits.

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 use anyhow::Context as _;
 use asterix::registry;
-use configuration::Config;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
 use offline::{OutputFile, Usage, check_outputs};
@@ -15,6 +14,7 @@ use recorder::Tables;
 use recording::{Facts, Item};
 
 use crate::args::RecordingExport;
+use crate::config::Config;
 use crate::recording_foxglove::Pictures;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};
@@ -85,9 +85,9 @@ impl Blocks {
         });
         let sources: Vec<_> = sources.collect();
         // With the settings of this deployment's gateway, if present.
-        let of_tracks = |gateway: &&configuration::Gateway| gateway.table.number == SYSTEM_TRACKS;
-        let gateway = config.gateways.iter().find(of_tracks);
-        let table = gateway.map_or(table, |gateway| gateway.table);
+        let of_tracks = |gateway: &&gateway::Settings| gateway.source.is_none();
+        let gateway = config.parts.gateway.gateways.iter().find(of_tracks);
+        let table = gateway.map_or(Ok(table), gateway::Settings::table)?;
         let (sac, sic) = gateway.map_or((0, 0), |gateway| (gateway.sac, gateway.sic));
         let reports = SystemReports::new(table, sac, sic, config.frame, &sources, BLOCK_OCTETS_MAX)?;
         Ok(Self {

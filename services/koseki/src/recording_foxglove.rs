@@ -6,7 +6,6 @@
 
 use std::collections::BTreeMap;
 
-use configuration::Config;
 use frames::SystemFrame;
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
@@ -15,6 +14,8 @@ use messages::{SystemTrack, TrackState};
 use offline::OutputFile;
 use recording::Item;
 use serde_json::{Value, json};
+
+use crate::config::Config;
 
 /// Time between two pictures, nanoseconds.
 const PERIOD_NS: i64 = 1_000_000_000;

@@ -12,17 +12,19 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
-use configuration::{Config, Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
+use deployment::{Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
 use formats::sbs::{Line, Merger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
-use sources::{Pipeline, Processing, Samples};
+use sources::{Pipeline, Processing, Samples, TrackerSettings};
 use tracking::turn_time::Turn;
 use tracking::wide_area::arrivals::Arrivals;
+
+use crate::config::Config;
 
 /// Thoroughness of a look.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,7 +110,8 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
             .map_err(|error| key.unreadable(&error))
             .and_then(|bytes| {
                 let looked = look(&bytes, recorded, &key, depth)?;
-                let turn = (depth == Depth::Records).then(|| turn(&bytes, recorded, source));
+                let turn =
+                    (depth == Depth::Records).then(|| turn(&bytes, recorded, source, config.tracker(source.number)));
                 Ok(Found {
                     turn: turn.flatten(),
                     ..looked
@@ -268,8 +271,8 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
 }
 
 /// Turn of the antenna that a recording shows, found as the source's adapter finds it.
-fn turn(bytes: &[u8], recorded: &Recorded, source: &Source) -> Option<Turn> {
-    let mut tracker = source.tracker()?.clone();
+fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<Turn> {
+    let mut tracker = tracker?.clone();
     tracker.cutter.period_ns = None;
     let processing = Processing::Detections(Box::new(tracker));
     let mut pipeline = Pipeline::new(source.model, &processing, 0, Arrivals::new()).ok()?;
@@ -356,6 +359,7 @@ fn categories(numbers: &[u8], last: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
 
     const EDITION_10: &str = "source[0].recorded.editions={ \"10\" = \"1.1\" }";
 

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use bus::{Bus, BusError, Instance, Root, SharedMemory};
-use configuration::Config;
 use messages::{Counter, OrderState, ProcessKind};
 use observed::{AlarmRow, ChildState, Deployment, HealthBook, Latest, NO_MESSAGE, Process, remark};
 use runtime::clock::{instant, mono_ns};
@@ -16,6 +15,7 @@ use serde::Serialize;
 use telemetry::table::{Align, Table};
 
 use crate::args::Status;
+use crate::config::Config;
 use crate::{instances, order};
 
 /// How long to listen: health messages come five times a second.

@@ -3,7 +3,7 @@
 use std::ops::{Deref, DerefMut};
 use std::time::{Duration, Instant};
 
-use configuration::Config;
+use deployment::Deployment;
 use messages::ProcessKind;
 use runtime::clock::instant;
 
@@ -23,7 +23,7 @@ pub(crate) struct Children(Vec<Child>);
 
 impl Children {
     /// Creates the children of `config`; none is started.
-    pub(crate) fn of(config: &Config) -> Self {
+    pub(crate) fn of(config: &Deployment) -> Self {
         let child = |part: Part| {
             let backoff = backoff(&part, config);
             Child::new(part, backoff)
@@ -168,10 +168,10 @@ impl DerefMut for Children {
 
 /// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
 /// end.
-fn backoff(part: &Part, config: &Config) -> Backoff {
-    match (part.kind, config.fusion.checkpoint) {
-        (ProcessKind::Fusion, Some(checkpoint)) => {
-            Backoff::with_longest(Duration::from_nanos(checkpoint.max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
+fn backoff(part: &Part, config: &Deployment) -> Backoff {
+    match (part.kind, config.checkpoint.max_age_ns()) {
+        (ProcessKind::Fusion, Some(max_age_ns)) => {
+            Backoff::with_longest(Duration::from_nanos(max_age_ns.max(0) as u64) / PAUSES_PER_AGE)
         }
         _ => Backoff::new(),
     }

@@ -3,13 +3,13 @@
 //! The keeper makes copies in a separate thread, every few seconds, from memory still in use. At its start, the
 //! launcher restores missing memory from the copies; an orderly end removes them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::Root;
-use configuration::Durable;
 
 use crate::say;
 
@@ -22,16 +22,16 @@ pub(crate) struct Copying {
 }
 
 impl Copying {
-    /// Copies what the processes at `root` keep.
+    /// Copies what the processes at `root` keep into `folder`, once in the time `every`.
     ///
     /// # Errors
     /// If there is no thread for it.
-    pub(crate) fn start(root: Root, durable: Durable) -> anyhow::Result<Self> {
+    pub(crate) fn start(root: Root, folder: PathBuf, every: Duration) -> anyhow::Result<Self> {
         let (end, ended) = channel();
         let work = move || {
             let mut fails = false;
-            while ended.recv_timeout(durable.every) == Err(RecvTimeoutError::Timeout) {
-                match root.copy_outlasting(&durable.folder) {
+            while ended.recv_timeout(every) == Err(RecvTimeoutError::Timeout) {
+                match root.copy_outlasting(&folder) {
                     Ok(()) => fails = false,
                     Err(error) if !fails => {
                         fails = true;

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, SharedMemory, Subscriber};
-use configuration::Process;
+use deployment::Process;
 use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -42,8 +42,8 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
     let folder = process.bus.root().path();
     let written = process.config.write_into(folder);
     written.with_context(|| format!("writing the configuration into {}", folder.display()))?;
-    let durable = process.config.durable.clone();
-    let copying = durable.map(|durable| Copying::start(process.bus.root().clone(), durable));
+    let copies = process.config.checkpoint.copies();
+    let copying = copies.map(|(folder, every)| Copying::start(process.bus.root().clone(), folder, every));
     let _copying = copying.transpose()?;
     let topic = messages::health();
     let mut keeper = Keeper {

@@ -48,6 +48,7 @@ mod part;
 mod preflight;
 mod records;
 mod service_manager;
+mod settings;
 mod supervisor;
 mod suspicion;
 mod wake;
@@ -55,11 +56,12 @@ mod wake;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use runtime::instance::{self, Instance};
 use runtime::signals::Stop;
 use runtime::{Now, Options};
 
+pub use settings::{Keys, Settings};
 pub use supervisor::ChildRefused;
 
 /// Options of a run.
@@ -78,29 +80,32 @@ pub struct Orders {
 /// # Errors
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
 /// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
-pub fn run(config: &Config, orders: &Orders) -> anyhow::Result<()> {
+pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
     let instance = Instance::claim(config, &orders.options.instance, processes, &stop, say)?;
     let root = instance.root().clone();
+    let copies = config.checkpoint.copies();
     let result = preflight::check(config)
-        .and_then(|()| match &config.durable {
-            Some(durable) => durable::revive(&root, &durable.folder),
+        .and_then(|()| match &copies {
+            Some((folder, _)) => durable::revive(&root, folder),
             None => Ok(()),
         })
         .and_then(|()| with_records(config, orders.clone()))
-        .and_then(|orders| supervisor::Supervisor::new(config, &orders, &instance, stop, wake)?.run());
+        .and_then(|orders| {
+            supervisor::Supervisor::new((config, settings.watchdog()), &orders, &instance, stop, wake)?.run()
+        });
     let cleared = instance.clear();
-    if let Some(durable) = &config.durable {
-        root.remove_copies(&durable.folder);
+    if let Some((folder, _)) = &copies {
+        root.remove_copies(folder);
     }
     result.and(cleared)
 }
 
 /// Returns the options with a folder for this start in place of the requested folder, if any file is written.
-fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
-    if config.recorder || config.monitor.files {
+fn with_records(config: &Deployment, mut orders: Orders) -> anyhow::Result<Orders> {
+    if config.services.recorder || config.services.monitor_files {
         let out = &mut orders.options.out;
         *out = records::begin(out, Now::read().utc_ns)?;
         say(&format!("this start writes to {}", out.display()));
@@ -109,7 +114,7 @@ fn with_records(config: &Config, mut orders: Orders) -> anyhow::Result<Orders> {
 }
 
 /// Returns the maximum size of a deployment in shared memory, bytes.
-pub fn needed_bytes(config: &Config) -> u64 {
+pub fn needed_bytes(config: &Deployment) -> u64 {
     instance::needed_bytes(config, part::parts(config).len())
 }
 

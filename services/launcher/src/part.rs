@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use configuration::Config;
+use deployment::Deployment;
 use messages::{NO_SOURCE, ProcessKind};
 use runtime::{Options, Speed};
 
@@ -54,17 +54,17 @@ pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
 ];
 
 /// Returns the processes of a deployment, in the order of the start.
-pub(crate) fn parts(config: &Config) -> Vec<Part> {
+pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
     let service = Part::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
-    parts.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
-    let gateways = config.gateways.iter().map(|gateway| &gateway.name);
+    parts.extend(config.services.recorder.then(|| service(ProcessKind::Recorder)));
+    let gateways = config.services.gateways.iter().map(|gateway| &gateway.name);
     parts.extend(gateways.map(|name| Part::named(ProcessKind::Gateway, name)));
     let links = config.links.iter().map(|link| &link.name);
     parts.extend(links.map(|name| Part::named(ProcessKind::Link, name)));
-    parts.extend(config.display.iter().map(|_| service(ProcessKind::Display)));
+    parts.extend(config.services.display.then(|| service(ProcessKind::Display)));
     parts.push(Part::leader());
-    parts.extend(config.standby().map(|_| Part {
+    parts.extend(config.has_standby().then(|| Part {
         name: STANDBY.to_owned(),
         ..service(ProcessKind::Fusion)
     }));
@@ -73,7 +73,7 @@ pub(crate) fn parts(config: &Config) -> Vec<Part> {
     parts
 }
 
-fn adapter(config: &Config, name: &str) -> Part {
+fn adapter(config: &Deployment, name: &str) -> Part {
     let mut sources = config.sources.iter().filter(|source| source.adapter == name);
     let required = sources.clone().any(|source| source.required);
     let source = match (sources.next(), sources.next()) {
@@ -152,12 +152,13 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use configuration::BUILT_IN_DEMO;
+    use configuration::{BUILT_IN_DEMO, Config};
 
     #[test]
     fn keeper_and_monitor_start_first_and_stop_last() {
-        let overrides = ["recorder.enabled=true".to_owned()];
-        let config = Config::read(Path::new(BUILT_IN_DEMO), &overrides).unwrap();
+        let mut config = Config::read(Path::new(BUILT_IN_DEMO), &[]).unwrap().deployment;
+        // As the keys of recorder and display would say.
+        (config.services.recorder, config.services.display) = (true, true);
         let kinds: Vec<ProcessKind> = parts(&config).iter().map(|part| part.kind).collect();
         use ProcessKind::{Adapter, Display, Fusion, Keeper, Monitor, Recorder};
         assert_eq!(kinds[..6], [Keeper, Monitor, Recorder, Display, Fusion, Adapter]);

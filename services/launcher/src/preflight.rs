@@ -5,7 +5,7 @@
 //! program may hold the port only for a moment, and an interface may come up; a required source is the exception.
 
 use anyhow::bail;
-use configuration::{Config, Transport};
+use deployment::{Deployment, Transport};
 use net::{UdpReceiver, UdpSender};
 
 use crate::say;
@@ -14,7 +14,7 @@ use crate::say;
 ///
 /// # Errors
 /// If an unavailable socket belongs to a required source.
-pub(crate) fn check(config: &Config) -> anyhow::Result<()> {
+pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
     for receiver in &config.receivers {
         // Ports at the deployment's own loopback address are its own; a server may start at any time.
         let Transport::Udp(settings) = &receiver.transport else {
@@ -30,7 +30,7 @@ pub(crate) fn check(config: &Config) -> anyhow::Result<()> {
         }
         say(&format!("{what}; it is tried again until it works"));
     }
-    for gateway in &config.gateways {
+    for gateway in &config.services.gateways {
         if let Err(error) = UdpSender::open(&gateway.sender) {
             say(&format!(
                 "gateway {}: {error}; it is tried again until it works",

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use bus::Unborn;
-use configuration::Config;
+use deployment::Deployment;
 use messages::{LifeState, ProcessKind};
 use runtime::clock::{instant, mono_ns};
 use runtime::instance::Instance;
@@ -44,7 +44,9 @@ pub struct ChildRefused {
 /// Children of one deployment.
 #[derive(Debug)]
 pub(crate) struct Supervisor<'a> {
-    config: &'a Config,
+    config: &'a Deployment,
+    /// Time after which a child without a sign of life is replaced.
+    watchdog: Duration,
     orders: &'a Orders,
     instance: &'a Instance,
     executable: PathBuf,
@@ -105,7 +107,7 @@ impl<'a> Supervisor<'a> {
     /// # Errors
     /// If the executable cannot be found.
     pub(crate) fn new(
-        config: &'a Config,
+        (config, watchdog): (&'a Deployment, Duration),
         orders: &'a Orders,
         instance: &'a Instance,
         stop: Stop,
@@ -114,6 +116,7 @@ impl<'a> Supervisor<'a> {
         let now = instant();
         Ok(Self {
             config,
+            watchdog,
             orders,
             instance,
             executable: std::env::current_exe().context("finding the executable")?,
@@ -203,7 +206,7 @@ impl<'a> Supervisor<'a> {
 
     /// Takes the keeper's message and looks for hung children. Returns whether a child has recovered.
     fn listen(&mut self, now: Instant) -> bool {
-        let limit = self.config.watchdog;
+        let limit = self.watchdog;
         let mut heard = Heard::default();
         let mut has_looked = false;
         while let Some(more) = self.keeper.as_ref().and_then(Link::hear::<Heard>) {

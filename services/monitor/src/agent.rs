@@ -4,15 +4,18 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, Subscriber, Transport, WaitMode, Waiter};
-use configuration::{Config, MonitorWait};
+use deployment::Deployment;
 use messages::{FrameOrigin, Health, SystemTrack};
 use runtime::{Agent, HealthEntry, Now, Options, Turn};
+
+use web::HostName;
 
 use crate::alarm_desk::AlarmDesk;
 use crate::files::Files;
 use crate::metrics::Metrics;
 use crate::report::AlarmReport;
 use crate::screen::Screen;
+use crate::settings::{MonitorWait, Settings};
 use crate::survey::Survey;
 
 /// Maximum number of slices taken in one turn: the length of the queue.
@@ -102,7 +105,7 @@ impl<S: Transport> MonitorAgent<S> {
     /// If a topic cannot be opened or a file cannot be created.
     /// If a topic cannot be opened or a file not be made.
     pub fn new(
-        config: &Config,
+        (config, settings): (&Deployment, &Settings),
         options: &Options,
         name: &str,
         bus: &Bus<S>,
@@ -110,7 +113,7 @@ impl<S: Transport> MonitorAgent<S> {
         screen: Screen,
     ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
-        let waiting = Waiting::new(config.monitor.wait, bus)?;
+        let waiting = Waiting::new(settings.waiting(&config.fusion), bus)?;
         let now_ns = || clock().mono_ns as u64;
         let (states, health) = (
             bus.subscriber(&topic, now_ns)?,
@@ -123,13 +126,18 @@ impl<S: Transport> MonitorAgent<S> {
             other => options.out.join(other),
         };
         let files = || Files::create(&folder, begun.utc_ns);
-        let survey = Survey::new(config, options, name, begun)?;
+        let survey = Survey::new((config, settings), options, name, begun)?;
+        let hosts: Vec<String> = settings
+            .prometheus_hosts
+            .iter()
+            .map(HostName::in_small_letters)
+            .collect();
         let serve = |address| {
             let begin = survey.snapshot(begun, states.counts());
-            Metrics::serve(address, &config.monitor.metrics_hosts, begin).map_err(|error| format!("{error:#}"))
+            Metrics::serve(address, &hosts, begin).map_err(|error| format!("{error:#}"))
         };
         Ok(Self {
-            metrics: config.monitor.metrics.map(serve),
+            metrics: settings.metrics().map(serve),
             survey,
             states,
             health,
@@ -140,13 +148,13 @@ impl<S: Transport> MonitorAgent<S> {
                 height_m: origin.height_m(),
             },
             origin_due_ns: i64::MIN,
-            alarms: AlarmDesk::new(config, name, &folder, bus, begun)?,
+            alarms: AlarmDesk::new((config, settings), name, &folder, bus, begun)?,
             waiting,
             clock,
             screen,
-            files: config.monitor.files.then(files).transpose()?,
+            files: settings.files.then(files).transpose()?,
             begun,
-            interval_ns: config.monitor.interval_ns,
+            interval_ns: settings.interval_s.ns(),
         })
     }
 

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use alarms::{AlarmKind, Board, History, RateLimit};
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
 use crate::conditions::{Conditions, Sight};
 use crate::machine::{Machine, Room, is_gone};
+use crate::settings::Settings;
 use crate::survey::Survey;
 
 /// Period of evaluation and publication, nanoseconds.
@@ -37,12 +38,18 @@ impl<S: Transport> AlarmDesk<S> {
     ///
     /// # Errors
     /// If the topic cannot be opened.
-    pub(crate) fn new(config: &Config, name: &str, folder: &Path, bus: &Bus<S>, begun: Now) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        (config, settings): (&Deployment, &Settings),
+        name: &str,
+        folder: &Path,
+        bus: &Bus<S>,
+        begun: Now,
+    ) -> anyhow::Result<Self> {
         let publish = || bus.publisher(&messages::alarms(), begun.mono_ns as u64);
-        let writes = config.recorder || config.monitor.files;
+        let writes = config.services.recorder || settings.files;
         Ok(Self {
             board: Board::default(),
-            conditions: Conditions::new(config, name, folder.display().to_string(), begun),
+            conditions: Conditions::new((config, settings.alarms), name, folder.display().to_string(), begun),
             machine: Machine {
                 folder: writes.then(|| folder.to_owned()),
             },

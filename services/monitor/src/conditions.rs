@@ -4,7 +4,6 @@
 //! …) and reports its findings for the round. The board decides on raising and clearing.
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, Usual, above, below};
-use configuration::Config;
 use messages::{BatchHeader, Counter, LifeState, NO_SOURCE, ProcessKind, Registration, SystemTrack};
 use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::Now;
@@ -162,7 +161,12 @@ const ERRORS: [SourceError; 5] = [
 
 impl Conditions {
     /// Creates the conditions of the deployment of `config`, with files in `folder`.
-    pub(crate) fn new(config: &Config, own_name: &str, folder: String, begun: Now) -> Self {
+    pub(crate) fn new(
+        (config, limits): (&deployment::Deployment, Limits),
+        own_name: &str,
+        folder: String,
+        begun: Now,
+    ) -> Self {
         let watched = |facts| Watched {
             facts,
             usual: [Usual::default(); ERRORS.len()],
@@ -171,7 +175,7 @@ impl Conditions {
         };
         let sources: Vec<Watched> = config.observed_sources().into_iter().map(watched).collect();
         Self {
-            limits: config.monitor.alarms,
+            limits,
             own_name: own_name.to_owned(),
             folder,
             silence: Silence::new(sources.len(), begun.mono_ns),

@@ -62,6 +62,9 @@ mod metrics;
 mod report;
 mod report_text;
 mod screen;
+mod settings;
+#[cfg(test)]
+mod settings_tests;
 mod shares;
 mod survey;
 mod text;
@@ -73,17 +76,18 @@ pub use agent::{Clock, MonitorAgent};
 pub use observed::{Process, State, TrackCounts};
 pub use report::{AlarmReport, Hop, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict};
 pub use screen::Screen;
+pub use settings::{Keys, MonitorWait, Settings};
 
 /// Runs the monitor until a stop request.
 ///
 /// # Errors
 /// If a file cannot be written or shared memory fails.
-pub fn run(process: &configuration::Process) -> anyhow::Result<()> {
+pub fn run(process: &deployment::Process, settings: &Settings) -> anyhow::Result<()> {
     let say = |line: &str| {
         runtime::notice(format_args!("koseki: {}: {line}", process.name));
     };
     let mut agent = MonitorAgent::new(
-        &process.config,
+        (&process.config, settings),
         &process.options,
         &process.name,
         &process.bus,

@@ -4,12 +4,12 @@
 
 use std::collections::BTreeMap;
 
-use bus::{SubscriberCounts, WaitMode};
-use configuration::{Config, Input, MonitorWait, ReportOrder};
+use bus::SubscriberCounts;
+use deployment::{Input, ReportOrder};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
 use observed::{Deployment, Process, Source, State, process_title as title};
 use runtime::{Now, Options, Speed};
-use telemetry::{Buckets, Deadlines, Journey, JourneyEnd, Span, Stage};
+use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage};
 
 use crate::display::overview::Overview;
 use crate::exposition::{Counted, Snapshot, StageSample};
@@ -17,6 +17,7 @@ use crate::report::{
     AlarmReport, Hop, Losses, NOT_MEASURED, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
     SourceStageReport, StageReport, Verdict,
 };
+use crate::settings::{MonitorWait, Settings};
 use crate::truth_watch::TruthWatch;
 use crate::verdict;
 
@@ -39,17 +40,22 @@ impl Survey {
     ///
     /// # Errors
     /// If the simulated world cannot be made.
-    pub(crate) fn new(config: &Config, options: &Options, name: &str, begun: Now) -> anyhow::Result<Self> {
-        let settings = run_settings(config, options);
+    pub(crate) fn new(
+        (config, monitor): (&deployment::Deployment, &Settings),
+        options: &Options,
+        name: &str,
+        begun: Now,
+    ) -> anyhow::Result<Self> {
+        let settings = run_settings(config, monitor, options);
         let observed = Deployment::new(config.observed_sources())
             .observed_since(begun.mono_ns)
-            .with_latencies(journey(config), settings.latencies_measured);
+            .with_latencies(journey(config, monitor), settings.latencies_measured);
         Ok(Self {
             settings,
             name: name.to_owned(),
             observed,
             expected: expected(config, name),
-            has_recorder: config.recorder,
+            has_recorder: config.services.recorder,
             begun,
             truth: TruthWatch::new(config, options, begun.utc_ns)?,
         })
@@ -345,23 +351,19 @@ impl Survey {
 }
 
 /// Stages that are measured, and how far they go.
-fn journey(config: &Config) -> Journey {
+fn journey(config: &deployment::Deployment, monitor: &Settings) -> Journey {
     Journey {
-        end: match config.monitor.wait {
+        end: match monitor.waiting(&config.fusion) {
             MonitorWait::Event => JourneyEnd::Received,
             MonitorWait::Poll { .. } => JourneyEnd::Published,
         },
-        deadlines: match config.order {
-            ReportOrder::Arrival => config.monitor.deadlines,
-            // Reports wait for each other by intention: nobody is late.
-            ReportOrder::Time => Deadlines::default(),
-        },
+        deadlines: monitor.deadlines(config),
         ..Journey::default()
     }
 }
 
 /// The processes of a deployment, the monitor called `monitor` last.
-fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
+fn expected(config: &deployment::Deployment, monitor: &str) -> Vec<(ProcessKind, String)> {
     let service = |kind: ProcessKind| (kind, kind.word().to_owned());
     let adapters = config
         .adapters()
@@ -370,6 +372,7 @@ fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
     let mut expected: Vec<(ProcessKind, String)> = adapters.collect();
     expected.push(service(ProcessKind::Fusion));
     let gateways = config
+        .services
         .gateways
         .iter()
         .map(|gateway| (ProcessKind::Gateway, gateway.name.clone()));
@@ -377,7 +380,7 @@ fn expected(config: &Config, monitor: &str) -> Vec<(ProcessKind, String)> {
     let links = config.links.iter().map(|link| (ProcessKind::Link, link.name.clone()));
     expected.extend(links);
     expected.extend(config.is_simulated().then(|| service(ProcessKind::Simulator)));
-    expected.extend(config.recorder.then(|| service(ProcessKind::Recorder)));
+    expected.extend(config.services.recorder.then(|| service(ProcessKind::Recorder)));
     expected.push((ProcessKind::Monitor, monitor.to_owned()));
     expected
 }
@@ -391,7 +394,7 @@ fn restarts(processes: &[Process]) -> Restarts {
     }
 }
 
-fn run_settings(config: &Config, options: &Options) -> RunSettings {
+fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &Options) -> RunSettings {
     let count = |of: fn(&Input) -> bool| config.sources.iter().filter(|source| of(&source.input)).count();
     let recorded = count(|input| matches!(input, Input::Recorded(_)));
     let simulated = count(|input| matches!(input, Input::Simulated(_)));
@@ -402,16 +405,12 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
     RunSettings {
         deployment: config.name.clone(),
         instance: options.instance.clone(),
-        rule: config.fusion.settings.rule.name.0.word().to_owned(),
+        rule: config.system_tracks.rule.word().to_owned(),
         order: match config.order {
             ReportOrder::Arrival => "arrival",
             ReportOrder::Time => "time",
         },
-        wait: match config.fusion.wait {
-            WaitMode::Spin => "spin",
-            WaitMode::Event => "event",
-            WaitMode::Hybrid { .. } => "hybrid",
-        },
+        wait: config.fusion.wait.word(),
         recorded_sources: recorded,
         simulated_sources: simulated,
         live_sources: config.sources.len() - recorded - simulated,
@@ -423,13 +422,13 @@ fn run_settings(config: &Config, options: &Options) -> RunSettings {
             .as_ref()
             .filter(|_| simulated > 0)
             .map(|world| world.target_count(options.seed)),
-        interval_s: config.monitor.interval_ns as f64 / 1e9,
-        deadline_us: config.fusion.deadline_ns as f64 / 1e3,
-        monitor_wait: match config.monitor.wait {
+        interval_s: monitor.interval_s.ns() as f64 / 1e9,
+        deadline_us: config.fusion.deadline_ns() as f64 / 1e3,
+        monitor_wait: match monitor.waiting(&config.fusion) {
             MonitorWait::Event => "event",
             MonitorWait::Poll { .. } => "poll",
         },
-        monitor_poll_ms: match config.monitor.wait {
+        monitor_poll_ms: match monitor.waiting(&config.fusion) {
             MonitorWait::Event => None,
             MonitorWait::Poll { pause } => Some(pause.as_secs_f64() * 1e3),
         },

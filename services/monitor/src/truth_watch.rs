@@ -7,7 +7,7 @@
 //! The first ten seconds are left out: radars need several turns until their targets are confirmed. If fusion is
 //! restarted, its picture begins anew, and what is missing until it is complete again does count.
 
-use configuration::{Config, Input, Instrument};
+use deployment::{Deployment, Input, Instrument};
 use messages::SystemTrack;
 use runtime::Options;
 use scenario::{SimulatedSensor, TargetState, Truth};
@@ -39,7 +39,7 @@ impl TruthWatch {
     ///
     /// # Errors
     /// If the simulated world cannot be made; a checked configuration rules that out.
-    pub(crate) fn new(config: &Config, options: &Options, begun_utc_ns: i64) -> anyhow::Result<Option<Self>> {
+    pub(crate) fn new(config: &Deployment, options: &Options, begun_utc_ns: i64) -> anyhow::Result<Option<Self>> {
         let start_ns = options.scenario_start_ns;
         let mut sensors = Vec::new();
         for source in &config.sources {
@@ -58,7 +58,7 @@ impl TruthWatch {
             sensors,
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,
-            states: LatestStates::new(config.fusion.settings.capacity.system_tracks()),
+            states: LatestStates::new(config.system_tracks.max),
             accuracy: Accuracy::default(),
             targets: Vec::new(),
             picture: Vec::new(),
@@ -113,7 +113,7 @@ impl TruthWatch {
 mod tests {
     use std::path::Path;
 
-    use configuration::BUILT_IN_DEMO;
+    use configuration::{BUILT_IN_DEMO, Config};
     use messages::TrackState;
     use runtime::Speed;
 

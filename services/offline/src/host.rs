@@ -4,6 +4,8 @@ use std::fmt::Debug;
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
+use configuration::{Config, ConfigError};
+
 use crate::files::InputError;
 
 /// Environment of a command: provides its tables, receives its output and messages, and tracks its progress.
@@ -43,6 +45,15 @@ pub trait Host {
 
     /// Reports the end of a pass.
     fn passed(&self);
+
+    /// Reads `text` as the file `path` of a deployment. By default, the keys of services are ignored: they do not change
+    /// the results, and a host need not contain the services.
+    ///
+    /// # Errors
+    /// If a key is refused.
+    fn deployment(&self, path: &Path, text: &str, overrides: &[String]) -> Result<Config, ConfigError> {
+        Config::parse(path, text, overrides)
+    }
 }
 
 impl dyn Host + '_ {

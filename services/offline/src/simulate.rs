@@ -9,7 +9,8 @@ use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context as _;
-use configuration::{Config, DEMO, Input, Instrument, Source};
+use configuration::{Config, DEMO};
+use deployment::{Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
 use formats::detections_csv::DetectionWriter;
 use formats::sensor_tracks_csv::SensorTrackWriter;
@@ -48,7 +49,7 @@ const NAMED: [(&str, &str, &[&str]); 4] = [
 /// # Errors
 /// If the scenario does not exist, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
-    let config = config(&simulate.scenario, &simulate.set)?;
+    let config = config(host, &simulate.scenario, &simulate.set)?;
     let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
     let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
         let what = "has no [scenario] with simulated sources; take config/demo.toml for a pattern";
@@ -101,12 +102,12 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
 }
 
 /// Returns the configuration for a name or a file, with values replaced.
-fn config(scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
+fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
     let named = NAMED.iter().find(|(name, ..)| Path::new(name) == scenario);
     match named {
         Some((_, text, changes)) => {
             let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
-            Ok(Config::parse(scenario, text, &[&changes, set].concat())?)
+            Ok(host.deployment(scenario, text, &[&changes, set].concat())?)
         }
         None if !scenario.exists() => {
             let names = NAMED.map(|(name, ..)| name).join(", ");
@@ -116,7 +117,7 @@ fn config(scenario: &Path, set: &[String]) -> anyhow::Result<Config> {
             );
             Err(Usage(what).into())
         }
-        None => Ok(Config::read(scenario, set)?),
+        None => Ok(host.deployment(scenario, &configuration::text(scenario)?, set)?),
     }
 }
 

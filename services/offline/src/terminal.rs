@@ -5,6 +5,8 @@ use std::fs;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::Path;
 
+use configuration::{Config, ConfigError};
+
 use crate::files::{InputError, OutputFile, open};
 use crate::host::{Host, Input, Output};
 
@@ -13,9 +15,29 @@ const SHOWN_OCTETS_MIN: u64 = 64 << 20;
 
 /// Host of a command line: answers go to standard output, messages to standard error. For long work, a terminal
 /// shows a percentage that overwrites itself.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Terminal {
     percent: Cell<u64>,
+    read: ReadDeployment,
+}
+
+/// Reader of a deployment's file, from its path, text and replaced values.
+type ReadDeployment = fn(&Path, &str, &[String]) -> Result<Config, ConfigError>;
+
+impl Default for Terminal {
+    fn default() -> Self {
+        Self::reading(Config::parse)
+    }
+}
+
+impl Terminal {
+    /// Creates the host of an executable that reads deployments by `read`.
+    pub fn reading(read: ReadDeployment) -> Self {
+        Self {
+            percent: Cell::default(),
+            read,
+        }
+    }
 }
 
 impl Host for Terminal {
@@ -57,6 +79,10 @@ impl Host for Terminal {
         if self.percent.take() > 0 {
             self.say("\r     \r");
         }
+    }
+
+    fn deployment(&self, path: &Path, text: &str, overrides: &[String]) -> Result<Config, ConfigError> {
+        (self.read)(path, text, overrides)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bus::{Bus, Transport, WaitMode, Waiter};
-use configuration::Config;
+use deployment::Deployment;
 use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId};
 use runtime::flow::Reached;
 use runtime::{Agent, HealthEntry, Now, Turn};
@@ -11,6 +11,7 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 use crate::images::Images;
 use crate::intake::Intake;
 use crate::journal::Journal;
+use crate::settings::Settings;
 use crate::start::Start;
 
 /// Maximum number of turns at the end for writing the slices still waiting.
@@ -37,11 +38,17 @@ impl<S: Transport> RecorderAgent<S> {
     ///
     /// # Errors
     /// If a file cannot be made or a topic cannot be opened.
-    pub fn new(config: &Config, bus: &Bus<S>, incarnation: u64, start: &Start<'_>) -> anyhow::Result<Self> {
+    pub fn new(
+        (config, settings): (&Deployment, &Settings),
+        bus: &Bus<S>,
+        incarnation: u64,
+        start: &Start<'_>,
+    ) -> anyhow::Result<Self> {
+        let containers = settings.containers();
         let mut waiter = bus.waiter(WaitMode::Event);
-        let (intake, topics) = Intake::open(config, bus, &mut waiter, incarnation)?;
-        let journal = Journal::new(config, start, topics, intake.since_ns())?;
-        let images = config.recording.mcap.map(|settings| {
+        let (intake, topics) = Intake::open((config, containers.is_some()), bus, &mut waiter, incarnation)?;
+        let journal = Journal::new((config, settings), start, topics, intake.since_ns())?;
+        let images = containers.map(|settings| {
             let is_late = intake.is_late(config);
             Images::new(bus, &settings, incarnation, intake.caught_up_ns(), is_late)
         });

@@ -6,7 +6,7 @@
 //! snapshot pauses fusion, so requests are rare.
 
 use bus::{Bus, Mark, Publisher, Transport};
-use configuration::Segments as Settings;
+use deployment::Segments as Settings;
 use messages::{Order, OrderKind};
 use runtime::Now;
 

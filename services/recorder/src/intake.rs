@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use bus::{Bus, LogReader, Payload, PublisherLine, Subscriber, SubscriberCounts, Transport, Waiter};
-use configuration::Config;
+use deployment::Deployment;
 use messages::layout::Layout;
 use messages::{BatchHeader, Stream, Streamed, Topic};
 use runtime::Now;
@@ -17,7 +17,7 @@ const SLICES_PER_TOPIC: usize = 64;
 /// Subscribers of the recorded topics.
 #[derive(Debug)]
 pub(crate) struct Intake<S: Transport> {
-    /// Data streams in the order of [`Config::streams`], then the other topics.
+    /// Data streams in the order of [`Deployment::streams`], then the other topics.
     topics: Vec<Box<dyn Arriving<S>>>,
     /// Lines left by publishers before their topics were opened, with the topics' places.
     lines: Vec<(usize, PublisherLine)>,
@@ -25,7 +25,7 @@ pub(crate) struct Intake<S: Transport> {
     since_ns: i64,
 }
 
-/// Callback for each slice of a data stream, with its place in [`Config::streams`] and the number of the next sample.
+/// Callback for each slice of a data stream, with its place in [`Deployment::streams`] and the number of the next sample.
 pub(crate) type Done<'d> = dyn FnMut(usize, &BatchHeader, u64) + 'd;
 
 /// Time after which all slices waiting at the start are taken, nanoseconds.
@@ -197,13 +197,13 @@ impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
 }
 
 impl<S: Transport> Intake<S> {
-    /// Opens the data streams of `config`, and with `mcap` files all other topics, for the recorder that started at
+    /// Opens the data streams of `config`, and if it `has_all` topics to record all others, for the recorder that started at
     /// `incarnation`. Topics of data wake `waiter`. Returns the names and layouts of the topics in their order, too.
     ///
     /// # Errors
     /// If a topic cannot be opened.
     pub(crate) fn open(
-        config: &Config,
+        (config, has_all): (&Deployment, bool),
         bus: &Bus<S>,
         waiter: &mut Waiter<S>,
         incarnation: u64,
@@ -219,8 +219,8 @@ impl<S: Transport> Intake<S> {
         for (id, name) in config.streams() {
             opening.open_stream(id.stream, name)?;
         }
-        if config.recording.mcap.is_some() {
-            opening.open_others(config.fusion.settings.exchange)?;
+        if has_all {
+            opening.open_others(config.system_tracks.exchange)?;
         }
         let intake = Self {
             topics: opening.topics,
@@ -242,7 +242,7 @@ impl<S: Transport> Intake<S> {
     }
 
     /// Whether publishers of sensor tracks had sent samples before the start.
-    pub(crate) fn is_late(&self, config: &Config) -> bool {
+    pub(crate) fn is_late(&self, config: &Deployment) -> bool {
         let is_report = |place: usize| {
             let stream = config.streams().nth(place).map(|(id, _)| id.stream);
             stream == Some(Stream::SensorTracks)

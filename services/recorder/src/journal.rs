@@ -4,7 +4,7 @@
 //! data stream. The [`Account`] of each topic holds its position and losses, whichever sinks are configured.
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use messages::layout::{Layout, Sample};
 use messages::{BatchHeader, Streamed};
 use recording::Facts;
@@ -13,6 +13,7 @@ use runtime::{Now, NumberedFiles};
 use crate::account::{Account, Numbers};
 use crate::recovery::{self, Earlier};
 use crate::segments::{SegmentCounts, Segments};
+use crate::settings::{Format, Settings};
 use crate::slice::Slice;
 use crate::start::Start;
 use crate::tables::Tables;
@@ -35,16 +36,16 @@ impl Journal {
     /// # Errors
     /// If the folder holds another run, or the files of an earlier recorder cannot be read or continued.
     pub(crate) fn new(
-        config: &Config,
+        (config, settings): (&Deployment, &Settings),
         start: &Start<'_>,
         topics: Vec<(String, Layout)>,
         since_ns: i64,
     ) -> anyhow::Result<Self> {
-        let folder = start.folder;
+        let (folder, containers) = (start.folder, settings.containers());
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let resume = recovery::claim(folder, start.run)?;
         let files = NumberedFiles::new(folder, STEM, ".mcap");
-        let earlier = config.recording.mcap.map(|_| Earlier::read(&files)).transpose()?;
+        let earlier = containers.map(|_| Earlier::read(&files)).transpose()?;
         let earlier = earlier.unwrap_or_default();
         let account = |(name, layout): (String, Layout)| {
             let tally = earlier.tally(&name, since_ns.cast_unsigned());
@@ -52,7 +53,7 @@ impl Journal {
         };
         let mut accounts: Vec<_> = topics.into_iter().map(account).collect();
         let tables = || Tables::resume(config, folder, start.first_day_ns, resume);
-        let tables = config.recording.csv.then(tables).transpose()?;
+        let tables = settings.has(Format::Csv).then(tables).transpose()?;
         for (place, (id, _)) in config.streams().enumerate() {
             if config.is_recorded() && id.stream.is_replayed() {
                 // Only tables state the position of an earlier recorder.
@@ -71,9 +72,9 @@ impl Journal {
             ])
         };
         let topics = accounts.len();
-        let segments = |settings| Segments::new(files, earlier.number, settings, facts(), topics);
+        let segments = |limits| Segments::new(files, earlier.number, limits, facts(), topics);
         Ok(Self {
-            segments: config.recording.mcap.map(segments),
+            segments: containers.map(segments),
             accounts,
             tables,
         })

@@ -36,21 +36,23 @@ mod journal;
 mod recorded;
 mod recovery;
 mod segments;
+mod settings;
 mod slice;
 mod start;
 mod tables;
 
 pub use agent::RecorderAgent;
+pub use settings::{Format, Keys, Settings};
 pub use start::Start;
 pub use tables::Tables;
 
-use configuration::Process;
+use deployment::Process;
 
 /// Runs the recorder, of an executable of this `version`, until every topic has ended or a stop is requested.
 ///
 /// # Errors
 /// If a file cannot be written, or shared memory fails.
-pub fn run(process: &Process, version: &str) -> anyhow::Result<()> {
+pub fn run(process: &Process, settings: &Settings, version: &str) -> anyhow::Result<()> {
     let (config, options) = (&process.config, &process.options);
     let run = format!(
         "deployment {}, instance {}, configuration {}, started at {}, {} ns since 1970 (UTC)\n",
@@ -66,6 +68,6 @@ pub fn run(process: &Process, version: &str) -> anyhow::Result<()> {
         version,
         first_day_ns: process.first_day_ns(),
     };
-    let mut agent = RecorderAgent::new(config, &process.bus, process.incarnation, &start)?;
+    let mut agent = RecorderAgent::new((config, settings), &process.bus, process.incarnation, &start)?;
     runtime::service::run(process, &mut agent)
 }

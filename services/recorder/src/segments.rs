@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use configuration::Segments as Settings;
+use deployment::Segments as Settings;
 use recording::{Channel, Facts, RecordingError, Writer};
 use runtime::{Now, NumberedFiles};
 

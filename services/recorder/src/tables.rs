@@ -15,7 +15,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use configuration::Config;
+use deployment::Deployment;
 use formats::rows::RowWriter;
 use frames::SystemFrame;
 use messages::StreamId;
@@ -78,7 +78,7 @@ impl Tables {
     ///
     /// # Errors
     /// If a file exists already, or cannot be made.
-    pub fn begin(config: &Config, folder: &Path, first_day_ns: i64) -> anyhow::Result<Self> {
+    pub fn begin(config: &Deployment, folder: &Path, first_day_ns: i64) -> anyhow::Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("making the folder {}", folder.display()))?;
         let mut tables = Self::open(config, folder, first_day_ns, None)?;
         for (entry, (id, _)) in tables.tables.iter_mut().zip(config.streams()) {
@@ -91,11 +91,11 @@ impl Tables {
     ///
     /// # Errors
     /// If a file cannot be made or continued.
-    pub(crate) fn resume(config: &Config, folder: &Path, first_day_ns: i64, resume: bool) -> anyhow::Result<Self> {
+    pub(crate) fn resume(config: &Deployment, folder: &Path, first_day_ns: i64, resume: bool) -> anyhow::Result<Self> {
         Self::open(config, folder, first_day_ns, Some(resume))
     }
 
-    fn open(config: &Config, folder: &Path, first_day_ns: i64, live: Option<bool>) -> anyhow::Result<Self> {
+    fn open(config: &Deployment, folder: &Path, first_day_ns: i64, live: Option<bool>) -> anyhow::Result<Self> {
         let open = |(id, name): (StreamId, &str)| {
             let opening = Opening {
                 folder,

@@ -3,10 +3,12 @@
 use std::path::Path;
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
-use configuration::Config;
+use configuration::ConfigWith;
 use messages::{Alarm, AlarmEvent, Counter, SensorTrack, SystemTrack};
-use recorder::{RecorderAgent, Start};
+use recorder::{Keys, RecorderAgent, Start};
 use runtime::{Agent, HealthEntry, Now, Turn};
+
+type Config = ConfigWith<Keys>;
 
 const NOW: Now = Now { mono_ns: 1, utc_ns: 0 };
 
@@ -64,7 +66,8 @@ impl Bench {
 
     fn try_recorder(&self, run: &str) -> anyhow::Result<RecorderAgent<InProcess>> {
         let folder = self.folder.path().join("out");
-        RecorderAgent::new(&config(), &self.bus, 1, &start(&folder, run))
+        let config = config();
+        RecorderAgent::new((&config, &config.parts.recorder), &self.bus, 1, &start(&folder, run))
     }
 
     fn recorder(&self, run: &str) -> RecorderAgent<InProcess> {
@@ -227,7 +230,7 @@ mod all_topics {
             .map(|each| (*each).to_owned())
             .collect();
         let config = config_with(&overrides);
-        RecorderAgent::new(&config, &bench.bus, 1, &start(folder, "run")).unwrap()
+        RecorderAgent::new((&config, &config.parts.recorder), &bench.bus, 1, &start(folder, "run")).unwrap()
     }
 
     fn files(folder: &Path) -> Vec<PathBuf> {

@@ -1,6 +1,6 @@
 //! Simulated direction finder: sends tables of bearings in datagrams (FM-7), each with a header line.
 
-use configuration::{Process, Source};
+use deployment::{Process, Source};
 use formats::bearings_csv::BearingWriter;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;

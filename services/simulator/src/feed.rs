@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 use asterix::{Category, registry};
-use configuration::Source;
+use deployment::Source;
 use messages::{NS_PER_S, SensorTrack};
 use outgoing::{HeightReference, SensorReports};
 use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};

@@ -27,7 +27,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use configuration::{Input, Instrument, Process, Transport};
+use deployment::{Input, Instrument, Process, Transport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
 use runtime::{Agent, HealthEntry, Now, Turn};

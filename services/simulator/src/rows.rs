@@ -2,7 +2,7 @@
 
 use std::io;
 
-use configuration::Process;
+use deployment::Process;
 use messages::Counter;
 use net::UdpSender;
 use runtime::HealthEntry;

@@ -1,6 +1,6 @@
 //! Simulated sensor that sends ASTERIX datagrams.
 
-use configuration::{Process, Source};
+use deployment::{Process, Source};
 use messages::{Counter, NS_PER_S};
 use net::UdpSender;
 use runtime::{HealthEntry, Now};

@@ -1,7 +1,7 @@
 //! Simulated wide-area sensor: sends tables of counts in datagrams (FM-6), each with a header line, at the time of
 //! arrival.
 
-use configuration::{Process, WideAreaSensor};
+use deployment::{Process, WideAreaSensor};
 use formats::wide_area_csv::WideAreaWriter;
 use frames::time::NS_PER_DAY;
 use messages::NS_PER_S;

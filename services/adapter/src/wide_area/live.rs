@@ -2,7 +2,7 @@
 
 use asterix::blocks;
 use bus::{Mark, Publisher, SharedMemory};
-use configuration::{Process, WideAreaInput, WideAreaSensor};
+use deployment::{Process, WideAreaInput, WideAreaSensor};
 use messages::{Counter, StageTimes, WideArea};
 use observations::Sampled;
 use runtime::clock::mono_ns;

@@ -15,7 +15,7 @@ mod rows;
 mod tracks;
 
 use anyhow::Context as _;
-use configuration::{Process, WideAreaSensor};
+use deployment::{Process, WideAreaSensor};
 use messages::{Counter, Counters, Stream, StreamId};
 use runtime::Agent;
 use tracking::wide_area::{ReportRejection, WideAreaReport, fault_in};

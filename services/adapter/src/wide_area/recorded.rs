@@ -4,8 +4,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::Context as _;
-use configuration::{WideAreaInput, WideAreaSensor};
 use csv_table::CsvError;
+use deployment::{WideAreaInput, WideAreaSensor};
 use formats::wide_area_csv::WideAreaReader;
 use messages::{Counter, Counters, StageTimes, WideArea};
 use observations::Sampled;

@@ -7,7 +7,7 @@
 //! of measurement.
 
 use asterix::{Block, Decoder, Error};
-use configuration::CountedTracks;
+use deployment::CountedTracks;
 use messages::{Counter, Counters, TrackState};
 use reception::Converter;
 use reception::observation::{self, Reading};
@@ -127,7 +127,8 @@ mod tests {
     use std::path::Path;
 
     use asterix::registry;
-    use configuration::{Config, WideAreaInput};
+    use configuration::Config;
+    use deployment::WideAreaInput;
     use messages::SystemTrack;
     use outgoing::SystemReports;
     use proptest::prelude::*;

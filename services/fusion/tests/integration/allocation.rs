@@ -110,7 +110,8 @@ fn the_loop_allocates_nothing() {
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let queues = Queues::new(true);
-        let mut agent = FusionAgent::new(&config(wait), Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
+        let config = config(wait);
+        let mut agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
         let mut sources: Vec<Publisher<InProcess, SensorTrack>> =
             topics.iter().map(|topic| bus.publisher(topic, 2).unwrap()).collect();
         let mut reader = bus.subscriber(&messages::system_tracks(), || 1).unwrap();

@@ -8,7 +8,6 @@ mod order;
 mod replay;
 mod send;
 mod tap;
-mod torture;
 mod values;
 
 use std::path::PathBuf;
@@ -16,10 +15,10 @@ use std::time::Duration;
 
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use configuration::Config;
 use offline::values::seconds;
 use runtime::{Now, Options, Speed};
 
+use crate::config::Config;
 use crate::instances;
 
 use bearings::BEARINGS_EXAMPLES;
@@ -37,8 +36,7 @@ use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
 pub(crate) use tap::{Tap, TapFormat};
-use torture::TORTURE_EXAMPLES;
-pub(crate) use torture::Torture;
+use torture::Torture;
 use values::{interval, speed};
 
 /// Default folder of recordings.
@@ -136,7 +134,7 @@ pub(crate) enum Command {
     #[command(after_help = BENCH_EXAMPLES, subcommand)]
     Bench(Bench),
     /// Inject random faults into a separate deployment, and judge the effects on a subscriber
-    #[command(after_help = TORTURE_EXAMPLES)]
+    #[command(after_help = torture::EXAMPLES)]
     Torture(Torture),
     /// The bare relay of `koseki bench`
     #[command(hide = true)]

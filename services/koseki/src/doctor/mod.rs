@@ -9,12 +9,12 @@ mod machine;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use bus::WaitMode;
-use configuration::{Config, Transport};
+use deployment::{Transport, WaitWord};
 use messages::codes;
 use serde::{Serialize, Serializer};
 
 use crate::args::Doctor;
+use crate::config::Config;
 use machine::Machine;
 
 /// Smallest limit of open files: each process has several for each topic and process that it meets.
@@ -73,11 +73,11 @@ impl Wants {
         };
         let buffers = config.receivers.iter().map(|receiver| buffer(&receiver.transport));
         Self {
-            core: fusion.placement.core,
-            realtime_priority: fusion.placement.realtime_priority,
-            lock_memory: fusion.placement.lock_memory,
+            core: fusion.core,
+            realtime_priority: fusion.realtime_priority,
+            lock_memory: fusion.lock_memory,
             required: fusion.required,
-            spins: fusion.wait != WaitMode::Event,
+            spins: fusion.wait != WaitWord::Event,
             rests: fusion.rests,
             receive_buffer: buffers.max().unwrap_or(0),
             shared_memory: launcher::needed_bytes(config),

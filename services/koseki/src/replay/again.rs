@@ -7,7 +7,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use configuration::ReportOrder;
+use deployment::ReportOrder;
 use fusion::checkpoint::Snapshot;
 use fusion::event_log::{Event, Reader};
 use fusion::{Driver, Engine, ReportNumber, Settings};

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use configuration::{Config, ReportOrder};
+use deployment::ReportOrder;
 use messages::{Covariance, SensorTrack, StepKind, TrackState, WorkStep};
 
 use super::again::{Again, Outcome, Plan};
+
+use crate::config::Config;
 
 const PUBLISHER: u64 = 77;
 
@@ -14,7 +16,7 @@ fn again() -> Again {
                 [[source]]\nname = \"a\"\n[source.external]\n[fusion.association]\nscan_wait = 0.0\n";
     let config = Config::parse(Path::new("t.toml"), text, &[]).unwrap();
     Again::new(Plan {
-        settings: config.fusion.settings,
+        settings: config.engine,
         order: ReportOrder::Arrival,
         origin: 0,
         sources: vec![Some(0)],

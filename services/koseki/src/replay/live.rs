@@ -13,7 +13,6 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use bus::{Bus, Mark, Publisher, SharedMemory};
-use configuration::Config;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Outgoing as _, SensorTrack};
 use recording::Item;
@@ -21,6 +20,7 @@ use runtime::signals::Stop;
 use runtime::{Now, Speed};
 
 use crate::args::Replay;
+use crate::config::Config;
 
 /// Longest sleep before it is looked whether the command shall end, nanoseconds.
 const LOOK_NS: i64 = 100_000_000;

@@ -13,7 +13,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use anyhow::Context as _;
-use configuration::{Config, Source};
+use deployment::Source;
 use formats::rows::RowWriter;
 use formats::tracks_csv::PlacedTrack;
 use frames::time::NS_PER_DAY;
@@ -24,6 +24,7 @@ use recording::{Facts, Item};
 use runtime::Speed;
 
 use crate::args::Replay;
+use crate::config::Config;
 use crate::recording_info::files;
 use again::{Again, Outcome, Plan, Spans};
 use verification::Verification;
@@ -348,11 +349,11 @@ fn plan(replay: &Replay, recorded: &Config, used: &Config) -> Plan {
         used.filter(|_| is_wanted).map(|used| used.number)
     };
     Plan {
-        settings: used.fusion.settings.clone(),
+        settings: used.engine.clone(),
         order: recorded.order,
         origin: used.origin,
         sources: recorded.sources.iter().map(number).collect(),
-        conditions: recorded.fusion.settings.conditions().map(str::to_owned).collect(),
+        conditions: recorded.engine.conditions().map(str::to_owned).collect(),
         tolerates: !replay.verify,
         restores: replay.config.is_none() && replay.sources.is_empty(),
     }

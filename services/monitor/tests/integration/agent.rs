@@ -4,9 +4,9 @@ use std::io::Write;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::watched::{Bench, RECORDED, S, UTC_NS};
+use crate::watched::{Bench, Config, RECORDED, S, UTC_NS};
 use bus::{Bus, InProcess, WaitMode, Waiter};
-use configuration::{BUILT_IN_DEMO, Config};
+use configuration::BUILT_IN_DEMO;
 use hdrhistogram::Histogram;
 use hdrhistogram::serialization::Deserializer;
 use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
@@ -376,7 +376,15 @@ fn readers_that_have_gone_do_not_end_it_and_a_full_disk_is_said() {
         let clock = Rc::clone(&bench.clock);
         let screen = Screen::new(Box::new(Gone(error)), terminal);
         let reads = Box::new(move || clock.get());
-        let mut second = MonitorAgent::new(&config, &options, "second", &bench.bus, reads, screen).unwrap();
+        let mut second = MonitorAgent::new(
+            (&config, &config.parts.monitor),
+            &options,
+            "second",
+            &bench.bus,
+            reads,
+            screen,
+        )
+        .unwrap();
         bench.pass(2 * S);
         second.turn(bench.clock.get()).unwrap();
         assert_eq!(second.close(bench.clock.get()).is_err(), said, "{error}");

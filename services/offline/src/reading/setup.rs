@@ -48,7 +48,7 @@ impl<'a> Setup<'a> {
                     .sources
                     .iter()
                     .map(|source| observations::sensor_id(source.number));
-                (ids.collect(), config.fusion.settings)
+                (ids.collect(), config.engine)
             }
             Given::Offline(config) => {
                 check(input, &survey)?;
@@ -98,7 +98,7 @@ fn given(host: &dyn Host, path: &Path) -> anyhow::Result<Given> {
     let text = host.text(path)?;
     let is_deployment = Config::is_deployment(&text);
     Ok(if is_deployment {
-        Given::Deployment(Box::new(Config::parse(path, &text, &[])?))
+        Given::Deployment(Box::new(host.deployment(path, &text, &[])?))
     } else {
         Given::Offline(Box::new(Offline::parse(path, &text)?))
     })

@@ -12,7 +12,8 @@ mod support;
 
 use std::path::Path;
 
-use configuration::{Config, SeenDetections, Source, Tracking};
+use configuration::{Config, SeenDetections, Tracking};
+use deployment::Source;
 use observations::sensor_id;
 use sources::{Outputs, Scan, ScanTracker};
 use tracking::Settings;
@@ -128,7 +129,7 @@ impl Given {
     fn read(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
         let text = host.text(path)?;
         Ok(match Config::is_deployment(&text) {
-            true => Self::Deployment(Box::new(Config::parse(path, &text, &[])?)),
+            true => Self::Deployment(Box::new(host.deployment(path, &text, &[])?)),
             false => Self::Offline(Box::new(Tracking::parse(path, &text)?)),
         })
     }
@@ -140,7 +141,7 @@ impl Given {
         };
         let tracker_of = |id: &u32| {
             let of_files = |source: &&Source| sensor_id(source.number) == *id;
-            config.sources.iter().find(of_files)?.tracker()
+            config.tracker(config.sources.iter().find(of_files)?.number)
         };
         let mut ids = seen.sensor_ids.iter();
         match (ids.next(), ids.next()) {

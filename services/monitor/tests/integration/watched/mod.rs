@@ -7,12 +7,18 @@ use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
 use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
-use configuration::{BUILT_IN_DEMO, Config};
+use configuration::{BUILT_IN_DEMO, ConfigWith};
 use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack, TrackState};
-use monitor::{MonitorAgent, Screen};
+use monitor::{Keys, MonitorAgent, Screen};
 use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
 use serde_json::Value;
 pub(crate) use test_support::S;
+
+/// Configuration of the demonstration with the keys of its monitor.
+pub(crate) type Config = ConfigWith<Keys>;
+
+/// Lets the demonstration have a recorder.
+pub(crate) const RECORDER: &str = "recorder.enabled=true";
 
 pub(crate) const UTC_NS: i64 = 1_700_000_000 * S;
 
@@ -60,7 +66,10 @@ impl Bench {
     pub(crate) fn with(overrides: &[&str], speed: Speed, config: &Path) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let overrides: Vec<String> = overrides.iter().map(|each| (*each).to_owned()).collect();
-        let config = Config::read(config, &overrides).unwrap();
+        let has_recorder = config != Path::new(BUILT_IN_DEMO) || overrides.iter().any(|each| each == RECORDER);
+        let mut config = Config::read(config, &overrides).unwrap();
+        // The monitor does not read the recorder's keys.
+        config.deployment.services.recorder = has_recorder;
         let root = Root::in_base(folder.path(), "test").unwrap();
         let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
         let held = [
@@ -87,7 +96,15 @@ impl Bench {
         let screen = Screen::new(Box::new(paper.clone()), false).with_errors(Box::new(errors.clone()));
         let reading = Rc::clone(&clock);
         let reads = Box::new(move || reading.get());
-        let monitor = MonitorAgent::new(&config, &options, "monitor", &bus, reads, screen).unwrap();
+        let monitor = MonitorAgent::new(
+            (&config, &config.parts.monitor),
+            &options,
+            "monitor",
+            &bus,
+            reads,
+            screen,
+        )
+        .unwrap();
         Self {
             monitor,
             clock,
@@ -108,7 +125,15 @@ impl Bench {
         let reading = Rc::clone(&self.clock);
         let reads = Box::new(move || reading.get());
         let screen = Screen::new(Box::new(Paper::default()), false);
-        MonitorAgent::new(&self.config, &self.options, name, &self.bus, reads, screen).unwrap()
+        MonitorAgent::new(
+            (&self.config, &self.config.parts.monitor),
+            &self.options,
+            name,
+            &self.bus,
+            reads,
+            screen,
+        )
+        .unwrap()
     }
 
     pub(crate) fn pass(&self, ns: i64) {

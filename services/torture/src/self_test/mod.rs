@@ -9,8 +9,8 @@ mod sound;
 
 use std::path::Path;
 
+use crate::Refused;
 use anyhow::Context as _;
-use offline::Usage;
 
 use super::judge::finding::Found;
 use super::judge::{Judge, Verdict};
@@ -50,7 +50,7 @@ pub(super) fn run(path: Option<&Path>) -> anyhow::Result<()> {
 /// Names of the defects that the judge does not find.
 fn try_judge(record: &Record) -> anyhow::Result<Vec<String>> {
     let short = |what: &str| {
-        Usage(format!(
+        Refused(format!(
             "the record has no {what}: record a longer run, --only kill-fusion"
         ))
     };

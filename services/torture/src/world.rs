@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use configuration::Config;
 use messages::NS_PER_S;
 use scenario::Truth;
+
+use ::deployment::Deployment;
 
 /// Seed of the traffic, independent of the faults: other faults must not change the victims.
 pub(super) const SEED: u64 = 1;
@@ -21,7 +22,7 @@ impl World {
     ///
     /// # Errors
     /// If its settings cannot be used.
-    pub(super) fn new(config: &Config, start_utc_ns: i64) -> anyhow::Result<Self> {
+    pub(super) fn new(config: &Deployment, start_utc_ns: i64) -> anyhow::Result<Self> {
         let truth = match &config.scenario {
             Some(settings) => Some(Truth::new(settings, SEED)?),
             None => None,

@@ -16,8 +16,8 @@ use rand_chacha::ChaCha8Rng;
 use runtime::clock::instant;
 
 use super::{Deployment, INSTANCE, PAUSE};
-use crate::torture::judge::event::What;
-use crate::torture::own_file_systems::{self, SHARED_MEMORY};
+use crate::judge::event::What;
+use crate::own_file_systems::{self, SHARED_MEMORY};
 
 /// Time within which processes fall over memory that was spoilt, or do not.
 const CORRUPTION_SHOWS: Duration = Duration::from_secs(10);
@@ -41,7 +41,7 @@ impl Deployment {
     }
 
     /// Fills a file system for a while without a subscriber: a full file system can kill readers of shared memory.
-    pub(in crate::torture) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
+    pub(crate) fn full(&mut self, folder: &Path, time: Duration) -> anyhow::Result<()> {
         self.look_away(true);
         own_file_systems::fill(folder)?;
         std::thread::sleep(time);
@@ -50,7 +50,7 @@ impl Deployment {
 
     /// Writes random bytes into the shared memory of its topics, and waits until the deployment has replaced it, or
     /// can be thought to go on without.
-    pub(in crate::torture) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
+    pub(crate) fn corrupt(&mut self, random: &mut ChaCha8Rng) -> anyhow::Result<()> {
         const BYTES: usize = 4000;
         self.look_away(true);
         let prefix = self.prefix();

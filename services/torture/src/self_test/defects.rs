@@ -1,8 +1,8 @@
 //! Defects that are planted in a sound record, each with the finding that it must lead to.
 
 use super::record::{FOREIGN, Record, SECOND};
-use crate::torture::judge::event::{Event, Life, State, What};
-use crate::torture::judge::finding::Finding;
+use crate::judge::event::{Event, Life, State, What};
+use crate::judge::finding::Finding;
 
 /// A defect.
 pub(super) struct Defect {

@@ -4,8 +4,8 @@ use messages::NS_PER_S;
 use scenario::{ScenarioSettings, Truth};
 
 use super::record::{Record, SECOND};
-use crate::torture::judge::event::{Conditions, Event, Life, State, What};
-use crate::torture::judge::limits::Limits;
+use crate::judge::event::{Conditions, Event, Life, State, What};
+use crate::judge::limits::Limits;
 
 const TARGETS: u32 = 24;
 const LENGTH: i64 = 200 * SECOND;

@@ -1,8 +1,8 @@
 //! Facts for readers of a running deployment.
 
-use crate::{Config, Input};
+use crate::{Deployment, Input};
 
-impl Config {
+impl Deployment {
     /// Returns the sources, as readers of the running deployment use them.
     pub fn observed_sources(&self) -> Vec<observed::Source> {
         let sources = self.sources.iter().map(|source| observed::Source {

@@ -1,10 +1,11 @@
-//! `koseki torture`.
+//! Arguments of `koseki torture`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
-pub(super) const TORTURE_EXAMPLES: &str = "\
+/// Text after the help of the command.
+pub const EXAMPLES: &str = "\
 Examples:
   koseki torture --minutes 3 --seed 7 --json torture.json
   koseki torture --set fusion.standby=true
@@ -33,40 +34,40 @@ fewer than three successive states; the margin does not change this limit. Outpu
 Exit codes: 0 sound; 1 faulty, with reasons; 2 wrong usage or configuration; 3 no verdict, because the command itself
 failed or was interrupted. The JSON file is written except with code 2, and after each fault (\"outcome\": \"running\").";
 
-/// `koseki torture`.
+/// Arguments of `koseki torture`.
 #[derive(Debug, Args)]
-pub(crate) struct Torture {
+pub struct Torture {
     /// Configuration of the deployment under test [default: the demonstration's]
     #[arg(value_name = "CONFIG")]
-    pub(crate) config: Option<PathBuf>,
+    pub config: Option<PathBuf>,
     /// Duration
     #[arg(long, value_name = "MINUTES", default_value_t = 3.0)]
-    pub(crate) minutes: f64,
+    pub minutes: f64,
     /// Seed of the faults
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
-    pub(crate) seed: u64,
+    pub seed: u64,
     /// Inject this fault only (repeatable); none: no fault, to measure the use of the machine in the long run
     #[arg(long, value_name = "FAULT")]
-    pub(crate) only: Vec<String>,
+    pub only: Vec<String>,
     /// Factor on all limits of time, for a machine with other work
     #[arg(long, value_name = "FACTOR", default_value_t = 2.0, value_parser = margin)]
-    pub(crate) margin: f64,
+    pub margin: f64,
     /// Write the judge's input, a JSON object per line
     #[arg(long, value_name = "FILE")]
-    pub(crate) record: Option<PathBuf>,
+    pub record: Option<PathBuf>,
     /// Judge a record again, without a deployment
     #[arg(long, value_name = "FILE", conflicts_with_all = ["config", "record", "json", "self_test"])]
-    pub(crate) judge: Option<PathBuf>,
+    pub judge: Option<PathBuf>,
     /// Test the judge: inserts many defects into a sound record (FILE, or of a simulated run); the judge must find each
     /// defect, and none in the record itself
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["config", "record", "json"])]
-    pub(crate) self_test: Option<Option<PathBuf>>,
+    pub self_test: Option<Option<PathBuf>>,
     /// Write the result
     #[arg(long, value_name = "FILE")]
-    pub(crate) json: Option<PathBuf>,
+    pub json: Option<PathBuf>,
     /// Replace a value of the configuration (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
-    pub(crate) set: Vec<String>,
+    pub set: Vec<String>,
 }
 
 fn margin(text: &str) -> Result<f64, String> {

@@ -2,9 +2,9 @@
 
 use std::net::SocketAddr;
 
-use asterix::{Category, Decoder, Mode, registry};
+use asterix::{Category, Decoder, Edition, Mode, registry};
 use formats::sbs::SbsSettings;
-use outgoing::HeightReference;
+use settings::SettingsError;
 
 /// A network input: one socket, read by one adapter process, with one sensor or several behind it.
 #[derive(Clone, Debug)]
@@ -68,53 +68,37 @@ pub struct Live {
     pub asterix: Asterix,
 }
 
-/// A part of the Earth between two parallels and two meridians (WGS-84), degrees.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Area {
-    /// Latitudes of the south and the north side, −90 to 90.
-    pub latitude_deg: [f64; 2],
-    /// Longitudes of the west and the east side, −180 to 180; the west one is greater in an area across 180°.
-    pub longitude_deg: [f64; 2],
-}
-
 /// An output to the network: one gateway process.
-#[derive(Clone, Debug)]
-pub struct Gateway {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Output {
     /// Its name, which is that of its process.
     pub name: String,
     /// Where its datagrams go, and how.
     pub sender: net::SenderSettings,
-    /// Content that it sends.
-    pub content: GatewayContent,
-    /// Category and edition that it sends in.
-    pub table: &'static Category,
-    /// System area code of the sender.
-    pub sac: u8,
-    /// System identification code of the sender.
-    pub sic: u8,
-    /// Time between two reports of one track, nanoseconds; 0 to send each report as it comes.
-    pub refresh_ns: i64,
-    /// Time between two status messages, nanoseconds.
-    pub status_ns: i64,
-    /// Categories of the status messages that are sent with the fused picture.
-    pub status: Vec<u8>,
-    /// Area whose tracks are sent; `None`: all.
-    pub area: Option<Area>,
-    /// Lowest and highest flight level of which tracks are sent, hundreds of feet; `None`: all.
-    pub levels: Option<[f64; 2]>,
-    /// Most octets in a datagram.
-    pub block_bytes: usize,
-    /// Reference of its tracks' heights, and so the items that carry them.
-    pub heights: HeightReference,
 }
 
-/// Content that a gateway sends.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum GatewayContent {
-    /// The fused picture.
-    SystemTracks,
-    /// The fused picture as the sensors here know it.
-    OwnTracks,
-    /// The sensor tracks of one source, by number.
-    SensorTracks(u16),
+/// Returns the table of a category's edition, or of its default edition.
+///
+/// # Errors
+/// If there is none; the error is that of the key `key`.
+pub fn category(key: &str, number: u8, edition: Option<&str>) -> Result<&'static Category, SettingsError> {
+    let Some(edition) = edition else {
+        return registry::default_edition(number)
+            .ok_or_else(|| SettingsError::new(key, format!("category {number} is not known")));
+    };
+    let table = edition
+        .parse::<Edition>()
+        .ok()
+        .and_then(|edition| registry::find(number, edition));
+    table.ok_or_else(|| {
+        let mut known: Vec<String> = registry::editions(number).map(ToString::to_string).collect();
+        if known.is_empty() {
+            known = registry::defaults().map(ToString::to_string).collect();
+        }
+        let what = format!(
+            "category {number} edition \"{edition}\" is not known; there are: {}",
+            known.join(", ")
+        );
+        SettingsError::new(key, what)
+    })
 }

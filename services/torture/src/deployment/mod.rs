@@ -10,22 +10,22 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context as _;
 use bus::{Bus, BusError, Payload, Publisher, Root, SharedMemory};
-use messages::{NS_PER_S, Topic};
+use messages::Topic;
 use runtime::clock::{Now, instant, mono_ns};
 use runtime::instance::leading_fusion;
 use runtime::signals::Stop;
 use rustix::process::{Pid, Signal, kill_process};
 use tempfile::TempDir;
 
-use crate::args::Torture;
-use crate::torture::judge::event::{Conditions, Event, What};
-use crate::torture::judge::limits::Limits;
-use crate::torture::ledger::Ledger;
-use crate::torture::onlooker::{Onlooker, TakeOvers};
-use crate::torture::own_file_systems::{self, SHARED_MEMORY};
-use crate::torture::resources::{Latencies, Resources};
-use crate::torture::schedule::{Cast, Needs};
-use crate::torture::world::{self, World};
+use crate::judge::event::{Conditions, Event, What};
+use crate::judge::limits::Limits;
+use crate::ledger::Ledger;
+use crate::onlooker::{Onlooker, TakeOvers};
+use crate::own_file_systems::{self, SHARED_MEMORY};
+use crate::resources::{Latencies, Resources};
+use crate::schedule::{Cast, Needs};
+use crate::world::{self, World};
+use crate::{Tested, Torture};
 
 const INSTANCE: &str = "torture";
 /// How long a start, or an end, may take.
@@ -39,15 +39,15 @@ const STABLE: Duration = Duration::from_secs(2);
 /// The run was interrupted.
 #[derive(Debug, thiserror::Error)]
 #[error("interrupted")]
-pub(in crate::torture) struct Interrupted;
+pub(crate) struct Interrupted;
 
 /// The deployment is so broken that the run cannot go on: a verdict on the deployment, and no failure of this command.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub(in crate::torture) struct Broken(String);
+pub(crate) struct Broken(String);
 
 /// A deployment, its launcher, and the judge's subscriber.
-pub(in crate::torture) struct Deployment {
+pub(crate) struct Deployment {
     folder: TempDir,
     root: Root,
     command: Vec<String>,
@@ -77,18 +77,15 @@ impl Deployment {
     ///
     /// # Errors
     /// If the configuration cannot be used, or the deployment does not start.
-    pub(in crate::torture) fn start(torture: &Torture, stop: Stop) -> anyhow::Result<Self> {
-        let path = torture
-            .config
-            .as_deref()
-            .unwrap_or(Path::new(configuration::BUILT_IN_DEMO));
-        let config = configuration::Config::read(path, &torture.set)?;
+    pub(crate) fn start(torture: &Torture, tested: Tested, stop: Stop) -> anyhow::Result<Self> {
+        let Tested {
+            path,
+            deployment: config,
+            terminate_s,
+        } = tested;
         let start_utc_ns = Now::read().utc_ns;
         let world = World::new(&config, start_utc_ns)?;
-        let settings = &config.fusion.settings;
-        let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
-        let terminate_s = settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S;
-        let standby = config.fusion.standby.is_some();
+        let standby = config.fusion.standby;
         let conditions = Conditions {
             seed: torture.seed,
             standby,
@@ -142,7 +139,7 @@ impl Deployment {
     }
 
     /// Returns whether the deployment has the requirements of a fault.
-    pub(in crate::torture) fn has(&self, needs: Needs) -> bool {
+    pub(crate) fn has(&self, needs: Needs) -> bool {
         match needs {
             Needs::Nothing => true,
             Needs::Standby => self.has_standby(),
@@ -155,7 +152,7 @@ impl Deployment {
     }
 
     /// Processes and sources that a fault can hit.
-    pub(in crate::torture) fn cast(&self) -> Cast {
+    pub(crate) fn cast(&self) -> Cast {
         Cast {
             processes: self.expected.clone(),
             sources: self.sources.clone(),
@@ -163,7 +160,7 @@ impl Deployment {
     }
 
     /// Whether the picture cannot go on while this process stands still.
-    pub(in crate::torture) fn picture_needs(&self, name: &str) -> bool {
+    pub(crate) fn picture_needs(&self, name: &str) -> bool {
         match name {
             "keeper" | "monitor" | "recorder" | "display" | "standby" => false,
             "fusion" => !self.has_standby(),
@@ -171,16 +168,16 @@ impl Deployment {
         }
     }
 
-    pub(in crate::torture) fn root(&self) -> &Root {
+    pub(crate) fn root(&self) -> &Root {
         &self.root
     }
 
-    pub(in crate::torture) fn ledger(&mut self) -> &mut Ledger {
+    pub(crate) fn ledger(&mut self) -> &mut Ledger {
         &mut self.ledger
     }
 
     /// Returns a publisher as soon as the deployment has its topic: a rebuild may be in progress.
-    pub(in crate::torture) fn publisher<T: Payload>(
+    pub(crate) fn publisher<T: Payload>(
         &mut self,
         topic: &Topic<T>,
     ) -> anyhow::Result<(Bus<SharedMemory>, Publisher<SharedMemory, T>)> {
@@ -201,7 +198,7 @@ impl Deployment {
 
     /// Returns the process numbers of the launcher's children by name. Of two fusion processes, the leader is called
     /// fusion: a take-over exchanges their roles, but not their command lines.
-    pub(in crate::torture) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
+    pub(crate) fn children(&self) -> anyhow::Result<BTreeMap<String, u32>> {
         let pid = self.launcher.id();
         let pids = fs::read_to_string(format!("/proc/{pid}/task/{pid}/children"))
             .map_err(|_| Broken(format!("the launcher has ended: {}", self.said())))?;
@@ -221,7 +218,7 @@ impl Deployment {
     }
 
     /// Sends a signal to a child; returns the child's process number.
-    pub(in crate::torture) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
+    pub(crate) fn signal(&mut self, name: &str, signal: Signal) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
             if let Some(pid) = self.children()?.get(name).copied() {
@@ -236,7 +233,7 @@ impl Deployment {
     }
 
     /// Sends a signal to a process of the launcher's.
-    pub(in crate::torture) fn signal_process(&self, pid: u32, signal: Signal) {
+    pub(crate) fn signal_process(&self, pid: u32, signal: Signal) {
         if let Some(pid) = i32::try_from(pid).ok().and_then(Pid::from_raw) {
             // The process may have ended meanwhile.
             let _ = kill_process(pid, signal);
@@ -244,7 +241,7 @@ impl Deployment {
     }
 
     /// Waits until a child has another process than the `dead` one.
-    pub(in crate::torture) fn until_started(&mut self, name: &str, dead: u32) -> anyhow::Result<u32> {
+    pub(crate) fn until_started(&mut self, name: &str, dead: u32) -> anyhow::Result<u32> {
         let begun = instant();
         loop {
             if let Some(pid) = self.children()?.get(name).filter(|pid| **pid != dead) {
@@ -258,7 +255,7 @@ impl Deployment {
     }
 
     /// Kills the launcher and starts it again.
-    pub(in crate::torture) fn restart(&mut self) -> anyhow::Result<()> {
+    pub(crate) fn restart(&mut self) -> anyhow::Result<()> {
         // A subscriber keeps the instance in use.
         self.look_away(true);
         self.dead_prefix = self.prefix();
@@ -271,7 +268,7 @@ impl Deployment {
     }
 
     /// Watches for a while.
-    pub(in crate::torture) fn watch(&mut self, time: Duration) -> anyhow::Result<()> {
+    pub(crate) fn watch(&mut self, time: Duration) -> anyhow::Result<()> {
         let begun = instant();
         loop {
             self.look()?;
@@ -283,7 +280,7 @@ impl Deployment {
     }
 
     /// Leaves the deployment; `whole` if its memory is sound.
-    pub(in crate::torture) fn look_away(&mut self, whole: bool) {
+    pub(crate) fn look_away(&mut self, whole: bool) {
         if let Some((mut probe, _)) = self.probe.take() {
             let _ = probe.kill();
             let _ = probe.wait();
@@ -294,13 +291,13 @@ impl Deployment {
     }
 
     /// Returns the number of take-overs, and of take-overs from a process that did not advance.
-    pub(in crate::torture) fn take_overs(&self) -> (u64, u64) {
+    pub(crate) fn take_overs(&self) -> (u64, u64) {
         let sum = |place: usize| self.take_overs.values().map(|counts| counts[place]).sum();
         (sum(0), sum(1))
     }
 
     /// Present use of the machine.
-    pub(in crate::torture) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
+    pub(crate) fn resources(&mut self, at_s: f64) -> anyhow::Result<Resources> {
         let folder = fs::read_dir(self.root.path()).map_or(0, Iterator::count);
         let mut used = Resources {
             at_s,
@@ -316,7 +313,7 @@ impl Deployment {
     }
 
     /// Folder for recordings.
-    pub(in crate::torture) fn out(&self) -> PathBuf {
+    pub(crate) fn out(&self) -> PathBuf {
         self.folder.path().join("out")
     }
 
@@ -360,11 +357,7 @@ impl Deployment {
 
     /// Waits until every process runs and newly sent states arrive; otherwise returns a description of the missing. A
     /// deployment that may still fail has recovered after a time without the end of a process.
-    pub(in crate::torture) fn until_back(
-        &mut self,
-        patience: Duration,
-        stable: bool,
-    ) -> anyhow::Result<Option<String>> {
+    pub(crate) fn until_back(&mut self, patience: Duration, stable: bool) -> anyhow::Result<Option<String>> {
         let (begun, begun_ns) = (instant(), mono_ns());
         let (mut seen, mut since) = (BTreeMap::new(), begun);
         loop {
@@ -436,7 +429,7 @@ impl Deployment {
     ///
     /// # Errors
     /// If it does not stop.
-    pub(in crate::torture) fn stop(&mut self) -> anyhow::Result<()> {
+    pub(crate) fn stop(&mut self) -> anyhow::Result<()> {
         self.look_away(true);
         let at_ns = mono_ns();
         let prefix = self.prefix();

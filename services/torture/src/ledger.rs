@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufRead as _, BufReader, BufWriter, Write as _};
 use std::path::Path;
 
+use crate::Refused;
 use anyhow::Context as _;
-use offline::Usage;
 use runtime::clock::mono_ns;
 use serde::de::DeserializeOwned;
 
@@ -29,7 +29,7 @@ impl Ledger {
         let mut record = match file {
             Some(path) => {
                 Some(BufWriter::new(File::create(path).map_err(|error| {
-                    Usage(format!("--record {}: {error}", path.display()))
+                    Refused(format!("--record {}: {error}", path.display()))
                 })?))
             }
             None => None,
@@ -79,7 +79,7 @@ impl Ledger {
 /// # Errors
 /// If the file cannot be read, or a line is malformed.
 pub(super) fn read(path: &Path) -> anyhow::Result<(Conditions, Vec<Event>)> {
-    let file = File::open(path).map_err(|error| Usage(format!("{}: {error}", path.display())))?;
+    let file = File::open(path).map_err(|error| Refused(format!("{}: {error}", path.display())))?;
     let mut lines = BufReader::new(file).lines();
     let first = lines.next().transpose()?.unwrap_or_default();
     let conditions = parse(path, 1, &first)?;
@@ -89,7 +89,7 @@ pub(super) fn read(path: &Path) -> anyhow::Result<(Conditions, Vec<Event>)> {
 
 fn parse<T: DeserializeOwned>(path: &Path, number: usize, line: &str) -> anyhow::Result<T> {
     let refused = |error| {
-        Usage(format!(
+        Refused(format!(
             "{}, line {number}: {error}; record it with --record",
             path.display()
         ))

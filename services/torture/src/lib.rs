@@ -10,6 +10,9 @@
 //! After each fault the deployment must recover by itself. Otherwise it is started again, and the failure is a
 //! finding. A failure of this command itself is no verdict ([`OwnFailure`]).
 
+#![forbid(unsafe_code)]
+
+mod args;
 mod deployment;
 mod faults;
 mod judge;
@@ -24,14 +27,14 @@ mod world;
 
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use offline::Usage;
 use runtime::clock::instant;
 use runtime::signals::Stop;
 
-use crate::args::Torture;
-use deployment::{Broken, Deployment, Interrupted};
+use crate::deployment::{Broken, Deployment, Interrupted};
+pub use args::{EXAMPLES, Torture};
 use judge::Judge;
 use judge::event::What;
 use report::{Happened, Outcome, Report};
@@ -44,9 +47,25 @@ const AFTERWARDS: Duration = Duration::from_secs(5);
 /// Time between two measurements of resources, seconds.
 const RESOURCES_S: f64 = 15.0;
 
+/// Deployment under test, as its file describes it.
+#[derive(Debug)]
+pub struct Tested {
+    /// File of the configuration.
+    pub path: PathBuf,
+    /// The deployment.
+    pub deployment: ::deployment::Deployment,
+    /// Time without a report after which a track ends, seconds.
+    pub terminate_s: f64,
+}
+
+/// Wrong arguments, with a remedy.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Refused(String);
+
 /// The command itself has failed, or was interrupted: there is no verdict.
 #[derive(Debug)]
-pub(crate) struct OwnFailure;
+pub struct OwnFailure;
 
 impl fmt::Display for OwnFailure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -54,11 +73,14 @@ impl fmt::Display for OwnFailure {
     }
 }
 
-/// Runs the faults, judges a record, or tests the judge; prints the result.
+/// Reader of the configuration that the arguments name.
+pub type ReadTested = fn(&Torture) -> anyhow::Result<Tested>;
+
+/// Runs the faults in the deployment that `read` gives, judges a record, or tests the judge; prints the result.
 ///
 /// # Errors
 /// If something was not as it must be; [`OwnFailure`] if that was this command.
-pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
+pub fn run(torture: &Torture, read: ReadTested) -> anyhow::Result<()> {
     if let Some(record) = &torture.self_test {
         return self_test::run(record.as_deref());
     }
@@ -68,11 +90,12 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     let is_known = |name: &&String| *name == "none" || FAULTS.iter().any(|fault| fault.name == name.as_str());
     if let Some(unknown) = torture.only.iter().find(|name| !is_known(name)) {
         let names: Vec<&str> = FAULTS.iter().map(|fault| fault.name).collect();
-        return Err(Usage(format!("--only {unknown}: there are none and {}", names.join(", "))).into());
+        return Err(Refused(format!("--only {unknown}: there are none and {}", names.join(", "))).into());
     }
     own_file_systems::enter()?;
     let mut run = Run {
         torture,
+        read,
         report: Report {
             seed: torture.seed,
             ..Report::default()
@@ -82,7 +105,7 @@ pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
     // Before anything is started: whether it can be written.
     run.report
         .write(torture.json.as_deref())
-        .map_err(|error| Usage(format!("--json: {error:#}")))?;
+        .map_err(|error| Refused(format!("--json: {error:#}")))?;
     let ended = catch_unwind(AssertUnwindSafe(|| run.whole()));
     let ended = ended.unwrap_or_else(|_| Err(anyhow::anyhow!("this command has panicked: see above")));
     run.conclude(ended)
@@ -101,13 +124,14 @@ fn judge_again(record: &std::path::Path) -> anyhow::Result<()> {
 
 struct Run<'a> {
     torture: &'a Torture,
+    read: ReadTested,
     report: Report,
     begun: Instant,
 }
 
 impl Run<'_> {
     fn whole(&mut self) -> anyhow::Result<()> {
-        let mut deployment = Deployment::start(self.torture, Stop::on_signals()?)?;
+        let mut deployment = Deployment::start(self.torture, (self.read)(self.torture)?, Stop::on_signals()?)?;
         self.begun = instant();
         self.report.limits = Some(*deployment.ledger().judge().limits());
         println!("limits: {}", deployment.ledger().judge().limits());

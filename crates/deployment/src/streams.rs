@@ -1,15 +1,14 @@
-//! The parts of a deployment that every process needs.
+//! Topics of a deployment.
 
 use bus::BusError;
 use messages::{Stream, StreamId};
-use runtime::Deployment;
 use runtime::instance::Visit;
 
-use super::Config;
+use crate::Deployment;
 
-impl Deployment for Config {
+impl runtime::Deployment for Deployment {
     fn fusion_core(&self) -> Option<usize> {
-        self.fusion.placement.core
+        self.fusion.core
     }
 
     fn first_day_ns(&self) -> Option<i64> {
@@ -31,26 +30,23 @@ impl Deployment for Config {
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
-        match self.fusion.settings.exchange {
+        match self.system_tracks.exchange {
             true => visit.visit(&messages::own_tracks(), publishers),
             false => Ok(()),
         }
     }
 }
 
-impl Config {
+impl Deployment {
     /// Data streams, each with the name of its source or sensor (of none for those of the system as a whole): source by
     /// source, then the wide-area sensors, then the system.
     pub fn streams(&self) -> impl Iterator<Item = (StreamId, &str)> {
         let of_sources = self.sources.iter().flat_map(|source| {
-            let locates = source.locator().is_some();
+            let locates = source.has_bearings();
             let streams = [
                 (Stream::SensorTracks, true),
-                (Stream::Detections, source.tracker().is_some()),
-                (
-                    Stream::Cues,
-                    source.tracker().is_some_and(|tracker| tracker.outputs.cues),
-                ),
+                (Stream::Detections, source.has_detections()),
+                (Stream::Cues, source.has_cues()),
                 (Stream::Bearings, locates),
                 (Stream::PlatformStates, locates),
             ];

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::torture::judge::event::{Conditions, Event, State, What};
+use crate::judge::event::{Conditions, Event, State, What};
 
 /// See the module's documentation.
 #[derive(Clone, Debug)]

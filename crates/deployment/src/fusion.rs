@@ -1,0 +1,144 @@
+//! Keys of the fusion process, and of the memory that outlasts it.
+//!
+//! They stand here and not in the process's crate: the launcher, the monitor, adapters and commands use them, too.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bus::WaitMode;
+use runtime::cores::Placement;
+use settings::{Seconds, SettingsError};
+
+settings::settings! {
+    /// The fusion process.
+    pub struct Fusion {
+        check Fusion::check;
+        /// Kind of waiting for work: `spin` polls without a pause and uses a whole core; `event` sleeps until
+        /// notified; `hybrid` does both in turn.
+        wait: WaitWord = WaitWord::Event;
+        /// Time for which `hybrid` spins.
+        hybrid_spin_us: f64 = 20.0, in [0.1, 1e6];
+        /// Core to run on.
+        core: Option<usize> = None, usually "any";
+        /// `SCHED_FIFO` priority.
+        realtime_priority: Option<i32> = None, in [1, 99];
+        /// All memory is locked, so that no page is ever fetched late.
+        lock_memory: bool = false;
+        /// A machine that refuses core, priority or locking is an error.
+        required: bool = false;
+        /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
+        rests: bool = true;
+        /// A second fusion process stands by, and takes over where the first one dies or stands still.
+        standby: bool = false;
+        /// Core for the fusion that stands by.
+        standby_core: Option<usize> = None, usually "any";
+        /// Time for which a fusion may stand still before the one that stands by takes over.
+        takeover_ms: f64 = 100.0, in [50, 60_000];
+        /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
+        decisions: bool = false;
+        /// Time through fusion beyond which a report has missed its deadline.
+        deadline_us: f64 = 1000.0, in [0.1, 1e9];
+    }
+
+    /// Memory of fusion, and of adapters with a tracker, that outlasts the process: a successor resumes the same
+    /// tracks with the same numbers. Not used for recordings, which can be repeated.
+    pub struct Checkpoint {
+        check Checkpoint::check;
+        /// Whether a checkpoint is kept.
+        enabled: bool = true;
+        /// Age after which the tracks of a checkpoint are terminated instead of resumed.
+        max_age_s: Seconds = Seconds::of(10.0), in [0.1, 3600];
+        /// Whether the checkpoint is copied to a disk, to survive a reboot: numbers are not reused, and learned
+        /// values are kept; tracks resume within `max_age_s`.
+        durable: bool = false;
+        /// Folder for the copies.
+        folder: Option<String> = None, usually "must be given with durable";
+        /// Interval of the copies: changes since the last copy are lost with the machine.
+        copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
+    }
+}
+
+settings::words! {
+    /// Words for how fusion waits.
+    pub enum WaitWord {
+        /// Asleep until notified.
+        Event = "event",
+        /// Asks again and again.
+        Spin = "spin",
+        /// Spins for a while, then sleeps until notified.
+        Hybrid = "hybrid",
+    }
+
+}
+
+impl Fusion {
+    fn check(&self) -> Result<(), SettingsError> {
+        let cores = runtime::cores::online();
+        for (key, core) in [("core", self.core), ("standby_core", self.standby_core)] {
+            if let Some(core) = core.filter(|core| !cores.contains(core)) {
+                let what = format!("{core} does not exist or is switched off; this machine offers cores {cores:?}");
+                return Err(SettingsError::new(key, what));
+            }
+        }
+        Ok(())
+    }
+
+    /// How it waits for work.
+    pub fn wait_mode(&self) -> WaitMode {
+        match self.wait {
+            WaitWord::Event => WaitMode::Event,
+            WaitWord::Spin => WaitMode::Spin,
+            WaitWord::Hybrid => WaitMode::Hybrid {
+                spin_ns: (self.hybrid_spin_us * 1e3) as u64,
+            },
+        }
+    }
+
+    /// Demands on the machine.
+    pub fn placement(&self) -> Placement {
+        Placement {
+            core: self.core,
+            realtime_priority: self.realtime_priority,
+            lock_memory: self.lock_memory,
+        }
+    }
+
+    /// Time for which a fusion may stand still before another one takes over, nanoseconds.
+    pub fn takeover_ns(&self) -> i64 {
+        (self.takeover_ms * 1e6) as i64
+    }
+
+    /// Time through fusion beyond which a report has missed its deadline, nanoseconds.
+    pub fn deadline_ns(&self) -> i64 {
+        (self.deadline_us * 1e3) as i64
+    }
+}
+
+impl Checkpoint {
+    fn check(&self) -> Result<(), SettingsError> {
+        let refused = |key: &str, what: &str| Err(SettingsError::new(key, what));
+        match &self.folder {
+            _ if !self.durable => Ok(()),
+            _ if !self.enabled => refused("durable", "there is no checkpoint to copy: leave it enabled"),
+            None => refused(
+                "folder",
+                "must be given with durable: a folder on a disk of this machine",
+            ),
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Age beyond which its tracks are not continued, nanoseconds; `None`: there is no checkpoint.
+    pub fn max_age_ns(&self) -> Option<i64> {
+        self.enabled.then(|| self.max_age_s.ns())
+    }
+
+    /// Folder for copies on disk, and the time between two copies; `None`: there are no copies.
+    pub fn copies(&self) -> Option<(PathBuf, Duration)> {
+        let folder = self.folder.as_ref().filter(|_| self.durable)?;
+        Some((
+            PathBuf::from(folder),
+            Duration::from_nanos(self.copy_every_s.ns().unsigned_abs()),
+        ))
+    }
+}

@@ -1,0 +1,156 @@
+//! Sources of a deployment, and the inputs of their data.
+
+use std::path::PathBuf;
+
+use outgoing::Technology;
+use reception::SourceModel;
+
+use crate::network::{Asterix, Live};
+
+/// One source.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Its number: its place in the file, from 0.
+    pub number: u16,
+    /// Identity of the sensor, the same in every deployment that hears it.
+    pub uid: u32,
+    /// Its name, which is also part of its topic's name.
+    pub name: String,
+    /// Where its data come from.
+    pub input: Input,
+    /// Name of the adapter process that publishes it: that of its receiver, or its own.
+    pub adapter: String,
+    /// How it observes.
+    pub technology: Technology,
+    /// Where it stands, what its reports may contain, and how accurate they are.
+    pub model: SourceModel,
+    /// Samples that it delivers.
+    pub delivers: Delivery,
+    /// Other sources that its tracker listens to.
+    pub links: Links,
+    /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
+    /// recording.
+    pub silent_after_ns: Option<i64>,
+    /// Time between two reports of one target, nanoseconds.
+    pub period_ns: i64,
+    /// Whether the deployment ends where its adapter cannot be kept running.
+    pub required: bool,
+}
+
+/// Sources that a source's tracker listens to besides its own detections.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Links {
+    /// Numbers of the wide-area sensors, ascending.
+    pub wide_area_sensors: Vec<u16>,
+    /// Numbers of the sources, direction finders, whose emissions it hears, ascending.
+    pub emissions: Vec<u16>,
+}
+
+impl Source {
+    /// Whether its tracks are made of its detections.
+    pub fn has_detections(&self) -> bool {
+        matches!(self.delivers, Delivery::Detections { .. })
+    }
+
+    /// Whether its tracks are made of its bearings.
+    pub fn has_bearings(&self) -> bool {
+        self.delivers == Delivery::Bearings
+    }
+
+    /// Whether its tracker publishes places for the sensor's next look.
+    pub fn has_cues(&self) -> bool {
+        self.delivers == Delivery::Detections { cues: true }
+    }
+
+    /// Whether its sensor tracks reach fusion as they come, checked by no adapter.
+    pub fn is_taken_as_it_is(&self) -> bool {
+        match &self.input {
+            Input::External => true,
+            Input::Recorded(recorded) => recorded.format == RecordedFormat::SensorTracks,
+            Input::Simulated(_) | Input::Live(_) => false,
+        }
+    }
+}
+
+/// Samples that a source delivers besides its tracks: they decide on its topics.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Delivery {
+    /// None: the sensor tracks its targets.
+    #[default]
+    Tracks,
+    /// Detections, of which its adapter makes tracks.
+    Detections {
+        /// Whether the tracker publishes cues.
+        cues: bool,
+    },
+    /// Bearings and states of the platform, of which its adapter makes tracks.
+    Bearings,
+}
+
+/// Where a source's data come from.
+#[derive(Clone, Debug)]
+pub enum Input {
+    /// A recording.
+    Recorded(Recorded),
+    /// A simulated sensor, whose reports come over the loopback network like those of a real one.
+    Simulated(Simulated),
+    /// A sensor behind a receiver.
+    Live(Live),
+    /// A process that is no part of the deployment publishes the source's topic.
+    External,
+}
+
+/// A simulated input.
+#[derive(Clone, Debug)]
+pub struct Simulated {
+    /// Simulated instrument that it observes with.
+    pub instrument: Instrument,
+    /// How what it sends is received.
+    pub live: Live,
+}
+
+/// Instrument of a simulated source.
+#[derive(Clone, Debug)]
+pub enum Instrument {
+    /// A sensor that tracks what it sees.
+    Sensor(Box<scenario::SensorSettings>),
+    /// A direction finder, whose bearings its adapter locates.
+    DirectionFinder(Box<scenario::DirectionFinderSettings>),
+}
+
+/// A recorded input.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// File, relative to the data folder unless absolute.
+    pub file: PathBuf,
+    /// Content of the file.
+    pub format: RecordedFormat,
+    /// How its ASTERIX records are read.
+    pub asterix: Asterix,
+    /// How far reports may come out of order, nanoseconds.
+    pub reorder_ns: i64,
+    /// Whether the file may end in the middle of a data block.
+    pub truncated: Truncated,
+}
+
+settings::words! {
+    /// Content of a recorded file.
+    pub enum RecordedFormat {
+        /// ASTERIX, as bare data blocks or in a capture file.
+        Asterix = "asterix",
+        /// Lines of SBS-1 (BaseStation).
+        Sbs = "sbs",
+        /// A table of sensor tracks (FM-5).
+        SensorTracks = "sensor-tracks",
+    }
+}
+
+settings::words! {
+    /// Use of a recording that ends within a data block, after a kill of the recorder or an incomplete copy.
+    pub enum Truncated {
+        /// Refuse it before anything starts: more than one block may be missing.
+        Refuse = "refuse",
+        /// Use it without its last block.
+        Accept = "accept",
+    }
+}

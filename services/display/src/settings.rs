@@ -1,0 +1,141 @@
+//! Keys of the display.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+
+use deployment::{Deployment, Parts, Secret};
+use settings::{SettingsError, Table};
+use web::HostName;
+
+/// Fewest characters of a token: nobody may guess it.
+const TOKEN_MIN: usize = 16;
+
+settings::settings! {
+    /// Keys of a deployment's file.
+    pub struct Keys {
+        /// Display process.
+        display: Settings = Settings::default();
+    }
+
+    /// The display process.
+    pub struct Settings {
+        check Settings::check;
+        /// Address and port where the picture is shown to browsers; nowhere: there is no display.
+        listen: Option<String> = None;
+        /// Number of further ports to try if the port is in use.
+        more_ports: u32 = 0, in [0, 1000];
+        /// Allow an address reachable by other machines, without encryption: every host on the path can read the
+        /// track picture and the token. A proxy with TLS in front of a loopback address is better.
+        insecure: bool = false;
+        /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
+        token: Option<String> = None;
+        /// Token of the operators, who give orders. The display must listen on a loopback address; other machines
+        /// connect through a proxy with TLS.
+        operator_token: Option<String> = None, usually "none: no orders";
+        /// Further names of this machine in requests, besides its address and localhost.
+        hosts: Vec<HostName> = Vec::new(), usually "none";
+        /// Time for which the past of the picture is kept.
+        history_s: u32 = 600, in [0, 86_400];
+        /// Memory that the past may take, megabytes; the oldest is forgotten first.
+        history_mb: u32 = 256, in [1, 65_536];
+        /// Files of GeoJSON that are drawn under the tracks, relative to the data folder unless absolute.
+        overlays: Vec<String> = Vec::new(), usually "none";
+    }
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), SettingsError> {
+        let Some(listen) = &self.listen else { return Ok(()) };
+        let listen: SocketAddr = listen.parse().map_err(|_| {
+            let what = format!("\"{listen}\" is no address with a port; write it as in \"127.0.0.1:8900\"");
+            SettingsError::new("listen", what)
+        })?;
+        if !listen.ip().is_loopback() {
+            self.check_public(listen)?;
+        }
+        for (key, token) in [("token", &self.token), ("operator_token", &self.operator_token)] {
+            let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
+            if let Some(token) = token
+                && (token.len() < TOKEN_MIN || !token.chars().all(allowed))
+            {
+                let what =
+                    format!("needs {TOKEN_MIN} letters, digits, - or _, or more; `openssl rand -hex 16` makes one");
+                return Err(SettingsError::new(key, what));
+            }
+        }
+        match &self.operator_token {
+            Some(token) => self.check_operators(token, listen),
+            None => Ok(()),
+        }
+    }
+
+    /// Needs of a display that accepts orders.
+    fn check_operators(&self, token: &str, listen: SocketAddr) -> Result<(), SettingsError> {
+        if !listen.ip().is_loopback() {
+            let what = format!(
+                "orders need a loopback address, and {listen} can be reached from other machines without encryption; use \
+                 127.0.0.1 behind a proxy that ends TLS"
+            );
+            return Err(SettingsError::new("operator_token", what));
+        }
+        if self.token.as_deref() == Some(token) {
+            let what = "is the token of all viewers; give operators another one";
+            return Err(SettingsError::new("operator_token", what));
+        }
+        Ok(())
+    }
+
+    /// Needs of an address that other machines can reach.
+    fn check_public(&self, listen: SocketAddr) -> Result<(), SettingsError> {
+        if !self.insecure {
+            let what = format!(
+                "{listen} can be reached from other machines, and nothing is encrypted; use 127.0.0.1 behind a proxy that \
+                 ends TLS, or set insecure = true beside it"
+            );
+            return Err(SettingsError::new("listen", what));
+        }
+        if self.token.is_none() {
+            let what = format!("{listen} can be reached from other machines; give a token that browsers have to show");
+            return Err(SettingsError::new("token", what));
+        }
+        Ok(())
+    }
+
+    /// Returns the address and first port of the display; `None`: there is no display.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.listen.as_ref()?.parse().ok()
+    }
+
+    /// Returns the most memory of the past, bytes.
+    pub(crate) fn history_bytes(&self) -> usize {
+        self.history_mb as usize * 1_000_000
+    }
+
+    /// Returns the paths of the overlays in the folder `data`.
+    pub(crate) fn overlays_in(&self, data: &Path) -> Vec<PathBuf> {
+        self.overlays.iter().map(|file| data.join(file)).collect()
+    }
+}
+
+impl Parts for Keys {
+    fn tables(&mut self) -> Vec<&mut dyn Table> {
+        vec![self]
+    }
+
+    fn join(&self, deployment: &mut Deployment) -> Result<(), SettingsError> {
+        let display = &self.display;
+        deployment.services.display = display.listen.is_some();
+        let tokens = [
+            (&display.token, "hidden-token-"),
+            (&display.operator_token, "hidden-order-token-"),
+        ];
+        let secrets = tokens.into_iter().filter_map(|(token, placeholder)| {
+            Some(Secret {
+                text: token.clone().filter(|_| display.listen.is_some())?,
+                placeholder: format!("{placeholder}{}", "x".repeat(TOKEN_MIN)),
+            })
+        });
+        deployment.services.secrets.extend(secrets);
+        Ok(())
+    }
+}

@@ -1,0 +1,72 @@
+//! Keys of a display, and mistakes in them.
+
+use std::path::Path;
+
+use configuration::ConfigWith;
+
+use crate::settings::Keys;
+
+type Config = ConfigWith<Keys>;
+
+const SITE: &str = include_str!("../../../config/barcelona.toml");
+
+#[test]
+fn a_display_that_others_can_reach_must_be_asked_for_and_has_a_token() {
+    let read = |lines: &str| {
+        let text = format!("{}\n[display]\n{lines}", SITE);
+        Config::parse(Path::new("test.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let token = "token = \"0123456789abcdef\"";
+    let cases = [
+        (
+            "listen = \"8900\"",
+            "display.listen: \"8900\" is no address with a port",
+        ),
+        (
+            "listen = \"0.0.0.0:8900\"",
+            "display.listen: 0.0.0.0:8900 can be reached from other machines",
+        ),
+        (&format!("listen = \"[::]:8900\"\n{token}"), "nothing is encrypted"),
+        (
+            "listen = \"192.0.2.1:8900\"\ninsecure = true",
+            "display.token: 192.0.2.1:8900 can be reached",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\ntoken = \"0123456789abcde\"",
+            "display.token: needs 16",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\ntoken = \"0123456789abcd;f\"",
+            "display.token: needs 16",
+        ),
+        (
+            "listen = \"127.0.0.1:8900\"\nhosts = [\"a b\"]",
+            "display.hosts: \"a b\" is no name",
+        ),
+    ];
+    for (lines, said) in cases {
+        let error = read(lines).unwrap_err();
+        assert!(error.contains(said), "{lines}: {error}");
+    }
+    for lines in [
+        "listen = \"127.0.0.1:8900\"",
+        "listen = \"[::1]:8900\"",
+        &format!("listen = \"0.0.0.0:8900\"\ninsecure = true\n{token}"),
+    ] {
+        assert!(read(lines).unwrap().services.display, "{lines}");
+    }
+}
+
+#[test]
+fn recordings_do_not_get_the_tokens() {
+    let text = format!(
+        "{SITE}\n[display]\nlisten = \"127.0.0.1:1\"\ntoken = \"0123456789abcdef\"\noperator_token = \"fedcba9876543210\"\n"
+    );
+    let config = Config::parse(Path::new("test.toml"), &text, &[]).unwrap();
+    let recorded = config.text_without_secrets();
+    assert!(!recorded.contains("0123456789abcdef") && !recorded.contains("fedcba9876543210"));
+    assert!(
+        Config::parse(Path::new("test.toml"), &recorded, &[]).is_ok(),
+        "{recorded}"
+    );
+}

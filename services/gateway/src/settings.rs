@@ -1,0 +1,264 @@
+//! Keys of gateways, and their place in a deployment.
+
+use std::collections::BTreeSet;
+use std::net::SocketAddr;
+
+use asterix::Category;
+use deployment::{Deployment, Output, Parts, Source, check_name};
+use net::{Interface, SenderSettings};
+use outgoing::HeightReference;
+use settings::{Seconds, SettingsError, Table};
+
+/// Categories that a gateway can send of a sensor.
+const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
+/// Categories of status messages.
+const STATUS_CATEGORIES: [u8; 2] = [65, 63];
+/// Category that a gateway sends of the fused picture.
+const SYSTEM_CATEGORY: u8 = 62;
+
+settings::settings! {
+    /// Keys of a deployment's file.
+    pub struct Keys {
+        /// Network output: a gateway process.
+        gateways as "gateway": Vec<Settings> = Vec::new();
+    }
+
+    /// A part of the Earth between two parallels and two meridians (WGS-84).
+    #[derive(Copy)]
+    pub struct Area {
+        check Area::check;
+        /// Latitude of the southern edge, −90 to 90.
+        south_deg: f64;
+        /// Latitude of the northern edge, −90 to 90.
+        north_deg: f64;
+        /// Longitude of the western edge, −180 to 180.
+        west_deg: f64;
+        /// Longitude of the eastern edge, −180 to 180; smaller than the western longitude if the area crosses 180°.
+        east_deg: f64;
+    }
+
+    /// Network output to a user.
+    pub struct Settings {
+        check Settings::check;
+        /// Name of the gateway process.
+        name: String;
+        /// Multicast group or address, with the port, that datagrams go to.
+        send_to: Destination;
+        /// Interface on which datagrams leave, by address, name or index.
+        interface: Option<String> = None, usually "the machine's choice";
+        /// Routers that datagrams to a group may pass (time to live).
+        ttl: Option<u8> = None, usually "the machine's choice";
+        /// Source of the sensor tracks to send.
+        source: Option<String> = None, usually "none: the fused picture is sent";
+        /// Send the track picture from local sources only, without data of other centres: for another centre, which
+        /// must not get back its own data. Needs `fusion.exchange`.
+        own: bool = false;
+        /// ASTERIX category: 62 for the fused picture; 10, 20, 21 or 48 for sensor tracks.
+        category: Option<u8> = None, usually "62 for the fused picture";
+        /// Edition of the category.
+        edition: Option<String> = None, usually "the newest one known";
+        /// System area code of the sender.
+        sac: u8;
+        /// System identification code of the sender.
+        sic: u8;
+        /// Time between two reports of a track; 0: every report is sent.
+        refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
+        /// Time between two status messages.
+        status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
+        /// Categories of the status messages that go with the fused picture: 65 for the system, 63 for its sensors.
+        status: Vec<u8> = vec![65, 63];
+        /// Area that the user gets tracks of; a track that leaves it is ended there. Needs `refresh_s` above 0.
+        area: Option<Area> = None, usually "everywhere";
+        /// Lowest and highest flight level (hundreds of feet, of the tracks' heights) that the user gets tracks of;
+        /// tracks of unknown height are on all levels. Needs `refresh_s` above 0.
+        levels: Option<[f64; 2]> = None, usually "all";
+        /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
+        /// UDP, at most the limit of IPv4.
+        block_bytes: usize = 1472, in [256, 65_507];
+        /// Reference of the heights of system tracks; selects the items for heights.
+        heights: HeightReference = HeightReference::Barometric;
+    }
+}
+
+/// Address and port that datagrams go to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Destination(pub SocketAddr);
+
+impl Default for Destination {
+    fn default() -> Self {
+        Self(SocketAddr::from(([0; 4], 0)))
+    }
+}
+
+impl Destination {
+    fn parse(text: String) -> Result<Self, String> {
+        let address: SocketAddr = text.parse().map_err(|_| {
+            format!(
+                "\"{text}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\""
+            )
+        })?;
+        match address.port() {
+            0 => Err("port 0 is no port; give one from 1 to 65535".to_owned()),
+            _ => Ok(Self(address)),
+        }
+    }
+}
+
+settings::spelt_as!(Destination, String, "text", Self::parse, |to| to.0.to_string());
+
+/// Content that a gateway sends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Content<'a> {
+    /// The fused picture.
+    Fused,
+    /// The fused picture from local sources only.
+    Own,
+    /// The sensor tracks of a source.
+    OfSource(&'a Source),
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), SettingsError> {
+        let sender = self.sender().check();
+        sender.map_err(|error| SettingsError::new("send_to", error.to_string()))?;
+        match (&self.source, self.category) {
+            (Some(_), _) if self.own => {
+                let what = "is about the fused picture; a source's sensor tracks are its own: leave one of the two out";
+                return Err(SettingsError::new("own", what));
+            }
+            (None, Some(other)) if other != SYSTEM_CATEGORY => {
+                let what =
+                    format!("{other}: the fused picture goes out in category 62; for sensor tracks give a source");
+                return Err(SettingsError::new("category", what));
+            }
+            (Some(_), category) if category.is_none_or(|number| !SENSOR_CATEGORIES.contains(&number)) => {
+                let what = "sensor tracks go out in category 10, 20, 21 or 48: give one of them";
+                return Err(SettingsError::new("category", what));
+            }
+            _ => {}
+        }
+        if let Some(other) = self
+            .status
+            .iter()
+            .find(|category| !STATUS_CATEGORIES.contains(category))
+        {
+            let what = format!("{other}: status messages are of category 65 or 63");
+            return Err(SettingsError::new("status", what));
+        }
+        if let Some([low, high]) = self.levels.filter(|[low, high]| !(*low..=*high).contains(low)) {
+            let what = format!("{low} lies above {high}; write the lower level first");
+            return Err(SettingsError::new("levels", what));
+        }
+        if self.refresh_s.ns() == 0 && (self.area.is_some() || self.levels.is_some()) {
+            let what = "0: whether a track has left the area or the levels is known only of tracks that have turns; \
+                        give a period";
+            return Err(SettingsError::new("refresh_s", what));
+        }
+        self.table().map(|_| ())
+    }
+
+    /// Returns where datagrams go, and how.
+    pub(crate) fn sender(&self) -> SenderSettings {
+        let interface = |text: &str| -> Interface {
+            let Ok(interface) = text.parse();
+            interface
+        };
+        SenderSettings {
+            interface: self.interface.as_deref().map(interface),
+            time_to_live: self.ttl,
+            ..SenderSettings::new(self.send_to.0)
+        }
+    }
+
+    /// Returns the category and edition in which the gateway sends.
+    ///
+    /// # Errors
+    /// If the edition is not known.
+    pub fn table(&self) -> Result<&'static Category, SettingsError> {
+        let number = self.category.unwrap_or(SYSTEM_CATEGORY);
+        deployment::category("edition", number, self.edition.as_deref())
+    }
+
+    /// Returns the content that the gateway of `deployment` sends.
+    ///
+    /// # Errors
+    /// If the deployment has no such source.
+    pub(crate) fn content<'a>(&self, deployment: &'a Deployment) -> Result<Content<'a>, SettingsError> {
+        match &self.source {
+            None if self.own => Ok(Content::Own),
+            None => Ok(Content::Fused),
+            Some(name) => {
+                let missing = || SettingsError::new("source", format!("there is no source named \"{name}\""));
+                deployment.source(name).map(Content::OfSource).ok_or_else(missing)
+            }
+        }
+    }
+}
+
+impl Area {
+    fn check(&self) -> Result<(), SettingsError> {
+        let sides = [
+            ("south_deg", self.south_deg, 90.0),
+            ("north_deg", self.north_deg, 90.0),
+            ("west_deg", self.west_deg, 180.0),
+            ("east_deg", self.east_deg, 180.0),
+        ];
+        for (side, value, limit) in sides {
+            if !(-limit..=limit).contains(&value) {
+                let what = format!("{value} must lie between -{limit} and {limit}");
+                return Err(SettingsError::new(side, what));
+            }
+        }
+        if self.south_deg > self.north_deg {
+            let what = format!("{} lies north of north_deg, {}", self.south_deg, self.north_deg);
+            return Err(SettingsError::new("south_deg", what));
+        }
+        Ok(())
+    }
+}
+
+impl Keys {
+    /// Returns the gateway called `name`.
+    pub fn gateway(&self, name: &str) -> Option<&Settings> {
+        self.gateways.iter().find(|gateway| gateway.name == name)
+    }
+}
+
+impl Parts for Keys {
+    fn tables(&mut self) -> Vec<&mut dyn Table> {
+        vec![self]
+    }
+
+    fn join(&self, deployment: &mut Deployment) -> Result<(), SettingsError> {
+        let mut names = BTreeSet::new();
+        for (index, each) in self.gateways.iter().enumerate() {
+            let key = |part: &str| format!("gateway[{index}].{part}");
+            check_name(&key("name"), &each.name)?;
+            if !names.insert(&each.name) {
+                let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
+                return Err(SettingsError::new(key("name"), what));
+            }
+            let of_sources = deployment.sources.iter().map(|source| &source.adapter);
+            let of_sensors = deployment.wide_area_sensors.iter().map(|sensor| &sensor.adapter);
+            if of_sources.chain(of_sensors).any(|adapter| *adapter == each.name) {
+                let what = format!(
+                    "\"{}\" is the name of an adapter process; give the gateway another",
+                    each.name
+                );
+                return Err(SettingsError::new(key("name"), what));
+            }
+            let content = each.content(deployment);
+            let content = content.map_err(|error| error.under(&format!("gateway[{index}]")))?;
+            if matches!(content, Content::Own) && !deployment.system_tracks.exchange {
+                let what = "needs fusion.exchange = true, which says what the sensors here know";
+                return Err(SettingsError::new(key("own"), what));
+            }
+        }
+        let output = |gateway: &Settings| Output {
+            name: gateway.name.clone(),
+            sender: gateway.sender(),
+        };
+        deployment.services.gateways = self.gateways.iter().map(output).collect();
+        Ok(())
+    }
+}

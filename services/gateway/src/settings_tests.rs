@@ -1,0 +1,110 @@
+//! Keys of gateways, and mistakes in them.
+
+use std::path::Path;
+
+use configuration::ConfigWith;
+
+use crate::settings::{Content, Keys};
+
+type Config = ConfigWith<Keys>;
+
+const SITE: &str = include_str!("../../../config/live.toml");
+
+fn refused(text: &str) -> String {
+    let read = Config::parse(Path::new("test.toml"), text, &[]);
+    read.unwrap_err().to_string()
+}
+
+#[test]
+fn a_gateway_sends_the_fused_picture_by_default() {
+    let config = Config::parse(Path::new("live.toml"), SITE, &[]).unwrap();
+    let gateway = config.parts.gateway("picture").unwrap();
+    assert_eq!(gateway.table().unwrap().number, 62);
+    assert!(matches!(gateway.content(&config), Ok(Content::Fused)));
+    let output = &config.services.gateways[0];
+    assert_eq!(
+        (output.name.as_str(), output.sender.destination),
+        ("picture", gateway.send_to.0)
+    );
+}
+
+#[test]
+fn a_gateway_to_another_centre_needs_what_the_sensors_here_know() {
+    let read = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
+        Config::parse(Path::new("live.toml"), SITE, &overrides).map_err(|error| error.to_string())
+    };
+    let own = "gateway[0].own=true";
+    let config = read(&[own, "fusion.exchange=true"]).unwrap();
+    assert!(matches!(config.parts.gateways[0].content(&config), Ok(Content::Own)));
+    assert!(read(&[own]).unwrap_err().contains("needs fusion.exchange = true"));
+    let source = ["gateway[0].source=\"radar-north\"", "gateway[0].category=48"];
+    let both = read(&[own, "fusion.exchange=true", source[0], source[1]]).unwrap_err();
+    assert!(both.contains("leave one of the two out"), "{both}");
+}
+
+#[test]
+fn a_gateway_may_send_a_part_of_the_picture() {
+    let with = |lines: &str| {
+        let text = SITE.replace("refresh_s = 1.0 ", &format!("{lines}\nrefresh_s = 1.0 "));
+        Config::parse(Path::new("live.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let config =
+        with("area = { south_deg = 41.0, north_deg = 42.0, west_deg = 179.0, east_deg = -179.0 }\nstatus = [63]");
+    let config = config.unwrap();
+    let gateway = config.parts.gateway("picture").unwrap();
+    let area = gateway.area.unwrap();
+    assert_eq!([area.west_deg, area.east_deg], [179.0, -179.0]);
+    assert_eq!((gateway.status.as_slice(), gateway.levels), (&[63][..], None));
+    for (lines, expected) in [
+        ("status = [62]", "62: status messages are of category 65 or 63"),
+        ("levels = [200.0, 100.0]", "write the lower level first"),
+        (
+            "area = { south_deg = 43.0, north_deg = 42.0, west_deg = 1.0, east_deg = 2.0 }",
+            "lies north of north_deg",
+        ),
+        (
+            "area = { south_deg = 1.0, north_deg = 2.0, west_deg = 1.0, east_deg = 200.0 }",
+            "between -180 and 180",
+        ),
+    ] {
+        let said = with(lines).unwrap_err();
+        assert!(said.contains(expected), "{said}");
+    }
+    let text = SITE.replace("refresh_s = 1.0 ", "levels = [0.0, 100.0]\nrefresh_s = 0.0 ");
+    let said = Config::parse(Path::new("live.toml"), &text, &[])
+        .unwrap_err()
+        .to_string();
+    assert!(said.contains("give a period"), "{said}");
+}
+
+#[test]
+fn mistakes_are_named_with_line_value_and_remedy() {
+    let cases = [
+        ("\"239.255.62.1:8610\"", "\"everyone\"", "as in \"239.1.2.3:8610\""),
+        ("edition = \"1.18\"", "edition = \"0.1\"", "CAT062 ed 1.18"),
+        (
+            "edition = \"1.18\"",
+            "source = \"radar-north\"",
+            "category 10, 20, 21 or 48",
+        ),
+        (
+            "edition = \"1.18\"",
+            "source = \"radar\"\ncategory = 48",
+            "there is no source named \"radar\"",
+        ),
+        ("edition = \"1.18\"", "category = 48", "give a source"),
+        ("block_bytes = 1472", "block_bytes = 10", "must lie between 256 and"),
+        (
+            "name = \"picture\"",
+            "name = \"radars\"",
+            "is the name of an adapter process",
+        ),
+    ];
+    for (old, new, expected) in cases {
+        assert!(SITE.contains(old), "{old}");
+        let message = refused(&SITE.replacen(old, new, 1));
+        assert!(message.starts_with("test.toml:"), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}

@@ -1,0 +1,29 @@
+//! `koseki torture`: reads the deployment under test.
+
+use std::path::Path;
+
+use configuration::BUILT_IN_DEMO;
+use messages::NS_PER_S;
+use torture::{Tested, Torture};
+
+use crate::config::Config;
+
+/// Runs the command.
+///
+/// # Errors
+/// As [`torture::run`].
+pub(crate) fn run(torture: &Torture) -> anyhow::Result<()> {
+    torture::run(torture, read)
+}
+
+fn read(torture: &Torture) -> anyhow::Result<Tested> {
+    let path = torture.config.as_deref().unwrap_or(Path::new(BUILT_IN_DEMO));
+    let config = Config::read(path, &torture.set)?;
+    let settings = &config.engine;
+    let fresh_ns = settings.sources.iter().map(|source| source.fresh_ns).max();
+    Ok(Tested {
+        path: path.to_owned(),
+        terminate_s: settings.life.terminate_ns(fresh_ns.unwrap_or_default()) as f64 / NS_PER_S,
+        deployment: config.deployment,
+    })
+}
