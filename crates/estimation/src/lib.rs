@@ -31,10 +31,12 @@ mod gaussian;
 mod initiation;
 mod mixture;
 mod motion;
+mod plane;
 mod recovery;
 #[cfg(test)]
 mod testing;
 mod update;
+mod vertical;
 
 pub use clock::SourceClock;
 pub use combination::{
@@ -47,5 +49,7 @@ pub use distance::{ComparedComponents, squared_length, statistical_distance};
 pub use gaussian::{Gaussian, Matrix3, Matrix6, Symmetric3, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
+pub use plane::{Moments, Plane, Residual, Rotation};
 pub use recovery::{Recovered, implied_noise, recovered};
 pub use update::Innovation;
+pub use vertical::Vertical;

@@ -58,6 +58,7 @@ mod order_table;
 mod orders;
 mod outlet;
 mod places;
+mod plane_filter;
 mod publishing;
 pub mod quality;
 mod quota;
@@ -80,6 +81,7 @@ mod system_tracks;
 #[cfg(test)]
 mod testing;
 mod tracks;
+mod vertical_filter;
 mod weighing;
 
 pub use driver::{Driver, ReportNumber};

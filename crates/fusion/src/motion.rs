@@ -4,6 +4,17 @@ use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
+/// Number of lateral accelerations that turns are assumed to have.
+pub(crate) const LEVELS: usize = 4;
+/// Process noise of steady motion, relative to that of turns.
+const STEADY: f64 = 4e-4;
+/// The same of agile motion along the course and across.
+const AGILE: [f64; 2] = [0.6, 0.12];
+/// Process noise of a turn relative to the square of its acceleration, s.
+const UNEVEN_S: f64 = 0.1;
+/// Process noise of changes of the rate of climb relative to that of turns, and the least.
+const CLIMB_CHANGE: f64 = 0.1;
+const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
 /// Time that it takes to notice a turn, seconds.
 const UNNOTICED_S: f64 = 7.0;
 
@@ -15,10 +26,50 @@ kept! {
         pub(crate) turns: NearlyConstantVelocity,
         /// Mean time for which a target flies straight before it turns, s.
         pub(crate) steady_s: f64,
+        /// Share of the manoeuvres that are no turns.
+        pub(crate) agile_share: f64,
+        /// Lateral accelerations of turns, m/s²: the usual one, less, more, and the hardest of the class.
+        pub(crate) lateral_mps2: [f64; LEVELS],
+        /// Speed below which the rate of a turn no longer rises, m/s.
+        pub(crate) slow_mps: f64,
     }
 }
 
 impl Motion {
+    /// White noise of steady motion, m²/s³.
+    #[inline]
+    pub(crate) fn steady_m2ps3(&self) -> f64 {
+        STEADY * self.turns.density_m2ps3[0]
+    }
+
+    /// White noise of agile motion along the course and across, m²/s³.
+    #[inline]
+    pub(crate) fn agile_m2ps3(&self) -> [f64; 2] {
+        AGILE.map(|factor| factor * self.turns.density_m2ps3[0])
+    }
+
+    /// White noise of a turn with this lateral acceleration, m²/s³.
+    #[inline]
+    pub(crate) fn turn_m2ps3(lateral_mps2: f64) -> f64 {
+        UNEVEN_S * lateral_mps2 * lateral_mps2
+    }
+
+    /// White noise of changes of the rate of climb, m²/s³.
+    #[inline]
+    pub(crate) fn climb_change_m2ps3(&self) -> f64 {
+        (CLIMB_CHANGE * self.turns.density_m2ps3[0]).max(CLIMB_CHANGE_MIN_M2PS3)
+    }
+
+    /// Logarithms of the lateral accelerations relative to the usual one.
+    pub(crate) fn hardness(&self) -> [f64; LEVELS] {
+        self.lateral_mps2.map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
+    }
+
+    /// Lateral accelerations around a usual one, m/s².
+    pub(crate) fn levels(usual_mps2: f64, hardest_mps2: f64) -> [f64; LEVELS] {
+        [usual_mps2, 0.5 * usual_mps2, (usual_mps2 * hardest_mps2).sqrt(), hardest_mps2]
+    }
+
     /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
     pub(crate) fn unnoticed_m2ps2(&self) -> f64 {
         let share = UNNOTICED_S / self.steady_s;
@@ -35,6 +86,9 @@ mod tests {
         let motion = |steady_s| Motion {
             turns: NearlyConstantVelocity::new(50.0, 50.0),
             steady_s,
+            agile_share: 0.4,
+            lateral_mps2: Motion::levels(6.0, 36.0),
+            slow_mps: 20.0,
         };
         assert!((motion(245.0).unnoticed_m2ps2() - 5.0).abs() < 1e-9);
         assert!((motion(490.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
