@@ -31,7 +31,7 @@ const TURNING: f64 = 2.5;
 const LEAST: f64 = -1.5;
 const MOST: f64 = 1.5;
 /// Time by which the process noise of turns is multiplied to give the square of their usual acceleration, s.
-const LATERAL_S: f64 = 0.72;
+const LATERAL_S: f64 = 0.5;
 /// Limits of the logarithm of the usual acceleration, relative to that.
 const LATERAL_LEAST: f64 = -2.5;
 const LATERAL_MOST: f64 = 1.5;
@@ -43,8 +43,11 @@ const SLOW_MPS: [f64; CLASSES] = [3.0, 20.0];
 const AGILE: f64 = 0.4;
 const AGILE_MIN: f64 = 0.1;
 const AGILE_MAX: f64 = 0.8;
+/// Process noise of changes of the rate of climb relative to that of turns assumed, and the least, m²/s³.
+const CLIMB_CHANGE: f64 = 0.1;
+const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
 /// Number of measurements in manoeuvres as which the assumptions count, and after which older ones fade.
-const ASSUMED: f64 = 20.0;
+const ASSUMED: f64 = 8.0;
 const REMEMBERED: f64 = 300.0;
 /// Mean time of straight flight that is assumed beforehand, s, as if so many turns had been seen.
 const STEADY_S: f64 = 200.0;
@@ -103,6 +106,7 @@ impl Class {
                 agile_share: AGILE,
                 lateral_mps2: [0.0; LEVELS],
                 slow_mps,
+                climb_change_m2ps3: 0.0,
             },
             straight_s: STEADY_S * TURNS,
             turns: TURNS,
@@ -121,6 +125,8 @@ impl Class {
         let assumed_mps2 = (LATERAL_S * TURNING * self.assumed.density_m2ps3[0]).sqrt();
         let usual_mps2 = (assumed_mps2 * self.lateral.exp()).min(0.5 * self.hardest_mps2);
         self.motion.lateral_mps2 = Motion::levels(usual_mps2, self.hardest_mps2);
+        let climb_m2ps3 = CLIMB_CHANGE * TURNING * self.assumed.density_m2ps3[0];
+        self.motion.climb_change_m2ps3 = climb_m2ps3.max(CLIMB_CHANGE_MIN_M2PS3);
     }
 
     /// Learns from what a target surely does that does not fly straight.

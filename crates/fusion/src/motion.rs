@@ -12,11 +12,11 @@ const STEADY: f64 = 4e-4;
 const AGILE: [f64; 2] = [0.6, 0.12];
 /// Process noise of a turn relative to the square of its acceleration, s.
 const UNEVEN_S: f64 = 0.1;
-/// Process noise of changes of the rate of climb relative to that of turns, and the least.
-const CLIMB_CHANGE: f64 = 0.1;
-const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
-/// Time that it takes to notice a turn, seconds.
-const UNNOTICED_S: f64 = 7.0;
+/// Time that it takes to notice a turn with 1 m/s², seconds: with more it takes less, as its root.
+const UNNOTICED_S: f64 = 15.0;
+/// Time that it takes to notice a change of the rate of climb, and mean time between such changes, seconds.
+const CLIMB_UNNOTICED_S: f64 = 7.0;
+const CLIMB_STEADY_S: f64 = 80.0;
 
 kept! {
     /// Model of how the targets of a class move.
@@ -32,6 +32,8 @@ kept! {
         pub(crate) lateral_mps2: [f64; LEVELS],
         /// Speed below which the rate of a turn no longer rises, m/s.
         pub(crate) slow_mps: f64,
+        /// White noise of changes of the rate of climb, m²/s³.
+        pub(crate) climb_change_m2ps3: f64,
     }
 }
 
@@ -54,12 +56,6 @@ impl Motion {
         UNEVEN_S * lateral_mps2 * lateral_mps2
     }
 
-    /// White noise of changes of the rate of climb, m²/s³.
-    #[inline]
-    pub(crate) fn climb_change_m2ps3(&self) -> f64 {
-        (CLIMB_CHANGE * self.turns.density_m2ps3[0]).max(CLIMB_CHANGE_MIN_M2PS3)
-    }
-
     /// Logarithms of the lateral accelerations relative to the usual one.
     pub(crate) fn hardness(&self) -> [f64; LEVELS] {
         self.lateral_mps2.map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
@@ -72,8 +68,16 @@ impl Motion {
 
     /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
     pub(crate) fn unnoticed_m2ps2(&self) -> f64 {
-        let share = UNNOTICED_S / self.steady_s;
-        0.5 * share * UNNOTICED_S * self.turns.density_m2ps3[0]
+        // A turn is noticed after a time u, when the way a·u²/2 is beyond the noise. A fraction u of the time between
+        // turns is spent so; meanwhile the velocity is off by 0 to a·u, on the mean square a²·u²/3 over two axes.
+        let lateral_mps2 = self.lateral_mps2[0];
+        UNNOTICED_S * UNNOTICED_S * UNNOTICED_S * lateral_mps2.sqrt() / (6.0 * self.steady_s)
+    }
+
+    /// Variance of a rate of climb caused by changes not yet detected, m²/s².
+    pub(crate) fn unnoticed_climb_m2ps2(&self) -> f64 {
+        let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
+        0.5 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
     }
 }
 
@@ -89,6 +93,7 @@ mod tests {
             agile_share: 0.4,
             lateral_mps2: Motion::levels(6.0, 36.0),
             slow_mps: 20.0,
+            climb_change_m2ps3: 5.0,
         };
         assert!((motion(245.0).unnoticed_m2ps2() - 5.0).abs() < 1e-9);
         assert!((motion(490.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);

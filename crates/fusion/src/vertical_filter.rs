@@ -16,7 +16,7 @@ const CLIMB: usize = 1;
 const CHANGE: usize = 2;
 /// Mean durations, seconds.
 const LEVEL_S: f64 = 80.0;
-const CLIMB_S: f64 = 60.0;
+const CLIMB_S: f64 = 100.0;
 const CHANGE_S: f64 = 8.0;
 /// Share of the changes after which the target flies level.
 const LEVELS_OFF: f64 = 0.4;
@@ -24,8 +24,8 @@ const LEVELS_OFF: f64 = 0.4;
 const REMAINDER_MPS: f64 = 0.3;
 const WANDER_M2PS: f64 = 0.01;
 /// Noise of the rate in a climb, m²/s³.
-const CLIMB_M2PS3: f64 = 0.02;
-const PRIOR: [f64; MODELS] = [0.6, 0.2, 0.2];
+const CLIMB_M2PS3: f64 = 0.002;
+const PRIOR: [f64; MODELS] = [0.3, 0.5, 0.2];
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Exponent of likelihoods below which a model's share is 0.
 const EXPONENT_MIN: f64 = -100.0;
@@ -56,7 +56,7 @@ impl VerticalFilter {
 
     /// White noise of the rate of climb by all models together, m²/s³.
     pub(crate) fn density_m2ps3(&self, motion: &Motion) -> f64 {
-        self.probability[CLIMB] * CLIMB_M2PS3 + self.probability[CHANGE] * motion.climb_change_m2ps3()
+        self.probability[CLIMB] * CLIMB_M2PS3 + self.probability[CHANGE] * motion.climb_change_m2ps3
     }
 
     /// Brings the models forward by `seconds` > 0.
@@ -89,7 +89,7 @@ impl VerticalFilter {
             REMAINDER_MPS * REMAINDER_MPS,
         ];
         climb.advance(seconds, CLIMB_M2PS3);
-        change.advance(seconds, motion.climb_change_m2ps3());
+        change.advance(seconds, motion.climb_change_m2ps3);
     }
 
     /// All models together.
