@@ -53,8 +53,16 @@ impl Rotation {
         let share = 1.0 / (1.0 + tangent * tangent);
         let (cosine, sine) = ((1.0 - tangent * tangent) * share, 2.0 * tangent * share);
         // Way per angle, with the angle that is covered.
-        let seconds = if half == 0.0 { duration_s } else { sine * 0.5 * duration_s / half };
-        let left_s = if half == 0.0 { 0.0 } else { (1.0 - cosine) * 0.5 * duration_s / half };
+        let seconds = if half == 0.0 {
+            duration_s
+        } else {
+            sine * 0.5 * duration_s / half
+        };
+        let left_s = if half == 0.0 {
+            0.0
+        } else {
+            (1.0 - cosine) * 0.5 * duration_s / half
+        };
         Self {
             cosine,
             sine,
@@ -97,7 +105,12 @@ impl Plane {
     pub fn turn(&mut self, by: &Rotation) {
         let (c, s, g, h) = (by.cosine, by.sine, by.along_s, by.left_s);
         let [x, y, vx, vy] = self.mean;
-        self.mean = [x + g * vx - h * vy, y + h * vx + g * vy, c * vx - s * vy, s * vx + c * vy];
+        self.mean = [
+            x + g * vx - h * vy,
+            y + h * vx + g * vy,
+            c * vx - s * vy,
+            s * vx + c * vy,
+        ];
         let [xx, xy, xu, xv, yy, yu, yv, uu, uv, vv] = self.covariance;
         // W = Ppv + G·Pvv.
         let (wxu, wxv) = (xu + g * uu - h * uv, xv + g * uv - h * vv);
@@ -275,5 +288,171 @@ impl Moments {
             mean: std::array::from_fn(|row| about[row] + mean[row]),
             covariance,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix4, Vector4};
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::gaussian::Gaussian;
+    use crate::testing::any_gaussian;
+    use crate::{AxisNoise, is_usable};
+
+    /// Places of the plane's elements in the covariance of a whole state.
+    const PLACES: [usize; ELEMENTS] = [0, 1, 3, 4, 6, 8, 9, 15, 16, 18];
+
+    fn plane_of(gaussian: &Gaussian) -> Plane {
+        let [x, y, _, vx, vy, _] = gaussian.mean;
+        Plane {
+            mean: [x, y, vx, vy],
+            covariance: PLACES.map(|place| gaussian.covariance.upper[place]),
+        }
+    }
+
+    fn full(plane: &Plane) -> Matrix4<f64> {
+        let mut matrix = Matrix4::zeros();
+        let mut element = 0;
+        for row in 0..COMPONENTS {
+            for column in row..COMPONENTS {
+                matrix[(row, column)] = plane.covariance[element];
+                matrix[(column, row)] = plane.covariance[element];
+                element += 1;
+            }
+        }
+        matrix
+    }
+
+    fn assert_close(a: &Plane, b: &Plane) {
+        let (p, q) = (full(a), full(b));
+        for row in 0..COMPONENTS {
+            assert!(
+                (a.mean[row] - b.mean[row]).abs() <= 1e-9 * (1.0 + a.mean[row].abs()),
+                "{a:?} {b:?}"
+            );
+            for column in 0..COMPONENTS {
+                let scale = (p[(row, row)] * p[(column, column)]).sqrt();
+                assert!(
+                    (p[(row, column)] - q[(row, column)]).abs() <= 1e-9 * scale,
+                    "{a:?} {b:?}"
+                );
+            }
+        }
+    }
+
+    fn is_positive(plane: &Plane) -> bool {
+        full(plane).cholesky().is_some()
+    }
+
+    #[test]
+    fn a_turn_of_five_seconds_by_hand() {
+        // 100 m/s east, 0.1 rad/s to the left, 5 s: the circle has a radius of 1,000 m, the angle is 0.5 rad.
+        let mut plane = Plane {
+            mean: [0.0, 0.0, 100.0, 0.0],
+            covariance: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+        };
+        plane.turn(&Rotation::new(0.1, 5.0));
+        let expected = [479.426, 122.417, 87.758, 47.943];
+        for (value, expected) in plane.mean.into_iter().zip(expected) {
+            assert!((value - expected).abs() < 0.01, "{:?}", plane.mean);
+        }
+        // (1,000·sin 0.5 / 100)² + (1,000·(1 − cos 0.5) / 100)², and the velocity's variance, which stays.
+        assert!((plane.covariance[0] - (1.0 + 22.985 + 1.499)).abs() < 0.01, "{plane:?}");
+        assert!(
+            (plane.covariance[7] - 1.0).abs() < 1e-12 && plane.covariance[8].abs() < 1e-12,
+            "{plane:?}"
+        );
+    }
+
+    #[test]
+    fn a_turn_beyond_two_radians_goes_no_further() {
+        let [two, more] = [2.0, 50.0].map(|angle| Rotation::new(angle / 10.0, 10.0));
+        assert_eq!(two, more);
+        assert!((two.sine.atan2(two.cosine) - 1.943).abs() < 1e-3, "{two:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn a_turn_equals_the_matrix_form(start in any_gaussian(), rate in -0.3..0.3f64, t in 0.1..6.0f64) {
+            let start = plane_of(&start);
+            let by = Rotation::new(rate, t);
+            let mut turned = start;
+            turned.turn(&by);
+            let (c, s, g, h) = (by.cosine, by.sine, by.along_s, by.left_s);
+            let transition = Matrix4::new(1.0, 0.0, g, -h, 0.0, 1.0, h, g, 0.0, 0.0, c, -s, 0.0, 0.0, s, c);
+            let mean = transition * Vector4::from(start.mean);
+            let covariance = transition * full(&start) * transition.transpose();
+            let difference = (full(&turned) - covariance).amax();
+            prop_assert!(difference <= 1e-9 * covariance.amax());
+            prop_assert!((Vector4::from(turned.mean) - mean).amax() <= 1e-9 * (1.0 + mean.amax()));
+            // The rotation is nearly the one asked for, and is undone by the opposite one.
+            let angle = (rate * t).clamp(-2.0, 2.0);
+            prop_assert!((s.atan2(c) - angle).abs() < 0.03 * angle.abs() + 1e-12);
+            prop_assert!((c * c + s * s - 1.0).abs() < 1e-12);
+            prop_assert!(is_positive(&turned));
+        }
+
+        #[test]
+        fn straight_flight_and_noise_equal_those_of_whole_states(
+            start in any_gaussian(), q in 0.0..50.0f64, t in -20.0..20.0f64,
+        ) {
+            let noise = AxisNoise::white(q, t);
+            let whole = plane_of(&start.moved(t, [noise, noise, AxisNoise::default()]));
+            let mut plane = plane_of(&start);
+            let mut turned = plane;
+            turned.turn(&Rotation::new(0.0, t));
+            plane.advance(t);
+            assert_close(&turned, &plane);
+            let mut other = plane;
+            plane.disturb_evenly(q, t);
+            other.disturb([q, 0.0, q], t);
+            assert_close(&plane, &whole);
+            assert_close(&other, &whole);
+        }
+
+        #[test]
+        fn an_update_equals_that_of_a_whole_state(
+            start in any_gaussian(), sigma in 5.0..500.0f64, shift in -500.0..500.0f64,
+        ) {
+            let r = [1.0, 0.3, 0.0, 2.0, 0.0, 0.0].map(|factor| factor * sigma * sigma);
+            let z = [start.mean[0] + shift, start.mean[1] - shift, 0.0];
+            let mut whole = start;
+            let found = whole.update_position::<2>(z, &r).expect("positive definite");
+            let mut plane = plane_of(&start);
+            let before = plane.residual([z[0], z[1]], [r[0], r[1], r[3]]).expect("positive definite");
+            let residual = plane.update([z[0], z[1]], [r[0], r[1], r[3]]).expect("positive definite");
+            assert_close(&plane, &plane_of(&whole));
+            prop_assert_eq!(before, residual);
+            prop_assert!((residual.squared - found.squared_distance).abs() < 1e-7 * (1.0 + residual.squared));
+            prop_assert!((residual.determinant.ln() - found.log_determinant).abs() < 1e-7);
+            prop_assert!(is_usable(&whole.covariance) && is_positive(&plane));
+        }
+
+        #[test]
+        fn moments_of_two_equal_their_mixture(a in any_gaussian(), b in any_gaussian(), weight in 0.0..1.0f64) {
+            let mixture = plane_of(&Gaussian::mixture(&a, &b, weight));
+            let (a, b) = (plane_of(&a), plane_of(&b));
+            let about = a.mean;
+            let mut sum = Moments::of(&a, 2.0 * (1.0 - weight), &about);
+            sum.add(&Moments::of(&b, 1.0, &about), 2.0 * weight);
+            let state = sum.scaled(0.5).state(&about);
+            prop_assert!((sum.weight() - 2.0).abs() < 1e-12);
+            assert_close(&state, &mixture);
+            prop_assert!(is_positive(&state));
+        }
+    }
+
+    #[test]
+    fn what_is_not_usable_changes_nothing() {
+        let start = Plane {
+            mean: [1.0, 2.0, 3.0, 4.0],
+            covariance: [9.0, 0.0, 1.0, 0.0, 9.0, 0.0, 1.0, 4.0, 0.0, 4.0],
+        };
+        let mut plane = start;
+        assert_eq!(plane.update([f64::NAN, 0.0], [1.0, 0.0, 1.0]), None);
+        assert_eq!(plane.update([0.0, 0.0], [-20.0, 0.0, 1.0]), None);
+        assert_eq!(plane, start);
     }
 }

@@ -66,3 +66,93 @@ impl Vertical {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::AxisNoise;
+    use crate::gaussian::Gaussian;
+    use crate::testing::any_gaussian;
+
+    fn vertical_of(gaussian: &Gaussian) -> Vertical {
+        let p = |row, column| gaussian.covariance.get(row, column);
+        Vertical {
+            mean: [gaussian.mean[2], gaussian.mean[5]],
+            covariance: [p(2, 2), p(2, 5), p(5, 5)],
+        }
+    }
+
+    fn assert_close(a: &Vertical, b: &Vertical) {
+        let scale = [
+            a.covariance[0],
+            (a.covariance[0] * a.covariance[2]).sqrt(),
+            a.covariance[2],
+        ];
+        for index in 0..2 {
+            assert!(
+                (a.mean[index] - b.mean[index]).abs() <= 1e-9 * (1.0 + a.mean[index].abs()),
+                "{a:?} {b:?}"
+            );
+        }
+        for index in 0..3 {
+            assert!(
+                (a.covariance[index] - b.covariance[index]).abs() <= 1e-9 * scale[index],
+                "{a:?} {b:?}"
+            );
+        }
+    }
+
+    fn is_positive(vertical: &Vertical) -> bool {
+        let [height, cross, rate] = vertical.covariance;
+        height > 0.0 && rate > 0.0 && height * rate > cross * cross
+    }
+
+    proptest! {
+        #[test]
+        fn motion_and_mixtures_equal_those_of_whole_states(
+            a in any_gaussian(), b in any_gaussian(), q in 0.0..50.0f64, t in -20.0..20.0f64, weight in 0.0..1.0f64,
+        ) {
+            let mut moved = vertical_of(&a);
+            moved.advance(t, q);
+            assert_close(&moved, &vertical_of(&a.moved(t, [AxisNoise::white(q, t); 3])));
+            let mixture = Vertical::mixture(&[vertical_of(&a), vertical_of(&b)], [1.0 - weight, weight]);
+            assert_close(&mixture, &vertical_of(&Gaussian::mixture(&a, &b, weight)));
+            prop_assert!(is_positive(&moved) && is_positive(&mixture));
+        }
+
+        #[test]
+        fn an_update_equals_the_textbooks(start in any_gaussian(), sigma in 1.0..500.0f64, shift in -500.0..500.0f64) {
+            let start = vertical_of(&start);
+            let mut updated = start;
+            let r = sigma * sigma;
+            let (squared, variance) = updated.update(start.mean[0] + shift, r).expect("positive");
+            let [height, cross, rate] = start.covariance;
+            prop_assert!((variance - height - r).abs() <= 1e-9 * variance);
+            prop_assert!((squared - shift * shift / variance).abs() <= 1e-6 * (1.0 + squared));
+            let expected = Vertical {
+                mean: [start.mean[0] + height / variance * shift, start.mean[1] + cross / variance * shift],
+                covariance: [
+                    height - height * height / variance,
+                    cross - height * cross / variance,
+                    rate - cross * cross / variance,
+                ],
+            };
+            assert_close(&expected, &updated);
+            prop_assert!(is_positive(&updated));
+        }
+    }
+
+    #[test]
+    fn what_is_not_usable_changes_nothing() {
+        let start = Vertical {
+            mean: [1.0, 2.0],
+            covariance: [9.0, 1.0, 4.0],
+        };
+        let mut vertical = start;
+        assert_eq!(vertical.update(f64::NAN, 1.0), None);
+        assert_eq!(vertical.update(0.0, -20.0), None);
+        assert_eq!(vertical, start);
+    }
+}

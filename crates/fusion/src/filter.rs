@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Measurement, gaussian_of};
 use crate::motion::Motion;
-use crate::plane_filter::PlaneFilter;
+use crate::plane_filter::{Course, PlaneFilter};
 use crate::state::State;
 use crate::vertical_filter::VerticalFilter;
 
@@ -35,6 +35,8 @@ pub(crate) const MODES: usize = 8;
 /// Number of groups of models of the plane, and of models of the vertical, whose probabilities are kept.
 const PLANE_MODES: usize = 4;
 const VERTICAL_MODES: usize = 3;
+/// Speed above which a target has a rate of turn, m/s.
+const MOVING_MPS: f64 = 3.0;
 /// Rate of climb below which a target flies level, m/s.
 const LEVEL_MPS: f64 = 1.5;
 /// Time over which changes of velocity are averaged, seconds.
@@ -56,6 +58,8 @@ pub(crate) struct Filter {
     pub(crate) has_height: bool,
     plane: PlaneFilter,
     vertical: VerticalFilter,
+    /// What the target is expected to do in the plane from now on; `None` before the first measurement.
+    course: Option<Course>,
     /// Whether the target was last known to fly straight, not to turn.
     is_straight: bool,
     /// Change of the estimated velocity over the last seconds, m/s².
@@ -120,6 +124,7 @@ impl Filter {
             has_height,
             plane: PlaneFilter::new(plane),
             vertical: VerticalFilter::new(vertical),
+            course: None,
             is_straight: false,
             acceleration_mps2: [0.0; AXES],
         };
@@ -187,7 +192,7 @@ impl Filter {
         }
         let seconds = ns as f64 / NS_PER_S;
         let (mut plane, mut vertical) = parts_of(&self.estimate);
-        let course = self.plane.course(motion);
+        let course = self.course.unwrap_or_else(|| self.plane.course(motion));
         if course.variance_m2ps4 > 0.0 {
             let speed_mps = plane.mean[2].hypot(plane.mean[3]).max(motion.slow_mps);
             // The turn may end meanwhile.
@@ -257,12 +262,18 @@ impl Filter {
                 *r += spread * late_s * late_s;
             }
         }
-        self.take_height(measurement.axes == AXES, (z[2], r[5]), advances.then_some((passed_s, motion)), use_it);
+        self.take_height(
+            measurement.axes == AXES,
+            (z[2], r[5]),
+            advances.then_some((passed_s, motion)),
+            use_it,
+        );
         let was_straight = self.is_straight;
         let mut innovation = self.update([z[0], z[1]], [r[0], r[1], r[3]], motion, use_it);
         if advances || innovation.is_some_and(|innovation| innovation.gain > 0.0) {
             let plane = self.plane.combined(&about.mean);
             self.set_plane(&plane);
+            self.course = Some(self.plane.course(motion));
         }
         if let Some(innovation) = &mut innovation {
             if use_it {
@@ -324,8 +335,29 @@ impl Filter {
     /// Returns the probabilities of the motion models, in the order of `MotionMode`.
     pub(crate) fn mode_probabilities(&self) -> [f32; MODES] {
         let [steady, agile, left, right] = self.plane.probabilities();
-        let [level, climb, change] = self.vertical.probabilities();
+        let [level, climb, change] = if self.has_height {
+            self.vertical.probabilities()
+        } else {
+            [0.0; VERTICAL_MODES]
+        };
         [steady, agile, left, right, 0.0, level, climb, change].map(|probability| probability as f32)
+    }
+
+    /// Returns the rate of turn, clockwise from above, and its standard deviation, rad/s; `None` for a target that
+    /// hardly moves.
+    pub(crate) fn turn_rate(&self) -> Option<[f64; 2]> {
+        let course = self.course?;
+        let speed_mps = self.estimate.mean[3].hypot(self.estimate.mean[4]);
+        // A white acceleration averaged over this time has this variance.
+        let variance_m2ps4 = course.variance_m2ps4.max(0.0) + course.density_m2ps3 / ACCELERATION_S;
+        let rate = [-course.left_mps2, variance_m2ps4.sqrt()].map(|value| value / speed_mps);
+        (speed_mps > MOVING_MPS).then_some(rate)
+    }
+
+    /// Returns the rate of climb, m/s, and its variance, m²/s²; `None` without observed height.
+    pub(crate) fn climb_rate(&self) -> Option<[f64; 2]> {
+        let rate = [self.estimate.mean[5], self.estimate.covariance.get(5, 5)];
+        self.has_height.then_some(rate)
     }
 
     /// How the target moves, as far as that is sure.

@@ -12,8 +12,9 @@ const STEADY: f64 = 4e-4;
 const AGILE: [f64; 2] = [0.6, 0.12];
 /// Process noise of a turn relative to the square of its acceleration, s.
 const UNEVEN_S: f64 = 0.1;
-/// Time that it takes to notice a turn with 1 m/s², seconds: with more it takes less, as its root.
+/// Time that it takes to notice a turn with 1 m/s², seconds: with more it takes less, as its root; and the least.
 const UNNOTICED_S: f64 = 15.0;
+const UNNOTICED_MIN_S: f64 = 6.0;
 /// Time that it takes to notice a change of the rate of climb, and mean time between such changes, seconds.
 const CLIMB_UNNOTICED_S: f64 = 7.0;
 const CLIMB_STEADY_S: f64 = 80.0;
@@ -58,12 +59,18 @@ impl Motion {
 
     /// Logarithms of the lateral accelerations relative to the usual one.
     pub(crate) fn hardness(&self) -> [f64; LEVELS] {
-        self.lateral_mps2.map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
+        self.lateral_mps2
+            .map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
     }
 
     /// Lateral accelerations around a usual one, m/s².
     pub(crate) fn levels(usual_mps2: f64, hardest_mps2: f64) -> [f64; LEVELS] {
-        [usual_mps2, 0.5 * usual_mps2, (usual_mps2 * hardest_mps2).sqrt(), hardest_mps2]
+        [
+            usual_mps2,
+            0.5 * usual_mps2,
+            (usual_mps2 * hardest_mps2).sqrt(),
+            hardest_mps2,
+        ]
     }
 
     /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
@@ -71,7 +78,9 @@ impl Motion {
         // A turn is noticed after a time u, when the way a·u²/2 is beyond the noise. A fraction u of the time between
         // turns is spent so; meanwhile the velocity is off by 0 to a·u, on the mean square a²·u²/3 over two axes.
         let lateral_mps2 = self.lateral_mps2[0];
-        UNNOTICED_S * UNNOTICED_S * UNNOTICED_S * lateral_mps2.sqrt() / (6.0 * self.steady_s)
+        let unnoticed_s = (UNNOTICED_S / lateral_mps2.sqrt()).max(UNNOTICED_MIN_S);
+        let change_mps = lateral_mps2 * unnoticed_s;
+        change_mps * change_mps * unnoticed_s / (6.0 * self.steady_s)
     }
 
     /// Variance of a rate of climb caused by changes not yet detected, m²/s².

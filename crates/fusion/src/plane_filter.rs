@@ -56,7 +56,7 @@ pub(crate) struct PlaneFilter {
 }
 
 /// What the target is expected to do in the plane.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Course {
     /// Lateral acceleration to the left, m/s², and its variance.
     pub(crate) left_mps2: f64,
@@ -110,7 +110,10 @@ impl PlaneFilter {
     pub(crate) fn hardness(&self, motion: &Motion) -> Option<f64> {
         self.is_wide.then(|| {
             let pairs = self.probability[AGILE + 1..].chunks_exact(2);
-            pairs.zip(motion.hardness()).map(|(pair, logarithm)| (pair[0] + pair[1]) * logarithm).sum()
+            pairs
+                .zip(motion.hardness())
+                .map(|(pair, logarithm)| (pair[0] + pair[1]) * logarithm)
+                .sum()
         })
     }
 
@@ -262,7 +265,9 @@ impl PlaneFilter {
             sum += probability;
         }
         let inverse = 1.0 / sum;
-        self.probability[..running].iter_mut().for_each(|value| *value *= inverse);
+        self.probability[..running]
+            .iter_mut()
+            .for_each(|value| *value *= inverse);
         self.keep_possible(running);
         self.choose();
         Some(())

@@ -67,7 +67,11 @@ impl VerticalFilter {
         // Probabilities by where they come from: level and change, climb and change, all.
         let to_level = [level * (1.0 - leave[LEVEL]), from_change * LEVELS_OFF];
         let to_climb = [climb * (1.0 - leave[CLIMB]), from_change * (1.0 - LEVELS_OFF)];
-        let to_change = [level * leave[LEVEL], climb * leave[CLIMB], change * (1.0 - leave[CHANGE])];
+        let to_change = [
+            level * leave[LEVEL],
+            climb * leave[CLIMB],
+            change * (1.0 - leave[CHANGE]),
+        ];
         let sums = [
             to_level[0] + to_level[1],
             to_climb[0] + to_climb[1],
