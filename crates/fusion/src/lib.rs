@@ -39,6 +39,8 @@ pub mod event_log;
 mod existence;
 mod explanation;
 mod filter;
+#[cfg(test)]
+mod filter_tests;
 mod gross;
 mod history;
 mod host_clock;

@@ -29,7 +29,7 @@ const FAST_M2PS3: f64 = 20.0;
 /// it is sought, relative to that.
 const TURNING: f64 = 2.5;
 const LEAST: f64 = -1.5;
-const MOST: f64 = 1.5;
+const MOST: f64 = 0.7;
 /// Time by which the process noise of turns is multiplied to give the square of their usual acceleration, s.
 const LATERAL_S: f64 = 0.5;
 /// Limits of the logarithm of the usual acceleration, relative to that.
@@ -240,6 +240,48 @@ mod tests {
             assert!((0.5..1.7).contains(&found[0]), "{found:?}");
             assert!(found[1] > 1.9 && found[2] < 0.3, "{found:?}");
         }
+    }
+
+    #[test]
+    fn usual_turns_and_the_share_of_other_manoeuvres_are_learned() {
+        let mut manoeuvres = Manoeuvres::new(1.0);
+        let usual_mps2 = |manoeuvres: &Manoeuvres| manoeuvres.motion(FAST).lateral_mps2[0];
+        let assumed_mps2 = usual_mps2(&manoeuvres);
+        let mut observe = |agile: f64, hardness: f64| {
+            for _ in 0..200 {
+                let manoeuvre = Some(Manoeuvre {
+                    agile,
+                    turn: 0.9 - agile,
+                    hardness,
+                });
+                let innovation = Innovation {
+                    manoeuvre,
+                    ..innovation(Fit::Undecided)
+                };
+                manoeuvres.learn(FAST, &innovation);
+            }
+            (
+                usual_mps2(&manoeuvres) / assumed_mps2,
+                manoeuvres.motion(FAST).agile_share,
+            )
+        };
+        let (factor, share) = observe(0.09, 0.3);
+        assert!(
+            (2.0..4.0).contains(&factor) && (0.1..0.15).contains(&share),
+            "{factor} {share}"
+        );
+        let (_, share) = observe(0.8, 0.0);
+        assert!(share > 0.4, "{share}");
+        for _ in 0..20 {
+            observe(0.0, 1.0);
+        }
+        let hardest_mps2 = HARDEST_MPS2[1];
+        assert!(usual_mps2(&manoeuvres) <= 0.5 * hardest_mps2);
+        assert_eq!(manoeuvres.motion(FAST).lateral_mps2[3], hardest_mps2);
+        assert!(
+            manoeuvres.motion([1.0; 3]).lateral_mps2[0] < assumed_mps2,
+            "slow targets are others"
+        );
     }
 
     #[test]

@@ -135,14 +135,14 @@ impl PlaneFilter {
             left_mps2: 0.0,
             variance_m2ps4: 0.0,
             density_m2ps3: self.probability[STEADY] * motion.steady_m2ps3()
-                + self.probability[AGILE] * motion.agile_m2ps3()[0],
+                + self.probability[AGILE] * motion.agile_m2ps3(1.0)[0],
         };
         let pairs = self.probability[AGILE + 1..self.running()].chunks_exact(2);
         for (pair, lateral_mps2) in pairs.zip(motion.lateral_mps2) {
             let (both, square) = (pair[0] + pair[1], lateral_mps2 * lateral_mps2);
             course.left_mps2 += (pair[0] - pair[1]) * lateral_mps2;
             course.variance_m2ps4 += both * square;
-            course.density_m2ps3 += both * Motion::turn_m2ps3(lateral_mps2);
+            course.density_m2ps3 += both * Motion::turn_m2ps3(lateral_mps2, 1.0);
         }
         course.variance_m2ps4 -= course.left_mps2 * course.left_mps2;
         course
@@ -159,7 +159,7 @@ impl PlaneFilter {
         steady.disturb_evenly(motion.steady_m2ps3(), seconds);
         let agile = &mut self.models[AGILE];
         agile.advance(seconds);
-        let [along, across] = motion.agile_m2ps3();
+        let [along, across] = motion.agile_m2ps3(seconds);
         if square > motion.slow_mps * motion.slow_mps {
             let (excess, inverse) = (along - across, 1.0 / square);
             let noise = [vx * vx, vx * vy, vy * vy].map(|value| excess * value * inverse);
@@ -171,7 +171,7 @@ impl PlaneFilter {
         let pairs = self.models[AGILE + 1..running].chunks_exact_mut(2);
         for (pair, lateral_mps2) in pairs.zip(motion.lateral_mps2) {
             let left = Rotation::new(lateral_mps2 / speed_mps, seconds);
-            let noise = Motion::turn_m2ps3(lateral_mps2);
+            let noise = Motion::turn_m2ps3(lateral_mps2, seconds);
             pair[0].turn(&left);
             pair[0].disturb_evenly(noise, seconds);
             pair[1].turn(&left.mirrored());
