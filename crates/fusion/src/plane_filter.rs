@@ -40,8 +40,9 @@ const WIDE: f64 = 0.2;
 const NARROW: f64 = 0.07;
 /// Probabilities at the start: steady, agile, each usual turn.
 const PRIOR: [f64; USUAL] = [0.8, 0.08, 0.06, 0.06];
-/// How often turns have the hardness of each level.
-const HARDNESS: [f64; LEVELS] = [0.45, 0.25, 0.2, 0.1];
+/// How often turns have the hardness of each level. The mean of the logarithm is 0 where fast targets begin: what shows
+/// nothing does not change what is assumed of turns.
+const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
 /// Smallest probability of a manoeuvre, and of flying straight: both must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Exponent of likelihoods below which a model's share is 0.
