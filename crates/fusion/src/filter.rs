@@ -41,8 +41,8 @@ const MOVING_MPS: f64 = 3.0;
 const LEVEL_MPS: f64 = 1.5;
 /// Time over which changes of velocity are averaged, seconds.
 const ACCELERATION_S: f64 = 6.0;
-/// Mean time that a turn still lasts, seconds.
-const TURN_S: f64 = 15.0;
+/// Time after which half of the rate of a turn is expected: it may end before the next measurement, seconds.
+const TURN_S: f64 = 4.0;
 /// Probabilities of a manoeuvre below which a target surely flies straight, and above which it surely manoeuvres.
 const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
@@ -196,7 +196,7 @@ impl Filter {
         if course.variance_m2ps4 > 0.0 {
             let speed_mps = plane.mean[2].hypot(plane.mean[3]).max(motion.slow_mps);
             // The turn may end meanwhile.
-            let rate_radps = course.left_mps2 / (speed_mps * (1.0 + 0.5 * seconds.abs() / TURN_S));
+            let rate_radps = course.left_mps2 / (speed_mps * (1.0 + seconds.abs() / TURN_S));
             plane.turn(&Rotation::new(rate_radps, seconds));
         } else {
             plane.advance(seconds);
