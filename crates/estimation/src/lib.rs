@@ -8,6 +8,7 @@
 //! - [`update`](Gaussian::update_position): improve it by a measured position,
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
 //! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
+//! - [`plane`](Plane) and [`vertical`](Vertical): the same for parts of a state, and coordinated turns,
 //! - [`distance`](statistical_distance): test whether two states belong to the same target,
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
