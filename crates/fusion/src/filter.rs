@@ -82,6 +82,7 @@ kept! {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Fit {
     Straight(f64),
+    /// The model of agile motion.
     Turning(f64),
     /// Neither did.
     Undecided,

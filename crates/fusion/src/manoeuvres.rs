@@ -1,14 +1,19 @@
-//! How hard targets manoeuvre: the process noise of turns, per class of targets, learned from innovations.
+//! How hard and how often targets manoeuvre, per class of targets, learned from innovations.
 //!
 //! A target with the usual turn rate of its kind has an acceleration in proportion to its speed: therefore slow
 //! targets (vessels, vehicles, taxiing aircraft) and fast targets (aircraft) are separate classes. Each class begins
 //! with the assumption of the sources' own trackers, if visible. A tracker with a single model compromises between
-//! straight flight and turns, so that real turns are harder. Otherwise the class begins with the default.
+//! straight flight and turns, so that real manoeuvres are harder. Otherwise the class begins with the default.
 //!
-//! Then the noise is learned. During certain turns, the innovations of the turning model should be as large, relative
-//! to their covariances, as those of the steady model on straight legs: larger innovations indicate harder turns.
-//! Because both are compared with each other, wrong covariances of sources do not matter. Medians are compared, so
-//! that a wrong association has no influence.
+//! Then four figures are learned:
+//!
+//! - *how long targets fly straight*, from the beginnings of certain manoeuvres;
+//! - *the usual lateral acceleration of turns*. During certain manoeuvres, turns of several accelerations compete in the
+//!   filter. The usual one moves towards those that are probable;
+//! - *the share of manoeuvres that are no turns*, from the probability of the agile model;
+//! - *the noise of agile motion*. While the agile model certainly holds, its innovations should be as large, relative to
+//!   their covariances, as those of the steady model on straight legs. Because both are compared with each other, wrong
+//!   covariances of sources do not matter. Medians are compared, so that a wrong association has no influence.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
