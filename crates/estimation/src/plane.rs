@@ -5,8 +5,8 @@
 //!
 //! Motion is a rotation of the velocity by ω·t, with ω = 0 for straight flight (Bar-Shalom et al. 2001, section
 //! 11.7). The rotation is computed by half of its tangent, a rational function, because a library's sine differs from
-//! machine to machine. Its series ends early: the angle is 0.03 % too small at 0.9 rad, 3 % at 2 rad, and stays there. The
-//! matrix is a rotation in any case.
+//! machine to machine. Its series ends early: the angle is 0.03 % too small at 0.9 rad, 3 % at 2 rad, and does not
+//! rise beyond. The matrix is a rotation in any case.
 
 /// Number of components: (x, y, vx, vy).
 const COMPONENTS: usize = 4;

@@ -29,7 +29,9 @@ struct Flight {
 
 impl Flight {
     fn new(seed: u64) -> Self {
-        let covariance = Covariance::diagonal([SIGMA_M, SIGMA_M, SIGMA_HEIGHT_M], [10.0, 10.0, 5.0]);
+        let mut covariance = Covariance::diagonal([SIGMA_M, SIGMA_M, SIGMA_HEIGHT_M], [10.0, 10.0, 5.0]);
+        // As a radar has that measures elevations.
+        covariance.set(0, 2, 0.5 * SIGMA_M * SIGMA_HEIGHT_M);
         let start = Gaussian::new([0.0, 0.0, 5000.0], [150.0, 0.0, 0.0], &covariance);
         Self {
             filter: Filter::new(0, start, true),
