@@ -8,6 +8,7 @@
 //! - [`update`](Gaussian::update_position): improve it by a measured position,
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
 //! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
+//! - [`plane`](Plane) and [`vertical`](Vertical): the same for parts of a state, and coordinated turns,
 //! - [`distance`](statistical_distance): test whether two states belong to the same target,
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
@@ -31,10 +32,12 @@ mod gaussian;
 mod initiation;
 mod mixture;
 mod motion;
+mod plane;
 mod recovery;
 #[cfg(test)]
 mod testing;
 mod update;
+mod vertical;
 
 pub use clock::SourceClock;
 pub use combination::{
@@ -47,5 +50,7 @@ pub use distance::{ComparedComponents, squared_length, statistical_distance};
 pub use gaussian::{Gaussian, Matrix3, Matrix6, Symmetric3, Vector6, packed, unpacked};
 pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
+pub use plane::{Moments, Plane, Residual, Rotation};
 pub use recovery::{Recovered, implied_noise, recovered};
 pub use update::Innovation;
+pub use vertical::Vertical;

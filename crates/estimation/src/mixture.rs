@@ -15,30 +15,9 @@ impl Gaussian {
         mixture
     }
 
-    /// Replaces `a` and `b` by two mixtures of them, in which `b` has the weights given.
-    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
-    pub fn exchange(a: &mut Self, b: &mut Self, weights_of_b: [f64; 2]) {
-        let difference = a.difference(b);
-        for row in 0..STATE_LEN {
-            let of = (a.mean[row], b.mean[row]);
-            a.mean[row] = weighted(of, weights_of_b[0]);
-            b.mean[row] = weighted(of, weights_of_b[1]);
-            let spread = weights_of_b.map(|q| (1.0 - q) * q * difference[row]);
-            for column in row..STATE_LEN {
-                let (p, q) = (
-                    &mut a.covariance.upper[at(row, column)],
-                    &mut b.covariance.upper[at(row, column)],
-                );
-                let of = (*p, *q);
-                *p = weighted(of, weights_of_b[0]) + spread[0] * difference[column];
-                *q = weighted(of, weights_of_b[1]) + spread[1] * difference[column];
-            }
-        }
-    }
-
     /// Sets the first `N` components, with their covariances, to the mixture of `a` and `b`; the others are
     /// unchanged.
-    #[allow(clippy::needless_range_loop)] // As above.
+    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
     pub fn mix<const N: usize>(&mut self, a: &Self, b: &Self, weight_of_b: f64) {
         let difference = a.difference(b);
         for row in 0..N {

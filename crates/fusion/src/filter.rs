@@ -5,20 +5,15 @@
 //! correlation of sources is needed. The filter keeps the contribution of each source to the present estimate as a
 //! share, which decays with the contributions of other sources.
 //!
-//! A target flies straight most of the time, and turns sometimes. A filter prepared for turns discards most of its
-//! knowledge on straight legs; several sensors even worsen this, because more measurements per second shorten its
-//! memory. Therefore two filters run in parallel: one for steady motion, and one with the process noise of turns
-//! (module `manoeuvres`). Their probabilities follow from their predictions of the measurements (interacting multiple
-//! models).
+//! The plane and the vertical have filters of their own (modules `plane_filter` and `vertical_filter`): nothing of the
+//! vertical touches the plane. The estimate joins both, without correlation between them.
 //!
 //! A single innovation far outside its covariance (a blunder) gets a small weight, but is not rejected: a rejection
 //! would lose a target at an unexpected place.
 //!
-//! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
-//! coefficients*, IEEE Transactions on Automatic Control 33 (1988); P. J. Huber, *Robust Statistics* (Wiley, 1981), for
-//! the weighing down.
+//! Source: P. J. Huber, *Robust Statistics* (Wiley, 1981), for the weighing down.
 
-use estimation::{AxisNoise, Gaussian, Symmetric3};
+use estimation::{Gaussian, Plane, Rotation, Vertical};
 use kept::kept;
 use messages::{
     AXES, HorizontalMovement, LongitudinalMovement, Movement, NS_PER_S, STATE_LEN, SensorTrack, VerticalMovement,
@@ -28,27 +23,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Measurement, gaussian_of};
 use crate::motion::Motion;
+use crate::plane_filter::{Course, PlaneFilter};
 use crate::state::State;
+use crate::vertical_filter::VerticalFilter;
 
-/// Normalised innovation squared beyond which a measurement is weighed down.
+/// Normalised innovation squared beyond which a measurement is weighed down, in the plane and in height.
 const BLUNDER: f64 = 30.0;
-/// Number of motion models.
-pub(crate) const MODES: usize = 2;
-/// Process noise of steady motion, relative to that of turns.
-const STEADY: f64 = 4e-4;
-/// Mean duration of turns, seconds.
-const TURN_S: f64 = 15.0;
-/// Probabilities of the models at the start.
-const PRIOR: [f64; MODES] = [0.8, 0.2];
+const BLUNDER_HEIGHT: f64 = 25.0;
+/// Number of motion models as messages state them.
+pub(crate) const MODES: usize = 8;
+/// Number of groups of models of the plane, and of models of the vertical, whose probabilities are kept.
+const PLANE_MODES: usize = 4;
+const VERTICAL_MODES: usize = 3;
+/// Speed above which a target has a rate of turn, m/s.
+const MOVING_MPS: f64 = 3.0;
 /// Rate of climb below which a target flies level, m/s.
 const LEVEL_MPS: f64 = 1.5;
 /// Time over which changes of velocity are averaged, seconds.
 const ACCELERATION_S: f64 = 6.0;
-/// Smallest probability of a model: it must be able to come back.
-const PROBABILITY_MIN: f64 = 1e-4;
-/// Probabilities of a turn below which a target surely flies straight, and above which it surely turns.
+/// Time after which half of the rate of a turn is expected: it may end before the next measurement, seconds.
+const TURN_S: f64 = 4.0;
+/// Probabilities of a manoeuvre below which a target surely flies straight, and above which it surely manoeuvres.
 const SURELY_STRAIGHT: f64 = 0.1;
 const SURELY_TURNING: f64 = 0.5;
+/// Variance of the rate of climb of a target whose height is observed for the first time, m²/s².
+const VERTICAL_SPEED_M2PS2: f64 = 400.0;
 
 /// State of a target's filter at a time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -57,8 +56,10 @@ pub(crate) struct Filter {
     /// All models together.
     pub(crate) estimate: Gaussian,
     pub(crate) has_height: bool,
-    modes: [Gaussian; MODES],
-    probability: [f64; MODES],
+    plane: PlaneFilter,
+    vertical: VerticalFilter,
+    /// What the target is expected to do in the plane from now on; `None` before the first measurement.
+    course: Option<Course>,
     /// Whether the target was last known to fly straight, not to turn.
     is_straight: bool,
     /// Change of the estimated velocity over the last seconds, m/s².
@@ -72,7 +73,8 @@ kept! {
         time_ns: i64,
         estimate: Gaussian,
         has_height: bool,
-        probability: [f64; MODES],
+        plane: [f64; PLANE_MODES],
+        vertical: [f64; VERTICAL_MODES],
     }
 }
 
@@ -80,9 +82,20 @@ kept! {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Fit {
     Straight(f64),
+    /// The model of agile motion.
     Turning(f64),
     /// Neither did.
     Undecided,
+}
+
+/// What a target does that surely does not fly straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manoeuvre {
+    /// Probabilities of agile motion and of a turn.
+    pub(crate) agile: f64,
+    pub(crate) turn: f64,
+    /// Expected logarithm of the lateral acceleration relative to the usual one, times the probability of a turn.
+    pub(crate) hardness: f64,
 }
 
 /// Difference between a measurement and its prediction.
@@ -95,6 +108,8 @@ pub(crate) struct Innovation {
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,
     pub(crate) fit: Fit,
+    /// `None` if the target may fly straight.
+    pub(crate) manoeuvre: Option<Manoeuvre>,
     /// Time for which the target is expected to have flown straight since the last measurement, s.
     pub(crate) straight_s: f64,
     /// Whether the target, which surely flew straight, surely turns.
@@ -103,21 +118,30 @@ pub(crate) struct Innovation {
 
 impl Filter {
     pub(crate) fn new(time_ns: i64, estimate: Gaussian, has_height: bool) -> Self {
-        Self {
+        let (plane, vertical) = parts_of(&estimate);
+        let mut filter = Self {
             time_ns,
             estimate,
             has_height,
-            modes: [estimate; MODES],
-            probability: PRIOR,
+            plane: PlaneFilter::new(plane),
+            vertical: VerticalFilter::new(vertical),
+            course: None,
             is_straight: false,
             acceleration_mps2: [0.0; AXES],
-        }
+        };
+        // Nothing of the vertical touches the plane.
+        filter.estimate.covariance = Default::default();
+        filter.set_plane(&plane);
+        filter.set_vertical(&vertical);
+        filter
     }
 
     /// A kept filter: its models start with the same estimate, and differ afterwards.
     pub(crate) fn resumed(kept: &KeptFilter) -> Self {
+        let (plane, vertical) = parts_of(&kept.estimate);
         Self {
-            probability: kept.probability,
+            plane: PlaneFilter::with(plane, kept.plane),
+            vertical: VerticalFilter::with(vertical, kept.vertical),
             ..Self::new(kept.time_ns, kept.estimate, kept.has_height)
         }
     }
@@ -129,7 +153,8 @@ impl Filter {
             time_ns: self.time_ns,
             estimate: self.estimate,
             has_height: self.has_height,
-            probability: self.probability,
+            plane: self.plane.probabilities(),
+            vertical: self.vertical.probabilities(),
         }
     }
 
@@ -166,12 +191,28 @@ impl Filter {
         if ns == 0 {
             return self.estimate;
         }
-        let factor = self.probability[0] * STEADY + self.probability[1];
         let seconds = ns as f64 / NS_PER_S;
-        self.estimate.moved(seconds, noise_over(motion, factor, seconds))
+        let (mut plane, mut vertical) = parts_of(&self.estimate);
+        let course = self.course.unwrap_or_else(|| self.plane.course(motion));
+        if course.variance_m2ps4 > 0.0 {
+            let speed_mps = plane.mean[2].hypot(plane.mean[3]).max(motion.slow_mps);
+            // The turn may end meanwhile.
+            let rate_radps = course.left_mps2 / (speed_mps * (1.0 + seconds.abs() / TURN_S));
+            plane.turn(&Rotation::new(rate_radps, seconds));
+        } else {
+            plane.advance(seconds);
+        }
+        // An unknown acceleration is as a white one that leads to the same variance of the velocity.
+        let density_m2ps3 = course.density_m2ps3 + 0.5 * course.variance_m2ps4 * seconds.abs();
+        plane.disturb_evenly(density_m2ps3, seconds);
+        vertical.advance(seconds, self.vertical.density_m2ps3(motion));
+        let mut gaussian = self.estimate;
+        write_plane(&mut gaussian, &plane);
+        write_vertical(&mut gaussian, &vertical);
+        gaussian
     }
 
-    /// The position of [`Self::at`], metres.
+    /// The position of [`Self::at`] in straight flight, metres.
     pub(crate) fn place_at(&self, time_ns: i64) -> [f64; AXES] {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         std::array::from_fn(|axis| self.estimate.mean[axis] + seconds * self.estimate.mean[axis + AXES])
@@ -179,10 +220,9 @@ impl Filter {
 
     /// Follows a point of the target from now on that lies so far, east and north, from the one before, metres.
     pub(crate) fn shift(&mut self, by_m: [f64; 2]) {
-        for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
-            for (position, by) in estimate.mean.iter_mut().zip(by_m) {
-                *position += by;
-            }
+        self.plane.shift(by_m);
+        for (position, by) in self.estimate.mean.iter_mut().zip(by_m) {
+            *position += by;
         }
     }
 
@@ -193,38 +233,6 @@ impl Filter {
             xx + yy
         };
         trace(self) < trace(other)
-    }
-
-    /// Brings the models forward to `time_ns`, never back; whether they have moved. The estimate stays behind.
-    fn advance_models(&mut self, time_ns: i64, motion: &Motion) -> bool {
-        if time_ns <= self.time_ns {
-            return false;
-        }
-        let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
-        self.mix(seconds, motion.steady_s);
-        self.modes[0].advance(seconds, noise_over(motion, STEADY, seconds));
-        self.modes[1].advance(seconds, noise_over(motion, 1.0, seconds));
-        self.time_ns = time_ns;
-        true
-    }
-
-    /// Targets may have begun or ended to manoeuvre in `seconds`.
-    fn mix(&mut self, seconds: f64, steady_s: f64) {
-        let leave = [steady_s, TURN_S].map(|duration| seconds / (seconds + duration));
-        let stay = [1.0 - leave[0], 1.0 - leave[1]];
-        let [p, q] = self.probability;
-        // Probability of each model afterwards, by where it comes from.
-        let steady = p * stay[0] + q * leave[1];
-        let turn = p * leave[0] + q * stay[1];
-        let [a, b] = &mut self.modes;
-        Gaussian::exchange(a, b, [q * leave[1] / steady, q * stay[1] / turn]);
-        self.probability = [steady, turn];
-    }
-
-    /// Makes the first `N` components of the estimate those of the models together.
-    fn combine<const N: usize>(&mut self) {
-        let [a, b] = &self.modes;
-        self.estimate.mix::<N>(a, b, self.probability[1]);
     }
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement
@@ -238,10 +246,11 @@ impl Filter {
     ) -> Option<Innovation> {
         let before_mps = self.estimate.velocity_mps();
         let passed_s = (time_ns - self.time_ns).max(0) as f64 / NS_PER_S;
-        let mut behind = self.advance_models(time_ns, motion);
-        if behind {
-            // All that a measurement is compared with; the rest follows when it has been used.
-            self.combine::<AXES>();
+        let advances = time_ns > self.time_ns;
+        let about = parts_of(&self.estimate).0;
+        if advances {
+            self.plane.advance(passed_s, motion, &about);
+            self.time_ns = time_ns;
         }
         let late_s = (self.time_ns - time_ns) as f64 / NS_PER_S;
         let (mut z, mut r) = (measurement.position_m, measurement.covariance_m2);
@@ -254,23 +263,26 @@ impl Filter {
                 *r += spread * late_s * late_s;
             }
         }
-        if measurement.axes == AXES && !self.has_height {
-            if std::mem::take(&mut behind) {
-                self.combine::<STATE_LEN>();
-            }
-            self.begin_height(z[2], r[5]);
-        }
+        self.take_height(
+            measurement.axes == AXES,
+            (z[2], r[5]),
+            advances.then_some((passed_s, motion)),
+            use_it,
+        );
         let was_straight = self.is_straight;
-        let mut innovation = if measurement.axes == AXES {
-            self.update::<AXES>(z, r, use_it)
-        } else {
-            self.update::<2>(z, r, use_it)
-        };
-        if behind && !(use_it && innovation.is_some()) {
-            self.combine::<STATE_LEN>();
+        let mut innovation = self.update([z[0], z[1]], [r[0], r[1], r[3]], motion, use_it);
+        if advances || innovation.is_some_and(|innovation| innovation.gain > 0.0) {
+            let plane = self.plane.combined(&about.mean);
+            self.set_plane(&plane);
+            self.course = Some(self.plane.course(motion));
         }
         if let Some(innovation) = &mut innovation {
-            innovation.straight_s = passed_s * self.probability[0];
+            if use_it {
+                let after = self.estimate.position_covariance();
+                let before = innovation.covariance_m2[0] + innovation.covariance_m2[2] - r[0] - r[3];
+                innovation.gain = (1.0 - (after[0] + after[3]) / before).clamp(0.0, 1.0);
+            }
+            innovation.straight_s = passed_s * self.plane.steady();
             innovation.begins_turn = was_straight && !self.is_straight;
         }
         let fading = 1.0 / (1.0 + passed_s / ACCELERATION_S);
@@ -281,9 +293,72 @@ impl Filter {
         innovation
     }
 
+    /// The vertical's part of [`Self::take`]: brings it forward, and uses the height if there is one.
+    fn take_height(
+        &mut self,
+        is_observed: bool,
+        (height_m, variance_m2): (f64, f64),
+        advances: Option<(f64, &Motion)>,
+        use_it: bool,
+    ) {
+        if !self.has_height {
+            if is_observed {
+                self.has_height = true;
+                let begun = Vertical {
+                    mean: [height_m, 0.0],
+                    covariance: [variance_m2, 0.0, VERTICAL_SPEED_M2PS2],
+                };
+                self.vertical = VerticalFilter::new(begun);
+                self.set_vertical(&begun);
+            }
+            return;
+        }
+        if let Some((seconds, motion)) = advances {
+            self.vertical.advance(seconds, motion);
+        }
+        let is_used = is_observed && use_it;
+        if is_used {
+            let expected = self.vertical.combined();
+            let residual = height_m - expected.mean[0];
+            let squared = residual * residual / (expected.covariance[0] + variance_m2);
+            let factor = (squared / BLUNDER_HEIGHT).max(1.0);
+            if factor.is_finite() {
+                // A value that is not usable leaves the models as they are.
+                let _ = self.vertical.update(height_m, variance_m2 * factor);
+            }
+        }
+        if is_used || advances.is_some() {
+            let vertical = self.vertical.combined();
+            self.set_vertical(&vertical);
+        }
+    }
+
     /// Returns the probabilities of the motion models, in the order of `MotionMode`.
     pub(crate) fn mode_probabilities(&self) -> [f32; MODES] {
-        self.probability.map(|probability| probability as f32)
+        let [steady, agile, left, right] = self.plane.probabilities();
+        let [level, climb, change] = if self.has_height {
+            self.vertical.probabilities()
+        } else {
+            [0.0; VERTICAL_MODES]
+        };
+        [steady, agile, left, right, 0.0, level, climb, change].map(|probability| probability as f32)
+    }
+
+    /// Returns the rate of turn, clockwise from above, and its standard deviation, rad/s; `None` for a target that
+    /// hardly moves.
+    pub(crate) fn turn_rate(&self) -> Option<[f64; 2]> {
+        let course = self.course?;
+        let speed_mps = self.estimate.mean[3].hypot(self.estimate.mean[4]);
+        // A white acceleration averaged over this time has this variance.
+        let variance_m2ps4 = course.variance_m2ps4.max(0.0) + course.density_m2ps3 / ACCELERATION_S;
+        let rate = [-course.left_mps2, variance_m2ps4.sqrt()].map(|value| value / speed_mps);
+        (speed_mps > MOVING_MPS).then_some(rate)
+    }
+
+    /// Returns the rate of climb, m/s, and its variance, m²/s²; `None` without observed height.
+    pub(crate) fn climb_rate(&self) -> Option<[f64; 2]> {
+        let rate = [self.estimate.mean[5], self.estimate.covariance.get(5, 5)];
+        self.has_height.then_some(rate)
     }
 
     /// How the target moves, as far as that is sure.
@@ -293,12 +368,12 @@ impl Filter {
         let speed_mps = vx.hypot(vy).max(f64::MIN_POSITIVE);
         let (along, to_left) = ((vx * ax + vy * ay) / speed_mps, (vx * ay - vy * ax) / speed_mps);
         let mut movement = Movement::default();
-        let turn = self.probability[1];
-        if turn < SURELY_STRAIGHT {
+        let manoeuvre = 1.0 - self.plane.steady();
+        if manoeuvre < SURELY_STRAIGHT {
             movement.horizontal = HorizontalMovement::Straight as u8;
             movement.longitudinal = LongitudinalMovement::Constant as u8;
             movement.valid = movement_bits::ACCELERATION;
-        } else if turn > SURELY_TURNING {
+        } else if manoeuvre > SURELY_TURNING {
             movement.acceleration_mps2 = [ax as f32, ay as f32, 0.0];
             movement.valid = movement_bits::ACCELERATION;
             // One of the two is what the target surely does; the other may be noise.
@@ -324,14 +399,21 @@ impl Filter {
         movement
     }
 
-    fn update<const D: usize>(&mut self, z: [f64; AXES], mut r: Symmetric3, use_it: bool) -> Option<Innovation> {
-        let expected = self.estimate.position_covariance();
-        let squared = self.estimate.squared_distance::<D>(z, &r)?;
+    /// The plane's part of [`Self::take`]. The gain is 1 for now if the measurement was used.
+    fn update(&mut self, z: [f64; 2], mut r: [f64; 3], motion: &Motion, use_it: bool) -> Option<Innovation> {
+        let (expected_m, expected_m2) = self.plane.position();
+        let residual_m = [z[0] - expected_m[0], z[1] - expected_m[1]];
+        let covariance_m2: [f64; 3] = std::array::from_fn(|index| expected_m2[index] + r[index]);
+        let squared = association::distance::squared2(residual_m, covariance_m2);
+        if !squared.is_finite() {
+            return None;
+        }
         let mut innovation = Innovation {
-            residual_m: [z[0] - self.estimate.mean[0], z[1] - self.estimate.mean[1]],
-            covariance_m2: [expected[0] + r[0], expected[1] + r[1], expected[3] + r[3]],
+            residual_m,
+            covariance_m2,
             gain: 0.0,
             fit: Fit::Undecided,
+            manoeuvre: None,
             straight_s: 0.0,
             begins_turn: false,
         };
@@ -341,58 +423,84 @@ impl Filter {
         if squared > BLUNDER {
             r.iter_mut().for_each(|value| *value *= squared / BLUNDER);
         }
-        innovation.fit = self.fit(z, &r);
-        let mut likelihood = [0.0; MODES];
-        for (mode, likelihood) in self.modes.iter_mut().zip(&mut likelihood) {
-            let own = mode.update_position::<D>(z, &r)?;
-            *likelihood = -0.5 * (own.squared_distance + own.log_determinant);
-        }
-        // Only the difference matters, and a huge one must not become 0/0.
-        let ratio = (likelihood[1] - likelihood[0]).clamp(-50.0, 50.0).exp();
-        let turn = self.probability[1] * ratio / (self.probability[0] + self.probability[1] * ratio);
-        let turn = turn.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
-        self.probability = [1.0 - turn, turn];
+        innovation.fit = self.fit(z, r);
+        self.plane.update(z, r)?;
+        let manoeuvre = 1.0 - self.plane.steady();
         let limit = if self.is_straight {
             SURELY_TURNING
         } else {
             SURELY_STRAIGHT
         };
-        self.is_straight = turn < limit;
-        self.combine::<STATE_LEN>();
-        let after = self.estimate.position_covariance();
-        innovation.gain = (1.0 - (after[0] + after[3]) / (expected[0] + expected[3])).clamp(0.0, 1.0);
+        self.is_straight = manoeuvre < limit;
+        if manoeuvre > SURELY_TURNING {
+            let [_, agile, left, right] = self.plane.probabilities();
+            innovation.manoeuvre = Some(Manoeuvre {
+                agile,
+                turn: left + right,
+                hardness: self.plane.hardness(motion).unwrap_or_default(),
+            });
+        }
+        innovation.gain = 1.0;
         Some(innovation)
     }
 
     /// How well the model that surely holds foretells a measurement.
-    fn fit(&self, z: [f64; AXES], r: &Symmetric3) -> Fit {
-        let of = |mode: &Gaussian| {
-            let p = mode.position_covariance();
-            let residual = [z[0] - mode.mean[0], z[1] - mode.mean[1]];
-            association::distance::squared2(residual, [p[0] + r[0], p[1] + r[1], p[3] + r[3]])
+    fn fit(&self, z: [f64; 2], r: [f64; 3]) -> Fit {
+        let of = |model: &Plane| {
+            let [xx, xy, _, _, yy, ..] = model.covariance;
+            let residual = [z[0] - model.mean[0], z[1] - model.mean[1]];
+            association::distance::squared2(residual, [xx + r[0], xy + r[1], yy + r[2]])
         };
-        let [steady, turning] = &self.modes;
-        match self.probability[1] {
-            turn if turn > SURELY_TURNING => Fit::Turning(of(turning)),
-            turn if turn < SURELY_STRAIGHT => Fit::Straight(of(steady)),
+        let (steady, agile) = self.plane.straight();
+        match self.plane.probabilities() {
+            [_, probability, ..] if probability > SURELY_TURNING => Fit::Turning(of(agile)),
+            [probability, ..] if probability > 1.0 - SURELY_STRAIGHT => Fit::Straight(of(steady)),
             _ => Fit::Undecided,
         }
     }
 
-    /// The first source that observes height has come.
-    fn begin_height(&mut self, height_m: f64, variance_m2: f64) {
-        const VERTICAL_SPEED_M2PS2: f64 = 400.0;
-        self.has_height = true;
-        for estimate in self.modes.iter_mut().chain([&mut self.estimate]) {
-            estimate.replace_vertical([height_m, 0.0], [variance_m2, VERTICAL_SPEED_M2PS2]);
-        }
+    #[inline]
+    fn set_plane(&mut self, plane: &Plane) {
+        write_plane(&mut self.estimate, plane);
+    }
+
+    #[inline]
+    fn set_vertical(&mut self, vertical: &Vertical) {
+        write_vertical(&mut self.estimate, vertical);
     }
 }
 
-/// White noise over `seconds`, `factor` times as strong as `noise`.
-fn noise_over(motion: &Motion, factor: f64, seconds: f64) -> [AxisNoise; AXES] {
-    motion
-        .turns
-        .density_m2ps3
-        .map(|density| AxisNoise::white(density * factor, seconds))
+/// Places of the plane's and of the vertical's elements in the upper triangle of a covariance.
+const PLANE: [usize; 10] = [0, 1, 3, 4, 6, 8, 9, 15, 16, 18];
+const VERTICAL: [usize; 3] = [11, 14, 20];
+
+/// The plane and the vertical of an estimate.
+fn parts_of(estimate: &Gaussian) -> (Plane, Vertical) {
+    let ([x, y, z, vx, vy, vz], p) = (estimate.mean, &estimate.covariance.upper);
+    let plane = Plane {
+        mean: [x, y, vx, vy],
+        covariance: PLANE.map(|place| p[place]),
+    };
+    let vertical = Vertical {
+        mean: [z, vz],
+        covariance: VERTICAL.map(|place| p[place]),
+    };
+    (plane, vertical)
+}
+
+fn write_plane(estimate: &mut Gaussian, plane: &Plane) {
+    let [x, y, vx, vy] = plane.mean;
+    for (component, value) in [(0, x), (1, y), (3, vx), (4, vy)] {
+        estimate.mean[component] = value;
+    }
+    for (place, value) in PLANE.into_iter().zip(plane.covariance) {
+        estimate.covariance.upper[place] = value;
+    }
+}
+
+fn write_vertical(estimate: &mut Gaussian, vertical: &Vertical) {
+    [estimate.mean[2], estimate.mean[5]] = vertical.mean;
+    for (place, value) in VERTICAL.into_iter().zip(vertical.covariance) {
+        estimate.covariance.upper[place] = value;
+    }
 }

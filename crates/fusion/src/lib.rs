@@ -40,6 +40,8 @@ pub mod event_log;
 mod existence;
 mod explanation;
 mod filter;
+#[cfg(test)]
+mod filter_tests;
 mod gross;
 mod history;
 mod host_clock;
@@ -59,6 +61,7 @@ mod order_table;
 mod orders;
 mod outlet;
 mod places;
+mod plane_filter;
 mod publishing;
 mod purity;
 pub mod quality;
@@ -82,6 +85,7 @@ mod system_tracks;
 #[cfg(test)]
 mod testing;
 mod tracks;
+mod vertical_filter;
 mod weighing;
 
 pub use driver::{Driver, ReportNumber};

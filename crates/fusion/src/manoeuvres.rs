@@ -1,21 +1,26 @@
-//! How hard targets manoeuvre: the process noise of turns, per class of targets, learned from innovations.
+//! How hard and how often targets manoeuvre, per class of targets, learned from innovations.
 //!
 //! A target with the usual turn rate of its kind has an acceleration in proportion to its speed: therefore slow
 //! targets (vessels, vehicles, taxiing aircraft) and fast targets (aircraft) are separate classes. Each class begins
 //! with the assumption of the sources' own trackers, if visible. A tracker with a single model compromises between
-//! straight flight and turns, so that real turns are harder. Otherwise the class begins with the default.
+//! straight flight and turns, so that real manoeuvres are harder. Otherwise the class begins with the default.
 //!
-//! Then the noise is learned. During certain turns, the innovations of the turning model should be as large, relative
-//! to their covariances, as those of the steady model on straight legs: larger innovations indicate harder turns.
-//! Because both are compared with each other, wrong covariances of sources do not matter. Medians are compared, so
-//! that a wrong association has no influence.
+//! Then four figures are learned:
+//!
+//! - *how long targets fly straight*, from the beginnings of certain manoeuvres;
+//! - *the usual lateral acceleration of turns*. During certain manoeuvres, turns of several accelerations compete in the
+//!   filter. The usual one moves towards those that are probable;
+//! - *the share of manoeuvres that are no turns*, from the probability of the agile model;
+//! - *the noise of agile motion*. While the agile model certainly holds, its innovations should be as large, relative to
+//!   their covariances, as those of the steady model on straight legs. Because both are compared with each other, wrong
+//!   covariances of sources do not matter. Medians are compared, so that a wrong association has no influence.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::filter::{Fit, Innovation};
-use crate::motion::Motion;
+use crate::filter::{Fit, Innovation, Manoeuvre};
+use crate::motion::{LEVELS, Motion};
 use crate::seeker::Seeker;
 use crate::source_model::CHI2_MEDIAN_2;
 
@@ -30,6 +35,25 @@ const FAST_M2PS3: f64 = 20.0;
 const TURNING: f64 = 2.5;
 const LEAST: f64 = -1.5;
 const MOST: f64 = 0.7;
+/// Time by which the process noise of turns is multiplied to give the square of their usual acceleration, s.
+const LATERAL_S: f64 = 0.5;
+/// Limits of the logarithm of the usual acceleration, relative to that.
+const LATERAL_LEAST: f64 = -2.5;
+const LATERAL_MOST: f64 = 1.5;
+/// Hardest acceleration of turns of slow and of fast targets, m/s².
+const HARDEST_MPS2: [f64; CLASSES] = [8.0, 36.0];
+/// Speeds of both below which the rate of turns no longer rises, m/s.
+const SLOW_MPS: [f64; CLASSES] = [3.0, 20.0];
+/// Share of the manoeuvres that are no turns: assumed beforehand, and limits.
+const AGILE: f64 = 0.4;
+const AGILE_MIN: f64 = 0.1;
+const AGILE_MAX: f64 = 0.8;
+/// Process noise of changes of the rate of climb relative to that of turns assumed, and the least, m²/s³.
+const CLIMB_CHANGE: f64 = 0.1;
+const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
+/// Number of measurements in manoeuvres as which the assumptions count, and after which older ones fade.
+const ASSUMED: f64 = 8.0;
+const REMEMBERED: f64 = 300.0;
 /// Mean time of straight flight that is assumed beforehand, s, as if so many turns had been seen.
 const STEADY_S: f64 = 200.0;
 const TURNS: f64 = 4.0;
@@ -56,6 +80,11 @@ pub(crate) struct Class {
     turns: f64,
     /// Median of the normalised innovations squared on the straight.
     straight: f64,
+    /// Logarithm of the usual acceleration of turns, relative to the assumed one, and its hardest, m/s².
+    lateral: f64,
+    hardest_mps2: f64,
+    /// Number of measurements in manoeuvres.
+    seen: f64,
 }
 
 kept!(Class {
@@ -64,11 +93,14 @@ kept!(Class {
     motion: Motion,
     straight_s: f64,
     turns: f64,
-    straight: f64
+    straight: f64,
+    lateral: f64,
+    hardest_mps2: f64,
+    seen: f64
 });
 
 impl Class {
-    fn new(density_m2ps3: f64) -> Self {
+    fn new((density_m2ps3, hardest_mps2, slow_mps): (f64, f64, f64)) -> Self {
         let assumed = NearlyConstantVelocity::new(density_m2ps3, density_m2ps3);
         let mut class = Self {
             assumed,
@@ -76,10 +108,17 @@ impl Class {
             motion: Motion {
                 turns: assumed,
                 steady_s: STEADY_S,
+                agile_share: AGILE,
+                lateral_mps2: [0.0; LEVELS],
+                slow_mps,
+                climb_change_m2ps3: 0.0,
             },
             straight_s: STEADY_S * TURNS,
             turns: TURNS,
             straight: CHI2_MEDIAN_2,
+            lateral: 0.0,
+            hardest_mps2,
+            seen: 0.0,
         };
         class.update();
         class
@@ -88,6 +127,22 @@ impl Class {
     fn update(&mut self) {
         let factor = TURNING * self.factor.logarithm().exp();
         self.motion.turns.density_m2ps3 = self.assumed.density_m2ps3.map(|density| density * factor);
+        let assumed_mps2 = (LATERAL_S * TURNING * self.assumed.density_m2ps3[0]).sqrt();
+        let usual_mps2 = (assumed_mps2 * self.lateral.exp()).min(0.5 * self.hardest_mps2);
+        self.motion.lateral_mps2 = Motion::levels(usual_mps2, self.hardest_mps2);
+        let climb_m2ps3 = CLIMB_CHANGE * TURNING * self.assumed.density_m2ps3[0];
+        self.motion.climb_change_m2ps3 = climb_m2ps3.max(CLIMB_CHANGE_MIN_M2PS3);
+    }
+
+    /// Learns from what a target surely does that does not fly straight.
+    fn learn_manoeuvre(&mut self, manoeuvre: &Manoeuvre) {
+        let gain = 1.0 / (ASSUMED + self.seen);
+        self.seen = (self.seen + 1.0).min(REMEMBERED);
+        let share = manoeuvre.agile / (manoeuvre.agile + manoeuvre.turn);
+        let agile = &mut self.motion.agile_share;
+        *agile = (*agile + gain * (share - *agile)).clamp(AGILE_MIN, AGILE_MAX);
+        self.lateral = (self.lateral + gain * manoeuvre.hardness).clamp(LATERAL_LEAST, LATERAL_MOST);
+        self.update();
     }
 }
 
@@ -101,7 +156,10 @@ impl Manoeuvres {
     /// Assumption where nothing is known: `density_m2ps3`, of fast targets at least [`FAST_M2PS3`].
     pub(crate) fn new(density_m2ps3: f64) -> Self {
         Self {
-            classes: [density_m2ps3, density_m2ps3.max(FAST_M2PS3)].map(Class::new),
+            classes: std::array::from_fn(|class| {
+                let density_m2ps3 = [density_m2ps3, density_m2ps3.max(FAST_M2PS3)][class];
+                Class::new((density_m2ps3, HARDEST_MPS2[class], SLOW_MPS[class]))
+            }),
         }
     }
 
@@ -137,6 +195,9 @@ impl Manoeuvres {
             (class.straight_s, class.turns) = (0.5 * class.straight_s, 0.5 * class.turns);
         }
         class.motion.steady_s = (class.straight_s / class.turns).clamp(STEADY_MIN_S, STEADY_MAX_S);
+        if let Some(manoeuvre) = &innovation.manoeuvre {
+            class.learn_manoeuvre(manoeuvre);
+        }
         match innovation.fit {
             Fit::Straight(squared) => class.straight *= 1.0 + f64::copysign(STEP, squared - class.straight),
             Fit::Turning(squared) => {
@@ -184,6 +245,48 @@ mod tests {
             assert!((0.5..1.7).contains(&found[0]), "{found:?}");
             assert!(found[1] > 1.9 && found[2] < 0.3, "{found:?}");
         }
+    }
+
+    #[test]
+    fn usual_turns_and_the_share_of_other_manoeuvres_are_learned() {
+        let mut manoeuvres = Manoeuvres::new(1.0);
+        let usual_mps2 = |manoeuvres: &Manoeuvres| manoeuvres.motion(FAST).lateral_mps2[0];
+        let assumed_mps2 = usual_mps2(&manoeuvres);
+        let mut observe = |agile: f64, hardness: f64| {
+            for _ in 0..200 {
+                let manoeuvre = Some(Manoeuvre {
+                    agile,
+                    turn: 0.9 - agile,
+                    hardness,
+                });
+                let innovation = Innovation {
+                    manoeuvre,
+                    ..innovation(Fit::Undecided)
+                };
+                manoeuvres.learn(FAST, &innovation);
+            }
+            (
+                usual_mps2(&manoeuvres) / assumed_mps2,
+                manoeuvres.motion(FAST).agile_share,
+            )
+        };
+        let (factor, share) = observe(0.09, 0.3);
+        assert!(
+            (2.0..4.0).contains(&factor) && (0.1..0.15).contains(&share),
+            "{factor} {share}"
+        );
+        let (_, share) = observe(0.8, 0.0);
+        assert!(share > 0.4, "{share}");
+        for _ in 0..20 {
+            observe(0.0, 1.0);
+        }
+        let hardest_mps2 = HARDEST_MPS2[1];
+        assert!(usual_mps2(&manoeuvres) <= 0.5 * hardest_mps2);
+        assert_eq!(manoeuvres.motion(FAST).lateral_mps2[3], hardest_mps2);
+        assert!(
+            manoeuvres.motion([1.0; 3]).lateral_mps2[0] < assumed_mps2,
+            "slow targets are others"
+        );
     }
 
     #[test]

@@ -6,7 +6,6 @@ use messages::{
 };
 
 use crate::explanation::Sink;
-use crate::filter::MODES;
 use crate::outlet::Outlet;
 use crate::rules::Share;
 use crate::settings::Settings;
@@ -96,7 +95,15 @@ pub(crate) fn write(
     message.kind = entry.description.kind as u8;
     message.members = entry.description.members;
     message.target_type = entry.description.target_type;
-    message.mode_probabilities[..MODES].copy_from_slice(&entry.filter.mode_probabilities());
+    message.mode_probabilities = entry.filter.mode_probabilities();
+    [message.turn_rate_radps, message.turn_rate_sigma_radps] = entry
+        .filter
+        .turn_rate()
+        .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
+    [message.climb_rate_mps, message.climb_rate_variance] = entry
+        .filter
+        .climb_rate()
+        .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
     message.existence = entry.existence();
     message.updates = entry.reports;
     message.extrapolations = entry.extrapolations;

@@ -4,8 +4,20 @@ use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-/// Time that it takes to notice a turn, seconds.
-const UNNOTICED_S: f64 = 7.0;
+/// Number of lateral accelerations that turns are assumed to have.
+pub(crate) const LEVELS: usize = 4;
+/// Process noise of steady motion, relative to that of turns.
+const STEADY: f64 = 4e-4;
+/// The same of agile motion along the course and across.
+const AGILE: [f64; 2] = [0.6, 0.12];
+/// Process noise of a turn relative to the square of its acceleration, over up to 1 s, s.
+const UNEVEN_S: f64 = 0.1;
+/// Time that it takes to notice a turn with 1 m/s², seconds: with more it takes less, as its root; and the least.
+const UNNOTICED_S: f64 = 15.0;
+const UNNOTICED_MIN_S: f64 = 6.0;
+/// Time that it takes to notice a change of the rate of climb, and mean time between such changes, seconds.
+const CLIMB_UNNOTICED_S: f64 = 7.0;
+const CLIMB_STEADY_S: f64 = 80.0;
 
 kept! {
     /// Model of how the targets of a class move.
@@ -15,14 +27,69 @@ kept! {
         pub(crate) turns: NearlyConstantVelocity,
         /// Mean time for which a target flies straight before it turns, s.
         pub(crate) steady_s: f64,
+        /// Share of the manoeuvres that are no turns.
+        pub(crate) agile_share: f64,
+        /// Lateral accelerations of turns, m/s²: the usual one, less, more, and the hardest of the class.
+        pub(crate) lateral_mps2: [f64; LEVELS],
+        /// Speed below which the rate of a turn no longer rises, m/s.
+        pub(crate) slow_mps: f64,
+        /// White noise of changes of the rate of climb, m²/s³.
+        pub(crate) climb_change_m2ps3: f64,
     }
 }
 
 impl Motion {
+    /// White noise of steady motion, m²/s³.
+    #[inline]
+    pub(crate) fn steady_m2ps3(&self) -> f64 {
+        STEADY * self.turns.density_m2ps3[0]
+    }
+
+    /// White noise of agile motion over so many seconds, along the course and across, m²/s³.
+    #[inline]
+    pub(crate) fn agile_m2ps3(&self, seconds: f64) -> [f64; 2] {
+        let [along, across] = AGILE.map(|factor| factor * self.turns.density_m2ps3[0]);
+        [along, across + Self::turn_m2ps3(self.lateral_mps2[0], seconds)]
+    }
+
+    /// White noise of a turn with this lateral acceleration over so many seconds, m²/s³.
+    #[inline]
+    pub(crate) fn turn_m2ps3(lateral_mps2: f64, seconds: f64) -> f64 {
+        // The acceleration lies anywhere between those of the models, and within long times the turn begins or ends:
+        // that is an unknown constant, which does as much as a white one in proportion to the time.
+        UNEVEN_S * lateral_mps2 * lateral_mps2 * seconds.max(1.0)
+    }
+
+    /// Logarithms of the lateral accelerations relative to the usual one.
+    pub(crate) fn hardness(&self) -> [f64; LEVELS] {
+        self.lateral_mps2
+            .map(|lateral_mps2| (lateral_mps2 / self.lateral_mps2[0]).ln())
+    }
+
+    /// Lateral accelerations around a usual one, m/s².
+    pub(crate) fn levels(usual_mps2: f64, hardest_mps2: f64) -> [f64; LEVELS] {
+        [
+            usual_mps2,
+            0.5 * usual_mps2,
+            (usual_mps2 * hardest_mps2).sqrt(),
+            hardest_mps2,
+        ]
+    }
+
     /// Variance per axis of a velocity caused by turns not yet detected, m²/s².
     pub(crate) fn unnoticed_m2ps2(&self) -> f64 {
-        let share = UNNOTICED_S / self.steady_s;
-        0.5 * share * UNNOTICED_S * self.turns.density_m2ps3[0]
+        // A turn is noticed after a time u, when the way a·u²/2 is beyond the noise. A fraction u of the time between
+        // turns is spent so; meanwhile the velocity is off by 0 to a·u, on the mean square a²·u²/3 over two axes.
+        let lateral_mps2 = self.lateral_mps2[0];
+        let unnoticed_s = (UNNOTICED_S / lateral_mps2.sqrt()).max(UNNOTICED_MIN_S);
+        let change_mps = lateral_mps2 * unnoticed_s;
+        change_mps * change_mps * unnoticed_s / (6.0 * self.steady_s)
+    }
+
+    /// Variance of a rate of climb caused by changes not yet detected, m²/s².
+    pub(crate) fn unnoticed_climb_m2ps2(&self) -> f64 {
+        let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
+        0.5 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
     }
 }
 
@@ -30,13 +97,37 @@ impl Motion {
 mod tests {
     use super::*;
 
-    #[test]
-    fn turns_that_nobody_has_noticed_matter_as_often_as_they_are() {
-        let motion = |steady_s| Motion {
+    fn motion(steady_s: f64, lateral_mps2: f64) -> Motion {
+        Motion {
             turns: NearlyConstantVelocity::new(50.0, 50.0),
             steady_s,
-        };
-        assert!((motion(245.0).unnoticed_m2ps2() - 5.0).abs() < 1e-9);
-        assert!((motion(490.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
+            agile_share: 0.4,
+            lateral_mps2: Motion::levels(lateral_mps2, 36.0),
+            slow_mps: 20.0,
+            climb_change_m2ps3: 5.0,
+        }
+    }
+
+    #[test]
+    fn turns_that_nobody_has_noticed_matter_as_often_as_they_are() {
+        // 4 m/s² for 7.5 s: 30 m/s; 30² · 7.5 / (6 · 225) = 5.
+        assert!((motion(225.0, 4.0).unnoticed_m2ps2() - 5.0).abs() < 1e-9);
+        assert!((motion(450.0, 4.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
+        // 16 m/s² for 6 s, the least: 96 m/s.
+        assert!((motion(225.0, 16.0).unnoticed_m2ps2() - 96.0 * 96.0 / 225.0).abs() < 1e-9);
+        // 7 of 80 s, after which the variance is 7 · 5 m²/s²; half of that on average.
+        assert!((motion(225.0, 4.0).unnoticed_climb_m2ps2() - 0.5 * 7.0 / 80.0 * 35.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn lateral_accelerations_lie_around_the_usual_one_up_to_the_hardest() {
+        let motion = motion(200.0, 9.0);
+        assert_eq!(motion.lateral_mps2, [9.0, 4.5, 18.0, 36.0]);
+        let [usual, less, more, hardest] = motion.hardness();
+        assert_eq!(usual, 0.0);
+        assert!((less + more).abs() < 1e-12 && (hardest - 2.0 * more).abs() < 1e-12 && more > 0.69);
+        // White over short times, an unknown constant over long ones.
+        assert_eq!(Motion::turn_m2ps3(9.0, 0.5), Motion::turn_m2ps3(9.0, 1.0));
+        assert_eq!(Motion::turn_m2ps3(9.0, 12.0), 12.0 * Motion::turn_m2ps3(9.0, 1.0));
     }
 }

@@ -227,6 +227,8 @@ impl Publisher {
             variances[Covariance::index(axis, axis)] += self.common_error_m2;
             variances[Covariance::index(velocity, velocity)] += motion.unnoticed_m2ps2();
         }
+        let climb = 2 + AXES;
+        entry.state.covariance.upper[Covariance::index(climb, climb)] += motion.unnoticed_climb_m2ps2();
     }
 
     /// Sets the state to the result of `rule` for the contributions; `false` if the rule can use none.

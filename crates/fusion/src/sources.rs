@@ -267,7 +267,7 @@ impl Sources {
         if settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
-            let [steady, _] = tracks.systems.get(system).filter.mode_probabilities();
+            let steady = tracks.systems.get(system).filter.mode_probabilities()[0];
             if steady > SHAPE_STEADY_MIN
                 && let Some(place_m) = place_of(&settings.sources[source])
             {

@@ -34,6 +34,7 @@ pub(crate) fn innovation(fit: Fit) -> Innovation {
         covariance_m2: [1.0, 0.0, 1.0],
         gain: 0.5,
         fit,
+        manoeuvre: None,
         straight_s: 0.0,
         begins_turn: false,
     }

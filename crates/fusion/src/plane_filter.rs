@@ -1,0 +1,311 @@
+//! The filter of the plane: several models of motion in parallel.
+//!
+//! A target flies straight most of the time, changes its speed sometimes, and turns sometimes. A filter prepared for
+//! all that discards most of its knowledge on straight legs. Therefore one filter per kind of motion runs:
+//!
+//! - *steady*: constant velocity, hardly disturbed;
+//! - *agile*: white acceleration, more along the course than across: changes of speed, and all that no other model has;
+//! - *turns* to the left and to the right: a constant lateral acceleration, whatever the speed, which is the motion of
+//!   a coordinated turn. Their velocities do not forget: these models collect the evidence of a turn over many
+//!   measurements, and detect a turn long before a model of white noise does.
+//!
+//! The probabilities follow from the predictions of the measurements (interacting multiple models). On the straight a
+//! turn of usual hardness to either side is enough. Once the target does not fly straight any more, turns of other
+//! hardness join (variable structure), up to what class and speed allow; they leave when it flies straight.
+//!
+//! What a target does next does not depend on which manoeuvre it ends, only on whether it manoeuvres. All mixtures
+//! are therefore sums of three: of the model itself, of the steady model, of all others.
+//!
+//! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
+//! coefficients*, IEEE Transactions on Automatic Control 33 (1988); X. R. Li, Y. Bar-Shalom, *Multiple-model estimation
+//! with variable structure*, IEEE Transactions on Automatic Control 41 (1996), for models that join and leave.
+
+use estimation::{Moments, Plane, Rotation};
+use serde::{Deserialize, Serialize};
+
+use crate::motion::{LEVELS, Motion};
+
+/// Number of models: steady, agile, and turns of each hardness to the left and to the right.
+const MODELS: usize = 2 + 2 * LEVELS;
+/// Number of models that always run: without the turns of unusual hardness.
+const USUAL: usize = 4;
+const STEADY: usize = 0;
+const AGILE: usize = 1;
+/// Mean duration of manoeuvres, seconds.
+const MANOEUVRE_S: f64 = 15.0;
+/// Share of the manoeuvres after which the target flies straight; after the others, another manoeuvre follows.
+const HOME: f64 = 0.6;
+/// Probabilities of a manoeuvre above which all models run, and below which the usual ones are enough.
+const WIDE: f64 = 0.2;
+const NARROW: f64 = 0.07;
+/// Probabilities at the start: steady, agile, each usual turn.
+const PRIOR: [f64; USUAL] = [0.8, 0.08, 0.06, 0.06];
+/// How often turns have the hardness of each level. The mean of the logarithm is 0 where fast targets begin: what shows
+/// nothing does not change what is assumed of turns.
+const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
+/// Smallest probability of a manoeuvre, and of flying straight: both must be able to come back.
+const PROBABILITY_MIN: f64 = 1e-4;
+/// Exponent of likelihoods below which a model's share is 0.
+const EXPONENT_MIN: f64 = -100.0;
+
+/// All models of one target.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct PlaneFilter {
+    models: [Plane; MODELS],
+    probability: [f64; MODELS],
+    is_wide: bool,
+}
+
+/// What the target is expected to do in the plane.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Course {
+    /// Lateral acceleration to the left, m/s², and its variance.
+    pub(crate) left_mps2: f64,
+    pub(crate) variance_m2ps4: f64,
+    /// White noise of all models together, m²/s³.
+    pub(crate) density_m2ps3: f64,
+}
+
+impl PlaneFilter {
+    pub(crate) fn new(estimate: Plane) -> Self {
+        let mut probability = [0.0; MODELS];
+        probability[..USUAL].copy_from_slice(&PRIOR);
+        Self {
+            models: [estimate; MODELS],
+            probability,
+            is_wide: false,
+        }
+    }
+
+    /// Starts with these probabilities: steady, agile, left, right.
+    pub(crate) fn with(estimate: Plane, probability: [f64; USUAL]) -> Self {
+        let mut filter = Self::new(estimate);
+        filter.probability[..USUAL].copy_from_slice(&probability);
+        filter
+    }
+
+    /// Number of models that run.
+    #[inline]
+    fn running(&self) -> usize {
+        if self.is_wide { MODELS } else { USUAL }
+    }
+
+    /// Probability that the target flies straight.
+    #[inline]
+    pub(crate) fn steady(&self) -> f64 {
+        self.probability[STEADY]
+    }
+
+    /// Probabilities: steady, agile, turn to the left, to the right.
+    pub(crate) fn probabilities(&self) -> [f64; USUAL] {
+        let mut sums = [self.probability[STEADY], self.probability[AGILE], 0.0, 0.0];
+        for pair in self.probability[AGILE + 1..self.running()].chunks_exact(2) {
+            sums[2] += pair[0];
+            sums[3] += pair[1];
+        }
+        sums
+    }
+
+    /// Sum over the turns of their probabilities with the logarithm of their lateral acceleration relative to the
+    /// usual one; `None` while only the usual turns run.
+    pub(crate) fn hardness(&self, motion: &Motion) -> Option<f64> {
+        self.is_wide.then(|| {
+            let pairs = self.probability[AGILE + 1..].chunks_exact(2);
+            pairs
+                .zip(motion.hardness())
+                .map(|(pair, logarithm)| (pair[0] + pair[1]) * logarithm)
+                .sum()
+        })
+    }
+
+    /// The models and probabilities of the steady motion and of the agile one.
+    pub(crate) fn straight(&self) -> (&Plane, &Plane) {
+        (&self.models[STEADY], &self.models[AGILE])
+    }
+
+    pub(crate) fn shift(&mut self, by_m: [f64; 2]) {
+        for model in &mut self.models {
+            model.mean[0] += by_m[0];
+            model.mean[1] += by_m[1];
+        }
+    }
+
+    /// What the target is expected to do.
+    pub(crate) fn course(&self, motion: &Motion) -> Course {
+        let mut course = Course {
+            left_mps2: 0.0,
+            variance_m2ps4: 0.0,
+            density_m2ps3: self.probability[STEADY] * motion.steady_m2ps3()
+                + self.probability[AGILE] * motion.agile_m2ps3(1.0)[0],
+        };
+        let pairs = self.probability[AGILE + 1..self.running()].chunks_exact(2);
+        for (pair, lateral_mps2) in pairs.zip(motion.lateral_mps2) {
+            let (both, square) = (pair[0] + pair[1], lateral_mps2 * lateral_mps2);
+            course.left_mps2 += (pair[0] - pair[1]) * lateral_mps2;
+            course.variance_m2ps4 += both * square;
+            course.density_m2ps3 += both * Motion::turn_m2ps3(lateral_mps2, 1.0);
+        }
+        course.variance_m2ps4 -= course.left_mps2 * course.left_mps2;
+        course
+    }
+
+    /// Brings the models forward by `seconds` > 0. `estimate` is all models together.
+    pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion, estimate: &Plane) {
+        self.mix(seconds, motion, &estimate.mean);
+        let running = self.running();
+        let [vx, vy] = [estimate.mean[2], estimate.mean[3]];
+        let square = vx * vx + vy * vy;
+        let steady = &mut self.models[STEADY];
+        steady.advance(seconds);
+        steady.disturb_evenly(motion.steady_m2ps3(), seconds);
+        let agile = &mut self.models[AGILE];
+        agile.advance(seconds);
+        let [along, across] = motion.agile_m2ps3(seconds);
+        if square > motion.slow_mps * motion.slow_mps {
+            let (excess, inverse) = (along - across, 1.0 / square);
+            let noise = [vx * vx, vx * vy, vy * vy].map(|value| excess * value * inverse);
+            agile.disturb([across + noise[0], noise[1], across + noise[2]], seconds);
+        } else {
+            agile.disturb_evenly(along, seconds);
+        }
+        let speed_mps = square.sqrt().max(motion.slow_mps);
+        let pairs = self.models[AGILE + 1..running].chunks_exact_mut(2);
+        for (pair, lateral_mps2) in pairs.zip(motion.lateral_mps2) {
+            let left = Rotation::new(lateral_mps2 / speed_mps, seconds);
+            let noise = Motion::turn_m2ps3(lateral_mps2, seconds);
+            pair[0].turn(&left);
+            pair[0].disturb_evenly(noise, seconds);
+            pair[1].turn(&left.mirrored());
+            pair[1].disturb_evenly(noise, seconds);
+        }
+    }
+
+    /// Targets may have begun or ended a manoeuvre in `seconds`.
+    fn mix(&mut self, seconds: f64, motion: &Motion, about: &[f64; 4]) {
+        let running = self.running();
+        let [begins, ends] = [motion.steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
+        let steady = Moments::of(&self.models[STEADY], self.probability[STEADY], about);
+        let mut manoeuvres = Moments::default();
+        let mut own = [Moments::default(); MODELS];
+        for index in AGILE..running {
+            own[index] = Moments::of(&self.models[index], self.probability[index], about);
+            manoeuvres.add(&own[index], 1.0);
+        }
+        // Those that begin a manoeuvre, after straight flight or after another manoeuvre.
+        let mut begun = steady.scaled(begins);
+        begun.add(&manoeuvres, ends * (1.0 - HOME));
+        let mut straight = steady.scaled(1.0 - begins);
+        straight.add(&manoeuvres, ends * HOME);
+        self.set(STEADY, &straight, about);
+        let turns = 0.5 * (1.0 - motion.agile_share) / HARDNESS[..running / 2 - 1].iter().sum::<f64>();
+        for index in AGILE..running {
+            let share = if index == AGILE {
+                motion.agile_share
+            } else {
+                turns * HARDNESS[index / 2 - 1]
+            };
+            let mut sum = own[index].scaled(1.0 - ends);
+            sum.add(&begun, share);
+            self.set(index, &sum, about);
+        }
+    }
+
+    #[inline]
+    fn set(&mut self, index: usize, sum: &Moments, about: &[f64; 4]) {
+        self.probability[index] = sum.weight();
+        self.models[index] = sum.state(about);
+    }
+
+    /// Expected position, and its covariance (xx, xy, yy).
+    pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
+        let about = [self.models[STEADY].mean[0], self.models[STEADY].mean[1]];
+        let (mut first, mut second) = ([0.0; 2], [0.0; 3]);
+        let running = self.running();
+        for (model, weight) in self.models[..running].iter().zip(&self.probability[..running]) {
+            let [dx, dy] = [model.mean[0] - about[0], model.mean[1] - about[1]];
+            let [xx, xy, _, _, yy, ..] = model.covariance;
+            first[0] += weight * dx;
+            first[1] += weight * dy;
+            second[0] += weight * (xx + dx * dx);
+            second[1] += weight * (xy + dx * dy);
+            second[2] += weight * (yy + dy * dy);
+        }
+        let [x, y] = first;
+        (
+            [about[0] + x, about[1] + y],
+            [second[0] - x * x, second[1] - x * y, second[2] - y * y],
+        )
+    }
+
+    /// All models together; `about` is near all of them.
+    pub(crate) fn combined(&self, about: &[f64; 4]) -> Plane {
+        let mut sum = Moments::default();
+        let running = self.running();
+        for (model, weight) in self.models[..running].iter().zip(&self.probability[..running]) {
+            sum.add(&Moments::of(model, *weight, about), 1.0);
+        }
+        sum.state(about)
+    }
+
+    /// Updates all models with a measured position; `None` if a value is not usable.
+    pub(crate) fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<()> {
+        let running = self.running();
+        let (mut squared, mut scale) = ([0.0; MODELS], [0.0; MODELS]);
+        let mut least = f64::INFINITY;
+        for index in 0..running {
+            let residual = self.models[index].update(measured_m, r)?;
+            squared[index] = residual.squared;
+            scale[index] = residual.determinant;
+            least = least.min(residual.squared);
+        }
+        let mut sum = 0.0;
+        for index in 0..running {
+            let exponent = (0.5 * (least - squared[index])).max(EXPONENT_MIN);
+            let probability = self.probability[index] * exponent.exp() / scale[index].sqrt();
+            self.probability[index] = probability;
+            sum += probability;
+        }
+        let inverse = 1.0 / sum;
+        self.probability[..running]
+            .iter_mut()
+            .for_each(|value| *value *= inverse);
+        self.keep_possible(running);
+        self.choose();
+        Some(())
+    }
+
+    /// No model is excluded for ever.
+    fn keep_possible(&mut self, running: usize) {
+        let steady = self.probability[STEADY];
+        let kept = steady.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
+        if kept != steady {
+            let others = 1.0 - steady;
+            self.probability[STEADY] = kept;
+            let manoeuvres = &mut self.probability[AGILE..running];
+            if others > 0.0 {
+                manoeuvres.iter_mut().for_each(|value| *value *= (1.0 - kept) / others);
+            } else {
+                manoeuvres.fill((1.0 - kept) / (running - AGILE) as f64);
+            }
+        }
+    }
+
+    /// Lets the turns of unusual hardness join or leave.
+    fn choose(&mut self) {
+        let manoeuvre = 1.0 - self.probability[STEADY];
+        if self.is_wide && manoeuvre < NARROW {
+            // What they know is in the usual turns after the next mixing.
+            let mut sums = [0.0; 2];
+            for pair in self.probability[USUAL..].chunks_exact(2) {
+                sums[0] += pair[0];
+                sums[1] += pair[1];
+            }
+            self.probability[USUAL..].fill(0.0);
+            self.probability[AGILE + 1] += sums[0];
+            self.probability[AGILE + 2] += sums[1];
+            self.is_wide = false;
+        } else if !self.is_wide && manoeuvre > WIDE {
+            self.is_wide = true;
+        }
+    }
+}

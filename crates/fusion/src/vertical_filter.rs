@@ -1,0 +1,127 @@
+//! The filter of the vertical: level flight, climbs, and changes between both.
+//!
+//! The vertical has models and probabilities of its own, so that a climb leaves the plane as it is. A target in level
+//! flight keeps its height: its rate of climb is 0 but for a small remainder. In a climb or descent the rate is nearly
+//! constant. Between both the rate changes (interacting multiple models, as in `plane_filter`).
+
+use estimation::Vertical;
+use serde::{Deserialize, Serialize};
+
+use crate::motion::Motion;
+
+/// Number of models: level, climb, change.
+pub(crate) const MODELS: usize = 3;
+const LEVEL: usize = 0;
+const CLIMB: usize = 1;
+const CHANGE: usize = 2;
+/// Mean durations, seconds.
+const LEVEL_S: f64 = 80.0;
+const CLIMB_S: f64 = 100.0;
+const CHANGE_S: f64 = 8.0;
+/// Share of the changes after which the target flies level.
+const LEVELS_OFF: f64 = 0.4;
+/// Remaining rate of climb in level flight, m/s, and white noise of the height, m²/s.
+const REMAINDER_MPS: f64 = 0.3;
+const WANDER_M2PS: f64 = 0.01;
+/// Noise of the rate in a climb, m²/s³.
+const CLIMB_M2PS3: f64 = 0.002;
+const PRIOR: [f64; MODELS] = [0.3, 0.5, 0.2];
+const PROBABILITY_MIN: f64 = 1e-4;
+/// Exponent of likelihoods below which a model's share is 0.
+const EXPONENT_MIN: f64 = -100.0;
+
+/// All models of one target.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct VerticalFilter {
+    models: [Vertical; MODELS],
+    probability: [f64; MODELS],
+}
+
+impl VerticalFilter {
+    pub(crate) fn new(estimate: Vertical) -> Self {
+        Self::with(estimate, PRIOR)
+    }
+
+    pub(crate) fn with(estimate: Vertical, probability: [f64; MODELS]) -> Self {
+        Self {
+            models: [estimate; MODELS],
+            probability,
+        }
+    }
+
+    /// Probabilities: level, climb, change.
+    pub(crate) fn probabilities(&self) -> [f64; MODELS] {
+        self.probability
+    }
+
+    /// White noise of the rate of climb by all models together, m²/s³.
+    pub(crate) fn density_m2ps3(&self, motion: &Motion) -> f64 {
+        self.probability[CLIMB] * CLIMB_M2PS3 + self.probability[CHANGE] * motion.climb_change_m2ps3
+    }
+
+    /// Brings the models forward by `seconds` > 0.
+    pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion) {
+        let leave = [LEVEL_S, CLIMB_S, CHANGE_S].map(|duration| seconds / (seconds + duration));
+        let [level, climb, change] = self.probability;
+        let from_change = change * leave[CHANGE];
+        // Probabilities by where they come from: level and change, climb and change, all.
+        let to_level = [level * (1.0 - leave[LEVEL]), from_change * LEVELS_OFF];
+        let to_climb = [climb * (1.0 - leave[CLIMB]), from_change * (1.0 - LEVELS_OFF)];
+        let to_change = [
+            level * leave[LEVEL],
+            climb * leave[CLIMB],
+            change * (1.0 - leave[CHANGE]),
+        ];
+        let sums = [
+            to_level[0] + to_level[1],
+            to_climb[0] + to_climb[1],
+            to_change[0] + to_change[1] + to_change[2],
+        ];
+        let inverse = sums.map(|sum| 1.0 / sum);
+        let [a, b, c] = self.models;
+        self.models = [
+            Vertical::mixture(&[a, c], to_level.map(|weight| weight * inverse[LEVEL])),
+            Vertical::mixture(&[b, c], to_climb.map(|weight| weight * inverse[CLIMB])),
+            Vertical::mixture(&[a, b, c], to_change.map(|weight| weight * inverse[CHANGE])),
+        ];
+        self.probability = sums;
+        let [level, climb, change] = &mut self.models;
+        level.mean[1] = 0.0;
+        level.covariance = [
+            level.covariance[0] + WANDER_M2PS * seconds,
+            0.0,
+            REMAINDER_MPS * REMAINDER_MPS,
+        ];
+        climb.advance(seconds, CLIMB_M2PS3);
+        change.advance(seconds, motion.climb_change_m2ps3);
+    }
+
+    /// All models together.
+    pub(crate) fn combined(&self) -> Vertical {
+        Vertical::mixture(&self.models, self.probability)
+    }
+
+    /// Updates all models with a measured height; `None` if a value is not usable.
+    pub(crate) fn update(&mut self, measured_m: f64, variance_m2: f64) -> Option<()> {
+        let (mut squared, mut variance) = ([0.0; MODELS], [0.0; MODELS]);
+        for index in 0..MODELS {
+            (squared[index], variance[index]) = self.models[index].update(measured_m, variance_m2)?;
+        }
+        let least = squared[LEVEL].min(squared[CLIMB]).min(squared[CHANGE]);
+        let mut sum = 0.0;
+        for index in 0..MODELS {
+            let exponent = (0.5 * (least - squared[index])).max(EXPONENT_MIN);
+            self.probability[index] *= exponent.exp() / variance[index].sqrt();
+            sum += self.probability[index];
+        }
+        let inverse = 1.0 / sum;
+        let mut sum = 0.0;
+        for value in &mut self.probability {
+            *value = (*value * inverse).max(PROBABILITY_MIN);
+            sum += *value;
+        }
+        let inverse = 1.0 / sum;
+        self.probability.iter_mut().for_each(|value| *value *= inverse);
+        Some(())
+    }
+}
