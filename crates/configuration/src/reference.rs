@@ -25,8 +25,8 @@ the same as leaving it out where the default is `\"off\"`. `--set key.path=value
 - *Deployment*: `koseki up`, `koseki check`, and `--config` of `koseki fuse`, `koseki track` and `koseki simulate`.
 ";
 
-/// The document `docs/configuration.md`: all keys, with those of the services `P`, by table with name, type, unit, range,
-/// default and text.
+/// The document `docs/configuration.md`: all keys, with those of the services `P`, by table with name, type, unit,
+/// range, default and text.
 pub fn reference<P: Parts>() -> String {
     let (mut deployment, mut services) = (DeploymentTable::default(), P::default());
     let deployment = Shared::new(&mut deployment, services.tables());

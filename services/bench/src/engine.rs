@@ -16,7 +16,8 @@ use crate::report::Report;
 use crate::settings::Settings;
 use crate::text;
 
-/// Measures the engine of `product`; the rate of `settings` only sets the time between reports. Returns the text to show.
+/// Measures the engine of `product`; the rate of `settings` only sets the time between reports. Returns the text to
+/// show.
 ///
 /// # Errors
 /// If the settings are invalid, or a file cannot be written.

@@ -25,8 +25,8 @@ const KNEE_FACTOR: u64 = 10;
 /// Share of a run for watching the machine alone, and for measuring the engine alone.
 const ASIDE: f64 = 0.5;
 
-/// Measures `product` at every rate of `settings`; with `sweep`, up to the knee. Returns the text to show, and the reason if the
-/// figures are unreliable.
+/// Measures `product` at every rate of `settings`; with `sweep`, up to the knee. Returns the text to show, and the
+/// reason if the figures are unreliable.
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.

@@ -103,8 +103,8 @@ impl<S: Transport> Ready<S> {
 }
 
 impl<S: Transport> FusionAgent<S> {
-    /// Creates fusion of `config` with the engine of `settings` on `bus`, with recordings replayed at `speed`; `incarnation` is the process's
-    /// monotonic start time. Orders come from `queues`, and decisions go there.
+    /// Creates fusion of `config` with the engine of `settings` on `bus`, with recordings replayed at `speed`;
+    /// `incarnation` is the process's monotonic start time. Orders come from `queues`, and decisions go there.
     ///
     /// # Errors
     /// If a setting is invalid or a topic cannot be opened.

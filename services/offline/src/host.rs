@@ -46,8 +46,8 @@ pub trait Host {
     /// Reports the end of a pass.
     fn passed(&self);
 
-    /// Reads `text` as the file `path` of a deployment. By default, the keys of services are ignored: they do not change
-    /// the results, and a host need not contain the services.
+    /// Reads `text` as the file `path` of a deployment. By default, the keys of services are ignored: they do not
+    /// change the results, and a host need not contain the services.
     ///
     /// # Errors
     /// If a key is refused.

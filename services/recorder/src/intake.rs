@@ -25,7 +25,8 @@ pub(crate) struct Intake<S: Transport> {
     since_ns: i64,
 }
 
-/// Callback for each slice of a data stream, with its place in [`Deployment::streams`] and the number of the next sample.
+/// Callback for each slice of a data stream, with its place in [`Deployment::streams`] and the number of the next
+/// sample.
 pub(crate) type Done<'d> = dyn FnMut(usize, &BatchHeader, u64) + 'd;
 
 /// Time after which all slices waiting at the start are taken, nanoseconds.
@@ -197,8 +198,9 @@ impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
 }
 
 impl<S: Transport> Intake<S> {
-    /// Opens the data streams of `config`, and if it `has_all` topics to record all others, for the recorder that started at
-    /// `incarnation`. Topics of data wake `waiter`. Returns the names and layouts of the topics in their order, too.
+    /// Opens the data streams of `config`, and if it `has_all` topics to record all others, for the recorder that
+    /// started at `incarnation`. Topics of data wake `waiter`. Returns the names and layouts of the topics in their
+    /// order, too.
     ///
     /// # Errors
     /// If a topic cannot be opened.
