@@ -171,6 +171,7 @@ impl Plane {
     /// Updates with a measured position of covariance `r` (xx, xy, yy). `None`, and no change, if the residual's
     /// covariance is not positive definite or a value not finite.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
     pub fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<Residual> {
         let [xx, xy, xu, xv, yy, yu, yv, ..] = self.covariance;
         let (sxx, sxy, syy) = (xx + r[0], xy + r[1], yy + r[2]);
@@ -204,6 +205,7 @@ impl Plane {
 impl Plane {
     /// Replaces the state by a mixture: of itself with weight `1 − weight`, and of another.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
     pub fn blend(&mut self, other: &Self, weight: f64) {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| other.mean[row] - self.mean[row]);
         let (own, spread) = (1.0 - weight, weight * (1.0 - weight));
@@ -221,6 +223,7 @@ impl Plane {
 
     /// The rest of a mixture without one of its states, which has the weight `1 − rest` in it; `rest` is not 0.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
     #[must_use]
     pub fn without(&self, state: &Self, rest: f64) -> Self {
         let inverse = 1.0 / rest;
@@ -255,6 +258,7 @@ pub struct Moments {
 impl Moments {
     /// Adds a state with a weight.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
     pub fn include(&mut self, state: &Plane, weight: f64, about: &[f64; COMPONENTS]) {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| state.mean[row] - about[row]);
         let weighted = d.map(|value| weight * value);
@@ -271,6 +275,7 @@ impl Moments {
 
     /// The state that has these moments; the weight must not be 0.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
     pub fn state(&self, about: &[f64; COMPONENTS]) -> Plane {
         let inverse = 1.0 / self.weight;
         let mean = self.first.map(|value| value * inverse);
