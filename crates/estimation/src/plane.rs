@@ -171,6 +171,7 @@ impl Plane {
     /// Updates with a measured position of covariance `r` (xx, xy, yy). `None`, and no change, if the residual's
     /// covariance is not positive definite or a value not finite.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // Iterators keep these loops from being unrolled.
     pub fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<Residual> {
         let [xx, xy, xu, xv, yy, yu, yv, ..] = self.covariance;
         let (sxx, sxy, syy) = (xx + r[0], xy + r[1], yy + r[2]);
@@ -201,6 +202,50 @@ impl Plane {
     }
 }
 
+impl Plane {
+    /// Replaces the state by a mixture: of itself with weight `1 − weight`, and of another.
+    #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
+    pub fn blend(&mut self, other: &Self, weight: f64) {
+        let d: [f64; COMPONENTS] = std::array::from_fn(|row| other.mean[row] - self.mean[row]);
+        let (own, spread) = (1.0 - weight, weight * (1.0 - weight));
+        let mut element = 0;
+        for row in 0..COMPONENTS {
+            self.mean[row] += weight * d[row];
+            let spread = spread * d[row];
+            for column in row..COMPONENTS {
+                let theirs = weight * other.covariance[element] + spread * d[column];
+                self.covariance[element] = own * self.covariance[element] + theirs;
+                element += 1;
+            }
+        }
+    }
+
+    /// The rest of a mixture without one of its states, which has the weight `1 − rest` in it; `rest` is not 0.
+    #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
+    #[must_use]
+    pub fn without(&self, state: &Self, rest: f64) -> Self {
+        let inverse = 1.0 / rest;
+        let ratio = (1.0 - rest) * inverse;
+        let d: [f64; COMPONENTS] = std::array::from_fn(|row| self.mean[row] - state.mean[row]);
+        let mut element = 0;
+        let mut covariance = [0.0; ELEMENTS];
+        for row in 0..COMPONENTS {
+            let spread = ratio * inverse * d[row];
+            for column in row..COMPONENTS {
+                let taken = ratio * state.covariance[element] + spread * d[column];
+                covariance[element] = inverse * self.covariance[element] - taken;
+                element += 1;
+            }
+        }
+        Self {
+            mean: std::array::from_fn(|row| self.mean[row] + ratio * d[row]),
+            covariance,
+        }
+    }
+}
+
 /// Sum of weighted states, for mixtures of many: each state's mean and second moment about a common point, times its
 /// weight (Bar-Shalom et al. 2001, section 1.4.16). The common point should be near all, so that no figure is lost.
 #[derive(Clone, Copy, Debug, Default)]
@@ -211,54 +256,26 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Moments of one state with a weight.
+    /// Adds a state with a weight.
     #[inline]
-    pub fn of(state: &Plane, weight: f64, about: &[f64; COMPONENTS]) -> Self {
+    #[allow(clippy::needless_range_loop)] // As above.
+    pub fn include(&mut self, state: &Plane, weight: f64, about: &[f64; COMPONENTS]) {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| state.mean[row] - about[row]);
+        let weighted = d.map(|value| weight * value);
+        self.weight += weight;
         let mut element = 0;
-        let mut second = [0.0; ELEMENTS];
         for row in 0..COMPONENTS {
+            self.first[row] += weighted[row];
             for column in row..COMPONENTS {
-                second[element] = weight * (state.covariance[element] + d[row] * d[column]);
+                self.second[element] += weight * state.covariance[element] + weighted[row] * d[column];
                 element += 1;
             }
         }
-        Self {
-            weight,
-            first: d.map(|value| weight * value),
-            second,
-        }
-    }
-
-    /// Sum of all weights.
-    pub fn weight(&self) -> f64 {
-        self.weight
-    }
-
-    /// Adds `factor` times another sum about the same point.
-    #[inline]
-    pub fn add(&mut self, other: &Self, factor: f64) {
-        self.weight += factor * other.weight;
-        for (own, theirs) in self.first.iter_mut().zip(&other.first) {
-            *own += factor * theirs;
-        }
-        for (own, theirs) in self.second.iter_mut().zip(&other.second) {
-            *own += factor * theirs;
-        }
-    }
-
-    /// Multiplies all by `factor`.
-    #[inline]
-    #[must_use]
-    pub fn scaled(mut self, factor: f64) -> Self {
-        self.weight *= factor;
-        self.first.iter_mut().for_each(|value| *value *= factor);
-        self.second.iter_mut().for_each(|value| *value *= factor);
-        self
     }
 
     /// The state that has these moments; the weight must not be 0.
     #[inline]
+    #[allow(clippy::needless_range_loop)] // As above.
     pub fn state(&self, about: &[f64; COMPONENTS]) -> Plane {
         let inverse = 1.0 / self.weight;
         let mean = self.first.map(|value| value * inverse);
@@ -425,12 +442,37 @@ mod tests {
             let mixture = plane_of(&Gaussian::mixture(&a, &b, weight));
             let (a, b) = (plane_of(&a), plane_of(&b));
             let about = a.mean;
-            let mut sum = Moments::of(&a, 2.0 * (1.0 - weight), &about);
-            sum.add(&Moments::of(&b, 1.0, &about), 2.0 * weight);
-            let state = sum.scaled(0.5).state(&about);
-            prop_assert!((sum.weight() - 2.0).abs() < 1e-12);
+            let mut sum = Moments::default();
+            sum.include(&a, 2.0 * (1.0 - weight), &about);
+            sum.include(&b, 2.0 * weight, &about);
+            let state = sum.state(&about);
+            let mut blended = a;
+            blended.blend(&b, weight);
+            assert_close(&blended, &mixture);
             assert_close(&state, &mixture);
             prop_assert!(is_positive(&state));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_mixture_without_one_of_its_states_is_the_other(
+            a in any_gaussian(), b in any_gaussian(), weight in 0.01..1.0f64,
+        ) {
+            // Near each other, as models of one target are: digits are lost otherwise.
+            let (a, mut b) = (plane_of(&a), plane_of(&b));
+            b.mean = std::array::from_fn(|row| a.mean[row] + b.mean[row] * if row < 2 { 1e-3 } else { 0.1 });
+            let mut mixture = a;
+            mixture.blend(&b, weight);
+            let rest = mixture.without(&a, weight);
+            let scale = full(&mixture).diagonal();
+            for row in 0..COMPONENTS {
+                prop_assert!((rest.mean[row] - b.mean[row]).abs() < 1e-6 * (1.0 + b.mean[row].abs()));
+                for column in row..COMPONENTS {
+                    let difference = full(&rest)[(row, column)] - full(&b)[(row, column)];
+                    prop_assert!(difference.abs() < 1e-9 / weight * (scale[row] * scale[column]).sqrt());
+                }
+            }
         }
     }
 

@@ -96,11 +96,8 @@ mod tests {
                 "{a:?} {b:?}"
             );
         }
-        for index in 0..3 {
-            assert!(
-                (a.covariance[index] - b.covariance[index]).abs() <= 1e-9 * scale[index],
-                "{a:?} {b:?}"
-            );
+        for ((a, b), scale) in a.covariance.iter().zip(b.covariance).zip(scale) {
+            assert!((a - b).abs() <= 1e-9 * scale, "{a} {b}");
         }
     }
 

@@ -669,7 +669,7 @@ impl Engine {
         let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         self.tracks.systems.get_mut(system).nis = nis as f32;
-        let speed = velocity[0].hypot(velocity[1]);
+        let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
         if speed > COURSE_SPEED_MIN_MPS {
             self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
         }

@@ -27,9 +27,8 @@ use crate::plane_filter::{Course, PlaneFilter};
 use crate::state::State;
 use crate::vertical_filter::VerticalFilter;
 
-/// Normalised innovation squared beyond which a measurement is weighed down, in the plane and in height.
+/// Normalised innovation squared beyond which a measurement is weighed down.
 const BLUNDER: f64 = 30.0;
-const BLUNDER_HEIGHT: f64 = 25.0;
 /// Number of motion models as messages state them.
 pub(crate) const MODES: usize = 8;
 /// Number of groups of models of the plane, and of models of the vertical, whose probabilities are kept.
@@ -195,7 +194,8 @@ impl Filter {
         let (mut plane, mut vertical) = parts_of(&self.estimate);
         let course = self.course.unwrap_or_else(|| self.plane.course(motion));
         if course.variance_m2ps4 > 0.0 {
-            let speed_mps = plane.mean[2].hypot(plane.mean[3]).max(motion.slow_mps);
+            let [_, _, vx, vy] = plane.mean;
+            let speed_mps = (vx * vx + vy * vy).sqrt().max(motion.slow_mps);
             // The turn may end meanwhile.
             let rate_radps = course.left_mps2 / (speed_mps * (1.0 + seconds.abs() / TURN_S));
             plane.turn(&Rotation::new(rate_radps, seconds));
@@ -271,7 +271,7 @@ impl Filter {
         );
         let was_straight = self.is_straight;
         let mut innovation = self.update([z[0], z[1]], [r[0], r[1], r[3]], motion, use_it);
-        if advances || innovation.is_some_and(|innovation| innovation.gain > 0.0) {
+        if advances || innovation.is_none_or(|innovation| innovation.gain > 0.0) {
             let plane = self.plane.combined(&about.mean);
             self.set_plane(&plane);
             self.course = Some(self.plane.course(motion));
@@ -318,19 +318,19 @@ impl Filter {
         }
         let is_used = is_observed && use_it;
         if is_used {
-            let expected = self.vertical.combined();
-            let residual = height_m - expected.mean[0];
-            let squared = residual * residual / (expected.covariance[0] + variance_m2);
-            let factor = (squared / BLUNDER_HEIGHT).max(1.0);
-            if factor.is_finite() {
-                // A value that is not usable leaves the models as they are.
-                let _ = self.vertical.update(height_m, variance_m2 * factor);
-            }
+            // A value that is not usable leaves the models as they are.
+            let _ = self.vertical.update(height_m, variance_m2);
         }
         if is_used || advances.is_some() {
             let vertical = self.vertical.combined();
             self.set_vertical(&vertical);
         }
+    }
+
+    /// Probability that the target flies straight.
+    #[inline]
+    pub(crate) fn steadiness(&self) -> f64 {
+        self.plane.steady()
     }
 
     /// Returns the probabilities of the motion models, in the order of `MotionMode`.
@@ -348,7 +348,8 @@ impl Filter {
     /// hardly moves.
     pub(crate) fn turn_rate(&self) -> Option<[f64; 2]> {
         let course = self.course?;
-        let speed_mps = self.estimate.mean[3].hypot(self.estimate.mean[4]);
+        let [vx, vy, _] = self.estimate.velocity_mps();
+        let speed_mps = (vx * vx + vy * vy).sqrt();
         // A white acceleration averaged over this time has this variance.
         let variance_m2ps4 = course.variance_m2ps4.max(0.0) + course.density_m2ps3 / ACCELERATION_S;
         let rate = [-course.left_mps2, variance_m2ps4.sqrt()].map(|value| value / speed_mps);
@@ -365,7 +366,7 @@ impl Filter {
     pub(crate) fn movement(&self) -> Movement {
         let [vx, vy, climb_mps] = self.estimate.velocity_mps();
         let [ax, ay, _] = self.acceleration_mps2;
-        let speed_mps = vx.hypot(vy).max(f64::MIN_POSITIVE);
+        let speed_mps = (vx * vx + vy * vy).sqrt().max(f64::MIN_POSITIVE);
         let (along, to_left) = ((vx * ax + vy * ay) / speed_mps, (vx * ay - vy * ax) / speed_mps);
         let mut movement = Movement::default();
         let manoeuvre = 1.0 - self.plane.steady();

@@ -14,7 +14,8 @@
 //! hardness join (variable structure), up to what class and speed allow; they leave when it flies straight.
 //!
 //! What a target does next does not depend on which manoeuvre it ends, only on whether it manoeuvres. All mixtures
-//! are therefore sums of three: of the model itself, of the steady model, of all others.
+//! are therefore of two: the model itself, and the targets that begin a manoeuvre. The latter follow from the steady
+//! model and from the estimate, which is all models together.
 //!
 //! Source: H. A. P. Blom, Y. Bar-Shalom, *The interacting multiple model algorithm for systems with Markovian switching
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); X. R. Li, Y. Bar-Shalom, *Multiple-model estimation
@@ -36,17 +37,17 @@ const MANOEUVRE_S: f64 = 15.0;
 /// Share of the manoeuvres after which the target flies straight; after the others, another manoeuvre follows.
 const HOME: f64 = 0.6;
 /// Probabilities of a manoeuvre above which all models run, and below which the usual ones are enough.
-const WIDE: f64 = 0.2;
-const NARROW: f64 = 0.07;
+const WIDE: f64 = 0.25;
+const NARROW: f64 = 0.08;
 /// Probabilities at the start: steady, agile, each usual turn.
-const PRIOR: [f64; USUAL] = [0.8, 0.08, 0.06, 0.06];
+const PRIOR: [f64; USUAL] = [0.86, 0.06, 0.04, 0.04];
 /// How often turns have the hardness of each level. The mean of the logarithm is 0 where fast targets begin: what shows
 /// nothing does not change what is assumed of turns.
 const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
 /// Smallest probability of a manoeuvre, and of flying straight: both must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-4;
-/// Exponent of likelihoods below which a model's share is 0.
-const EXPONENT_MIN: f64 = -100.0;
+/// Largest logarithm of a ratio of likelihoods.
+const EXPONENT_MAX: f64 = 100.0;
 
 /// All models of one target.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -151,7 +152,7 @@ impl PlaneFilter {
 
     /// Brings the models forward by `seconds` > 0. `estimate` is all models together.
     pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion, estimate: &Plane) {
-        self.mix(seconds, motion, &estimate.mean);
+        self.mix(seconds, motion, estimate);
         let running = self.running();
         let [vx, vy] = [estimate.mean[2], estimate.mean[3]];
         let square = vx * vx + vy * vy;
@@ -180,40 +181,32 @@ impl PlaneFilter {
         }
     }
 
-    /// Targets may have begun or ended a manoeuvre in `seconds`.
-    fn mix(&mut self, seconds: f64, motion: &Motion, about: &[f64; 4]) {
+    /// Targets may have begun or ended a manoeuvre in `seconds`. `estimate` is all models together.
+    fn mix(&mut self, seconds: f64, motion: &Motion, estimate: &Plane) {
         let running = self.running();
         let [begins, ends] = [motion.steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
-        let steady = Moments::of(&self.models[STEADY], self.probability[STEADY], about);
-        let mut manoeuvres = Moments::default();
-        let mut own = [Moments::default(); MODELS];
-        for index in AGILE..running {
-            own[index] = Moments::of(&self.models[index], self.probability[index], about);
-            manoeuvres.add(&own[index], 1.0);
-        }
+        let steady = self.probability[STEADY];
+        let manoeuvre = 1.0 - steady;
+        let rest = estimate.without(&self.models[STEADY], manoeuvre);
         // Those that begin a manoeuvre, after straight flight or after another manoeuvre.
-        let mut begun = steady.scaled(begins);
-        begun.add(&manoeuvres, ends * (1.0 - HOME));
-        let mut straight = steady.scaled(1.0 - begins);
-        straight.add(&manoeuvres, ends * HOME);
-        self.set(STEADY, &straight, about);
-        let turns = 0.5 * (1.0 - motion.agile_share) / HARDNESS[..running / 2 - 1].iter().sum::<f64>();
+        let (after_steady, after_other) = (steady * begins, manoeuvre * ends * (1.0 - HOME));
+        let begin = after_steady + after_other;
+        let mut begun = self.models[STEADY];
+        begun.blend(&rest, after_other / begin);
+        let (stays, returns) = (steady * (1.0 - begins), manoeuvre * ends * HOME);
+        self.models[STEADY].blend(&rest, returns / (stays + returns));
+        self.probability[STEADY] = stays + returns;
+        let turns = if self.is_wide { 0.5 } else { 0.5 / HARDNESS[0] } * (1.0 - motion.agile_share);
         for index in AGILE..running {
             let share = if index == AGILE {
                 motion.agile_share
             } else {
                 turns * HARDNESS[index / 2 - 1]
             };
-            let mut sum = own[index].scaled(1.0 - ends);
-            sum.add(&begun, share);
-            self.set(index, &sum, about);
+            let (own, new) = (self.probability[index] * (1.0 - ends), begin * share);
+            self.models[index].blend(&begun, new / (own + new));
+            self.probability[index] = own + new;
         }
-    }
-
-    #[inline]
-    fn set(&mut self, index: usize, sum: &Moments, about: &[f64; 4]) {
-        self.probability[index] = sum.weight();
-        self.models[index] = sum.state(about);
     }
 
     /// Expected position, and its covariance (xx, xy, yy).
@@ -242,7 +235,7 @@ impl PlaneFilter {
         let mut sum = Moments::default();
         let running = self.running();
         for (model, weight) in self.models[..running].iter().zip(&self.probability[..running]) {
-            sum.add(&Moments::of(model, *weight, about), 1.0);
+            sum.include(model, *weight, about);
         }
         sum.state(about)
     }
@@ -250,20 +243,15 @@ impl PlaneFilter {
     /// Updates all models with a measured position; `None` if a value is not usable.
     pub(crate) fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<()> {
         let running = self.running();
-        let (mut squared, mut scale) = ([0.0; MODELS], [0.0; MODELS]);
-        let mut least = f64::INFINITY;
-        for index in 0..running {
+        let steady = self.models[STEADY].update(measured_m, r)?;
+        self.probability[STEADY] /= steady.determinant.sqrt();
+        let mut sum = self.probability[STEADY];
+        for index in AGILE..running {
             let residual = self.models[index].update(measured_m, r)?;
-            squared[index] = residual.squared;
-            scale[index] = residual.determinant;
-            least = least.min(residual.squared);
-        }
-        let mut sum = 0.0;
-        for index in 0..running {
-            let exponent = (0.5 * (least - squared[index])).max(EXPONENT_MIN);
-            let probability = self.probability[index] * exponent.exp() / scale[index].sqrt();
-            self.probability[index] = probability;
-            sum += probability;
+            // Only the ratio to the steady model matters, and a huge one must not become infinite.
+            let exponent = (0.5 * (steady.squared - residual.squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
+            self.probability[index] *= exponent.exp() / residual.determinant.sqrt();
+            sum += self.probability[index];
         }
         let inverse = 1.0 / sum;
         self.probability[..running]

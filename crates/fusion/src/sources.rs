@@ -31,7 +31,7 @@ const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
 /// Probability of steady motion from which on the shape of errors is learned.
-const SHAPE_STEADY_MIN: f32 = 0.5;
+const SHAPE_STEADY_MIN: f64 = 0.5;
 
 /// The sources, each by its number.
 #[derive(Debug, Serialize, Deserialize)]
@@ -267,7 +267,7 @@ impl Sources {
         if settings.consistency && squared.is_finite() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
-            let steady = tracks.systems.get(system).filter.mode_probabilities()[0];
+            let steady = tracks.systems.get(system).filter.steadiness();
             if steady > SHAPE_STEADY_MIN
                 && let Some(place_m) = place_of(&settings.sources[source])
             {

@@ -27,8 +27,10 @@ const WANDER_M2PS: f64 = 0.01;
 const CLIMB_M2PS3: f64 = 0.002;
 const PRIOR: [f64; MODELS] = [0.3, 0.5, 0.2];
 const PROBABILITY_MIN: f64 = 1e-4;
-/// Exponent of likelihoods below which a model's share is 0.
-const EXPONENT_MIN: f64 = -100.0;
+/// Largest logarithm of a ratio of likelihoods.
+const EXPONENT_MAX: f64 = 100.0;
+/// Normalised innovation squared beyond which a height is weighed down.
+const BLUNDER: f64 = 25.0;
 
 /// All models of one target.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -101,17 +103,24 @@ impl VerticalFilter {
         Vertical::mixture(&self.models, self.probability)
     }
 
-    /// Updates all models with a measured height; `None` if a value is not usable.
+    /// Updates all models with a measured height; `None` if a value is not usable. A height far from what even a change
+    /// explains has less weight.
     pub(crate) fn update(&mut self, measured_m: f64, variance_m2: f64) -> Option<()> {
-        let (mut squared, mut variance) = ([0.0; MODELS], [0.0; MODELS]);
-        for index in 0..MODELS {
-            (squared[index], variance[index]) = self.models[index].update(measured_m, variance_m2)?;
-        }
-        let least = squared[LEVEL].min(squared[CLIMB]).min(squared[CHANGE]);
-        let mut sum = 0.0;
-        for index in 0..MODELS {
-            let exponent = (0.5 * (least - squared[index])).max(EXPONENT_MIN);
-            self.probability[index] *= exponent.exp() / variance[index].sqrt();
+        let change = &self.models[CHANGE];
+        let residual_m = measured_m - change.mean[0];
+        let squared = residual_m * residual_m / (change.covariance[0] + variance_m2);
+        let variance_m2 = if squared > BLUNDER {
+            variance_m2 * squared / BLUNDER
+        } else {
+            variance_m2
+        };
+        let level = self.models[LEVEL].update(measured_m, variance_m2)?;
+        self.probability[LEVEL] /= level.1.sqrt();
+        let mut sum = self.probability[LEVEL];
+        for index in CLIMB..MODELS {
+            let (squared, variance) = self.models[index].update(measured_m, variance_m2)?;
+            let exponent = (0.5 * (level.0 - squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
+            self.probability[index] *= exponent.exp() / variance.sqrt();
             sum += self.probability[index];
         }
         let inverse = 1.0 / sum;
