@@ -10,6 +10,10 @@
 //! sum of their covariances: for the nearly constant velocity filters of the literature, d² averages 1.1 instead of
 //! 2. Distances are scaled up by a configured correlation. If sources see different points of large targets, the
 //! configured or learned spread of these points is added.
+//!
+//! A distance must lie inside the gates (`Search::compare`): the join gate for position and for height, the scan
+//! gate for position, velocity and height together. A sensor track leaves its system track by the wider keep gate
+//! (module `linking`). The values of the gates are keys of `[fusion.association]` (`settings/association.rs`).
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};

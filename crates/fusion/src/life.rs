@@ -1,4 +1,15 @@
 //! The life of a system track: tentative, confirmed, coasted, terminated (QF-8), by evidence where there is any.
+//!
+//! A track becomes tentative with its first report, and confirmed once the evidence suffices. A confirmed track coasts
+//! if no source has reported the target for a while. A track ends in one of four ways:
+//!
+//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown, `terminate_ns`
+//!   after the last report of any other (module `lifetimes` derives both times from the sources' periods).
+//! - By a merge into another track (module `linking`).
+//! - By an order (module `orders`).
+//! - In a start from a checkpoint, if the stored track has become too old (module `restore`).
+//!
+//! A target that its sources should detect but do not is withheld: its track is tentative until the next detection.
 
 use messages::{Counter, DecisionKind, NO_SOURCE, NS_PER_S, SensorTrack, TrackState};
 use serde::{Deserialize, Serialize};

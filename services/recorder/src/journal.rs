@@ -2,6 +2,9 @@
 //!
 //! Files of all topics ([`Segments`]) hold every slice bit by bit; [`Tables`] hold a row for each new sample of a
 //! data stream. The [`Account`] of each topic holds its position and losses, whichever sinks are configured.
+//!
+//! On a full disk the sinks differ: [`Segments`] counts the samples as lost and tries again in a new file, while a
+//! failure of [`Tables`] ends the recorder, whose successor continues after the last complete row.
 
 use anyhow::Context as _;
 use deployment::Deployment;

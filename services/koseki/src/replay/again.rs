@@ -1,9 +1,9 @@
 //! Fusion's work done again, step by step in its recorded order.
 //!
-//! The steps say which report was worked off when, by the number that its publisher had given it; the reports are on
-//! the sources' topics of the same recording, some before and some after their step. A fusion that began within the
-//! recording begins again here. Where a report or a step is missing, what the engine would know from there on is not
-//! known: until fusion begins again, or the recording has an image of its engine, its work is left out.
+//! A step names the processed report by the number from its publisher. The reports are on the sources' topics of the
+//! same recording, some before and some after their step. A fusion that started within the recording starts again
+//! here. If a report or a step is missing, the further states of the engine are unknown. The work is then left out
+//! until the next start of fusion, or until the next snapshot of the engine in the recording.
 
 use std::collections::{BTreeMap, VecDeque};
 

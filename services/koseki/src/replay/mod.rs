@@ -1,4 +1,9 @@
 //! `koseki replay`: a recording of all topics, fused again as it was, bit for bit (FM-10), or otherwise.
+//!
+//! The state of an engine depends only on the calls of its driver. Live fusion records these calls as steps of the
+//! event log; the reports are on the sources' topics. This module reads a recording slice by slice. `again` brings
+//! steps and reports together and drives a new engine from each start of fusion. `verification` compares the resulting
+//! system tracks with the recorded ones. `live` publishes the reports again into a running deployment instead.
 
 mod again;
 #[cfg(test)]
