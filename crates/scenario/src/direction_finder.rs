@@ -302,6 +302,42 @@ mod tests {
         assert_eq!(all, again);
     }
 
+    /// The mean of the errors of bearings is the bias; frequencies scatter by their standard deviation.
+    #[test]
+    fn bias_and_scatter_of_frequency_are_as_set() {
+        let truth = truth();
+        let errors = |bearing_bias_rad: f64, frequency_sigma_hz: f64| {
+            let settings = DirectionFinderSettings {
+                bearing_bias_rad,
+                frequency_sigma_hz,
+                ..DirectionFinderSettings::default()
+            };
+            let mut finder = finder(&settings);
+            let (mut out, mut bias, mut squares, mut count) = (Vec::new(), 0.0, 0.0, 0.0);
+            for _ in 0..500 {
+                let time_s = finder.measured_s();
+                out.clear();
+                finder.listen(&truth, &mut out);
+                for bearing in &out {
+                    let number = bearing.emitter_id.expect("known");
+                    let target = truth.target_at(number as usize, time_s);
+                    let [east, north] = [0, 1].map(|axis| target.position_m[axis] - bearing.platform_m[axis]);
+                    bias += (bearing.bearing_rad - east.atan2(north) + PI).rem_euclid(TAU) - PI;
+                    let exact_hz = finder.transmitter(target.id).expect("transmits");
+                    squares += (bearing.frequency_hz.expect("measured") - exact_hz).powi(2);
+                    count += 1.0;
+                }
+            }
+            assert!(count > 4000.0, "{count}");
+            (bias / count, (squares / count).sqrt())
+        };
+        let (bias_rad, sigma_hz) = errors(0.05, 2e6);
+        assert!((bias_rad - 0.05).abs() < 6e-4, "{bias_rad}");
+        assert!((sigma_hz / 2e6 - 1.0).abs() < 0.05, "{sigma_hz}");
+        let (bias_rad, sigma_hz) = errors(0.0, 0.0);
+        assert!(bias_rad.abs() < 6e-4 && sigma_hz == 0.0, "{bias_rad}, {sigma_hz}");
+    }
+
     #[test]
     fn some_targets_are_silent() {
         let truth = truth();

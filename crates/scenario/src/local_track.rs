@@ -102,21 +102,7 @@ mod tests {
             .checked()
             .expect("usable")
             .tracking;
-        let measurement = Measurement {
-            position_m: [0.0; 3],
-            covariance_m2: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
-            height: true,
-        };
-        let follow = |looks: &str| {
-            let mut track = LocalTrack::new(1, 0.0, &measurement, &tracking);
-            let mut states = vec![track.state];
-            for (index, look) in looks.chars().enumerate() {
-                let found = (look == 'x').then_some(&measurement);
-                track.look(4.0 * (index + 1) as f64, found, &tracking);
-                states.push(track.state);
-            }
-            states
-        };
+        let follow = |looks: &str| states(looks, &tracking);
         assert_eq!(
             follow("xx-x---"),
             [
@@ -125,5 +111,37 @@ mod tests {
         );
         assert_eq!(follow("-x-x"), [Tentative, Tentative, Tentative, Tentative, Confirmed]);
         assert_eq!(follow("--"), [Tentative, Tentative, Terminated]);
+    }
+
+    #[test]
+    fn keys_set_the_hits_to_a_confirmation_and_the_misses_to_an_end() {
+        use TrackState::*;
+        let settings = SensorSettings {
+            confirming_hits: Some(2),
+            misses_max_tentative: Some(1),
+            misses_max: Some(4),
+            ..SensorSettings::new(SensorKind::Radar)
+        };
+        let tracking = settings.checked().expect("usable").tracking;
+        let confirmed = [Tentative, Confirmed, Coasted, Coasted, Coasted, Terminated];
+        assert_eq!(states("x----", &tracking), confirmed);
+        assert_eq!(states("-", &tracking), [Tentative, Terminated]);
+    }
+
+    /// Returns the states of a track after its first hit and after each further look; `x` is a hit.
+    fn states(looks: &str, tracking: &Tracking) -> Vec<TrackState> {
+        let measurement = Measurement {
+            position_m: [0.0; 3],
+            covariance_m2: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+            height: true,
+        };
+        let mut track = LocalTrack::new(1, 0.0, &measurement, tracking);
+        let mut states = vec![track.state];
+        for (index, look) in looks.chars().enumerate() {
+            let found = (look == 'x').then_some(&measurement);
+            track.look(4.0 * (index + 1) as f64, found, tracking);
+            states.push(track.state);
+        }
+        states
     }
 }

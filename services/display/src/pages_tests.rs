@@ -160,6 +160,27 @@ fn in_the_past_every_layer_shows_one_moment() {
     );
 }
 
+/// States and reports that are older than the configured time are dropped.
+#[test]
+fn the_past_reaches_back_for_the_configured_time() {
+    let past = |history_s: i64| {
+        let mut world = World::new("test", Vec::new(), history_s, 1_000_000);
+        for second in (0..=120).step_by(10) {
+            let then = later(second);
+            let state = SystemTrack {
+                reference_time_ns: then.utc_ns,
+                ..track(7, 0.0)
+            };
+            world.receive(&header(1), &[state], then);
+            world.clean_up(then);
+        }
+        let span_ns = world.span_ns().unwrap();
+        span_ns.map(|at_ns| (at_ns - now().utc_ns) / 1_000_000_000)
+    };
+    assert_eq!(past(600), [0, 120]);
+    assert_eq!(past(50), [70, 120]);
+}
+
 #[test]
 fn the_clock_is_the_machines_and_an_offset_of_the_data_is_told() {
     let mut world = World::new("test", Vec::new(), 600, 1_000_000);

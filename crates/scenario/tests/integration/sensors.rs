@@ -1,6 +1,7 @@
 //! Simulated sensors, compared with their settings and the truth.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::f64::consts::{PI, TAU};
 
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{SensorTrack, TrackState, sensor_track_bits};
@@ -313,6 +314,82 @@ fn coverage_and_identity() {
         assert!(!report.has(sensor_track_bits::HEIGHT));
         assert_eq!((report.position_m[2], report.velocity_mps[2]), (0.0, 0.0));
     }
+}
+
+/// Heights between the limits are observed, heights above the upper limit are not.
+#[test]
+fn targets_above_the_greatest_height_are_not_observed() {
+    let truth = truth(1);
+    let highest_m = |height_max_m: Option<f64>| {
+        let settings = SensorSettings {
+            height_max_m,
+            ..with_addresses(SensorKind::Multilateration)
+        };
+        let reports = run(&mut sensor(&settings, 1), &truth, 60.0);
+        let measured = reports.iter().filter(|report| report.has(sensor_track_bits::MEASURED));
+        let heights_m = measured.map(|report| target_of(report, &truth).position_m[2]);
+        heights_m.fold(f64::NEG_INFINITY, f64::max)
+    };
+    // The limit is a height above the ellipsoid, the position is in the plane of the system frame.
+    let highest = (highest_m(None), highest_m(Some(3000.0)));
+    assert!(
+        highest.0 > 5000.0 && (1000.0..=3000.0).contains(&highest.1),
+        "{highest:?}"
+    );
+}
+
+/// The errors of each horizontal axis have the stated standard deviation.
+#[test]
+fn horizontal_errors_are_as_set() {
+    let truth = truth(3);
+    for kind in [SensorKind::Multilateration, SensorKind::AdsB] {
+        let settings = SensorSettings {
+            horizontal_sigma_m: Some(70.0),
+            ..with_addresses(kind)
+        };
+        let reports = run(&mut sensor(&settings, 9), &truth, 60.0);
+        let measured = reports.iter().filter(|report| report.has(sensor_track_bits::MEASURED));
+        let (mut squares, mut count) = ([0.0; 2], 0.0);
+        for report in measured {
+            let exact_m = target_of(report, &truth).position_m;
+            for axis in 0..2 {
+                squares[axis] += (report.measured_m[axis] - exact_m[axis]).powi(2);
+            }
+            count += 1.0;
+        }
+        // Four standard deviations of a mean of squares.
+        let bound = 4.0 * (2.0_f64 / count).sqrt();
+        for sum in squares {
+            let ratio = sum / count / 70.0_f64.powi(2);
+            assert!((ratio - 1.0).abs() < bound, "{kind:?}: {ratio}, {count} measurements");
+        }
+    }
+}
+
+/// The means of the errors of a radar are its biases.
+#[test]
+fn biases_of_a_radar_shift_range_and_azimuth() {
+    let truth = truth(3);
+    let settings = SensorSettings {
+        range_bias_m: Some(250.0),
+        azimuth_bias_rad: Some(0.02),
+        ..with_addresses(SensorKind::Radar)
+    };
+    let reports = run(&mut sensor(&settings, 9), &truth, 200.0);
+    let (mut range_m, mut azimuth_rad, mut count) = (0.0, 0.0, 0.0);
+    for report in reports.iter().filter(|report| report.has(sensor_track_bits::MEASURED)) {
+        let exact_m = target_of(report, &truth).position_m;
+        let [measured, exact] = [report.measured_m, exact_m].map(|[x, y, _]| (x.hypot(y), x.atan2(y)));
+        range_m += measured.0 - exact.0;
+        azimuth_rad += (measured.1 - exact.1 + PI).rem_euclid(TAU) - PI;
+        count += 1.0;
+    }
+    let (range_m, azimuth_rad) = (range_m / count, azimuth_rad / count);
+    assert!((range_m - 250.0).abs() < 10.0, "{range_m} m over {count} measurements");
+    assert!(
+        (azimuth_rad - 0.02).abs() < 2e-4,
+        "{azimuth_rad} over {count} measurements"
+    );
 }
 
 proptest! {
