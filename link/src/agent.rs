@@ -99,7 +99,7 @@ impl LinkAgent {
         let histories = histories.collect::<anyhow::Result<Vec<_>>>()?;
         let own_clock = keys::clock(deployment, &link.name);
         let clock =
-            clocks::answer(&session, &own_clock, link.pretend_utc_off_s.ns()).map_err(|error| refused("the clock", error))?;
+            clocks::answer(&session, &own_clock).map_err(|error| refused("the clock", error))?;
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
         let clocks = Clocks::default();

@@ -133,12 +133,12 @@ impl Clocks {
     }
 }
 
-/// Answers questions for this host's clocks at `key`, its UTC off by `pretended_ns`.
-pub(crate) fn answer(session: &Session, key: &str, pretended_ns: i64) -> zenoh::Result<Queryable<()>> {
+/// Answers questions for this host's clocks at `key`.
+pub(crate) fn answer(session: &Session, key: &str) -> zenoh::Result<Queryable<()>> {
     let of_answers = key.to_owned();
     let answer = move |query: Query| {
         let now = Now::read();
-        let octets = [now.mono_ns.to_le_bytes(), (now.utc_ns + pretended_ns).to_le_bytes()].concat();
+        let octets = [now.mono_ns.to_le_bytes(), now.utc_ns.to_le_bytes()].concat();
         // A failure means that the requesting link is gone.
         let _ = query.reply(of_answers.as_str(), ZBytes::from(octets)).wait();
     };

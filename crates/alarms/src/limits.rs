@@ -17,13 +17,13 @@ settings::settings! {
         data_off_s: Seconds = Seconds::of(3.0), in [0.1, 3600];
         /// Factor by which fusion has to enlarge a source's covariances.
         inflation: f64 = 4.0, in [1.3, 1000];
-        /// Offset of another host's clock, for certain.
+        /// Offset of another host's clock, after subtraction of the measurement's uncertainty.
         host_clock_ms: f64 = 20.0, in [0.1, 3.6e6];
         /// Time without health messages after which a process counts as silent.
         process_silent_s: Seconds = Seconds::of(3.0), in [1, 3600];
-        /// Least room on the disk that files are written to; 0: any is enough.
+        /// Least free space on the disk of the output files; 0: no limit.
         disk_free_mb: f64 = 500.0, in [0, 1e9];
-        /// Least memory that the machine can still give; 0: any is enough.
+        /// Least available memory of the machine; 0: no limit.
         memory_free_mb: f64 = 200.0, in [0, 1e9];
     }
 }

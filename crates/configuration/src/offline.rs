@@ -78,7 +78,7 @@ settings::settings! {
         check OfflineTable::check;
         /// Fusion.
         fusion: FusionTable = FusionTable::default();
-        /// Sensor that something is known of.
+        /// Sensor with known facts.
         sensors as "sensor": Vec<OfflineSensorTable> = Vec::new();
     }
 

@@ -41,7 +41,7 @@ pub fn reference<P: Parts>() -> String {
         ("Locating", "The locator; every table may be left out.", &locating),
         (
             "Fusion of files",
-            "What is not configured, a first pass over the files tells.",
+            "A first pass over the files determines the settings that are not configured.",
             &offline,
         ),
         (

@@ -80,7 +80,7 @@ settings::settings! {
         /// Order in which fusion takes reports: `arrival`, lowest latency; `time`, by time of measurement, merged with
         /// each source's progress, so that the result does not depend on scheduling. For recordings only.
         order: ReportOrder = ReportOrder::Arrival;
-        /// First day of the recordings (UTC), as in `"2016-05-10"`: they carry the time of day only.
+        /// First day of the recordings (UTC), as in `"2016-05-10"`: recordings contain the time of day only.
         date: Option<String> = None, usually "must be given with recordings";
     }
 
@@ -103,7 +103,7 @@ settings::settings! {
         interface: Option<String> = None, usually "needed for a group";
         /// Addresses and networks of accepted senders, as in `"10.0.0.0/8"`.
         senders: Vec<String> = Vec::new(), usually "all";
-        /// Octets that the kernel holds while the reader is busy.
+        /// Size of the kernel's receive buffer, which holds datagrams while the reader is busy, bytes.
         buffer_bytes: usize = 4 << 20, in [4 << 10, 1 << 30];
     }
 
@@ -122,15 +122,15 @@ settings::settings! {
         name: String;
         /// Identity of the sensor, the same in every deployment. 0 stands for an unknown sensor.
         uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
-        /// The deployment ends where this source's adapter cannot be started, instead of going on without it while the
-        /// adapter is tried again and again.
+        /// Whether the deployment ends if this source's adapter cannot be started. By default, the deployment
+        /// continues, and the start is repeated.
         required: bool = false;
         /// Technology of observation.
         technology: Option<Technology> = None, usually "what it sends tells";
-        /// Assumed height of targets without a height, for slant ranges: between low aircraft without transponder and
-        /// high aircraft.
+        /// Assumed height of targets without a height, for slant ranges: a compromise between low aircraft without
+        /// transponder and high aircraft.
         assumed_height_m: f64 = 5000.0, in [-500, 20e3];
-        /// Pressure at sea level, for pressure altitudes. The extremes that were ever measured are 870 and 1084 hPa.
+        /// Pressure at sea level, for pressure altitudes. The measured extremes are 870 and 1084 hPa.
         qnh_hpa: f64 = STANDARD_PRESSURE_HPA, in [850, 1100];
         /// Place of the sensor.
         place: Option<PlaceTable> = None, usually "the frame's";
@@ -156,14 +156,14 @@ settings::settings! {
         silent_periods: f64 = 5.0, in [0, 1e6];
     }
 
-    /// A recording. Times before the first one are of the day before.
+    /// A recording. Each time of day is assigned to the day nearest to the previous time.
     pub struct RecordedTable with sender: SenderTable {
         check RecordedTable::check;
         /// File, relative to the data folder unless absolute.
         file: String;
         /// Content of the file.
         format: RecordedFormat = RecordedFormat::Asterix;
-        /// Time by which reports may come out of order.
+        /// Greatest delay of a report behind newer reports; earlier reports are put in order.
         reorder_s: Seconds = Seconds::of(0.5), in [0, 60];
         /// Use of a recording that ends within a data block, after a kill of the recorder or an incomplete copy.
         truncated: Truncated = Truncated::Refuse;
@@ -177,7 +177,7 @@ settings::settings! {
 
     /// Reading of a sender's ASTERIX records.
     pub struct SenderTable with identity: SacSicTable, reading: AsterixTable {
-        /// Position item that is used, of a report that carries several.
+        /// Position item to use of a report with several.
         positions: PositionForm = PositionForm::Any;
         /// Reports of a radar used by this source, by method of observation (TI-2): a radar with a primary and a
         /// secondary antenna is two sources with the same SAC/SIC.
@@ -259,7 +259,7 @@ settings::settings! {
         file: Option<String> = None;
         /// Time between two reports of a track: tracks within the same period are counted together.
         period_s: Seconds = Seconds::of(4.0), in [0.1, 600];
-        /// Tracks no farther from each other make one report.
+        /// Greatest distance between tracks that are counted in the same report.
         group_m: f64 = 500.0, in [0, 1e5];
         /// Place of the other system, for positions on its own plane.
         place: Option<PlaceTable> = None, usually "the frame's";

@@ -22,19 +22,20 @@ settings::settings! {
         core: Option<usize> = None, usually "any";
         /// `SCHED_FIFO` priority.
         realtime_priority: Option<i32> = None, in [1, 99];
-        /// All memory is locked, so that no page is ever fetched late.
+        /// Whether all memory is locked, so that no page fault delays the loop.
         lock_memory: bool = false;
-        /// A machine that refuses core, priority or locking is an error.
+        /// Whether the process ends with an error if the machine refuses core, priority or locking.
         required: bool = false;
-        /// A thread that spins with `SCHED_FIFO` pauses often enough that the kernel does not make it.
+        /// Whether a spinning thread with `SCHED_FIFO` pauses regularly, so that the kernel does not throttle the
+        /// thread.
         rests: bool = true;
-        /// A second fusion process stands by, and takes over where the first one dies or stands still.
+        /// Whether a second fusion process runs as standby and takes over if the leading process ends or hangs.
         standby: bool = false;
-        /// Core for the fusion that stands by.
+        /// Core for the standby.
         standby_core: Option<usize> = None, usually "any";
-        /// Time for which a fusion may stand still before the one that stands by takes over.
+        /// Time without a sign of life from the leading process after which the standby takes over.
         takeover_ms: f64 = 100.0, in [50, 60_000];
-        /// Decisions of fusion, and why, are on the topic `system/decisions` and in the recordings.
+        /// Whether the decisions of fusion, with reasons, are published on `system/decisions`, and so recorded.
         decisions: bool = false;
         /// Time through fusion beyond which a report has missed its deadline.
         deadline_us: f64 = 1000.0, in [0.1, 1e9];
@@ -53,7 +54,7 @@ settings::settings! {
         durable: bool = false;
         /// Folder for the copies.
         folder: Option<String> = None, usually "must be given with durable";
-        /// Interval of the copies: changes since the last copy are lost with the machine.
+        /// Interval of the copies: a crash of the machine loses the changes since the last copy.
         copy_every_s: Seconds = Seconds::of(2.0), in [0.1, 3600];
     }
 }

@@ -7,7 +7,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
 use messages::{SensorTrack, Streamed as _, WideArea};
-use settings::{Seconds, SettingsError};
+use settings::SettingsError;
 
 use crate::names::check_name;
 use crate::source::{Input, Source};
@@ -23,28 +23,26 @@ settings::settings! {
         listen: Vec<String> = Vec::new();
         /// Endpoints of links on other hosts.
         connect: Vec<String> = Vec::new();
-        /// Topics that others may have, such as `"sensor/NAME/tracks"`.
+        /// Topics that are sent to other links on request, such as `"sensor/NAME/tracks"`.
         send: Vec<String> = vec!["system/tracks".to_owned()];
         /// Topics of other deployments to receive.
         receive: Vec<RemoteTopic> = Vec::new();
         /// Size of the queue for the network, megabytes. In a full queue, a newer state of a system track replaces an
         /// older state; of other samples the newest are dropped. Both are counted.
         queue_mb: u32 = 16, in [1, 4096];
-        /// Offset added to the UTC announced to other hosts, to test their reaction.
-        pretend_utc_off_s: Seconds = Seconds::of(0.0), in [-3600, 3600];
         /// Certificate of the authority that signed the others' certificates, a file in PEM.
         authority: Option<String> = None;
         /// Certificate that this host shows, a file in PEM.
         certificate: Option<String> = None;
         /// Private key of the certificate, a file in PEM.
         private_key: Option<String> = None;
-        /// User that this host is, where the others ask for one.
+        /// User name of this host, for links that demand a user name.
         user: Option<String> = None;
         /// File with the user's password on its first line.
         password_file: Option<String> = None;
         /// File with a line `USER:PASSWORD` per permitted user; other users are rejected.
         users_file: Option<String> = None;
-        /// Others that this link deals with. Without any, it deals with all that may connect.
+        /// Peers of the link, with their rights. Without a list of peers, every link that can connect has all rights.
         peers as "peer": Vec<LinkPeer> = Vec::new();
         /// Allow TCP to other machines without encryption: every host on the path can read and change the data.
         insecure: bool = false;

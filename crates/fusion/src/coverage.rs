@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 use settings::{Degrees, SettingsError};
 
 settings::settings! {
-    /// Where a source sees; a key that is left out does not limit it.
+    /// Coverage of a source; a key that is left out sets no limit.
     pub struct CoverageTable {
         check CoverageTable::check;
         /// Farthest horizontal distance.
         range_m: Option<f64> = None, in [1, 2e6];
-        /// First and last azimuth of the sector that is seen, clockwise from north.
+        /// First and last azimuth of the observed sector, clockwise from north.
         sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
-        /// Corners of the area that is seen, east and north in the system frame.
+        /// Corners of the observed area, east and north in the system frame.
         polygon_m: Vec<[f64; 2]> = Vec::new(), in [-2e6, 2e6];
         /// Probability that the source tracks a target in this region.
         probability: f64 = 0.9, in [0.01, 1];

@@ -77,23 +77,23 @@ settings::settings! {
         /// `interval`, a fix per interval; `minimum`, a fix at each minimum of the variance; `staged`, intervals at
         /// first, later minima.
         select: Select = Select::Auto;
-        /// Threshold: root of the variance value.
+        /// Square root of the threshold of the variance value.
         position_sigma_max_m: f64 = 500.0, in [above 0];
         /// Time between selections; longer than between fixes.
         interval_s: f64 = 250.0, in [above 0];
         /// Motion above the threshold: `continue` keeps direction and speed; `use-crossings` uses the direction and
         /// speed between the fix before the variance rose and the fix after it fell.
         above_threshold: AboveThreshold = AboveThreshold::Continue;
-        /// Share by which the variance must have risen above a minimum for that to count; 0: every one does.
+        /// Least relative rise of the variance after a minimum for the minimum to count; 0: every minimum counts.
         minimum_rise: f64 = 0.3, in [from 0];
-        /// Minima sooner after the last selection do not count.
+        /// Least time from the last selection to a minimum; earlier minima do not count.
         minimum_gap_s: f64 = 100.0, in [from 0];
-        /// Staged: number of minima below the threshold, one soon enough after the other, from which on minima are
-        /// used.
+        /// Staged: number of minima below the threshold, each within `minimum_wait_s` of the previous one, after which
+        /// minima are used.
         settled_minima: u32 = 2;
         /// Staged: time without a minimum after which intervals are used again.
         minimum_wait_s: f64 = 750.0, in [above 0];
-        /// Steered: the output is headed to where the emitter will be so much later.
+        /// `auto`: each fix turns the output towards the emitter's predicted position after this time.
         steering_s: f64 = 30.0, in [above 0];
     }
 }

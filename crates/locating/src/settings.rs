@@ -8,11 +8,11 @@ settings::settings! {
     /// How emitters are located.
     #[derive(Copy)]
     pub struct Settings {
-        /// Most emitters at a time: 20 kB each.
+        /// Greatest number of emitters at a time; each needs 20 kB.
         emitters_max: usize = 1024, in [1, 100_000];
         /// How emitters may move (EL-2).
         motion: MotionSettings = MotionSettings::default();
-        /// Consistency of bearings: those that contradict the others are set aside.
+        /// Consistency of bearings: bearings that contradict the others are set aside.
         consistency: ConsistencySettings = ConsistencySettings::default();
         /// Which fixes are used for the output (EL-4 … EL-10).
         selection: SelectionSettings = SelectionSettings::default();
@@ -23,52 +23,50 @@ settings::settings! {
     /// How emitters may move (EL-2).
     #[derive(Copy)]
     pub struct MotionSettings {
-        /// Models that compete: `auto`, a fixed point, straight motion and manoeuvring, and the data decide; `fixed`, a
-        /// fixed point and one that wanders; `straight`, straight motion and manoeuvring.
+        /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, chosen by the data; `fixed`, a
+        /// fixed and a wandering point; `straight`, straight motion and manoeuvring.
         filter: FilterChoice = FilterChoice::Auto;
         /// Standard deviation of an unknown emitter's position about the platform, along each axis.
         range_sigma_m: f64 = 300e3, in [above 0];
         /// Standard deviation of an unknown emitter's velocity, along each axis.
         speed_sigma_mps: f64 = 30.0, in [above 0];
-        /// How fixed points wander in the model that stands by in case that an emitter is no fixed point.
+        /// Growth of the variance of position in the model of a wandering point, the alternative to the fixed point.
         wandering_noise_m2ps: f64 = 400.0, in [above 0];
-        /// Spectral density of accelerations in the model that stands by in case that an emitter does not move
-        /// straight.
+        /// Spectral density of accelerations in the model of manoeuvring, the alternative to straight motion.
         manoeuvring_noise_m2ps3: f64 = 0.01, in [above 0];
-        /// A fixed point is given up for straight motion when the bearings are so much likelier by it: logarithm of the
-        /// Bayes factor, times 2.
+        /// Evidence at which straight motion replaces a fixed point: twice the logarithm of the Bayes factor.
         evidence_min: f64 = 20.0, in [from 0];
-        /// Number of bearings in a row for which that must hold, and for which its opposite must hold to take the fixed
-        /// point up again.
+        /// Number of successive bearings with this evidence before the change. As many with the opposite evidence
+        /// restore the fixed point.
         evidence_bearings: u32 = 16;
     }
 
-    /// Consistency of bearings: those that contradict the others are set aside.
+    /// Consistency of bearings: bearings that contradict the others are set aside.
     #[derive(Copy)]
     pub struct ConsistencySettings {
-        /// Standard deviations: bearings are set aside when the running sum of their normalised innovations exceeds so
-        /// many.
+        /// Limit of the running sum of normalised innovations, in standard deviations; beyond the limit, bearings are
+        /// set aside.
         limit: f64 = 3.5, in [above 0];
-        /// The same while the platform turns.
+        /// The same limit while the platform turns.
         limit_turning: f64 = 3.0, in [above 0];
-        /// Rate of the heading from which on the platform turns.
+        /// Rate of change of the heading from which on the platform counts as turning.
         turning_deg_per_s: Degrees = Degrees::of_rad(0.02), in [above 0];
-        /// Time of disagreement without a turn after which it is the fix that is wrong.
+        /// Duration of disagreement without a turn after which the fix counts as wrong, and its filter restarts.
         disagreement_max_s: f64 = 90.0, in [above 0];
-        /// Number of bearings that must disagree besides.
+        /// Least number of disagreeing bearings for this restart.
         disagreement_bearings: u32 = 40;
     }
 
     /// Association of bearings without emitter id with emitters.
     #[derive(Copy)]
     pub struct AssociationSettings {
-        /// Difference up to which two frequencies may be of one emitter.
+        /// Greatest difference between two frequencies of the same emitter.
         frequency_tolerance_hz: f64 = 10e3, in [from 0];
-        /// Gate of a bearing of an emitter, standard deviations from the expected bearing.
+        /// Gate: greatest difference between an emitter's bearing and the expected bearing, in standard deviations.
         gate: f64 = 4.0, in [above 0];
-        /// How fast the bearing of an emitter without a fix may change.
+        /// Greatest rate of change of the bearing of an emitter without a fix.
         rate_max_deg_per_s: Degrees = Degrees::of_rad(0.02), in [from 0];
-        /// Silence after which an emitter may give its place to another.
+        /// Time without bearings after which a new emitter may replace an emitter in a full table.
         silent_max_s: f64 = 600.0, in [above 0];
     }
 }

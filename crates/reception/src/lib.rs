@@ -85,7 +85,7 @@ settings::settings! {
         /// Limit for the difference between a time and the time of receipt (in a recording: its running time); a time
         /// beyond the limit is invalid.
         time_step_s: Option<Seconds> = None, in [0.01, 40e3], usually "5; in a recording 60";
-        /// Most live tracks that are remembered.
+        /// Greatest number of live tracks of the source; reports of further tracks are dropped and counted.
         tracks: usize = 4096, in [1, 1e6];
     }
 
@@ -125,7 +125,7 @@ settings::words! {
         Secondary = "secondary",
     }
 
-    /// Position item that is used, of a report that carries several.
+    /// Position item to use of a report with several.
     pub enum PositionForm {
         /// Cartesian, else range and azimuth, else geographic: a radar's track rather than its plot. The plot, where
         /// there is one, goes along as the measurement behind the track.

@@ -27,18 +27,18 @@ settings::settings! {
         sizes: Vec<(u32, f64)> = vec![(2, 1.0)], usually "two";
         /// Distance between neighbours while together.
         spacing_m: f64 = 200.0, in [1, 1e5];
-        /// Distance between neighbours before and after, at least `spacing_m`.
+        /// Distance between neighbours while apart, at least `spacing_m`.
         apart_m: f64 = 3000.0, in [1, 1e5];
         /// Destination of the formations: east and north.
         position_m: [f64; 2] = [0.0; 2], in [-1e6, 1e6];
-        /// First and last bearing, from there, of where they come from, clockwise from north; formations share the
-        /// sector evenly.
+        /// First and last bearing of the approaches, seen from the destination, clockwise from north; the formations
+        /// are distributed evenly over the sector.
         sector_rad: [f64; 2] = [0.0, TAU], in [-7, 14], usually "from everywhere";
-        /// Farthest and nearest distance of the way in.
+        /// Distances from the destination at which the approach begins and ends.
         way_m: [f64; 2] = [60_000.0, 10_000.0], in [0, 1e6];
-        /// Distances between which they are together on the way in.
+        /// Distances from the destination between which the members are together during the approach.
         together_m: [f64; 2] = [45_000.0, 20_000.0], in [0, 1e6];
-        /// Distances between which they are on the way in when the scenario starts.
+        /// Distances from the destination between which the formations are approaching when the scenario starts.
         start_m: Option<[f64; 2]> = None, in [0, 1e6], usually "anywhere on their way";
         /// Slowest and fastest speed.
         speed_mps: [f64; 2] = [150.0, 220.0], in [30, 240];

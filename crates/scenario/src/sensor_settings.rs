@@ -38,7 +38,7 @@ settings::settings! {
     /// ADS-B.
     pub struct SensorSettings {
         check SensorSettings::check;
-        /// How the sensor observes.
+        /// Kind of sensor.
         kind: SensorKind;
         /// Place of the sensor, or of the middle of its coverage: east, north, up.
         position_m: Option<[f64; 3]> = None, in [-1e7, 1e7], usually "0, 0, 0";
@@ -74,7 +74,7 @@ settings::settings! {
         range_bias_m: Option<f64> = None, in [-1e5, 1e5], usually "0";
         /// Constant bias of every azimuth; radars only.
         azimuth_bias_rad: Option<f64> = None, in [-0.5, 0.5], usually "0";
-        /// Identity that is learned of a target.
+        /// Kind of identity that the sensor obtains of a target.
         identity: Option<SensorIdentity> = None, usually "mode-3a; full; address";
         /// Number of times per hour that each target disappears from the sensor for a while.
         dropouts_per_hour: Option<f64> = None, in [0, 360], usually "0";
@@ -92,14 +92,14 @@ settings::settings! {
         range_resolution_m: Option<f64> = None, in [1e-3, 1e5], usually "150 if the other is given";
         /// Azimuth resolution; see `range_resolution_m`.
         azimuth_resolution_rad: Option<f64> = None, in [1e-7, 0.5], usually "0.026 if the other is given, a beam of 1.5°";
-        /// Probability that two such neighbours are resolved in a turn all the same; with a resolution only.
+        /// Probability that two such neighbours are nevertheless resolved in a turn; with a resolution only.
         resolved_probability: Option<f64> = None, in [0, 1], usually "0";
         /// Spectral density of the acceleration in the sensor's own filter, east and north; vertically a tenth. With
         /// the default, covariances are right on straight legs and in turns with 25° of bank.
         acceleration_density_m2ps3: Option<f64> = None, in [1e-6, 1e6], usually "20";
-        /// Standard deviation of a velocity not yet observed; a tenth of it upwards.
+        /// Standard deviation of a velocity not yet observed, horizontally; vertically a tenth.
         first_speed_sigma_mps: Option<f64> = None, in [1e-3, 1e4], usually "150";
-        /// Looks that must have found a target before its track is confirmed.
+        /// Number of detections of a target before its track is confirmed.
         confirming_hits: Option<u32> = None, in [1, 100], usually "3";
         /// Looks in a row without the target that end a tentative track.
         misses_max_tentative: Option<u32> = None, in [1, 100], usually "2";

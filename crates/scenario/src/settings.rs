@@ -25,7 +25,7 @@ settings::settings! {
         surface_share: f64 = 0.2, in [0, 1];
         /// Share of targets that are ships, which keep their course for hours.
         ship_share: f64 = 0.0, in [0, 1];
-        /// Greatest speed of ships; the slowest goes a third of it.
+        /// Greatest speed of ships; the least speed is a third of it.
         ship_speed_max_mps: f64 = 12.0, in [0.1, 30];
         /// Share of the en-route targets that meet another target, crossing its path at the same time in every lap.
         crossing_share: f64 = 0.3, in [0, 1];

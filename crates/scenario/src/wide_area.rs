@@ -49,7 +49,7 @@ settings::settings! {
         count_wrong_probability: f64 = 0.0, in [0, 1];
         /// Greatest count of a group; larger groups are reported with this count.
         counted_max: u32 = 256, in [1, 256];
-        /// Targets nearer to each other than this are in one report.
+        /// Distance below which targets are counted in the same report.
         resolution_m: f64 = 5000.0, in [1, 1e6];
         /// Whether reports contain the place of the first observation.
         origins: bool = false;

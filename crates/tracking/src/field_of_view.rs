@@ -23,7 +23,7 @@ settings::settings! {
         check FieldOfView::check;
         /// Nearest and farthest horizontal distance from the sensor.
         range_m: [f64; 2];
-        /// First and last bearing, clockwise from north; all round if it is not given.
+        /// First and last bearing, clockwise from north. Without the key, all bearings.
         sector_deg: Option<[Degrees; 2]> = None, in [-360, 360];
         /// Position of the sensor, east and north. Without the key, the position stated by the sensor's detections;
         /// before the first statement, nothing counts as inside.

@@ -24,8 +24,8 @@ settings::settings! {
         new_target_share: f64 = 0.04, in [1e-6, 1e3];
         /// Standard deviation of the velocity east and north.
         speed_sigma_mps: f64 = 100.0, in [1e-3, 1e4];
-        /// Standard deviation of the velocity of slow targets, which are as frequent. Used where there are manoeuvres,
-        /// too.
+        /// Standard deviation of the velocity of slow targets, assumed as frequent as fast targets. Needs
+        /// `[motion.manoeuvres]`.
         slow_sigma_mps: Option<f64> = Some(10.0), in [1e-3, 1e4];
         /// Standard deviation of the velocity up.
         climb_sigma_mps: f64 = 10.0, in [1e-3, 1e4];

@@ -24,10 +24,10 @@ settings::settings! {
     /// Conditions of deletion: a track is deleted when one of them holds (HT-10).
     #[derive(Copy)]
     pub struct Deletion {
-        /// Probability that a target is missed so often since its last detection. With a probability of detection of
-        /// 0.9, 2e-5 is five slow scans; with 0.5, sixteen.
+        /// Threshold: a track is deleted once the probability of all misses since its last detection is at most this
+        /// value. With a probability of detection of 0.9, 2e-5 means five slow scans; with 0.5, sixteen.
         missed_probability: f64 = 2e-5, in [1e-300, 0.99];
-        /// Time without a detection, seen or not.
+        /// Time without a detection after which a track is deleted, whether or not the sensors observe its place.
         silent_s: Seconds = Seconds::of(60.0), in [1e-3, 86_400];
     }
 

@@ -37,13 +37,14 @@ settings::settings! {
     /// Model of targets that manoeuvre.
     #[derive(Copy)]
     pub struct Manoeuvres {
-        /// Whether there is this model.
+        /// Whether the tracker uses this model.
         enabled: bool = true;
         /// Spectral density of the accelerations: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [100.0, 10.0], in [1e-9, 1e6];
         /// Mean durations of steady flight and of a manoeuvre.
         durations_s: [f64; 2] = [60.0, 10.0], in [1e-3, 1e6];
-        /// Coordinated turns besides; without them a manoeuvre is nothing but acceleration of any direction.
+        /// Model of coordinated turns in addition. Without this model, a manoeuvre is a random acceleration in any
+        /// direction.
         turn: Option<Turn> = None;
     }
 }

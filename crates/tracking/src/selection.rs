@@ -12,10 +12,10 @@ use settings::Seconds;
 use crate::measurement::Measurement;
 
 settings::settings! {
-    /// Detections that are not used, all off by default (WA-1). The sensors' priorities are theirs.
+    /// Detections that are not used, all off by default (WA-1). Priorities are keys of the sensors.
     #[derive(Copy)]
     pub struct Selection {
-        /// Detections that are so much older than the latest scan are refused.
+        /// Greatest age of a detection, relative to the latest scan; older detections are rejected.
         age_max_s: Option<Seconds> = None, in [0, 86_400];
         /// Largest standard deviation of a detection's position in any direction; other detections are rejected.
         /// Detections without a position (directions) are not affected.

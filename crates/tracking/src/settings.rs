@@ -86,13 +86,13 @@ settings::settings! {
         probability: f64 = 0.99, in [0.5, 0.999_999];
     }
 
-    /// Which hypotheses are kept (HT-9): merging, threshold and number, in this order.
+    /// Selection of the hypotheses to keep (HT-9): merging, threshold and number, in this order.
     #[derive(Copy)]
     pub struct Reduction {
         /// Number of scans with equal associations after which hypotheses are merged; 0: only hypotheses with the
         /// same tracks.
         merge_scans: usize = 2, in [0, HISTORY_MAX];
-        /// Hypotheses less reliable are dropped.
+        /// Least reliability of a hypothesis; less reliable hypotheses are dropped.
         reliability_min: f64 = 1e-3, in [0, 0.49];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];
@@ -101,12 +101,12 @@ settings::settings! {
     /// Assumptions on targets that split, each off or on (SP-1 … SP-7).
     #[derive(Copy)]
     pub struct Splitting {
-        /// Expected new targets per expected false detection in the gates of confirmed tracks; as elsewhere if it is
-        /// off.
+        /// Expected new targets per expected false detection in the gates of confirmed tracks; off: the value of
+        /// `[initiation]`.
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
-        /// New tracks start with the motion of the best so many branches of that track (SP-2).
+        /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).
         new_tracks_max: Limit = Limit::Off;

@@ -2,7 +2,9 @@
 
 use koseki_client::messages::SystemTrack;
 use koseki_client::messages::layout::Sample as _;
+use runtime::Now;
 use zenoh::Wait as _;
+use zenoh::query::{Query, Queryable};
 
 use crate::host::{Host, free_port, until};
 use crate::refusals::{intruder, of_layout};
@@ -20,7 +22,7 @@ fn another_clock_another_layout_and_a_lost_peer_are_alarms() {
     let relay = Relay::to(port, Delays::NONE);
     let away = format!(
         "name = \"west\"\n{COMMON}[[link]]\nname = \"out\"\nlisten = [\"tcp/127.0.0.1:{port}\"]\n\
-         send = [\"sensor/radar/tracks\"]\npretend_utc_off_s = 0.5\n"
+         send = [\"sensor/radar/tracks\"]\n"
     );
     let here = format!(
         "name = \"east\"\n{COMMON}[[link]]\nname = \"in\"\nlisten = [\"tcp/127.0.0.1:{door}\"]\n\
@@ -34,9 +36,11 @@ fn another_clock_another_layout_and_a_lost_peer_are_alarms() {
     east_up.until_up();
     let status = || east.status("east");
     let stands = |alarm: &str| status().contains(&format!("\"alarm\": \"{alarm}\""));
+    let intruder = intruder(&format!("tcp/127.0.0.1:{door}"), status);
+    let clock = clock_ahead(&intruder, "north", 500_000_000);
     until(|| stands("host-clock-off"), status);
     assert!(!stands("layout-mismatch") && !stands("peer-missing"), "{}", status());
-    let intruder = intruder(&format!("tcp/127.0.0.1:{door}"), status);
+    clock.undeclare().wait().unwrap();
     until(
         || {
             // As a build whose sensor tracks are laid out in another way would send it.
@@ -50,4 +54,17 @@ fn another_clock_another_layout_and_a_lost_peer_are_alarms() {
     relay.cut();
     until(|| stands("peer-missing"), status);
     assert!(status().contains("west is not there"), "{}", status());
+}
+
+/// Answers as the link of a deployment whose host has a UTC that is ahead by `ahead_ns`.
+fn clock_ahead(session: &zenoh::Session, deployment: &str, ahead_ns: i64) -> Queryable<()> {
+    let key = format!("koseki-clock/{deployment}/out");
+    let of_answers = key.clone();
+    let answer = move |query: Query| {
+        let now = Now::read();
+        let octets = [now.mono_ns.to_le_bytes(), (now.utc_ns + ahead_ns).to_le_bytes()].concat();
+        // A failure means that the requesting link is gone.
+        let _ = query.reply(of_answers.as_str(), octets).wait();
+    };
+    session.declare_queryable(key).callback(answer).wait().unwrap()
 }

@@ -20,25 +20,26 @@ settings::settings! {
     /// The display process.
     pub struct Settings {
         check Settings::check;
-        /// Address and port where the picture is shown to browsers; nowhere: there is no display.
+        /// Address and port at which browsers reach the display; off: no display process.
         listen: Option<String> = None;
         /// Number of further ports to try if the port is in use.
         more_ports: u32 = 0, in [0, 1000];
         /// Allow an address reachable by other machines, without encryption: every host on the path can read the
         /// track picture and the token. A proxy with TLS in front of a loopback address is better.
         insecure: bool = false;
-        /// Token that every browser has to show once, as `/?token=…`, on an address that others can reach.
+        /// Token that every browser must present once, as `/?token=…`; needed on an address that other machines can
+        /// reach.
         token: Option<String> = None;
         /// Token of the operators, who give orders. The display must listen on a loopback address; other machines
         /// connect through a proxy with TLS.
         operator_token: Option<String> = None, usually "none: no orders";
         /// Further names of this machine in requests, besides its address and localhost.
         hosts: Vec<HostName> = Vec::new(), usually "none";
-        /// Time for which the past of the picture is kept.
+        /// Length of the stored past of the picture.
         history_s: u32 = 600, in [0, 86_400];
-        /// Memory that the past may take, megabytes; the oldest is forgotten first.
+        /// Greatest memory for the past, megabytes; the oldest states are dropped first.
         history_mb: u32 = 256, in [1, 65_536];
-        /// Files of GeoJSON that are drawn under the tracks, relative to the data folder unless absolute.
+        /// GeoJSON files drawn under the tracks, relative to the data folder unless absolute.
         overlays: Vec<String> = Vec::new(), usually "none";
     }
 }

@@ -42,11 +42,11 @@ settings::settings! {
         check Settings::check;
         /// Name of the gateway process.
         name: String;
-        /// Multicast group or address, with the port, that datagrams go to.
+        /// Multicast group or address, with the port, as destination of the datagrams.
         send_to: Destination;
         /// Interface on which datagrams leave, by address, name or index.
         interface: Option<String> = None, usually "the machine's choice";
-        /// Routers that datagrams to a group may pass (time to live).
+        /// Time to live of the datagrams. Without the key, 1 for a group: the datagrams stay in the local network.
         ttl: Option<u8> = None, usually "the machine's choice";
         /// Source of the sensor tracks to send.
         source: Option<String> = None, usually "none: the fused picture is sent";
@@ -65,12 +65,13 @@ settings::settings! {
         refresh_s: Seconds = Seconds::of(1.0), in [0, 3600];
         /// Time between two status messages.
         status_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
-        /// Categories of the status messages that go with the fused picture: 65 for the system, 63 for its sensors.
+        /// Categories of the status messages beside the fused picture: 65 for the system, 63 for its sensors.
         status: Vec<u8> = vec![65, 63];
-        /// Area that the user gets tracks of; a track that leaves it is ended there. Needs `refresh_s` above 0.
+        /// Area of the tracks that are sent to the user; a track that leaves the area is reported as ended. Needs
+        /// `refresh_s` above 0.
         area: Option<Area> = None, usually "everywhere";
-        /// Lowest and highest flight level (hundreds of feet, of the tracks' heights) that the user gets tracks of;
-        /// tracks of unknown height are on all levels. Needs `refresh_s` above 0.
+        /// Lowest and highest flight level (hundreds of feet, from the tracks' heights) of the tracks that are sent to
+        /// the user; tracks of unknown height are always sent. Needs `refresh_s` above 0.
         levels: Option<[f64; 2]> = None, usually "all";
         /// Largest size of a datagram, bytes: by default the room of an Ethernet frame beside the headers of IPv4 and
         /// UDP, at most the limit of IPv4.

@@ -22,19 +22,19 @@ settings::settings! {
         interval_s: Seconds = Seconds::of(1.0), in [0.1, 3600];
         /// Whether the monitor writes its files (histogram log, percentiles, JSON).
         files: bool = true;
-        /// How it waits for system tracks: woken for each slice, or by looking now and then, which costs fusion
+        /// Kind of waiting for system tracks: `event`, woken for each slice; `poll`, periodic reads, which cost fusion
         /// nothing.
         wait: Option<WaitWord> = None, usually "event if fusion waits by event, else poll";
         /// Pause between two reads. System tracks that wait longer in the monitor's queue are replaced by newer
         /// tracks, even at low rates.
         poll_ms: f64 = 5.0, in [0.5, 100];
-        /// Time that each stage may take.
+        /// Greatest permitted duration of each stage.
         deadline_us: DeadlineTable = DeadlineTable::default();
         /// Address and port where metrics for Prometheus are served.
         prometheus: Option<String> = None;
         /// Allows an address that other machines can reach.
         prometheus_public: bool = false;
-        /// Names of this machine, besides its address and localhost, by which metrics are asked for.
+        /// Names of this machine, besides its address and localhost, that requests for metrics may use.
         prometheus_hosts: Vec<HostName> = Vec::new(), usually "none";
         /// Limits beyond which alarms are raised.
         alarms: alarms::Limits = alarms::Limits::default();

@@ -15,14 +15,14 @@ settings::settings! {
         check Settings::check;
         /// Whether a recorder runs.
         enabled: bool = true;
-        /// Files that are written: rows of text, a file for each topic of data; containers of all topics, for
-        /// everything to be read again to the bit; captures of the datagrams and lines of live sources as they came.
+        /// Written files: `csv`, rows of text, a file for each topic of data; `mcap`, containers with all samples of
+        /// all topics, bit by bit; `pcapng`, captures of the datagrams and lines received from live sources.
         format: Vec<Format> = vec![Format::Csv];
         /// Interval at which containers of all topics are written: the largest loss of a killed recorder.
         flush_s: Seconds = Seconds::of(1.0), in [0.01, 3_600];
-        /// Size at which another container or capture is begun, megabytes.
+        /// Size at which the next container or capture begins, megabytes.
         segment_mb: u32 = 256, in [1, 65_536];
-        /// Time after which another container or capture is begun.
+        /// Time after which the next container or capture begins.
         segment_s: Seconds = Seconds::of(3_600.0), in [1, 604_800];
         /// Size of all containers of a start beyond which the oldest are deleted, gigabytes; of the captures of each
         /// receiver likewise.

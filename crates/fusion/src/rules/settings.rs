@@ -46,7 +46,7 @@ settings::settings! {
         common_noise_m2ps3: Option<f64> = None, in [0, 1e6], usually "that of fusion";
         /// Passing of the output from one source to another (TI-13 … TI-16).
         hand_over: HandOverSettings = HandOverSettings::default();
-        /// Cells of the area and the sources that hold there (QF-9).
+        /// Cells of the area, each with a priority list of sources (QF-9).
         mosaic: MosaicSettings = MosaicSettings::default();
     }
 
@@ -56,8 +56,8 @@ settings::settings! {
         /// Coefficients eta_0 of the new source at the first refresh and the following, increasing; after the last
         /// coefficient 1. Empty: 1 at once.
         ramp: Vec<f64> = Vec::new(), in [0, 1];
-        /// Eta_0 comes from the covariance traces of both sources, for one refresh (TI-16); where a trace cannot be
-        /// used the ramp holds.
+        /// Eta_0 comes from the covariance traces of both sources, for one refresh (TI-16). If a trace is unusable, the
+        /// ramp applies.
         by_traces: bool = false;
         /// Blending if the previous source has missed its expected report (TI-15): `switch`, the new source gets the
         /// whole weight at once; `blend`, with the last stored report of the previous source, moved to the reference
@@ -70,15 +70,15 @@ settings::settings! {
     /// Ramp from the previous source to the new source.
     pub struct PairRamp {
         check PairRamp::check;
-        /// Name of the source that is left.
+        /// Name of the previous source.
         from: SourceRef;
-        /// Name of the source that takes over.
+        /// Name of the new source.
         to: SourceRef;
-        /// Coefficients eta_0 at successive refreshes, as for those that are no pair.
+        /// Coefficients eta_0 at successive refreshes, instead of the general `ramp`.
         ramp: Vec<f64>, in [0, 1];
     }
 
-    /// Cells of the area and the sources that hold there (QF-9).
+    /// Cells of the area, each with a priority list of sources (QF-9).
     pub struct MosaicSettings {
         check MosaicSettings::check;
         /// Width of a cell. Cell (0, 0) begins at the system origin and lies north-east of it.
@@ -98,7 +98,7 @@ settings::settings! {
         east: i32;
         /// Row, counted from the system origin to the north.
         north: i32;
-        /// Names of sources, the most wanted first. Those left out are not used there.
+        /// Names of sources, most preferred first. Other sources are not used in the cell.
         sources: Vec<SourceRef>;
     }
 }

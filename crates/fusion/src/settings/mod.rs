@@ -30,9 +30,9 @@ pub const STORED_REPORTS_MAX: usize = 64;
 settings::settings! {
     /// Fusion.
     pub struct Settings beside [sources: Vec<SourceSettings>] {
-        /// Spectral density of the white-noise acceleration with which states are carried forward.
+        /// Spectral density of the white-noise acceleration in the prediction of states.
         process_noise_m2ps3: f64 = 1.0, in [0, 1e6];
-        /// Covariances that claim too much are inflated (BF-5).
+        /// Whether optimistic covariances are enlarged (BF-5).
         consistency: bool = true;
         /// Time between two states of a system track: published at its whole multiples for every system track (QF-6).
         refresh_s: Option<Seconds> = None, in [1e-3, 3600], usually "whenever a report has changed a system track";

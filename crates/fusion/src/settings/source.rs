@@ -21,14 +21,14 @@ settings::settings! {
         period_s: Option<f64> = None, in [1e-3, 3600], usually "1, or longer as learned; offline as seen";
         /// Age beyond which a report no longer contributes, at least a period.
         fresh_s: Option<f64> = None, in [1e-3, 1e5], usually "2.5 periods";
-        /// Priority for ties: of equally good sources the one with the smallest number is taken (TI-11).
+        /// Priority for ties: of equally good sources, the source with the smallest number is chosen (TI-11).
         priority: Option<u32> = None, usually "its place";
         /// Height above the system origin beyond which this source cannot see targets.
         ceiling_m: Option<f64> = None;
         /// Names of sources with the same measurements in their tracks: together they count once; or "unknown": the
         /// tracks are system tracks of another centre, from unknown sensors.
         shares: Shares = Shares::default();
-        /// Names of sources that are never taken for the same, however alike their reports are.
+        /// Names of sources that never count as dependent on this source, however similar their reports are.
         independent_of: Vec<SourceRef> = Vec::new();
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
@@ -50,13 +50,13 @@ settings::settings! {
         azimuth_sigma_deg: Degrees = Degrees::of(0.1), in [0, 90];
         /// Estimated: accuracy until there are residuals.
         initial_m: f64 = 20.0, in [1e-3, 1e6];
-        /// Estimated: number of residuals that the mean reaches back over.
+        /// Estimated: number of recent residuals in the mean.
         memory: f64 = 200.0, in [1, 1e9];
-        /// Accuracy that is added per m/s of target speed.
+        /// Addition to the accuracy value per m/s of target speed.
         per_speed_s: f64 = 0.0, in [0, 1e6];
         /// Adjustment coefficient k (TI-8): small for a main source, large for a standby one.
         adjustment: f64 = 1.0, in [0, 1e9];
-        /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+        /// Factors for named conditions (weather), which an order can change during operation; 1 for other conditions.
         conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
     }
 
@@ -251,7 +251,7 @@ pub struct Accuracy {
     pub base: AccuracyBase,
     /// Added per metre per second of target speed, seconds.
     pub per_speed_s: f64,
-    /// Factors for named conditions (weather), which can be changed while running; 1 for those not named.
+    /// Factors for named conditions (weather), which an order can change during operation; 1 for other conditions.
     pub conditions: Vec<(String, f64)>,
 }
 

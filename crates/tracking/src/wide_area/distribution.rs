@@ -16,9 +16,9 @@ settings::settings! {
     pub struct Sharing {
         /// Only whole targets.
         whole: bool = true;
-        /// A cluster's weight is also in proportion to the number of tracks that it has (at least 1).
+        /// A cluster's weight is also proportional to the number of its tracks (at least 1).
         by_tracks: bool = false;
-        /// Sum of the shares, in times the reported number.
+        /// Sum of the shares, as a multiple of the reported number.
         excess: f64 = 1.0, in [1, 100];
         /// Distance within which reports with the same time of observation count as one group at their mean position.
         /// Other reports are shared separately, and the shares of a cluster are added.

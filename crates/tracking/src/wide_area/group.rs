@@ -12,7 +12,7 @@
 use super::correction::has_enough;
 
 settings::settings! {
-    /// Following of targets as a group (WA-7).
+    /// Publication of unresolved targets as a group (WA-7).
     #[derive(Copy)]
     pub struct Groups {
         /// Least probability that the cluster has fewer tracks than there are targets.

@@ -33,19 +33,19 @@ settings::settings! {
     pub struct WideArea with knowledge: Knowledge {
         /// Correction of reliabilities in the scan in which a report is due (WA-4).
         correction: Option<Rule> = Some(Rule::Share(0.6));
-        /// Only clusters with a confirmed track are corrected, so that the search for a second target does not keep the
-        /// first one from being believed. `false` is the source's rule.
+        /// Only clusters with a confirmed track are corrected, so that the search for a second target does not delay
+        /// the confirmation of the first target. `false` is the source's rule.
         corrects_confirmed_only: bool = true;
-        /// Correction in the scans after that, for as long as the report is valid: of clusters with a confirmed track,
-        /// before the scan only. A small share keeps hypotheses with enough tracks from being dropped until the next
-        /// report, without making anything believed; off is the source's rule.
+        /// Correction in the following scans while the report is valid: only clusters with a confirmed track, and only
+        /// before the scan. A small share keeps hypotheses with enough tracks until the next report, but confirms no
+        /// track; off is the source's rule.
         held: Option<Rule> = Some(Rule::Share(0.1));
-        /// Distance from a report at and beyond which clusters are not meant by it (WA-3).
+        /// Distance from a report's place from which on clusters are unaffected by the report (WA-3).
         range_m: f64 = 5000.0, in [1, 1e7];
-        /// Clusters with fewer expected tracks are passed over; 0 is the source's rule (WA-3).
+        /// Least number of expected tracks of a corrected cluster; 0 is the source's rule (WA-3).
         tracks_min: f64 = 0.5, in [0, TARGETS_MAX];
-        /// Tracks of other clusters in range are taken off the number first, so that targets that have parted are not
-        /// looked for twice (WA-5).
+        /// Tracks of other clusters in range are first subtracted from the number, so that separated targets are not
+        /// counted twice (WA-5).
         others_count: bool = true;
         /// Sharing of the number among all clusters in range; off: the nearest cluster gets the whole number (WA-5).
         sharing: Option<Sharing> = None;
@@ -57,7 +57,7 @@ settings::settings! {
         groups: Option<Groups> = None;
         /// Time after its observation for which a report is used for WA-6, WA-7 and WA-8.
         valid_s: Seconds = Seconds::of(30.0), in [1e-3, 86_400];
-        /// Reports that take longer from observation to arrival are refused.
+        /// Greatest time from observation to arrival; reports that take longer are rejected.
         delay_max_s: Seconds = Seconds::of(120.0), in [0, 86_400];
     }
 
@@ -66,7 +66,7 @@ settings::settings! {
     pub struct EarlyConfirmation with confirmation: Confirmation = easier {
         /// Expected new targets per expected false detection, for hypotheses with fewer tracks than reported.
         new_target_share: f64 = 1.0, in [1e-6, 1e3];
-        /// Only in clusters that have a confirmed track, so that no clutter near a report is believed sooner.
+        /// Only in clusters with a confirmed track, so that clutter near a report is not confirmed earlier.
         beside_confirmed_only: bool = true;
         /// Least share of the track's detections in gates of confirmed tracks: an unresolved target is near a
         /// confirmed track, clutter usually is not.

@@ -5,16 +5,17 @@ mod bench;
 mod decode;
 mod encode;
 mod order;
+mod recording;
 mod replay;
 mod send;
 mod tap;
+mod usage;
 mod values;
 
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::error::{ContextKind, ErrorKind};
-use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use offline::values::seconds;
 use runtime::{Now, Options, Speed};
 
@@ -30,6 +31,8 @@ pub(crate) use decode::Decode;
 use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::Encode;
 pub(crate) use order::GiveOrder;
+use recording::RECORDING_EXAMPLES;
+pub(crate) use recording::{Recording, RecordingCut, RecordingExport, RecordingInfo, RecordingMerge};
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::Replay;
 use send::SEND_EXAMPLES;
@@ -37,6 +40,7 @@ pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
 pub(crate) use tap::{Tap, TapFormat};
 use torture::Torture;
+pub(crate) use usage::usage_line;
 use values::{interval, speed};
 
 /// Default folder of recordings.
@@ -350,89 +354,6 @@ pub(crate) struct Top {
     pub(crate) json: bool,
 }
 
-const RECORDING_EXAMPLES: &str = "\
-Examples:
-  koseki up config/live.toml --set 'recorder.format=[\"csv\", \"mcap\"]' --out records/tower
-  koseki recording info records/tower/latest
-  koseki recording info records/tower/latest/all_topics_000002.mcap
-  koseki recording cut records/tower/latest --from 2026-05-01T10:00:00Z --to 2026-05-01T10:05:00Z --out near-miss.mcap
-  koseki recording merge records/tower/latest --out night.mcap
-  koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast";
-
-/// `koseki recording`.
-#[derive(Debug, Subcommand)]
-pub(crate) enum Recording {
-    /// Print topics, times, counts, losses and origin of a recording of all topics
-    Info(RecordingInfo),
-    /// Copy a part of a recording
-    Cut(RecordingCut),
-    /// Copy the files of a recording into one
-    Merge(RecordingMerge),
-    /// Write a recording in other formats
-    Export(RecordingExport),
-}
-
-/// `koseki recording info`.
-#[derive(Debug, Args)]
-pub(crate) struct RecordingInfo {
-    /// A file, or the folder of a recording
-    #[arg(value_name = "RECORDING")]
-    pub(crate) path: PathBuf,
-    /// Print JSON, with the recorded configuration
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// `koseki recording cut`.
-#[derive(Debug, Args)]
-pub(crate) struct RecordingCut {
-    /// A file, or the folder of a recording
-    #[arg(value_name = "RECORDING")]
-    pub(crate) path: PathBuf,
-    /// File for the copied part
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
-    /// Omit samples recorded before this time, UTC, as in 2026-05-01T10:00:00Z
-    #[arg(long, value_name = "TIME", value_parser = values::utc)]
-    pub(crate) from: Option<i64>,
-    /// Omit samples recorded after this time
-    #[arg(long, value_name = "TIME", value_parser = values::utc)]
-    pub(crate) to: Option<i64>,
-    /// Copy only these topics; sensor/radar stands for all topics that begin with sensor/radar/
-    #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
-    pub(crate) topics: Vec<String>,
-}
-
-/// `koseki recording merge`.
-#[derive(Debug, Args)]
-pub(crate) struct RecordingMerge {
-    /// Files of a recording in their order, or the folder of the recording
-    #[arg(value_name = "RECORDING", required = true)]
-    pub(crate) paths: Vec<PathBuf>,
-    /// File for the merged recording
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
-}
-
-/// `koseki recording export`.
-#[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("format").required(true).multiple(true))]
-pub(crate) struct RecordingExport {
-    /// A file, or the folder of a recording
-    #[arg(value_name = "RECORDING")]
-    pub(crate) path: PathBuf,
-    /// New or empty folder for tables in the recorder's form
-    #[arg(long, value_name = "DIR", group = "format")]
-    pub(crate) csv: Option<PathBuf>,
-    /// File for the system tracks as ASTERIX CAT062, a record per confirmed, coasted or terminated state
-    #[arg(long, value_name = "FILE", group = "format")]
-    pub(crate) asterix: Option<PathBuf>,
-    /// File (MCAP) for the system tracks in the form of Foxglove and Lichtblick: a track picture per second, on a map
-    /// and in space
-    #[arg(long, value_name = "FILE", group = "format")]
-    pub(crate) foxglove: Option<PathBuf>,
-}
-
 const CONDITION_EXAMPLES: &str = "\
 Examples:
   koseki condition rain --instance barcelona
@@ -583,97 +504,14 @@ pub(crate) fn out_folder(given: Option<PathBuf>, instance: &str) -> PathBuf {
     given.unwrap_or_else(|| PathBuf::from(OUT_DEFAULT).join(instance))
 }
 
-/// Returns clap's message about wrong usage in one line.
-pub(crate) fn usage_line(error: &clap::Error) -> String {
-    if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
-        let command = Cli::command();
-        let first = std::env::args().nth(1).unwrap_or_default();
-        let within = command
-            .find_subcommand(&first)
-            .filter(|command| command.has_subcommands());
-        let shown = within
-            .unwrap_or(&command)
-            .get_subcommands()
-            .filter(|command| !command.is_hide_set());
-        let commands: Vec<&str> = shown.map(clap::Command::get_name).collect();
-        let name = within.map_or_else(String::new, |command| format!(" {}", command.get_name()));
-        return format!(
-            "a command is missing; there are {} (see `koseki{name} --help`)",
-            commands.join(", ")
-        );
-    }
-    let what = unknown_option(error, std::env::args()).unwrap_or_else(|| offline::refusal(error));
-    let first = std::env::args().nth(1);
-    let command = first.filter(|word| Cli::command().find_subcommand(word).is_some());
-    match command {
-        Some(command) => format!("{what} (see `koseki {command} --help`)"),
-        None => format!("{what} (see `koseki --help`)"),
-    }
-}
-
-/// Returns the message about an unknown option of the command in `words`, with the nearest known option.
-fn unknown_option(error: &clap::Error, words: impl Iterator<Item = String>) -> Option<String> {
-    let found = error
-        .get(ContextKind::InvalidArg)
-        .filter(|_| error.kind() == ErrorKind::UnknownArgument)?;
-    let found = found.to_string();
-    let name = found.strip_prefix("--")?;
-    let mut command = Cli::command();
-    for word in words.skip(1) {
-        if let Some(inner) = command.find_subcommand(&word) {
-            command = inner.clone();
-        }
-    }
-    let options: Vec<&str> = command.get_arguments().filter_map(clap::Arg::get_long).collect();
-    let meant = settings::nearest(name, &options).map_or_else(String::new, |near| format!("; did you mean --{near}?"));
-    Some(format!("unexpected argument '{found}' found{meant}"))
-}
-
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory as _;
+
     use super::*;
 
     #[test]
     fn the_definitions_are_consistent() {
         Cli::command().debug_assert();
-    }
-
-    #[test]
-    fn an_unknown_option_comes_with_the_nearest() {
-        let said = |words: &[&str]| {
-            let error = Cli::try_parse_from(words).unwrap_err();
-            unknown_option(&error, words.iter().map(|word| (*word).to_owned()))
-        };
-        let said_of = |option: &str| said(&["koseki", "up", "a.toml", option, "5"]).unwrap();
-        assert_eq!(said_of("--fr"), "unexpected argument '--fr' found; did you mean --for?");
-        assert_eq!(
-            said_of("--instnce"),
-            "unexpected argument '--instnce' found; did you mean --instance?"
-        );
-        assert_eq!(said_of("--standby"), "unexpected argument '--standby' found");
-        assert_eq!(said(&["koseki", "upp"]), None);
-    }
-
-    #[test]
-    fn wrong_usage_is_one_line() {
-        let cases: [&[&str]; 9] = [
-            &["koseki", "score"],
-            &["koseki", "score", "--truth", "a.csv"],
-            &["koseki", "score", "tracks", "--truth", "a.csv"],
-            &[
-                "koseki", "score", "--truth", "a.csv", "--tracks", "b.csv", "--t0", "0.5",
-            ],
-            &["koseki"],
-            &["koseki", "upp"],
-            &["koseki", "up"],
-            &["koseki", "up", "a.toml", "--speed", "fast"],
-            &["koseki", "demo", "--fro", "3"],
-        ];
-        for case in cases {
-            let error = Cli::try_parse_from(case).unwrap_err();
-            let line = usage_line(&error);
-            assert_eq!(line.lines().count(), 1, "{line}");
-            assert!(!line.contains("error:") && line.contains("--help"), "{line}");
-        }
     }
 }
