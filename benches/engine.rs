@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use fusion::Engine;
-use fusion::checkpoint::Position;
+use fusion::checkpoint::SourcePosition;
 use fusion::settings::{Accuracy, AssociationSettings, Capacity, Settings, SourceSettings};
 use messages::{Covariance, Identity, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use test_support::S;
@@ -112,7 +112,7 @@ fn checkpoint(_: &mut Criterion) {
                 );
                 let second = next as f64 / f64::from(targets) / f64::from(SOURCES);
                 if is_kept {
-                    let position = Position {
+                    let position = SourcePosition {
                         incarnation: 1,
                         next_sequence: next,
                     };

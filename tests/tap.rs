@@ -5,7 +5,7 @@ use std::io::{BufRead as _, BufReader};
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::UnixStream;
 
-use formats::recording::Recording;
+use formats::recording::RecordingBytes;
 use rustix::process::Signal;
 
 use crate::common::{Home, until};
@@ -58,7 +58,7 @@ fn states_are_blocks_of_cat062() {
     // What it writes is no text.
     let tapped = home.command(&arguments).output().unwrap();
     assert_eq!(tapped.status.code(), Some(0), "{tapped:?}");
-    let recording = Recording::new(&tapped.stdout);
+    let recording = RecordingBytes::new(&tapped.stdout);
     let survey = recording.survey();
     assert_eq!(survey.categories.keys().collect::<Vec<_>>(), [&62]);
     assert_eq!(survey.categories[&62].blocks_refused, 0);

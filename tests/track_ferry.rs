@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use formats::autoferry::{self, Scan, Sensor};
+use formats::autoferry::{self, FerryScan, FerrySensor};
 use frames::time::NS_PER_DAY;
 use scoring::gospa::Metric;
 use serde_json::{Value, json};
@@ -24,10 +24,10 @@ const METRIC: Metric = Metric {
     power: 2,
 };
 const SCENARIOS: [u32; 4] = [2, 3, 13, 16];
-const POSITIONS: [Sensor; 2] = [Sensor::Lidar, Sensor::Radar];
+const POSITIONS: [FerrySensor; 2] = [FerrySensor::Lidar, FerrySensor::Radar];
 
 /// The detections as they are in the file, and with the truth beside them.
-fn scenario(number: u32) -> Option<(Value, Vec<Scan>)> {
+fn scenario(number: u32) -> Option<(Value, Vec<FerryScan>)> {
     let file = |kind: &str| format!("autoferry/scenario{number}/scenario{number}_{kind}.json");
     let (detections, truth) = (recording(&file("detections"))?, recording(&file("groundTruth"))?);
     let scans = autoferry::read(&detections, &truth).unwrap();
@@ -61,7 +61,7 @@ impl Figures {
 struct Truth(Vec<Vec<(i64, [f64; 2])>>);
 
 impl Truth {
-    fn of(scans: &[Scan]) -> Self {
+    fn of(scans: &[FerryScan]) -> Self {
         let mut targets = vec![Vec::new(); 2];
         for truth in scans.iter().flat_map(|scan| &scan.truth) {
             let [east, north, _] = truth.position_m;
@@ -88,9 +88,9 @@ fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
 }
 
 /// See the header.
-fn is_visible(scans: &[&Scan], truth: &Truth, target: usize, time_ns: i64) -> bool {
+fn is_visible(scans: &[&FerryScan], truth: &Truth, target: usize, time_ns: i64) -> bool {
     POSITIONS.iter().any(|sensor| {
-        let recent = |scan: &&&Scan| {
+        let recent = |scan: &&&FerryScan| {
             let age = time_ns - scan.time_of_measurement_ns;
             scan.sensor == *sensor && (0..5 * S).contains(&age)
         };
@@ -108,7 +108,7 @@ fn is_visible(scans: &[&Scan], truth: &Truth, target: usize, time_ns: i64) -> bo
 }
 
 /// Pictures that `koseki track` makes of the scans of some sensors: east and north of each track by whole second.
-fn pictures(folder: &Folder, json: &Value, sensors: &[Sensor]) -> BTreeMap<i64, Vec<[f64; 2]>> {
+fn pictures(folder: &Folder, json: &Value, sensors: &[FerrySensor]) -> BTreeMap<i64, Vec<[f64; 2]>> {
     let own = |entry: &&Value| sensors.iter().any(|sensor| entry["sensorID"] == sensor.id());
     let of_sensors: Vec<&Value> = json.as_array().unwrap().iter().filter(own).collect();
     folder.write("detections.json", serde_json::to_vec(&of_sensors).unwrap());
@@ -129,12 +129,12 @@ fn pictures(folder: &Folder, json: &Value, sensors: &[Sensor]) -> BTreeMap<i64, 
     pictures
 }
 
-fn run(scans: &[Scan], sensors: &[Sensor], pictures: &BTreeMap<i64, Vec<[f64; 2]>>) -> Figures {
+fn run(scans: &[FerryScan], sensors: &[FerrySensor], pictures: &BTreeMap<i64, Vec<[f64; 2]>>) -> Figures {
     let truth = Truth::of(scans);
     let times = scans.iter().map(|scan| scan.time_of_measurement_ns);
     let (begin_ns, end_ns) = (times.clone().min().unwrap(), times.max().unwrap());
     let midnight_ns = begin_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY;
-    let used: Vec<&Scan> = scans.iter().filter(|scan| sensors.contains(&scan.sensor)).collect();
+    let used: Vec<&FerryScan> = scans.iter().filter(|scan| sensors.contains(&scan.sensor)).collect();
     let mut figures = Figures::default();
     for second in (begin_ns - midnight_ns) / S + 1..=(end_ns - midnight_ns) / S {
         let shown = pictures.get(&second).map_or(&[][..], Vec::as_slice);
@@ -147,7 +147,7 @@ fn run(scans: &[Scan], sensors: &[Sensor], pictures: &BTreeMap<i64, Vec<[f64; 2]
 }
 
 impl Figures {
-    fn add(&mut self, shown: &[[f64; 2]], scans: &[&Scan], truth: &Truth, time_ns: i64) {
+    fn add(&mut self, shown: &[[f64; 2]], scans: &[&FerryScan], truth: &Truth, time_ns: i64) {
         let targets = [0, 1].map(|target| truth.at(target, time_ns));
         let apart = METRIC.compare(&targets, shown);
         self.seconds += 1;
@@ -165,14 +165,14 @@ impl Figures {
     }
 }
 
-const ALL: [Sensor; 4] = Sensor::ALL;
-const COMBINATIONS: [&[Sensor]; 7] = [
-    &[Sensor::Lidar],
-    &[Sensor::Radar],
-    &[Sensor::Lidar, Sensor::Radar],
-    &[Sensor::Radar, Sensor::InfraredCamera, Sensor::Camera],
-    &[Sensor::Lidar, Sensor::Radar, Sensor::InfraredCamera],
-    &[Sensor::Lidar, Sensor::Radar, Sensor::Camera],
+const ALL: [FerrySensor; 4] = FerrySensor::ALL;
+const COMBINATIONS: [&[FerrySensor]; 7] = [
+    &[FerrySensor::Lidar],
+    &[FerrySensor::Radar],
+    &[FerrySensor::Lidar, FerrySensor::Radar],
+    &[FerrySensor::Radar, FerrySensor::InfraredCamera, FerrySensor::Camera],
+    &[FerrySensor::Lidar, FerrySensor::Radar, FerrySensor::InfraredCamera],
+    &[FerrySensor::Lidar, FerrySensor::Radar, FerrySensor::Camera],
     &ALL,
 ];
 
@@ -184,7 +184,7 @@ fn both_targets_are_tracked_while_they_are_visible() {
     let folder = Folder::new();
     for number in SCENARIOS {
         let Some((json, scans)) = scenario(number) else { return };
-        let figures_of = |sensors: &[Sensor]| run(&scans, sensors, &pictures(&folder, &json, sensors));
+        let figures_of = |sensors: &[FerrySensor]| run(&scans, sensors, &pictures(&folder, &json, sensors));
         let positions = figures_of(&POSITIONS);
         for sensors in COMBINATIONS {
             let figures = figures_of(sensors);

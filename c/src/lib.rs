@@ -20,16 +20,16 @@ const NOTHING: c_int = 9;
 
 /// Handle of a subscription.
 #[derive(Debug)]
-pub struct Subscription(Box<dyn AnySubscription>);
+pub struct KosekiSubscription(Box<dyn AnySubscription>);
 
 /// Handle of a publisher.
 #[derive(Debug)]
-pub struct Publisher(Box<dyn AnyPublisher>);
+pub struct KosekiPublisher(Box<dyn AnyPublisher>);
 
 /// Slice protected from being overwritten until its release.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Slice {
+pub struct KosekiSlice {
     samples: *const c_void,
     count: usize,
     header: *const BatchHeader,
@@ -41,7 +41,7 @@ pub struct Slice {
 /// Counts of a subscription.
 #[derive(Debug)]
 #[repr(C)]
-pub struct Counts {
+pub struct KosekiCounts {
     taken: u64,
     lost: u64,
     of_older_epochs: u64,
@@ -134,11 +134,11 @@ pub unsafe extern "C" fn koseki_subscribe(
     instance: *const c_char,
     topic: *const c_char,
     schema: u64,
-    handle: *mut *mut Subscription,
+    handle: *mut *mut KosekiSubscription,
 ) -> c_int {
     let checked = |opened: Box<dyn AnySubscription>| {
         check_schema(schema, opened.layout())?;
-        Ok(Subscription(opened))
+        Ok(KosekiSubscription(opened))
     };
     // SAFETY: the contract of the header.
     unsafe { open(instance, topic, handle, by_name::subscribe, checked) }
@@ -149,12 +149,16 @@ pub unsafe extern "C" fn koseki_subscribe(
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout_ms: i64, slice: *mut Slice) -> c_int {
+pub unsafe extern "C" fn koseki_receive(
+    subscription: *mut KosekiSubscription,
+    timeout_ms: i64,
+    slice: *mut KosekiSlice,
+) -> c_int {
     // SAFETY: the header requires an open handle, used by one thread at a time, and a writable place.
     let (Some(subscription), false) = (unsafe { subscription.as_mut() }, slice.is_null()) else {
         return failed(ErrorKind::Argument, "subscription or slice is null".to_owned());
     };
-    let empty = Slice {
+    let empty = KosekiSlice {
         samples: ptr::null(),
         count: 0,
         header: ptr::null(),
@@ -170,7 +174,7 @@ pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout
         None => NOTHING,
         Some(next) => {
             let octets = next.octets();
-            let taken = Slice {
+            let taken = KosekiSlice {
                 samples: octets.as_ptr().cast(),
                 count: octets.len() / size,
                 header: next.header(),
@@ -190,7 +194,7 @@ pub unsafe extern "C" fn koseki_receive(subscription: *mut Subscription, timeout
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_release(slice: *mut Slice) {
+pub unsafe extern "C" fn koseki_release(slice: *mut KosekiSlice) {
     // SAFETY: the header requires null or a slice written by `koseki_receive`.
     let Some(slice) = (unsafe { slice.as_mut() }) else {
         return;
@@ -208,7 +212,7 @@ pub unsafe extern "C" fn koseki_release(slice: *mut Slice) {
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_descriptor(subscription: *const Subscription) -> c_int {
+pub unsafe extern "C" fn koseki_descriptor(subscription: *const KosekiSubscription) -> c_int {
     // SAFETY: the header requires null or an open handle.
     let subscription = unsafe { subscription.as_ref() };
     subscription.map_or(-1, |subscription| subscription.0.as_fd().as_raw_fd())
@@ -219,13 +223,13 @@ pub unsafe extern "C" fn koseki_descriptor(subscription: *const Subscription) ->
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_counts(subscription: *const Subscription) -> Counts {
+pub unsafe extern "C" fn koseki_counts(subscription: *const KosekiSubscription) -> KosekiCounts {
     // SAFETY: the header requires null or an open handle.
     let subscription = unsafe { subscription.as_ref() };
     let counts = subscription
         .map(|subscription| subscription.0.counts())
         .unwrap_or_default();
-    Counts {
+    KosekiCounts {
         taken: counts.taken,
         lost: counts.lost,
         of_older_epochs: counts.of_older_epochs,
@@ -238,7 +242,7 @@ pub unsafe extern "C" fn koseki_counts(subscription: *const Subscription) -> Cou
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_unsubscribe(subscription: *mut Subscription) {
+pub unsafe extern "C" fn koseki_unsubscribe(subscription: *mut KosekiSubscription) {
     if !subscription.is_null() {
         // SAFETY: the header requires an open handle, which comes from `Box::into_raw`.
         drop(unsafe { Box::from_raw(subscription) });
@@ -254,11 +258,11 @@ pub unsafe extern "C" fn koseki_advertise(
     instance: *const c_char,
     topic: *const c_char,
     schema: u64,
-    handle: *mut *mut Publisher,
+    handle: *mut *mut KosekiPublisher,
 ) -> c_int {
     let checked = |opened: Box<dyn AnyPublisher>| {
         check_schema(schema, opened.layout())?;
-        Ok(Publisher(opened))
+        Ok(KosekiPublisher(opened))
     };
     // SAFETY: the contract of the header.
     unsafe { open(instance, topic, handle, by_name::publisher, checked) }
@@ -269,7 +273,11 @@ pub unsafe extern "C" fn koseki_advertise(
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *const c_void, count: usize) -> c_int {
+pub unsafe extern "C" fn koseki_publish(
+    publisher: *mut KosekiPublisher,
+    samples: *const c_void,
+    count: usize,
+) -> c_int {
     // SAFETY: the header requires an open handle, used by one thread at a time.
     let (Some(publisher), false) = (unsafe { publisher.as_mut() }, samples.is_null()) else {
         return failed(ErrorKind::Argument, "publisher or samples are null".to_owned());
@@ -290,7 +298,7 @@ pub unsafe extern "C" fn koseki_publish(publisher: *mut Publisher, samples: *con
 /// # Safety
 /// As documented in the header.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut Publisher) {
+pub unsafe extern "C" fn koseki_unadvertise(publisher: *mut KosekiPublisher) {
     if !publisher.is_null() {
         // SAFETY: the header requires an open handle, which comes from `Box::into_raw`.
         drop(unsafe { Box::from_raw(publisher) });

@@ -6,17 +6,23 @@
 #![no_main]
 
 use formats::containers::{Container, Datagrams};
-use formats::recording::Recording;
+use formats::recording::RecordingBytes;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|input: &[u8]| {
-    let Some((&choice, bytes)) = input.split_first() else { return };
+    let Some((&choice, bytes)) = input.split_first() else {
+        return;
+    };
     let container = Container::ALL
         .get(usize::from(choice))
         .copied()
         .unwrap_or_else(|| Container::detect(bytes));
     let mut datagrams = Datagrams::new(container, bytes);
-    let octets: u64 = datagrams.by_ref().flatten().map(|datagram| datagram.bytes.len() as u64).sum();
+    let octets: u64 = datagrams
+        .by_ref()
+        .flatten()
+        .map(|datagram| datagram.bytes.len() as u64)
+        .sum();
     let counts = *datagrams.counts();
     assert_eq!(octets, counts.datagram_octets);
     assert_eq!(
@@ -24,7 +30,7 @@ fuzz_target!(|input: &[u8]| {
         bytes.len() as u64,
         "{counts:?}"
     );
-    let recording = Recording::new(bytes).in_container(container);
+    let recording = RecordingBytes::new(bytes).in_container(container);
     let survey = recording.survey();
     let mut records = 0;
     let read: Result<(), ()> = recording.for_each(&survey, |_| {

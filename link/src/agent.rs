@@ -15,17 +15,17 @@ use zenoh::qos::CongestionControl;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait as _};
 
-use crate::clocks::{self, Clocks, Comparison};
+use crate::clocks::{self, Comparison, PeerClocks};
 use crate::feed;
 use crate::gate::Gates;
-use crate::history::{self, History, Position, SharedHistory};
+use crate::history::{self, MessageHistory, ReaderPosition, SharedHistory};
 use crate::inbound::Inbound;
 use crate::keys;
-use crate::outbound::{self, Outbound, Sender, SharedPicture, Stream, Tracks};
+use crate::outbound::{self, Outbound, OutgoingTracks, Sender, SharedPicture, TopicStream};
 use crate::outbox::Outbox;
 use crate::refused;
 use crate::session;
-use crate::wire::{Head, Part};
+use crate::wire::{Head, MessagePart};
 
 /// Time between two comparisons of clocks, nanoseconds.
 const COMPARE_NS: i64 = 1_000_000_000;
@@ -38,7 +38,7 @@ pub(crate) struct LinkAgent {
     outbox: Outbox,
     waiter: Waiter<SharedMemory>,
     inbound: Inbound,
-    clocks: Clocks,
+    clocks: PeerClocks,
     own_clock: String,
     compare_ns: i64,
     /// Deployments that something is to come from.
@@ -68,7 +68,7 @@ impl LinkAgent {
         };
         let (session, gates) = session::open(deployment, link)?;
         let refused = |what: &str, error: zenoh::Error| anyhow!("{what}: {error}");
-        let mut open = Open {
+        let mut open = TopicOpener {
             process,
             waiter: process.bus.waiter(WaitMode::Event),
             lanes: Vec::new(),
@@ -98,11 +98,10 @@ impl LinkAgent {
         });
         let histories = histories.collect::<anyhow::Result<Vec<_>>>()?;
         let own_clock = keys::clock(deployment, &link.name);
-        let clock =
-            clocks::answer(&session, &own_clock).map_err(|error| refused("the clock", error))?;
+        let clock = clocks::answer(&session, &own_clock).map_err(|error| refused("the clock", error))?;
         let token = session.liveliness().declare_token(own_clock.clone()).wait();
         let token = token.map_err(|error| refused("the sign of life", error))?;
-        let clocks = Clocks::default();
+        let clocks = PeerClocks::default();
         let inbound = Inbound::open(
             &session,
             process.bus.root(),
@@ -129,7 +128,7 @@ impl LinkAgent {
 }
 
 /// Opens the topics that go out.
-struct Open<'a> {
+struct TopicOpener<'a> {
     process: &'a Process,
     waiter: Waiter<SharedMemory>,
     lanes: Vec<Box<dyn Outbound>>,
@@ -143,7 +142,7 @@ struct Open<'a> {
     sender: Sender,
 }
 
-impl Visitor for &mut Open<'_> {
+impl Visitor for &mut TopicOpener<'_> {
     type Output = anyhow::Result<()>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> Self::Output {
@@ -157,12 +156,12 @@ impl Visitor for &mut Open<'_> {
                 if topic.name.as_str() == messages::system_tracks().name.as_str() {
                     self.picture = Some(Arc::clone(&picture));
                 }
-                Box::new(Tracks::open(bus, topic, lane, joined_ns, picture)?)
+                Box::new(OutgoingTracks::open(bus, topic, lane, joined_ns, picture)?)
             }
             None => {
-                let history = History::with_room(self.history_room);
+                let history = MessageHistory::with_room(self.history_room);
                 self.histories.push((self.lanes.len(), Arc::clone(&history)));
-                Box::new(Stream::open(bus, &topic, lane, joined_ns, history)?)
+                Box::new(TopicStream::open(bus, &topic, lane, joined_ns, history)?)
             }
         };
         self.waiter.watch(bus, &topic)?;
@@ -188,7 +187,7 @@ fn tell_picture(
         let of = parts.len() as u32;
         for (index, part) in (0..).zip(parts) {
             let head = Head {
-                part: Some(Part { index, of }),
+                part: Some(MessagePart { index, of }),
                 ..sender.head(now, 0)
             };
             // A failure means that the requesting reader is gone.
@@ -204,7 +203,7 @@ fn send_again(session: &Session, key: &str, sender: Sender, history: SharedHisto
     let of_answers = key.clone();
     let answer = move |query: Query| {
         let payload = query.payload().map(|payload| payload.to_bytes().into_owned());
-        let Some(position) = payload.and_then(|payload| Position::of_bytes(&payload)) else {
+        let Some(position) = payload.and_then(|payload| ReaderPosition::of_bytes(&payload)) else {
             return;
         };
         let answers = history::lock(&history).after(position, sender.head(Now::read(), 0));

@@ -66,9 +66,9 @@ impl Peer {
 
 /// Links of other deployments that have answered, by deployment and name.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Clocks(Arc<Mutex<BTreeMap<(String, String), Peer>>>);
+pub(crate) struct PeerClocks(Arc<Mutex<BTreeMap<(String, String), Peer>>>);
 
-impl Clocks {
+impl PeerClocks {
     fn lock(&self) -> MutexGuard<'_, BTreeMap<(String, String), Peer>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn the_offset_is_known_to_half_a_round_trip_and_the_shortest_says_most() {
-        let clocks = Clocks::default();
+        let clocks = PeerClocks::default();
         // The other's monotonic clock is 1000 ahead, its UTC 50 behind; 30 on the way there, 10 back.
         let slow = Comparison::of(at(0, 100_000), at(1030, 99_980), at(40, 100_040));
         assert_eq!(

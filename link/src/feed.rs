@@ -15,11 +15,11 @@ use messages::{FrameOrigin, Outgoing, SensorTrack, SystemTrack, Topic, WideArea,
 use runtime::Now;
 
 use crate::frame::{self, Placed};
-use crate::in_order::{InOrder, Outlet};
-use crate::inbound::{Arrival, Counts, Inlet, Wanted};
+use crate::in_order::{InOrder, SlicePublisher};
+use crate::inbound::{Arrival, InboundCounts, Inlet, Wanted};
 use crate::keys;
-use crate::stand_in::{Numbers, StandIn};
-use crate::wire::{Head, Slice};
+use crate::stand_in::{PublisherNumbers, StandIn};
+use crate::wire::{Head, SliceCopy};
 
 /// Returns the topics that `link` receives for external sources of the deployment `config`.
 ///
@@ -44,15 +44,15 @@ pub(crate) fn wanted(link: &Link, config: &Deployment) -> anyhow::Result<Vec<Wan
                     report.valid &= !unnamed;
                     Some(report)
                 };
-                Box::new(move || Feed::open(None, frame, messages::sensor_tracks(&name), report))
+                Box::new(move || TopicFeed::open(None, frame, messages::sensor_tracks(&name), report))
             }
             Some("sensor") => {
                 let copy = |sample: &SensorTrack| Some(*sample);
-                Box::new(move || Feed::open(Some(again), frame, messages::sensor_tracks(&name), copy))
+                Box::new(move || TopicFeed::open(Some(again), frame, messages::sensor_tracks(&name), copy))
             }
             Some("wide-area") => {
                 let copy = |sample: &WideArea| Some(*sample);
-                Box::new(move || Feed::open(Some(again), frame, messages::wide_area(&name), copy))
+                Box::new(move || TopicFeed::open(Some(again), frame, messages::wide_area(&name), copy))
             }
             _ => return Err(anyhow!("{} is no topic that is fed from outside", remote.into())),
         };
@@ -66,17 +66,17 @@ pub(crate) fn wanted(link: &Link, config: &Deployment) -> anyhow::Result<Vec<Wan
 }
 
 /// Converter from a received to a local sample; `None` if the sample is omitted.
-type Reading<R, T> = Box<dyn Fn(&R) -> Option<T>>;
+type SampleConverter<R, T> = Box<dyn Fn(&R) -> Option<T>>;
 
-struct Feed<R, T: Payload> {
+struct TopicFeed<R, T: Payload> {
     stand_in: StandIn<T>,
-    reading: Reading<R, T>,
+    reading: SampleConverter<R, T>,
     frame: SystemFrame,
     /// Frame of the latest sample, and the change from this frame; `None` if it is this deployment's frame.
     change: (FrameOrigin, Option<FrameChange>),
 }
 
-impl<R: Payload, T: Outgoing + Payload + Placed> Feed<R, T> {
+impl<R: Payload, T: Outgoing + Payload + Placed> TopicFeed<R, T> {
     /// Opens an inlet to the local `topic`; missing samples are requested at the key `again`.
     fn open(
         again: Option<String>,
@@ -94,14 +94,14 @@ impl<R: Payload, T: Outgoing + Payload + Placed> Feed<R, T> {
     }
 }
 
-impl<R: Payload, T: Outgoing + Payload + Placed> Outlet for Feed<R, T> {
+impl<R: Payload, T: Outgoing + Payload + Placed> SlicePublisher for TopicFeed<R, T> {
     type Came = R;
 
-    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<R>>)> {
+    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut InboundCounts) -> Option<(Head, Vec<SliceCopy<R>>)> {
         self.stand_in.read(arrival, counts)
     }
 
-    fn numbers(&self) -> &Numbers {
+    fn numbers(&self) -> &PublisherNumbers {
         &self.stand_in.numbers
     }
 
@@ -113,8 +113,8 @@ impl<R: Payload, T: Outgoing + Payload + Placed> Outlet for Feed<R, T> {
         &mut self,
         bus: &Bus<SharedMemory>,
         now: Now,
-        (head, (header, samples)): (&Head, &Slice<R>),
-        counts: &mut Counts,
+        (head, (header, samples)): (&Head, &SliceCopy<R>),
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         if self.change.0 != head.frame {
             self.change = match frame::change(&head.frame, &self.frame) {

@@ -99,18 +99,18 @@ fn listen(place: &str) -> anyhow::Result<TcpListener> {
 
 /// Connections of each address that are not through with their handshakes.
 #[derive(Debug, Default)]
-struct Addresses(HashMap<IpAddr, Pending>);
+struct Addresses(HashMap<IpAddr, SilentConnections>);
 
 #[derive(Debug, Default)]
-struct Pending {
+struct SilentConnections {
     /// Silent connections, oldest first, each with the notification that closes it.
     silent: VecDeque<Arc<Notify>>,
     begun: usize,
 }
 
-type Shared = Arc<Mutex<Addresses>>;
+type SharedAddresses = Arc<Mutex<Addresses>>;
 
-fn lock(addresses: &Shared) -> MutexGuard<'_, Addresses> {
+fn lock(addresses: &SharedAddresses) -> MutexGuard<'_, Addresses> {
     addresses.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -159,7 +159,7 @@ impl Addresses {
 
 /// Admits connections to Zenoh's listener at `inner`.
 async fn admit(listener: TcpListener, inner: SocketAddr) {
-    let addresses = Shared::default();
+    let addresses = SharedAddresses::default();
     loop {
         match listener.accept().await {
             Ok((connection, from)) => {
@@ -172,7 +172,7 @@ async fn admit(listener: TcpListener, inner: SocketAddr) {
 }
 
 /// Waits for the first byte of a connection, and passes the connection on.
-async fn pass(mut outer: TcpStream, from: IpAddr, inner: SocketAddr, addresses: Shared) {
+async fn pass(mut outer: TcpStream, from: IpAddr, inner: SocketAddr, addresses: SharedAddresses) {
     let end = lock(&addresses).come(from);
     let mut first = [0];
     let speaks = tokio::select! {

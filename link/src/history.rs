@@ -12,17 +12,17 @@ use crate::wire::{self, Head, Message};
 
 /// Size at which an answer begins another message.
 const ANSWER_BYTES: usize = 1 << 20;
-/// Bytes of a [`Position`] in a question.
+/// Bytes of a [`ReaderPosition`] in a question.
 const POSITION_BYTES: usize = 16;
 
 /// How far a reader has got in a topic: the epoch of a publisher, and the sequence number that the reader expects next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Position {
+pub(crate) struct ReaderPosition {
     pub(crate) publisher: u64,
     pub(crate) next: u64,
 }
 
-impl Position {
+impl ReaderPosition {
     pub(crate) fn to_bytes(self) -> Vec<u8> {
         [self.publisher.to_le_bytes(), self.next.to_le_bytes()].concat()
     }
@@ -38,31 +38,31 @@ impl Position {
 }
 
 /// History that the agent writes and the network's threads read.
-pub(crate) type SharedHistory = Arc<Mutex<History>>;
+pub(crate) type SharedHistory = Arc<Mutex<MessageHistory>>;
 
-pub(crate) fn lock(history: &SharedHistory) -> MutexGuard<'_, History> {
+pub(crate) fn lock(history: &SharedHistory) -> MutexGuard<'_, MessageHistory> {
     history.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Messages that were sent lately, the oldest first.
 #[derive(Debug, Default)]
-pub(crate) struct History {
+pub(crate) struct MessageHistory {
     /// Bytes at most.
     room: usize,
     bytes: usize,
-    sent: VecDeque<Sent>,
+    sent: VecDeque<SentMessage>,
     /// Header of a slice that would come next.
     reached: Option<BatchHeader>,
 }
 
 #[derive(Debug)]
-struct Sent {
+struct SentMessage {
     /// Position of a reader that has the message.
-    position: Position,
+    position: ReaderPosition,
     message: Vec<u8>,
 }
 
-impl History {
+impl MessageHistory {
     /// A history of at most so many bytes.
     pub(crate) fn with_room(room: usize) -> SharedHistory {
         Arc::new(Mutex::new(Self {
@@ -75,8 +75,8 @@ impl History {
     pub(crate) fn keep(&mut self, message: &[u8], reached: &BatchHeader) {
         self.reached = Some(*reached);
         self.bytes += message.len();
-        self.sent.push_back(Sent {
-            position: Position {
+        self.sent.push_back(SentMessage {
+            position: ReaderPosition {
                 publisher: reached.incarnation,
                 next: reached.first_sequence,
             },
@@ -91,11 +91,12 @@ impl History {
 
     /// Returns messages with the slices after `position`, as far as the history reaches back, and an empty slice at
     /// the end with the topic's present position. Readers drop known slices.
-    pub(crate) fn after(&self, position: Position, head: Head) -> Vec<Vec<u8>> {
+    pub(crate) fn after(&self, position: ReaderPosition, head: Head) -> Vec<Vec<u8>> {
         let Some(reached) = self.reached else {
             return Vec::new();
         };
-        let has = |sent: &Sent| sent.position.publisher == position.publisher && sent.position.next <= position.next;
+        let has =
+            |sent: &SentMessage| sent.position.publisher == position.publisher && sent.position.next <= position.next;
         let first = self.sent.iter().rposition(has).map_or(0, |last| last + 1);
         let mut answers: Vec<Vec<u8>> = Vec::new();
         for sent in self.sent.range(first..) {
@@ -140,8 +141,8 @@ mod tests {
     }
 
     /// Numbers of the reports in the answer for a reader at this position, by publisher.
-    fn answered(history: &History, publisher: u64, next: u64) -> Vec<(u64, u64)> {
-        let answers = history.after(Position { publisher, next }, Head::default());
+    fn answered(history: &MessageHistory, publisher: u64, next: u64) -> Vec<(u64, u64)> {
+        let answers = history.after(ReaderPosition { publisher, next }, Head::default());
         let slices = answers
             .iter()
             .flat_map(|answer| wire::read::<SensorTrack>(answer, 8).unwrap().1);
@@ -155,7 +156,7 @@ mod tests {
     }
 
     fn history(messages: usize) -> SharedHistory {
-        History::with_room(messages * message(0, 0).0.len())
+        MessageHistory::with_room(messages * message(0, 0).0.len())
     }
 
     #[test]
@@ -164,7 +165,7 @@ mod tests {
         let mut history = lock(&history);
         assert!(
             history
-                .after(Position { publisher: 7, next: 0 }, Head::default())
+                .after(ReaderPosition { publisher: 7, next: 0 }, Head::default())
                 .is_empty()
         );
         for (publisher, number) in [(7, 5), (7, 6), (9, 0), (9, 1)] {
@@ -195,11 +196,11 @@ mod tests {
 
     #[test]
     fn a_position_is_read_as_it_was_written() {
-        let position = Position {
+        let position = ReaderPosition {
             publisher: u64::MAX - 3,
             next: 9,
         };
-        assert_eq!(Position::of_bytes(&position.to_bytes()), Some(position));
-        assert!((0..16).all(|cut| Position::of_bytes(&position.to_bytes()[..cut]).is_none()));
+        assert_eq!(ReaderPosition::of_bytes(&position.to_bytes()), Some(position));
+        assert!((0..16).all(|cut| ReaderPosition::of_bytes(&position.to_bytes()[..cut]).is_none()));
     }
 }

@@ -15,9 +15,9 @@ use bus::{Bus, Payload, SharedMemory};
 use messages::BatchHeader;
 use runtime::Now;
 
-use crate::inbound::{Arrival, Counts, Inlet, Question, WAITING_OCTETS};
-use crate::stand_in::Numbers;
-use crate::wire::{Head, Slice};
+use crate::inbound::{Arrival, InboundCounts, Inlet, Question, WAITING_OCTETS};
+use crate::stand_in::PublisherNumbers;
+use crate::wire::{Head, SliceCopy};
 
 /// Largest number of requests for a gap without an answer.
 const QUESTIONS_MAX: u32 = 4;
@@ -32,15 +32,16 @@ const BURST_SAMPLES: usize = 512;
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// Publishes slices of one topic here.
-pub(crate) trait Outlet {
+pub(crate) trait SlicePublisher {
     /// Type of the samples that come.
     type Came: Payload;
 
     /// Reads a message; `None` if it is none, which is counted.
-    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<Self::Came>>)>;
+    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut InboundCounts)
+    -> Option<(Head, Vec<SliceCopy<Self::Came>>)>;
 
     /// The numbers of the publishers elsewhere.
-    fn numbers(&self) -> &Numbers;
+    fn numbers(&self) -> &PublisherNumbers;
 
     /// Maximum number of samples in a slice of the topic here.
     fn slice_len(&self) -> usize;
@@ -53,18 +54,18 @@ pub(crate) trait Outlet {
         &mut self,
         bus: &Bus<SharedMemory>,
         now: Now,
-        came: (&Head, &Slice<Self::Came>),
-        counts: &mut Counts,
+        came: (&Head, &SliceCopy<Self::Came>),
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()>;
 }
 
 /// A topic with repair of gaps.
-pub(crate) struct InOrder<O: Outlet> {
+pub(crate) struct InOrder<O: SlicePublisher> {
     outlet: O,
     /// Key at which the sender answers; `None`: the topic has no history, since newer samples replace older ones.
     key: Option<String>,
     /// Slices after a gap, in their order; empty unless a gap is open.
-    held: VecDeque<(Head, Slice<O::Came>)>,
+    held: VecDeque<(Head, SliceCopy<O::Came>)>,
     held_bytes: usize,
     /// Questions asked about the open gap.
     questions: u32,
@@ -77,7 +78,7 @@ pub(crate) struct InOrder<O: Outlet> {
     burst: (usize, usize),
 }
 
-impl<O: Outlet> InOrder<O> {
+impl<O: SlicePublisher> InOrder<O> {
     pub(crate) fn new(outlet: O, key: Option<String>) -> Self {
         Self {
             outlet,
@@ -92,7 +93,7 @@ impl<O: Outlet> InOrder<O> {
         }
     }
 
-    fn hold(&mut self, head: &Head, slice: Slice<O::Came>) {
+    fn hold(&mut self, head: &Head, slice: SliceCopy<O::Came>) {
         self.held_bytes += size_of_val(&slice) + size_of_val(&slice.1[..]);
         self.held.push_back((*head, slice));
     }
@@ -100,8 +101,8 @@ impl<O: Outlet> InOrder<O> {
     fn publish(
         &mut self,
         arrival: &Arrival<'_>,
-        (head, slice): (&Head, &Slice<O::Came>),
-        counts: &mut Counts,
+        (head, slice): (&Head, &SliceCopy<O::Came>),
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         match self.outlet.numbers().missing(&slice.0) {
             Some(missing) => {
@@ -119,7 +120,7 @@ impl<O: Outlet> InOrder<O> {
     }
 
     /// Publishes the held samples, after the answer or without hope of an answer.
-    fn close(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+    fn close(&mut self, arrival: &Arrival<'_>, counts: &mut InboundCounts) -> anyhow::Result<()> {
         self.closed_ns = arrival.now.mono_ns;
         (self.held_bytes, self.questions, self.is_asked, self.has_answer) = (0, 0, false, false);
         let held = std::mem::take(&mut self.held);
@@ -130,10 +131,10 @@ impl<O: Outlet> InOrder<O> {
     fn recover(
         &mut self,
         arrival: &Arrival<'_>,
-        slices: impl IntoIterator<Item = (Head, Slice<O::Came>)>,
-        counts: &mut Counts,
+        slices: impl IntoIterator<Item = (Head, SliceCopy<O::Came>)>,
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
-        let mut full: Option<(Head, Slice<O::Came>)> = None;
+        let mut full: Option<(Head, SliceCopy<O::Came>)> = None;
         for (head, slice) in slices {
             if let Some((of, slices)) = &mut full {
                 if (of.frame, of.origin) == (head.frame, head.origin)
@@ -159,8 +160,8 @@ impl<O: Outlet> InOrder<O> {
     fn publish_paced(
         &mut self,
         arrival: &Arrival<'_>,
-        came: (&Head, &Slice<O::Came>),
-        counts: &mut Counts,
+        came: (&Head, &SliceCopy<O::Came>),
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         let (slices, samples) = self.burst;
         self.burst = (slices + 1, samples + came.1.1.len());
@@ -173,7 +174,7 @@ impl<O: Outlet> InOrder<O> {
 }
 
 /// Whether `next` continues `slice` and both fit in a slice of `slice_len` samples.
-fn is_joined<T>((header, samples): &Slice<T>, next: &Slice<T>, slice_len: usize) -> bool {
+fn is_joined<T>((header, samples): &SliceCopy<T>, next: &SliceCopy<T>, slice_len: usize) -> bool {
     let of = |header: &BatchHeader| (header.incarnation, header.epoch, header.boot(), header.sensor_uid);
     of(header) == of(&next.0)
         && header.flags & BatchHeader::END == 0
@@ -182,7 +183,7 @@ fn is_joined<T>((header, samples): &Slice<T>, next: &Slice<T>, slice_len: usize)
 }
 
 /// Appends `next` to `slice`; the progress of the joined slice is that of `next`.
-fn join<T>((header, samples): &mut Slice<T>, (next, more): Slice<T>) {
+fn join<T>((header, samples): &mut SliceCopy<T>, (next, more): SliceCopy<T>) {
     *header = BatchHeader {
         first_sequence: header.first_sequence,
         ..next
@@ -190,8 +191,8 @@ fn join<T>((header, samples): &mut Slice<T>, (next, more): Slice<T>) {
     samples.extend(more);
 }
 
-impl<O: Outlet> Inlet for InOrder<O> {
-    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+impl<O: SlicePublisher> Inlet for InOrder<O> {
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut InboundCounts) -> anyhow::Result<()> {
         let Some((head, slices)) = self.outlet.read(&arrival, counts) else {
             return Ok(());
         };
@@ -224,7 +225,7 @@ impl<O: Outlet> Inlet for InOrder<O> {
         self.questions += 1;
     }
 
-    fn answered(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+    fn answered(&mut self, arrival: Arrival<'_>, counts: &mut InboundCounts) -> anyhow::Result<()> {
         self.is_asked = false;
         if !self.held.is_empty() && (self.has_answer || self.questions >= QUESTIONS_MAX) {
             return self.close(&arrival, counts);
@@ -237,7 +238,7 @@ impl<O: Outlet> Inlet for InOrder<O> {
 mod tests {
     use super::*;
 
-    fn slice(first_sequence: u64, count: usize) -> Slice<u8> {
+    fn slice(first_sequence: u64, count: usize) -> SliceCopy<u8> {
         let header = BatchHeader {
             first_sequence,
             progress_ns: first_sequence.cast_signed(),

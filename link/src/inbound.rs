@@ -18,7 +18,7 @@ use zenoh::query::{ConsolidationMode, Reply};
 use zenoh::sample::Sample;
 use zenoh::{Session, Wait as _};
 
-use crate::clocks::Clocks;
+use crate::clocks::PeerClocks;
 use crate::keys;
 use crate::refused;
 use crate::session::MESSAGE_MAX;
@@ -39,7 +39,7 @@ const ASK_MAX_NS: i64 = 8_000_000_000;
 
 /// Counts of the incoming direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Counts {
+pub(crate) struct InboundCounts {
     /// Messages that were received.
     pub(crate) messages: u64,
     /// Messages that could not be read, or repeated others.
@@ -56,7 +56,7 @@ pub(crate) struct Counts {
     pub(crate) conflated: u64,
 }
 
-impl Counts {
+impl InboundCounts {
     /// Samples that were sent and did not arrive.
     pub(crate) fn lost(&self) -> u64 {
         self.missing.saturating_sub(self.conflated)
@@ -76,7 +76,7 @@ pub(crate) struct Wanted {
 /// The topics that come in. They come until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Inbound {
-    counts: Arc<Mutex<Counts>>,
+    counts: Arc<Mutex<InboundCounts>>,
     overrun: Arc<AtomicU64>,
     subscribers: Vec<Subscriber<()>>,
     is_closed: Arc<AtomicBool>,
@@ -86,10 +86,10 @@ pub(crate) struct Inbound {
 /// Something for the topic in this place among those wanted.
 struct Arrived {
     index: usize,
-    what: What,
+    what: InboundEvent,
 }
 
-enum What {
+enum InboundEvent {
     Message(Vec<u8>),
     /// A message that was asked for.
     Answer(Vec<u8>),
@@ -113,7 +113,7 @@ impl Entrance {
         // Messages without room are missing in the sequence, and counted there; messages dropped at the end are not
         // counted.
         let offered = message.map(|message| {
-            let what = What::Message(message);
+            let what = InboundEvent::Message(message);
             self.sender.try_send(Arrived { index, what })
         });
         if let None | Some(Err(TrySendError::Full(_))) = offered {
@@ -136,7 +136,7 @@ impl Answers {
         // Waits for room: the sender has more, and is to wait as well. It fails at the end of this process only.
         let _ = self.entrance.sender.send(Arrived {
             index: self.index,
-            what: What::Answer(message),
+            what: InboundEvent::Answer(message),
         });
     }
 }
@@ -145,15 +145,20 @@ impl Drop for Answers {
     fn drop(&mut self) {
         let _ = self.entrance.sender.send(Arrived {
             index: self.index,
-            what: What::EndOfAnswers,
+            what: InboundEvent::EndOfAnswers,
         });
     }
 }
 
 impl Inbound {
     /// Receives the `wanted` topics over `session`, for the deployment at `root`.
-    pub(crate) fn open(session: &Session, root: &Root, wanted: Vec<Wanted>, clocks: &Clocks) -> anyhow::Result<Self> {
-        let counts = Arc::new(Mutex::new(Counts::default()));
+    pub(crate) fn open(
+        session: &Session,
+        root: &Root,
+        wanted: Vec<Wanted>,
+        clocks: &PeerClocks,
+    ) -> anyhow::Result<Self> {
+        let counts = Arc::new(Mutex::new(InboundCounts::default()));
         let (sender, receiver) = sync_channel(WAITING);
         let is_closed = Arc::new(AtomicBool::new(false));
         let entrance = Entrance {
@@ -170,7 +175,7 @@ impl Inbound {
             subscribers.push(subscriber.map_err(|error| anyhow!("subscribing to {key}: {error}"))?);
         }
         let overrun = Arc::clone(&entrance.overrun);
-        let work = Work {
+        let work = InboundWork {
             root: root.clone(),
             wanted,
             clocks: clocks.clone(),
@@ -189,7 +194,7 @@ impl Inbound {
         })
     }
 
-    pub(crate) fn counts(&self) -> Counts {
+    pub(crate) fn counts(&self) -> InboundCounts {
         *lock(&self.counts)
     }
 
@@ -229,22 +234,22 @@ impl Drop for Inbound {
     }
 }
 
-fn lock(counts: &Mutex<Counts>) -> MutexGuard<'_, Counts> {
+fn lock(counts: &Mutex<InboundCounts>) -> MutexGuard<'_, InboundCounts> {
     counts.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Business of the thread.
-struct Work {
+struct InboundWork {
     root: Root,
     wanted: Vec<Wanted>,
-    clocks: Clocks,
-    counts: Arc<Mutex<Counts>>,
+    clocks: PeerClocks,
+    counts: Arc<Mutex<InboundCounts>>,
     session: Session,
     entrance: Entrance,
     is_closed: Arc<AtomicBool>,
 }
 
-impl Work {
+impl InboundWork {
     fn run(self, receiver: &Receiver<Arrived>) -> anyhow::Result<()> {
         let bus: Bus<SharedMemory> = Bus::open(&self.root, "link-inbound")?;
         let open = |wanted: Wanted| (wanted.deployment, (wanted.inlet)());
@@ -256,9 +261,9 @@ impl Work {
             if let Ok(Arrived { index, what }) = arrived {
                 let (deployment, inlet) = &mut inlets[index];
                 let (message, is_answer) = match &what {
-                    What::Message(message) => (Some(message), false),
-                    What::Answer(message) => (Some(message), true),
-                    What::EndOfAnswers => (None, true),
+                    InboundEvent::Message(message) => (Some(message), false),
+                    InboundEvent::Answer(message) => (Some(message), true),
+                    InboundEvent::EndOfAnswers => (None, true),
                 };
                 let octets = message.map_or(0, Vec::len);
                 self.entrance.octets.fetch_sub(octets, Ordering::Relaxed);
@@ -354,7 +359,7 @@ pub(crate) trait Inlet {
     ///
     /// # Errors
     /// If shared memory fails.
-    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()>;
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut InboundCounts) -> anyhow::Result<()>;
 
     /// Returns the request for missing samples; `None` if none are missing.
     fn lacks(&self) -> Option<Question>;
@@ -366,7 +371,7 @@ pub(crate) trait Inlet {
     ///
     /// # Errors
     /// If shared memory fails.
-    fn answered(&mut self, _arrival: Arrival<'_>, _counts: &mut Counts) -> anyhow::Result<()> {
+    fn answered(&mut self, _arrival: Arrival<'_>, _counts: &mut InboundCounts) -> anyhow::Result<()> {
         Ok(())
     }
 }

@@ -37,13 +37,13 @@ use runtime::{Now, Options, Speed};
 /// Exchanges topics of Koseki deployments between hosts
 #[derive(Debug, Parser)]
 #[command(version)]
-struct Cli {
+struct LinkCli {
     #[command(subcommand)]
-    command: Command,
+    command: LinkCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {
+enum LinkCommand {
     /// Run one link of a deployment that is up; `koseki up` and `koseki link` call this
     Join(Join),
     /// Show a deployment of another host as an instance here, for displays, gateways and other readers
@@ -114,16 +114,16 @@ struct Join {
 }
 
 fn main() -> ExitCode {
-    let Cli { command } = Cli::parse();
+    let LinkCli { command } = LinkCli::parse();
     let done = match command {
-        Command::Join(join) => run(join),
-        Command::Mirror(mirror) => mirror::run(mirror),
+        LinkCommand::Join(join) => run(join),
+        LinkCommand::Mirror(mirror) => mirror::run(mirror),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             runtime::notice(format_args!("koseki-link: {error:#}"));
-            ExitCode::from(if error.is::<ConfigError>() || error.is::<mirror::Usage>() {
+            ExitCode::from(if error.is::<ConfigError>() || error.is::<mirror::UsageError>() {
                 2
             } else {
                 1

@@ -21,12 +21,12 @@ use runtime::{Agent, HealthEntry, Now, Options, Speed, Turn};
 use zenoh::Session;
 
 use crate::Mirror;
-use crate::clocks::Clocks;
-use crate::in_order::{InOrder, Outlet};
-use crate::inbound::{Arrival, Counts, Inbound, Inlet, Question, Wanted};
-use crate::picture::Picture;
-use crate::stand_in::{Numbers, StandIn, UNNUMBERED};
-use crate::wire::{Head, Part, Slice};
+use crate::clocks::PeerClocks;
+use crate::in_order::{InOrder, SlicePublisher};
+use crate::inbound::{Arrival, Inbound, InboundCounts, Inlet, Question, Wanted};
+use crate::picture::NewestStates;
+use crate::stand_in::{PublisherNumbers, StandIn, UNNUMBERED};
+use crate::wire::{Head, MessagePart, SliceCopy};
 use crate::{agent, keys, session};
 
 /// Processes for which there is room.
@@ -38,15 +38,15 @@ const COMPARE_NS: i64 = 1_000_000_000;
 
 /// Wrong use of the command line.
 #[derive(Debug)]
-pub(crate) struct Usage(String);
+pub(crate) struct UsageError(String);
 
-impl std::fmt::Display for Usage {
+impl std::fmt::Display for UsageError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Usage {}
+impl std::error::Error for UsageError {}
 
 /// Runs a mirror until a stop request.
 ///
@@ -59,7 +59,7 @@ pub(crate) fn run(mirror: Mirror) -> anyhow::Result<()> {
     for endpoint in mirror.listen.iter().chain(&mirror.connect) {
         deployment::check_endpoint(endpoint, mirror.certificates, is_insecure).map_err(|what| {
             let what = what.replace("authority, certificate and private_key", "--certificates");
-            Usage(what.replace("set insecure = true", "give --insecure"))
+            UsageError(what.replace("set insecure = true", "give --insecure"))
         })?;
     }
     let stop = Stop::on_signals().context("catching signals")?;
@@ -111,7 +111,7 @@ fn reflect(config: Deployment, options: Options, link: &Link, topics: &[String])
     if wanted.is_empty() {
         bail!("no topic is to be mirrored");
     }
-    let clocks = Clocks::default();
+    let clocks = PeerClocks::default();
     let inbound = Inbound::open(&session, process.bus.root(), wanted, &clocks)?;
     let mut agent = MirrorAgent {
         inbound,
@@ -139,17 +139,17 @@ impl Visitor for Reflect<'_> {
         let open = move || -> Box<dyn Inlet> {
             let any: &dyn Any = &topic;
             match any.downcast_ref::<Topic<SystemTrack>>() {
-                Some(topic) => Box::new(Tracks {
+                Some(topic) => Box::new(MirroredTracks {
                     stand_in: StandIn::new(topic.clone()),
                     key: keys::picture::<SystemTrack>(&deployment),
-                    picture: Picture::default(),
+                    picture: NewestStates::default(),
                     lacks: true,
                     reaches: 0,
                     parts: Parts::default(),
                 }),
                 None => {
                     let key = keys::topic_of_any_layout(&deployment, topic.name.as_str());
-                    Box::new(InOrder::new(Copied(StandIn::new(topic)), Some(keys::again(&key))))
+                    Box::new(InOrder::new(TopicCopy(StandIn::new(topic)), Some(keys::again(&key))))
                 }
             }
         };
@@ -162,16 +162,16 @@ impl Visitor for Reflect<'_> {
 }
 
 /// A topic that is published as it comes.
-struct Copied<T: Payload>(StandIn<T>);
+struct TopicCopy<T: Payload>(StandIn<T>);
 
-impl<T: Payload> Outlet for Copied<T> {
+impl<T: Payload> SlicePublisher for TopicCopy<T> {
     type Came = T;
 
-    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut Counts) -> Option<(Head, Vec<Slice<T>>)> {
+    fn read(&mut self, arrival: &Arrival<'_>, counts: &mut InboundCounts) -> Option<(Head, Vec<SliceCopy<T>>)> {
         self.0.read(arrival, counts)
     }
 
-    fn numbers(&self) -> &Numbers {
+    fn numbers(&self) -> &PublisherNumbers {
         &self.0.numbers
     }
 
@@ -183,8 +183,8 @@ impl<T: Payload> Outlet for Copied<T> {
         &mut self,
         bus: &Bus<SharedMemory>,
         now: Now,
-        (head, (header, samples)): (&Head, &Slice<T>),
-        counts: &mut Counts,
+        (head, (header, samples)): (&Head, &SliceCopy<T>),
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         counts.published += samples.len() as u64;
         self.0.publish(bus, (header, head.origin), samples, now, |_, _| {})?;
@@ -194,10 +194,10 @@ impl<T: Payload> Outlet for Copied<T> {
 }
 
 /// The system tracks, with the picture where something was missed.
-struct Tracks {
+struct MirroredTracks {
     stand_in: StandIn<SystemTrack>,
     key: String,
-    picture: Picture,
+    picture: NewestStates,
     lacks: bool,
     /// Number of the state that would come next after the last whole picture.
     reaches: u64,
@@ -209,7 +209,7 @@ struct Tracks {
 struct Parts {
     sent_mono_ns: i64,
     next: u32,
-    slices: Vec<Slice<SystemTrack>>,
+    slices: Vec<SliceCopy<SystemTrack>>,
 }
 
 impl Parts {
@@ -218,9 +218,9 @@ impl Parts {
     fn add(
         &mut self,
         sent_mono_ns: i64,
-        part: Part,
-        slices: Vec<Slice<SystemTrack>>,
-    ) -> Option<Vec<Slice<SystemTrack>>> {
+        part: MessagePart,
+        slices: Vec<SliceCopy<SystemTrack>>,
+    ) -> Option<Vec<SliceCopy<SystemTrack>>> {
         if part.index == 0 {
             *self = Self {
                 sent_mono_ns,
@@ -236,8 +236,8 @@ impl Parts {
     }
 }
 
-impl Inlet for Tracks {
-    fn take(&mut self, arrival: Arrival<'_>, counts: &mut Counts) -> anyhow::Result<()> {
+impl Inlet for MirroredTracks {
+    fn take(&mut self, arrival: Arrival<'_>, counts: &mut InboundCounts) -> anyhow::Result<()> {
         let Some((head, slices)) = self.stand_in.read::<SystemTrack>(&arrival, counts) else {
             return Ok(());
         };
@@ -272,13 +272,13 @@ impl Inlet for Tracks {
     }
 }
 
-impl Tracks {
+impl MirroredTracks {
     fn tell(
         &mut self,
         arrival: &Arrival<'_>,
         (header, origin): (&BatchHeader, u32),
         states: &[SystemTrack],
-        counts: &mut Counts,
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         self.picture.hear(header, states);
         counts.published += states.len() as u64;
@@ -293,7 +293,7 @@ impl Tracks {
         arrival: &Arrival<'_>,
         origin: u32,
         slices: &[(BatchHeader, Vec<SystemTrack>)],
-        counts: &mut Counts,
+        counts: &mut InboundCounts,
     ) -> anyhow::Result<()> {
         self.lacks = false;
         // The last slice states the position of the snapshot.
@@ -326,7 +326,7 @@ impl Tracks {
 
 struct MirrorAgent {
     inbound: Inbound,
-    clocks: Clocks,
+    clocks: PeerClocks,
     compare_ns: i64,
     deployment: Arc<String>,
     session: Session,
@@ -367,7 +367,11 @@ mod tests {
     fn an_answer_is_whole_when_all_its_parts_have_come_in_order() {
         let mut parts = Parts::default();
         let slice = || vec![(BatchHeader::default(), Vec::new())];
-        let mut add = |sent_ns, index, of| parts.add(sent_ns, Part { index, of }, slice()).map(|all| all.len());
+        let mut add = |sent_ns, index, of| {
+            parts
+                .add(sent_ns, MessagePart { index, of }, slice())
+                .map(|all| all.len())
+        };
         assert_eq!([add(5, 0, 3), add(5, 1, 3), add(5, 2, 3)], [None, None, Some(3)]);
         assert_eq!([add(6, 1, 3), add(6, 0, 3), add(6, 2, 3)], [None; 3], "one is missing");
         assert_eq!(

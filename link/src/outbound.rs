@@ -14,7 +14,7 @@ use runtime::Now;
 
 use crate::history::{self, SharedHistory};
 use crate::outbox::Outbox;
-use crate::picture::Picture;
+use crate::picture::NewestStates;
 use crate::wire::{Head, Message};
 
 /// Slices taken in one turn: as many as can wait.
@@ -29,7 +29,7 @@ const HELD_BACK_PER_SLICE: usize = 32;
 
 /// Counts of the outgoing direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Counts {
+pub(crate) struct OutboundCounts {
     pub(crate) taken: u64,
     pub(crate) lost: u64,
     pub(crate) schema_mismatch: u64,
@@ -46,7 +46,7 @@ pub(crate) trait Outbound {
     /// Whether slices are waiting.
     fn has_slices(&self) -> bool;
 
-    fn counts(&self) -> Counts;
+    fn counts(&self) -> OutboundCounts;
 }
 
 /// The deployment that sends.
@@ -76,13 +76,13 @@ pub(crate) type Lane = (usize, Sender);
 
 /// How far a lane is.
 #[derive(Debug, Default)]
-struct Reached {
+struct LaneProgress {
     /// Header of a slice that would come next; `None` while nothing has come.
     header: Option<BatchHeader>,
     at_ns: i64,
 }
 
-impl Reached {
+impl LaneProgress {
     fn pass(&mut self, header: &BatchHeader, count: usize, now: Now) {
         self.header = Some(BatchHeader {
             first_sequence: header.first_sequence + count as u64,
@@ -102,15 +102,15 @@ impl Reached {
 }
 
 /// A topic with all samples sent.
-pub(crate) struct Stream<T: Payload> {
+pub(crate) struct TopicStream<T: Payload> {
     lane: Lane,
     subscriber: Subscriber<SharedMemory, T>,
-    counts: Counts,
-    reached: Reached,
+    counts: OutboundCounts,
+    reached: LaneProgress,
     history: SharedHistory,
 }
 
-impl<T: Payload> Stream<T> {
+impl<T: Payload> TopicStream<T> {
     /// Opens a topic; sent messages are kept in `history`.
     pub(crate) fn open(
         bus: &Bus<SharedMemory>,
@@ -122,19 +122,19 @@ impl<T: Payload> Stream<T> {
         Ok(Self {
             lane,
             subscriber: bus.subscriber(topic, || joined_ns)?,
-            counts: Counts::default(),
-            reached: Reached::default(),
+            counts: OutboundCounts::default(),
+            reached: LaneProgress::default(),
             history,
         })
     }
 }
 
-impl<T: Payload> Outbound for Stream<T> {
+impl<T: Payload> Outbound for TopicStream<T> {
     fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
         let ((lane, sender), counts) = (self.lane, &mut self.counts);
         let mut message = Message::new();
         let history = &self.history;
-        let mut send = |message: Message, reached: &Reached| {
+        let mut send = |message: Message, reached: &LaneProgress| {
             let samples = message.samples() as u64;
             if outbox.has_room(message.octets()) {
                 counts.sent += samples;
@@ -170,9 +170,9 @@ impl<T: Payload> Outbound for Stream<T> {
         self.subscriber.has_slices()
     }
 
-    fn counts(&self) -> Counts {
+    fn counts(&self) -> OutboundCounts {
         let taken = self.subscriber.counts();
-        Counts {
+        OutboundCounts {
             taken: taken.taken,
             lost: taken.lost,
             schema_mismatch: taken.schema_mismatch,
@@ -182,15 +182,15 @@ impl<T: Payload> Outbound for Stream<T> {
 }
 
 /// The snapshot for late readers.
-pub(crate) type SharedPicture = Arc<Mutex<Picture>>;
+pub(crate) type SharedPicture = Arc<Mutex<NewestStates>>;
 
-pub(crate) fn lock(picture: &SharedPicture) -> MutexGuard<'_, Picture> {
+pub(crate) fn lock(picture: &SharedPicture) -> MutexGuard<'_, NewestStates> {
     picture.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The system tracks: as they come, or the newest of each.
-pub(crate) struct Tracks {
-    stream: Stream<SystemTrack>,
+pub(crate) struct OutgoingTracks {
+    stream: TopicStream<SystemTrack>,
     picture: SharedPicture,
     /// Tracks with an unsent newest state.
     held_back: BTreeSet<u32>,
@@ -201,7 +201,7 @@ pub(crate) struct Tracks {
     header: BatchHeader,
 }
 
-impl Tracks {
+impl OutgoingTracks {
     pub(crate) fn open(
         bus: &Bus<SharedMemory>,
         topic: &Topic<SystemTrack>,
@@ -211,7 +211,7 @@ impl Tracks {
     ) -> anyhow::Result<Self> {
         Ok(Self {
             // Newer states take the place of those that are missed.
-            stream: Stream::open(bus, topic, lane, joined_ns, SharedHistory::default())?,
+            stream: TopicStream::open(bus, topic, lane, joined_ns, SharedHistory::default())?,
             picture,
             held_back: BTreeSet::new(),
             conflated: 0,
@@ -258,7 +258,7 @@ impl Tracks {
     }
 }
 
-impl Outbound for Tracks {
+impl Outbound for OutgoingTracks {
     fn turn(&mut self, now: Now, outbox: &Outbox) -> anyhow::Result<bool> {
         if !self.held_back.is_empty() || !self.ended.is_empty() {
             self.catch_up(now, outbox);
@@ -311,7 +311,7 @@ impl Outbound for Tracks {
         self.stream.has_slices()
     }
 
-    fn counts(&self) -> Counts {
+    fn counts(&self) -> OutboundCounts {
         self.stream.counts()
     }
 }

@@ -22,27 +22,27 @@ const PAUSE: Duration = Duration::from_millis(10);
 /// Messages that wait for the network.
 #[derive(Debug)]
 pub(crate) struct Outbox {
-    shared: Arc<Shared>,
+    shared: Arc<OutboxState>,
     room: usize,
     thread: Option<JoinHandle<()>>,
 }
 
 #[derive(Debug, Default)]
-struct Shared {
-    waiting: Mutex<Waiting>,
+struct OutboxState {
+    waiting: Mutex<WaitingMessage>,
     came: Condvar,
     failures: AtomicU64,
 }
 
 #[derive(Debug, Default)]
-struct Waiting {
+struct WaitingMessage {
     messages: VecDeque<(usize, Vec<u8>)>,
     octets: usize,
     is_closed: bool,
 }
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, Waiting> {
+impl OutboxState {
+    fn lock(&self) -> MutexGuard<'_, WaitingMessage> {
         // A panic in another thread leaves the queue consistent.
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -51,7 +51,7 @@ impl Shared {
 impl Outbox {
     /// Opens an outbox of `room` bytes for the streams of `publishers`.
     pub(crate) fn open(room: usize, publishers: Vec<Publisher<'static>>) -> anyhow::Result<Self> {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(OutboxState::default());
         let of_thread = Arc::clone(&shared);
         let hand_over = move || hand_over(&of_thread, &publishers);
         let thread = std::thread::Builder::new().name("outbox".to_owned()).spawn(hand_over)?;
@@ -92,7 +92,7 @@ impl Drop for Outbox {
 }
 
 /// Waits for a reader for a limited time: existing links need a moment to declare their subscriptions.
-fn wait_for_readers(shared: &Shared, publishers: &[Publisher<'static>]) {
+fn wait_for_readers(shared: &OutboxState, publishers: &[Publisher<'static>]) {
     let begun = instant();
     let is_read = |publisher: &Publisher<'_>| publisher.matching_status().wait().is_ok_and(|status| status.matching());
     while begun.elapsed() < FIRST_READER && !publishers.iter().any(is_read) && !shared.lock().is_closed {
@@ -100,7 +100,7 @@ fn wait_for_readers(shared: &Shared, publishers: &[Publisher<'static>]) {
     }
 }
 
-fn hand_over(shared: &Shared, publishers: &[Publisher<'static>]) {
+fn hand_over(shared: &OutboxState, publishers: &[Publisher<'static>]) {
     wait_for_readers(shared, publishers);
     loop {
         let mut waiting = shared.lock();

@@ -10,7 +10,7 @@ use crate::wire::Message;
 
 /// Newest state of every system track that has not ended.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Picture {
+pub(crate) struct NewestStates {
     states: BTreeMap<u32, SystemTrack>,
     /// Sequence numbers of the last words of tracks that have ended lately.
     ended: BTreeMap<u32, u64>,
@@ -25,7 +25,7 @@ const PART_OCTETS: usize = 4_000_000;
 /// Tracks that have ended of which it is remembered.
 const ENDED_MAX: usize = 4096;
 
-impl Picture {
+impl NewestStates {
     /// Adds a slice of states. Slices of an older epoch of fusion are ignored.
     pub(crate) fn hear(&mut self, header: &BatchHeader, states: &[SystemTrack]) {
         if self.epochs.compare(header).is_lt() {
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn the_picture_has_what_lives_and_nothing_of_an_older_fusion() {
-        let mut picture = Picture::default();
+        let mut picture = NewestStates::default();
         let header = |epoch| BatchHeader {
             epoch,
             ..BatchHeader::default()
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_rebooted_host_is_heard_again_though_its_clock_is_behind() {
-        let mut picture = Picture::default();
+        let mut picture = NewestStates::default();
         let header = |epoch, boot: u32| BatchHeader {
             epoch,
             flags: boot << BatchHeader::BOOT_SHIFT,
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn what_is_told_says_how_far_it_reaches_even_if_nothing_lives() {
-        let mut picture = Picture::default();
+        let mut picture = NewestStates::default();
         let header = BatchHeader {
             first_sequence: 7,
             ..BatchHeader::default()
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn what_is_much_is_told_in_parts() {
-        let mut picture = Picture::default();
+        let mut picture = NewestStates::default();
         let header = BatchHeader {
             schema: SystemTrack::SCHEMA,
             ..BatchHeader::default()

@@ -2,7 +2,7 @@
 //! rejected by peers.
 //!
 //! Zenoh reports both in its log alone. So this process listens to the few places of that log, and puts each message
-//! into one of the [`Cause`]s.
+//! into one of the [`FailureCause`]s.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
@@ -15,27 +15,27 @@ use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Level, Metadata, Subscriber};
 
 /// A part of Zenoh that reports failures at a level of its log.
-type Place = (&'static str, Level);
+type LogTarget = (&'static str, Level);
 /// Handshakes of links that others have begun.
-const HANDSHAKES: Place = ("zenoh_transport::unicast::establishment::accept", Level::DEBUG);
+const HANDSHAKES: LogTarget = ("zenoh_transport::unicast::establishment::accept", Level::DEBUG);
 const ACCEPTED: &str = "New transport link accepted";
 /// A connection that both sides have begun at once is closed without harm.
 const TWICE: &str = "max links";
 /// Handshakes of TLS that others have begun.
-const OF_TLS: Place = ("zenoh_link_tls::unicast", Level::WARN);
+const OF_TLS: LogTarget = ("zenoh_link_tls::unicast", Level::WARN);
 /// Sessions of others that the access control gives nothing.
-const UNNAMED: Place = ("zenoh::net::routing::interceptor::access_control", Level::INFO);
+const UNNAMED: LogTarget = ("zenoh::net::routing::interceptor::access_control", Level::INFO);
 /// In lower case, as messages are compared.
 const NO_SUBJECT: &str = "did not match any configured acl subject";
 /// Connections of this process.
-const OWN: Place = ("zenoh::net::runtime::orchestrator", Level::DEBUG);
+const OWN: LogTarget = ("zenoh::net::runtime::orchestrator", Level::DEBUG);
 const FAILED: &str = "Unable to connect to";
 /// Time after which a failure of an own connection is no news, nanoseconds: longer than the pause between two tries.
 const NEWS_NS: i64 = 5_000_000_000;
 
 /// Why a connection failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Cause {
+pub(crate) enum FailureCause {
     Expired,
     OtherAuthority,
     OtherName,
@@ -48,7 +48,7 @@ pub(crate) enum Cause {
     Unreachable,
 }
 
-impl Cause {
+impl FailureCause {
     /// The cause of a message of the log about a connection.
     fn of(message: &str) -> Self {
         let causes: [(&[&str], Self); 8] = [
@@ -120,9 +120,9 @@ impl Cause {
 #[derive(Debug)]
 struct Failures {
     /// Connections of others, by cause.
-    others: BTreeMap<Cause, u64>,
+    others: BTreeMap<FailureCause, u64>,
     /// The latest failure of an own connection, and when, monotonic, nanoseconds.
-    own: Option<(Cause, i64)>,
+    own: Option<(FailureCause, i64)>,
 }
 
 static FAILURES: Mutex<Failures> = Mutex::new(Failures {
@@ -137,12 +137,12 @@ fn failures() -> MutexGuard<'static, Failures> {
 /// Counts from now on.
 pub(crate) fn count() {
     // Another listener would count.
-    let _ = tracing::subscriber::set_global_default(Listener);
+    let _ = tracing::subscriber::set_global_default(LogListener);
 }
 
 /// A connection of another that was silent, or one of too many, was turned away.
 pub(crate) fn turn_away() {
-    *failures().others.entry(Cause::NoHandshake).or_default() += 1;
+    *failures().others.entry(FailureCause::NoHandshake).or_default() += 1;
 }
 
 /// Connections of others that this process has turned away.
@@ -167,24 +167,24 @@ pub(crate) fn own() -> Option<&'static str> {
 
 /// Takes a message of the log.
 fn take((target, level): (&str, Level), message: &str) {
-    let place = |place: Place| place == (target, level);
+    let place = |place: LogTarget| place == (target, level);
     if place(OWN) {
         // A connection begun by both sides at once exists already.
         if message.starts_with(FAILED) && !message.to_lowercase().contains(TWICE) {
-            failures().own = Some((Cause::of(message), mono_ns()));
+            failures().own = Some((FailureCause::of(message), mono_ns()));
         }
         return;
     }
     let is_sound = (place(HANDSHAKES) && (message.starts_with(ACCEPTED) || message.to_lowercase().contains(TWICE)))
         || (place(UNNAMED) && !message.to_lowercase().contains(NO_SUBJECT));
     if !is_sound {
-        *failures().others.entry(Cause::of(message)).or_default() += 1;
+        *failures().others.entry(FailureCause::of(message)).or_default() += 1;
     }
 }
 
-struct Listener;
+struct LogListener;
 
-impl Subscriber for Listener {
+impl Subscriber for LogListener {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
         [HANDSHAKES, OF_TLS, UNNAMED, OWN].contains(&(metadata.target(), *metadata.level()))
     }
@@ -194,7 +194,7 @@ impl Subscriber for Listener {
     }
 
     fn event(&self, event: &Event<'_>) {
-        let mut message = Message(String::new());
+        let mut message = EventMessage(String::new());
         event.record(&mut message);
         let metadata = event.metadata();
         take((metadata.target(), *metadata.level()), &message.0);
@@ -214,9 +214,9 @@ impl Subscriber for Listener {
 }
 
 /// The message of an event.
-struct Message(String);
+struct EventMessage(String);
 
-impl Visit for Message {
+impl Visit for EventMessage {
     fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
         if field.name() == "message" {
             self.0 = format!("{value:?}");
@@ -233,33 +233,40 @@ mod tests {
         let messages = [
             (
                 "invalid peer certificate: certificate expired: verification time. Hint: increase",
-                Cause::Expired,
+                FailureCause::Expired,
             ),
-            ("received fatal alert: CertificateExpired", Cause::Expired),
-            ("invalid peer certificate: UnknownIssuer", Cause::OtherAuthority),
-            ("received fatal alert: UnknownCA", Cause::OtherAuthority),
-            ("received fatal alert: CertificateRequired", Cause::NoCertificate),
-            ("UsrPwd extension - Accept. Invalid password.", Cause::User),
+            ("received fatal alert: CertificateExpired", FailureCause::Expired),
+            ("invalid peer certificate: UnknownIssuer", FailureCause::OtherAuthority),
+            ("received fatal alert: UnknownCA", FailureCause::OtherAuthority),
+            ("received fatal alert: CertificateRequired", FailureCause::NoCertificate),
+            ("UsrPwd extension - Accept. Invalid password.", FailureCause::User),
             (
                 "Received a close message (reason INVALID) in response to an OpenSyn",
-                Cause::User,
+                FailureCause::User,
             ),
-            ("abc did not match any configured ACL subject. Default", Cause::Unnamed),
+            (
+                "abc did not match any configured ACL subject. Default",
+                FailureCause::Unnamed,
+            ),
             (
                 "Unable to connect to tcp/h:1! Connection refused (os error 111)",
-                Cause::NobodyListens,
+                FailureCause::NobodyListens,
             ),
-            ("peer sent HTTP/1.1", Cause::NoHandshake),
+            ("peer sent HTTP/1.1", FailureCause::NoHandshake),
         ];
         for (message, cause) in messages {
-            assert_eq!(Cause::of(message), cause, "{message}");
+            assert_eq!(FailureCause::of(message), cause, "{message}");
         }
     }
 
     #[test]
     fn notes_of_causes_fit_a_health_message() {
-        let note = |cause: &Cause| format!("turned away 123456: {}", cause.of_other());
-        let causes = [Cause::OtherAuthority, Cause::Unnamed, Cause::OtherName];
+        let note = |cause: &FailureCause| format!("turned away 123456: {}", cause.of_other());
+        let causes = [
+            FailureCause::OtherAuthority,
+            FailureCause::Unnamed,
+            FailureCause::OtherName,
+        ];
         assert!(causes.iter().all(|cause| note(cause).len() <= 56));
     }
 }

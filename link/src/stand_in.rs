@@ -11,10 +11,10 @@ use bus::{Bus, Mark, Payload, Publisher, SharedMemory};
 use messages::{BatchHeader, Topic};
 use runtime::Now;
 
-use crate::history::Position;
-use crate::inbound::{Arrival, Counts};
+use crate::history::ReaderPosition;
+use crate::inbound::{Arrival, InboundCounts};
 use crate::stamps;
-use crate::wire::{self, Head, Slice};
+use crate::wire::{self, Head, SliceCopy};
 
 /// Index of samples outside the sequence.
 pub(crate) const UNNUMBERED: u64 = u64::MAX;
@@ -28,14 +28,14 @@ const FOLLOWED_MAX: usize = 256;
 pub(crate) struct StandIn<T: Payload> {
     pub(crate) topic: Topic<T>,
     open: Option<Publisher<SharedMemory, T>>,
-    pub(crate) numbers: Numbers,
+    pub(crate) numbers: PublisherNumbers,
     /// Samples omitted, as last stated by the sender.
     conflated: u64,
 }
 
 /// Numbers of the publishers elsewhere that a stand-in stands for.
 #[derive(Debug)]
-pub(crate) struct Numbers {
+pub(crate) struct PublisherNumbers {
     /// Whether the topic is one of many publishers at a time.
     is_of_many: bool,
     /// Incarnation and epoch that the stand-in stands for; of many publishers, 0 in place of the incarnation.
@@ -44,7 +44,7 @@ pub(crate) struct Numbers {
     next: BTreeMap<u64, u64>,
 }
 
-impl Numbers {
+impl PublisherNumbers {
     /// Of a topic that has so many publishers at most.
     fn new(publishers: usize) -> Self {
         Self {
@@ -84,10 +84,10 @@ impl Numbers {
     }
 
     /// How far the samples of the present publisher have come; `None` before the first, and of many at a time.
-    pub(crate) fn position(&self) -> Option<Position> {
+    pub(crate) fn position(&self) -> Option<ReaderPosition> {
         let (publisher, _) = self.present.filter(|_| !self.is_of_many)?;
         let next = *self.next.get(&publisher)?;
-        Some(Position { publisher, next })
+        Some(ReaderPosition { publisher, next })
     }
 
     /// Number that comes next of the publisher of a slice with this header, which begins there if it is new; `None` if
@@ -107,7 +107,7 @@ impl Numbers {
 impl<T: Payload> StandIn<T> {
     pub(crate) fn new(topic: Topic<T>) -> Self {
         Self {
-            numbers: Numbers::new(topic.capacity.publishers),
+            numbers: PublisherNumbers::new(topic.capacity.publishers),
             topic,
             open: None,
             conflated: 0,
@@ -119,8 +119,8 @@ impl<T: Payload> StandIn<T> {
     pub(crate) fn read<R: Payload>(
         &mut self,
         arrival: &Arrival<'_>,
-        counts: &mut Counts,
-    ) -> Option<(Head, Vec<Slice<R>>)> {
+        counts: &mut InboundCounts,
+    ) -> Option<(Head, Vec<SliceCopy<R>>)> {
         let Some((head, mut slices)) = wire::read::<R>(arrival.message, self.topic.capacity.slice_len) else {
             match wire::is_of_another_layout::<R>(arrival.message) {
                 true => counts.schema_mismatch += 1,
@@ -204,7 +204,7 @@ mod tests {
 
     /// Takes slices of one sample each, given by incarnation and number; returns the number missing before each.
     fn missing(publishers: usize, slices: &[(u64, u64)]) -> Vec<Option<u64>> {
-        let mut numbers = Numbers::new(publishers);
+        let mut numbers = PublisherNumbers::new(publishers);
         let take = |(incarnation, first_sequence): &(u64, u64)| {
             let header = BatchHeader {
                 incarnation: *incarnation,

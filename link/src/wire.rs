@@ -28,12 +28,12 @@ pub(crate) struct Head {
     /// Number of the sending deployment; 0 without a number.
     pub(crate) origin: u32,
     /// Part of a requested snapshot; `None` for a message of the sequence.
-    pub(crate) part: Option<Part>,
+    pub(crate) part: Option<MessagePart>,
 }
 
 /// Part of an answer too large for one message. All parts have the same time of sending.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct MessagePart {
     /// Its place, from 0.
     pub(crate) index: u32,
     /// Number of all parts.
@@ -43,7 +43,7 @@ pub(crate) struct Part {
 /// Parts of an answer at most.
 const PARTS_MAX: u32 = 64;
 
-impl Part {
+impl MessagePart {
     /// 0 is none.
     fn word(part: Option<Self>) -> u64 {
         part.map_or(0, |part| u64::from(part.of) << 32 | u64::from(part.index + 1))
@@ -107,7 +107,7 @@ impl Message {
             head.frame.longitude_deg.to_bits(),
             head.frame.height_m.to_bits(),
             u64::from(head.origin),
-            Part::word(head.part),
+            MessagePart::word(head.part),
         ];
         for (place, word) in self.octets.chunks_exact_mut(8).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
@@ -117,11 +117,11 @@ impl Message {
 }
 
 /// A slice of a message, its samples copied.
-pub(crate) type Slice<T> = (BatchHeader, Vec<T>);
+pub(crate) type SliceCopy<T> = (BatchHeader, Vec<T>);
 
 /// Reads a message. `None` if malformed, with a slice of more than `slice_len` samples, or with another layout than
 /// `T`.
-pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, Vec<Slice<T>>)> {
+pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, Vec<SliceCopy<T>>)> {
     let (head, mut rest) = octets.split_at_checked(HEAD)?;
     let mut words = head.chunks_exact(8).map(word);
     if words.next()? != MAGIC {
@@ -137,7 +137,7 @@ pub(crate) fn read<T: Sample>(octets: &[u8], slice_len: usize) -> Option<(Head, 
             height_m: f64::from_bits(words.next()?),
         },
         origin: u32::try_from(words.next()?).ok()?,
-        part: Part::of_word(words.next()?)?,
+        part: MessagePart::of_word(words.next()?)?,
     };
     let mut slices = Vec::new();
     while !rest.is_empty() {
@@ -188,7 +188,7 @@ mod tests {
             height_m: 7.0,
         },
         origin: 5,
-        part: Some(Part { index: 2, of: 3 }),
+        part: Some(MessagePart { index: 2, of: 3 }),
     };
 
     fn message() -> Vec<u8> {
@@ -218,12 +218,20 @@ mod tests {
 
     #[test]
     fn a_part_is_one_of_those_that_there_are() {
-        let words = [None, Some(Part { index: 0, of: 1 }), Some(Part { index: 63, of: 64 })];
-        assert!(words.iter().all(|part| Part::of_word(Part::word(*part)) == Some(*part)));
+        let words = [
+            None,
+            Some(MessagePart { index: 0, of: 1 }),
+            Some(MessagePart { index: 63, of: 64 }),
+        ];
+        assert!(
+            words
+                .iter()
+                .all(|part| MessagePart::of_word(MessagePart::word(*part)) == Some(*part))
+        );
         assert!(
             [1 << 32, 1 << 32 | 2, 65 << 32 | 1]
                 .iter()
-                .all(|word| Part::of_word(*word).is_none())
+                .all(|word| MessagePart::of_word(*word).is_none())
         );
     }
 

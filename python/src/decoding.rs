@@ -13,7 +13,7 @@ use std::thread;
 use asterix::choice::ChosenEdition;
 use asterix::{NamedRecord, Value};
 use formats::containers::TimeStamp;
-use formats::recording::{Expansions, Recording};
+use formats::recording::{Expansions, RecordingBytes};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyString};
@@ -34,7 +34,7 @@ fn for_each<E>(
     editions: &[ChosenEdition],
     mut visit: impl FnMut(NamedRecord) -> Result<(), E>,
 ) -> Result<(), E> {
-    let recording = Recording::new(octets).with_editions(editions);
+    let recording = RecordingBytes::new(octets).with_editions(editions);
     let survey = recording.survey();
     let mut expansions = Expansions::new(editions);
     recording.for_each(&survey, |found| {
@@ -154,31 +154,31 @@ impl Names {
 
 /// Columns of one category.
 #[derive(Default)]
-struct Columns {
+struct CategoryColumns {
     rows: usize,
-    columns: Vec<Column>,
-    root: Node,
+    columns: Vec<CategoryColumn>,
+    root: NameNode,
 }
 
 /// Child names of a name, and the column of its values.
 #[derive(Default)]
-struct Node {
-    members: Vec<(&'static str, Node)>,
+struct NameNode {
+    members: Vec<(&'static str, NameNode)>,
     column: Option<usize>,
 }
 
-struct Column {
+struct CategoryColumn {
     name: String,
-    values: Values,
+    values: RecordValues,
 }
 
 /// One value per record; values of trailing records without the element may be absent.
-enum Values {
+enum RecordValues {
     Numbers(Vec<f64>),
     Others(Vec<Option<Value>>),
 }
 
-impl Values {
+impl RecordValues {
     fn put(&mut self, row: usize, value: Value) {
         if let Self::Numbers(numbers) = self {
             if let Some(number) = value.as_f64() {
@@ -200,7 +200,7 @@ impl Values {
     }
 }
 
-impl Columns {
+impl CategoryColumns {
     fn add(&mut self, record: NamedRecord) {
         let row = self.rows;
         self.rows += 1;
@@ -217,20 +217,20 @@ impl Columns {
     }
 }
 
-impl Node {
-    fn member(&mut self, name: &'static str) -> &mut Node {
+impl NameNode {
+    fn member(&mut self, name: &'static str) -> &mut NameNode {
         let place = self
             .members
             .iter()
             .position(|(known, _)| std::ptr::eq(*known, name) || *known == name);
         let place = place.unwrap_or_else(|| {
-            self.members.push((name, Node::default()));
+            self.members.push((name, NameNode::default()));
             self.members.len() - 1
         });
         &mut self.members[place].1
     }
 
-    fn put(&mut self, columns: &mut Vec<Column>, path: &[&'static str], row: usize, value: Value) {
+    fn put(&mut self, columns: &mut Vec<CategoryColumn>, path: &[&'static str], row: usize, value: Value) {
         if let Value::Group(members) = value {
             for (name, value) in members {
                 let path = [path, &[name]].concat();
@@ -240,10 +240,10 @@ impl Node {
         }
         let place = *self.column.get_or_insert_with(|| {
             let values = match value.as_f64() {
-                Some(_) => Values::Numbers(Vec::new()),
-                None => Values::Others(Vec::new()),
+                Some(_) => RecordValues::Numbers(Vec::new()),
+                None => RecordValues::Others(Vec::new()),
             };
-            columns.push(Column {
+            columns.push(CategoryColumn {
                 name: path.join("."),
                 values,
             });
@@ -253,7 +253,7 @@ impl Node {
     }
 }
 
-type Table<'py> = Vec<(String, Bound<'py, PyAny>)>;
+type ColumnValues<'py> = Vec<(String, Bound<'py, PyAny>)>;
 
 /// Returns the columns of each category: the bytes of 64-bit floats, or a list.
 #[pyfunction]
@@ -261,11 +261,11 @@ pub(super) fn columns<'py>(
     py: Python<'py>,
     path: PathBuf,
     editions: Vec<String>,
-) -> PyResult<BTreeMap<u8, (usize, Table<'py>)>> {
+) -> PyResult<BTreeMap<u8, (usize, ColumnValues<'py>)>> {
     let editions = chosen(&editions)?;
     let tables = py.detach(|| {
         let octets = octets_of(&path)?;
-        let mut tables: BTreeMap<u8, Columns> = BTreeMap::new();
+        let mut tables: BTreeMap<u8, CategoryColumns> = BTreeMap::new();
         for_each(&octets, &editions, |record| {
             tables.entry(record.category).or_default().add(record);
             PyResult::Ok(())
@@ -273,16 +273,16 @@ pub(super) fn columns<'py>(
         PyResult::Ok(tables)
     })?;
     let mut names = Names::default();
-    let table = |(category, table): (u8, Columns)| {
+    let table = |(category, table): (u8, CategoryColumns)| {
         let rows = table.rows;
         let columns = table.columns.into_iter().map(|column| {
             let values = match column.values {
-                Values::Numbers(mut numbers) => {
+                RecordValues::Numbers(mut numbers) => {
                     numbers.resize(rows, f64::NAN);
                     let octets: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
                     PyBytes::new(py, &octets).into_any()
                 }
-                Values::Others(mut others) => {
+                RecordValues::Others(mut others) => {
                     others.resize(rows, None);
                     let list = PyList::empty(py);
                     for value in others {

@@ -56,12 +56,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-type Field = (&'static str, &'static str, usize, usize, &'static str);
+type FieldRow = (&'static str, &'static str, usize, usize, &'static str);
 
 /// Returns the fields of a sample (name, Rust type, offset, size and documentation of each) and the size of the
 /// sample, bytes.
-fn fields(layout: &Layout) -> (Vec<Field>, usize) {
-    let of = |field: &koseki_client::messages::layout::Field| {
+fn fields(layout: &Layout) -> (Vec<FieldRow>, usize) {
+    let of = |field: &koseki_client::messages::layout::SampleField| {
         (field.name, field.kind, field.offset, field.size, field.doc.trim())
     };
     (layout.fields.iter().map(of).collect(), layout.size)
@@ -69,7 +69,7 @@ fn fields(layout: &Layout) -> (Vec<Field>, usize) {
 
 /// Memory maps of all samples: name, fields, size in bytes.
 #[pyfunction]
-fn layouts() -> Vec<(&'static str, (Vec<Field>, usize))> {
+fn layouts() -> Vec<(&'static str, (Vec<FieldRow>, usize))> {
     ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
 }
 

@@ -14,7 +14,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use offline::{Command, Host, Input, InputError, Output};
+use offline::{Host, InputError, TableCommand, TableInput, TableOutput};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -198,44 +198,44 @@ impl Watch {
 }
 
 /// Input that permits Python to end the command during reading.
-struct Watched<T> {
+struct InterruptibleInput<T> {
     octets: T,
     watch: Rc<Watch>,
 }
 
-impl<T: Read> Read for Watched<T> {
+impl<T: Read> Read for InterruptibleInput<T> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         self.watch.look(None)?;
         self.octets.read(buffer)
     }
 }
 
-impl<T: Seek> Seek for Watched<T> {
+impl<T: Seek> Seek for InterruptibleInput<T> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.octets.seek(to)
     }
 }
 
-type Written = Rc<RefCell<BTreeMap<PathBuf, Vec<u8>>>>;
+type WrittenTables = Rc<RefCell<BTreeMap<PathBuf, Vec<u8>>>>;
 
 /// Tables in memory by name; other names refer to files. All output stays in memory.
-struct Memory {
+struct TableMemory {
     tables: BTreeMap<PathBuf, Arc<[u8]>>,
-    written: Written,
+    written: WrittenTables,
     answer: RefCell<String>,
     said: RefCell<String>,
     watch: Rc<Watch>,
 }
 
-impl Memory {
-    fn watched(&self, octets: impl Read + Seek + 'static, length: u64) -> Input {
+impl TableMemory {
+    fn watched(&self, octets: impl Read + Seek + 'static, length: u64) -> TableInput {
         let watch = Rc::clone(&self.watch);
-        Input::new(Watched { octets, watch }, length)
+        TableInput::new(InterruptibleInput { octets, watch }, length)
     }
 }
 
-impl Host for Memory {
-    fn open(&self, path: &Path) -> Result<Input, InputError> {
+impl Host for TableMemory {
+    fn open(&self, path: &Path) -> Result<TableInput, InputError> {
         if let Some(table) = self.tables.get(path) {
             return Ok(self.watched(Cursor::new(Arc::clone(table)), table.len() as u64));
         }
@@ -244,8 +244,8 @@ impl Host for Memory {
         Ok(self.watched(file, length))
     }
 
-    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>> {
-        Ok(Box::new(Kept {
+    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn TableOutput>> {
+        Ok(Box::new(OutputTable {
             path: path.to_owned(),
             octets: Vec::new(),
             written: Rc::clone(&self.written),
@@ -277,13 +277,13 @@ impl Host for Memory {
 
 /// Output table.
 #[derive(Debug)]
-struct Kept {
+struct OutputTable {
     path: PathBuf,
     octets: Vec<u8>,
-    written: Written,
+    written: WrittenTables,
 }
 
-impl Write for Kept {
+impl Write for OutputTable {
     fn write(&mut self, octets: &[u8]) -> io::Result<usize> {
         self.octets.write(octets)
     }
@@ -293,15 +293,15 @@ impl Write for Kept {
     }
 }
 
-impl Output for Kept {
+impl TableOutput for OutputTable {
     fn finish(self: Box<Self>) -> anyhow::Result<()> {
-        let Kept { path, octets, written } = *self;
+        let OutputTable { path, octets, written } = *self;
         written.borrow_mut().insert(path, octets);
         Ok(())
     }
 }
 
-type HandedOut<'py> = BTreeMap<String, Vec<(String, (&'static str, Bound<'py, PyAny>))>>;
+type OutputColumns<'py> = BTreeMap<String, Vec<(String, (&'static str, Bound<'py, PyAny>))>>;
 
 /// Executes the command `words`; returns the written tables, the answer, and the messages beside it.
 #[pyfunction]
@@ -310,7 +310,7 @@ pub(super) fn run<'py>(
     words: Vec<String>,
     tables: BTreeMap<String, Given>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(HandedOut<'py>, String, String)> {
+) -> PyResult<(OutputColumns<'py>, String, String)> {
     let mut texts = BTreeMap::new();
     let mut columns = BTreeMap::new();
     for (name, given) in tables {
@@ -325,13 +325,13 @@ pub(super) fn run<'py>(
         }
     }
     let (written, answer, said) = py.detach(move || {
-        let command = Command::of(&words).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let command = TableCommand::of(&words).map_err(|error| PyValueError::new_err(error.to_string()))?;
         for (name, columns) in columns {
             let text = as_text(&columns).map_err(|fault| PyValueError::new_err(format!("{name}: {fault}")))?;
             texts.insert(name, text);
         }
         let table = |(name, text): (String, String)| (PathBuf::from(name), Arc::from(text.into_bytes()));
-        let memory = Memory {
+        let memory = TableMemory {
             tables: texts.into_iter().map(table).collect(),
             written: Rc::default(),
             answer: RefCell::default(),

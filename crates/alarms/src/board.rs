@@ -36,13 +36,13 @@ pub enum Finding {
 /// All alarms of a deployment.
 #[derive(Clone, Debug, Default)]
 pub struct Board {
-    entries: BTreeMap<(AlarmKind, Subject), Entry>,
+    entries: BTreeMap<(AlarmKind, Subject), AlarmEntry>,
     dropped: u64,
 }
 
 #[derive(Clone, Debug)]
-struct Entry {
-    phase: Phase,
+struct AlarmEntry {
+    phase: AlarmPhase,
     /// Finding of the current round.
     found: Option<Finding>,
     text: String,
@@ -53,7 +53,7 @@ struct Entry {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Phase {
+enum AlarmPhase {
     /// Bad, but shorter than the on-delay; start time (monotonic, nanoseconds).
     Suspected { since_ns: i64 },
     /// Raised; start of the present good time, if any (monotonic, nanoseconds).
@@ -64,7 +64,7 @@ enum Phase {
 
 /// Alarm in the final report.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct History {
+pub struct AlarmHistory {
     /// Kind of the alarm.
     pub kind: AlarmKind,
     /// Subject of the alarm.
@@ -90,17 +90,17 @@ impl Board {
     }
 
     /// Returns every alarm raised so far, in the order of the registry.
-    pub fn history(&self) -> impl Iterator<Item = History> + '_ {
+    pub fn history(&self) -> impl Iterator<Item = AlarmHistory> + '_ {
         let raised = self.entries.iter().filter(|(_, entry)| entry.times > 0);
-        raised.map(|((kind, subject), entry)| History {
+        raised.map(|((kind, subject), entry)| AlarmHistory {
             kind: *kind,
             subject: *subject,
             text: entry.text.clone(),
             times: entry.times,
             raised_ns: entry.raised_ns,
             cleared_ns: match entry.phase {
-                Phase::Standing { .. } => None,
-                Phase::Cleared | Phase::Suspected { .. } => Some(entry.cleared_ns),
+                AlarmPhase::Standing { .. } => None,
+                AlarmPhase::Cleared | AlarmPhase::Suspected { .. } => Some(entry.cleared_ns),
             },
         })
     }
@@ -111,7 +111,7 @@ impl Board {
     }
 
     fn told(&self) -> usize {
-        let stands = |entry: &&Entry| matches!(entry.phase, Phase::Standing { .. });
+        let stands = |entry: &&AlarmEntry| matches!(entry.phase, AlarmPhase::Standing { .. });
         self.entries.values().filter(stands).count()
     }
 
@@ -121,7 +121,7 @@ impl Board {
             return true;
         }
         let cleared = self.entries.iter().filter_map(|(key, entry)| match entry.phase {
-            Phase::Cleared if entry.found.is_none() => Some((entry.cleared_ns, *key)),
+            AlarmPhase::Cleared if entry.found.is_none() => Some((entry.cleared_ns, *key)),
             _ => None,
         });
         match cleared.min() {
@@ -154,8 +154,8 @@ impl Round<'_> {
                 return;
             }
         }
-        let entry = board.entries.entry((kind, subject)).or_insert_with(|| Entry {
-            phase: Phase::Suspected { since_ns: self.now_ns },
+        let entry = board.entries.entry((kind, subject)).or_insert_with(|| AlarmEntry {
+            phase: AlarmPhase::Suspected { since_ns: self.now_ns },
             found: None,
             text: String::new(),
             times: 0,
@@ -190,7 +190,7 @@ impl Round<'_> {
     }
 }
 
-impl Entry {
+impl AlarmEntry {
     /// Advances the entry; returns the event to publish, if any.
     fn step(
         &mut self,
@@ -201,12 +201,12 @@ impl Entry {
         room: &mut usize,
         dropped: &mut u64,
     ) -> Option<AlarmEvent> {
-        if let (Phase::Cleared, Some(Finding::Bad)) = (self.phase, found) {
-            self.phase = Phase::Suspected { since_ns: now_ns };
+        if let (AlarmPhase::Cleared, Some(Finding::Bad)) = (self.phase, found) {
+            self.phase = AlarmPhase::Suspected { since_ns: now_ns };
         }
         match (self.phase, found) {
-            (Phase::Cleared, _) => None,
-            (Phase::Suspected { since_ns }, Some(Finding::Bad)) => {
+            (AlarmPhase::Cleared, _) => None,
+            (AlarmPhase::Suspected { since_ns }, Some(Finding::Bad)) => {
                 if now_ns - since_ns < kind.raise_after_ns() {
                     return None;
                 }
@@ -215,34 +215,34 @@ impl Entry {
                     return None;
                 }
                 *room -= 1;
-                self.phase = Phase::Standing { good_ns: None };
+                self.phase = AlarmPhase::Standing { good_ns: None };
                 self.times = self.times.saturating_add(1);
                 self.raised_ns = utc_ns;
                 Some(AlarmEvent::Raised)
             }
-            (Phase::Suspected { .. }, _) => {
+            (AlarmPhase::Suspected { .. }, _) => {
                 // An alarm raised earlier stays stored; the caller drops the others.
-                self.phase = Phase::Cleared;
+                self.phase = AlarmPhase::Cleared;
                 None
             }
-            (Phase::Standing { .. }, Some(_)) => {
-                self.phase = Phase::Standing { good_ns: None };
+            (AlarmPhase::Standing { .. }, Some(_)) => {
+                self.phase = AlarmPhase::Standing { good_ns: None };
                 Some(AlarmEvent::Standing)
             }
-            (Phase::Standing { good_ns }, None) => {
+            (AlarmPhase::Standing { good_ns }, None) => {
                 let good_ns = good_ns.unwrap_or(now_ns);
-                self.phase = Phase::Standing { good_ns: Some(good_ns) };
+                self.phase = AlarmPhase::Standing { good_ns: Some(good_ns) };
                 if now_ns - good_ns < kind.clear_after_ns() {
                     return Some(AlarmEvent::Standing);
                 }
-                (self.phase, self.cleared_ns) = (Phase::Cleared, utc_ns);
+                (self.phase, self.cleared_ns) = (AlarmPhase::Cleared, utc_ns);
                 Some(AlarmEvent::Cleared)
             }
         }
     }
 }
 
-fn alarm(kind: AlarmKind, subject: Subject, entry: &Entry, event: AlarmEvent, utc_ns: i64) -> Alarm {
+fn alarm(kind: AlarmKind, subject: Subject, entry: &AlarmEntry, event: AlarmEvent, utc_ns: i64) -> Alarm {
     let alarm = Alarm {
         time_ns: utc_ns,
         raised_ns: entry.raised_ns,

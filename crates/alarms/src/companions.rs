@@ -43,13 +43,13 @@ const PAIRS_SHARE: f64 = 0.5;
 #[derive(Clone, Debug, Default)]
 pub struct Companions {
     incarnation: u64,
-    tracks: BTreeMap<u32, Track>,
+    tracks: BTreeMap<u32, CompanionTrack>,
     /// Time of the latest common track of two sources, monotonic, nanoseconds.
     joined_ns: BTreeMap<(u16, u16), i64>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Track {
+struct CompanionTrack {
     heard_ns: i64,
     /// Single source and its start time; `None` for several sources.
     only: Option<(u16, i64)>,
@@ -106,7 +106,7 @@ impl Companions {
             .and_then(|before| before.only)
             .filter(|(of, _)| Some(*of) == source);
         let [vx, vy] = [3, 4].map(|axis| track.covariance.get(axis, axis));
-        let state = Track {
+        let state = CompanionTrack {
             heard_ns: now_ns,
             only: source.map(|source| (source, since_ns.map_or(now_ns, |(_, since_ns)| since_ns))),
             reference_ns: track.reference_time_ns,
@@ -122,7 +122,7 @@ impl Companions {
     pub fn apart(&mut self, now_ns: i64) -> Vec<Apart> {
         self.tracks.retain(|_, track| now_ns - track.heard_ns < GONE_NS);
         self.joined_ns.retain(|_, joined_ns| now_ns - *joined_ns < JOINED_NS);
-        let mut lone: BTreeMap<u16, Vec<&Track>> = BTreeMap::new();
+        let mut lone: BTreeMap<u16, Vec<&CompanionTrack>> = BTreeMap::new();
         for track in self.tracks.values() {
             let [east, north] = track.velocity_mps;
             let moves = east.hypot(north) > SPEED_MIN_MPS;
@@ -133,7 +133,7 @@ impl Companions {
                 }
             }
         }
-        let sources: Vec<(&u16, &Vec<&Track>)> = lone.iter().collect();
+        let sources: Vec<(&u16, &Vec<&CompanionTrack>)> = lone.iter().collect();
         let mut apart = Vec::new();
         for (place, (source, of_source)) in sources.iter().enumerate() {
             for (partner, of_partner) in &sources[place + 1..] {
@@ -161,7 +161,7 @@ fn ordered(one: u16, other: u16) -> (u16, u16) {
 }
 
 /// Returns the shift that maps the most tracks of `of_source` onto tracks of `of_partner`, with their number.
-fn same_shift(of_source: &[&Track], of_partner: &[&Track]) -> (usize, [f64; 2]) {
+fn same_shift(of_source: &[&CompanionTrack], of_partner: &[&CompanionTrack]) -> (usize, [f64; 2]) {
     // A track has one companion per shift, so the tracks are counted, not the pairs.
     let shifts: Vec<(usize, [f64; 2])> = of_source
         .iter()
@@ -185,7 +185,7 @@ fn same_shift(of_source: &[&Track], of_partner: &[&Track]) -> (usize, [f64; 2]) 
 }
 
 /// Returns the shift from a track to another at the same time, if both have the same velocity and are near enough.
-fn shift(track: &Track, other: &Track) -> Option<[f64; 2]> {
+fn shift(track: &CompanionTrack, other: &CompanionTrack) -> Option<[f64; 2]> {
     let sigma_mps = (track.velocity_variance + other.velocity_variance).max(0.0).sqrt();
     let same_mps = (2.0 * sigma_mps).clamp(SAME_VELOCITY_MPS, SAME_VELOCITY_MAX_MPS);
     if distance(track.velocity_mps, other.velocity_mps) > same_mps {

@@ -9,7 +9,7 @@ use crate::registry::AlarmKind;
 use crate::subject::Subject;
 
 /// Counts and their times, monotonic, nanoseconds; the oldest first.
-type Past<const N: usize> = VecDeque<([u64; N], i64)>;
+type CountHistory<const N: usize> = VecDeque<([u64; N], i64)>;
 
 /// Number of steps in which the interval moves.
 const STEPS: i64 = 60;
@@ -18,7 +18,7 @@ const STEPS: i64 = 60;
 #[derive(Clone, Debug)]
 pub struct Lately<const N: usize> {
     while_ns: i64,
-    past: BTreeMap<(AlarmKind, Subject), Past<N>>,
+    past: BTreeMap<(AlarmKind, Subject), CountHistory<N>>,
 }
 
 impl<const N: usize> Lately<N> {

@@ -31,7 +31,7 @@ mod subject;
 mod usual;
 
 pub use alert_rules::alert_rules;
-pub use board::{Board, Finding, History, Round};
+pub use board::{AlarmHistory, Board, Finding, Round};
 pub use companions::{Apart, Companions};
 pub use growth::Growth;
 pub use lately::Lately;

@@ -11,11 +11,11 @@ const MEMORY_S: f64 = 3600.0;
 /// Usual value of an estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Usual {
-    known: Option<Known>,
+    known: Option<UsualValue>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Known {
+struct UsualValue {
     value: f64,
     sigma: f64,
     at_ns: i64,
@@ -29,7 +29,7 @@ impl Usual {
             self.known = None;
             return None;
         }
-        let known = self.known.get_or_insert(Known {
+        let known = self.known.get_or_insert(UsualValue {
             value,
             sigma,
             at_ns: now_ns,

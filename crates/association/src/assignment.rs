@@ -23,7 +23,7 @@
 
 use std::ops::Range;
 
-use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, Stop};
+use crate::augmenting::{AugmentingPaths, Choice, NONE, Problem, StopReason};
 use crate::components::{join, representative};
 
 /// Most steps of an exact solution, for each pair of the component: looks at a pair or a column.
@@ -217,7 +217,7 @@ impl Assignment {
     }
 
     /// Brings in the rows at `begin..end` of the order, in a number of steps that depends on the number of their pairs.
-    fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Result<(), Stop> {
+    fn choose_exactly(&mut self, begin: usize, end: usize, unassigned_cost: f64) -> Result<(), StopReason> {
         let mut steps_left = STEPS_PER_PAIR_MAX * self.places(begin, end).len();
         let sparse = Sparse {
             pairs: &self.pairs,

@@ -44,7 +44,7 @@ pub trait Problem {
 
 /// Reason why a row could not be brought in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stop {
+pub enum StopReason {
     /// Every change leaves some row without a choice.
     NoChoice,
     /// The search takes more steps than were left.
@@ -54,7 +54,7 @@ pub enum Stop {
 /// Choices made so far, prices, and the working memory of one search.
 #[derive(Clone, Debug)]
 pub struct AugmentingPaths {
-    columns: Vec<Column>,
+    columns: Vec<ColumnState>,
     /// By row: label of the choice that it has taken, or [`NONE`].
     held: Vec<u32>,
     /// Columns that the search has reached and may still reach more cheaply, with the costs of the chains to them, as
@@ -65,7 +65,7 @@ pub struct AugmentingPaths {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Column {
+struct ColumnState {
     /// Label of the choice that holds the column, or [`NONE`].
     held: u32,
     /// Dual price: cost of holding the column. 0 while the column is free.
@@ -80,7 +80,7 @@ struct Column {
     passed: bool,
 }
 
-impl Column {
+impl ColumnState {
     const FREE: Self = Self {
         held: NONE,
         price: 0.0,
@@ -105,7 +105,7 @@ fn ordered(cost: f64) -> i64 {
 
 /// End of a chain of changes.
 #[derive(Clone, Copy)]
-enum End {
+enum ChainEnd {
     /// At a free column.
     Column(u32),
     /// At a row with an own choice of this label.
@@ -116,7 +116,7 @@ impl AugmentingPaths {
     /// Memory for rows `0..rows_max` and columns `0..columns_max`.
     pub fn new(rows_max: usize, columns_max: usize) -> Self {
         Self {
-            columns: vec![Column::FREE; columns_max],
+            columns: vec![ColumnState::FREE; columns_max],
             held: vec![NONE; rows_max],
             frontier: Vec::with_capacity(columns_max),
             passed: Vec::with_capacity(columns_max),
@@ -129,7 +129,7 @@ impl AugmentingPaths {
         self.frontier.clear();
         self.passed.clear();
         self.held[rows].fill(NONE);
-        self.columns[columns].fill(Column::FREE);
+        self.columns[columns].fill(ColumnState::FREE);
     }
 
     /// Resets the listed rows and columns.
@@ -137,7 +137,7 @@ impl AugmentingPaths {
         self.frontier.clear();
         self.passed.clear();
         rows.for_each(|row| self.held[row as usize] = NONE);
-        columns.for_each(|column| self.columns[column as usize] = Column::FREE);
+        columns.for_each(|column| self.columns[column as usize] = ColumnState::FREE);
     }
 
     /// Keeps a column out of reach of all rows, until it is forgotten.
@@ -166,13 +166,13 @@ impl AugmentingPaths {
     /// and columns were looked at.
     ///
     /// # Errors
-    /// [`Stop`], if there is no such chain, or finding it takes more than `steps_left`.
+    /// [`StopReason`], if there is no such chain, or finding it takes more than `steps_left`.
     #[inline]
-    pub fn bring_in<P: Problem>(&mut self, problem: &P, start: u32, steps_left: &mut usize) -> Result<(), Stop> {
+    pub fn bring_in<P: Problem>(&mut self, problem: &P, start: u32, steps_left: &mut usize) -> Result<(), StopReason> {
         let (end, end_cost) = self.cheapest_chain(problem, start, steps_left)?;
         let mut vacant = match end {
-            End::Column(column) => column,
-            End::Own(row, label) => self.exchange(problem, row, label),
+            ChainEnd::Column(column) => column,
+            ChainEnd::Own(row, label) => self.exchange(problem, row, label),
         };
         while vacant != NONE {
             let label = self.columns[vacant as usize].through;
@@ -203,9 +203,9 @@ impl AugmentingPaths {
         problem: &P,
         start: u32,
         steps_left: &mut usize,
-    ) -> Result<(End, f64), Stop> {
+    ) -> Result<(ChainEnd, f64), StopReason> {
         let (mut row, mut row_cost) = (start, 0.0);
-        let mut own: Option<(End, f64)> = None;
+        let mut own: Option<(ChainEnd, f64)> = None;
         loop {
             let mut steps = 0;
             let (columns, frontier) = (&mut self.columns, &mut self.frontier);
@@ -213,7 +213,7 @@ impl AugmentingPaths {
                 if number == NONE {
                     let cost = row_cost + cost;
                     if own.is_none_or(|(_, least)| cost < least) {
-                        own = Some((End::Own(row, label), cost));
+                        own = Some((ChainEnd::Own(row, label), cost));
                     }
                     return;
                 }
@@ -231,11 +231,11 @@ impl AugmentingPaths {
                 }
             });
             let Some(place) = self.nearest() else {
-                return own.ok_or(Stop::NoChoice);
+                return own.ok_or(StopReason::NoChoice);
             };
             *steps_left = steps_left
                 .checked_sub(steps + self.frontier.len())
-                .ok_or(Stop::NoSteps)?;
+                .ok_or(StopReason::NoSteps)?;
             let (_, number) = self.frontier[place];
             let column = self.columns[number as usize];
             let ends_at_own = |cost: f64| cost < column.reached || P::OWN_FIRST && cost == column.reached;
@@ -243,7 +243,7 @@ impl AugmentingPaths {
                 return Ok(own);
             }
             if column.held == NONE {
-                return Ok((End::Column(number), column.reached));
+                return Ok((ChainEnd::Column(number), column.reached));
             }
             self.columns[number as usize].passed = true;
             self.passed.push(number);
@@ -308,7 +308,12 @@ mod tests {
         Listed(choices.iter().map(choice).collect())
     }
 
-    fn bring_in(paths: &mut AugmentingPaths, problem: &Listed, rows: u32, mut steps: usize) -> Result<Vec<u32>, Stop> {
+    fn bring_in(
+        paths: &mut AugmentingPaths,
+        problem: &Listed,
+        rows: u32,
+        mut steps: usize,
+    ) -> Result<Vec<u32>, StopReason> {
         (0..rows).try_for_each(|row| paths.bring_in(problem, row, &mut steps))?;
         Ok((0..rows).map(|row| paths.held(row)).collect())
     }
@@ -317,13 +322,16 @@ mod tests {
     fn rows_without_a_choice_of_their_own_may_find_none() {
         let both = listed(&[(0, 0, 1.0), (1, 0, 1.0)]);
         let mut paths = AugmentingPaths::new(2, 2);
-        assert_eq!(bring_in(&mut paths, &both, 2, usize::MAX), Err(Stop::NoChoice));
+        assert_eq!(bring_in(&mut paths, &both, 2, usize::MAX), Err(StopReason::NoChoice));
         paths.forget(0..2, 0..2);
         let one_gives_way = listed(&[(0, 0, 1.0), (0, 1, 5.0), (1, 0, 1.0)]);
         assert_eq!(bring_in(&mut paths, &one_gives_way, 2, usize::MAX), Ok(vec![1, 2]));
         paths.forget(0..2, 0..2);
         paths.bar(1);
-        assert_eq!(bring_in(&mut paths, &one_gives_way, 2, usize::MAX), Err(Stop::NoChoice));
+        assert_eq!(
+            bring_in(&mut paths, &one_gives_way, 2, usize::MAX),
+            Err(StopReason::NoChoice)
+        );
     }
 
     #[test]
@@ -342,6 +350,6 @@ mod tests {
         let needed = 4 + 2 + 3;
         assert!(bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed).is_ok());
         let found = bring_in(&mut AugmentingPaths::new(2, 2), &chain, 2, needed - 1);
-        assert_eq!(found, Err(Stop::NoSteps));
+        assert_eq!(found, Err(StopReason::NoSteps));
     }
 }

@@ -8,15 +8,15 @@
 use serde::{Deserialize, Serialize};
 
 /// Cell coordinates.
-type Cell = (i32, i32);
+type GridCell = (i32, i32);
 
 const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Link {
+struct CellLink {
     next: u32,
     previous: u32,
-    cell: Cell,
+    cell: GridCell,
     present: bool,
 }
 
@@ -25,7 +25,7 @@ struct Link {
 pub struct Grid {
     cell_m: f64,
     heads: Vec<u32>,
-    links: Vec<Link>,
+    links: Vec<CellLink>,
 }
 
 impl Grid {
@@ -35,7 +35,7 @@ impl Grid {
     /// If `cell_m` is not positive or `capacity` exceeds `u32::MAX - 1`; both come from checked configuration.
     pub fn new(cell_m: f64, capacity: usize) -> Self {
         assert!(cell_m > 0.0 && capacity < NONE as usize);
-        let absent = Link {
+        let absent = CellLink {
             next: NONE,
             previous: NONE,
             cell: (0, 0),
@@ -60,7 +60,7 @@ impl Grid {
         }
         let entry = self.entry(cell);
         let head = self.heads[entry];
-        self.links[item as usize] = Link {
+        self.links[item as usize] = CellLink {
             next: head,
             previous: NONE,
             cell,
@@ -111,12 +111,12 @@ impl Grid {
         }
     }
 
-    fn cell(&self, x: f64, y: f64) -> Cell {
+    fn cell(&self, x: f64, y: f64) -> GridCell {
         // `as` saturates, so far-away places share the outermost cells instead of wrapping round.
         ((x / self.cell_m).floor() as i32, (y / self.cell_m).floor() as i32)
     }
 
-    fn entry(&self, (column, row): Cell) -> usize {
+    fn entry(&self, (column, row): GridCell) -> usize {
         let mixed = (column as u32).wrapping_mul(0x9e37_79b1) ^ (row as u32).wrapping_mul(0x85eb_ca77);
         (mixed ^ (mixed >> 15)) as usize & (self.heads.len() - 1)
     }

@@ -17,7 +17,7 @@ use super::table::Category;
 pub struct Decoder {
     tables: [Option<&'static Category>; 256],
     mode: Mode,
-    counts: Counts,
+    counts: DecoderCounts,
 }
 
 impl Decoder {
@@ -30,7 +30,7 @@ impl Decoder {
         Self {
             tables,
             mode,
-            counts: Counts::default(),
+            counts: DecoderCounts::default(),
         }
     }
 
@@ -41,7 +41,7 @@ impl Decoder {
     }
 
     /// Counts of the blocks and records met so far.
-    pub fn counts(&self) -> &Counts {
+    pub fn counts(&self) -> &DecoderCounts {
         &self.counts
     }
 
@@ -75,7 +75,7 @@ impl Decoder {
 /// Blocks, records and bytes that a [`Decoder`] met. Every byte it was given belongs to a record, to a block header
 /// or to `octets_skipped`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct DecoderCounts {
     /// Blocks with a possible length.
     pub blocks: u64,
     /// Records read.
@@ -94,7 +94,7 @@ pub struct Counts {
     pub unknown_extension_octets: u64,
 }
 
-impl Counts {
+impl DecoderCounts {
     /// Returns label, description and value of each counter.
     pub fn entries(&self) -> [(&'static str, &'static str, u64); 8] {
         [
@@ -195,7 +195,7 @@ where
     }
 }
 
-fn count_record(counts: &mut Counts, record: &Result<Record<'_>, Error>, records: &Records<'_>) {
+fn count_record(counts: &mut DecoderCounts, record: &Result<Record<'_>, Error>, records: &Records<'_>) {
     match record {
         Ok(record) => {
             counts.records += 1;

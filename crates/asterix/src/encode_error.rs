@@ -13,21 +13,21 @@ use super::table::TextCoding;
 #[error("{place}: {fault}")]
 pub struct EncodeError {
     /// The item or element.
-    pub place: Place,
+    pub place: RecordPlace,
     /// Fault of the value there.
     pub fault: EncodeFault,
 }
 
 /// A place in a record.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct RecordPlace {
     /// The category.
     pub category: u8,
     /// The item's name, the element's in it, and so on inwards; empty for the record as a whole.
     pub path: Vec<String>,
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for RecordPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.path.as_slice() {
             [] => write!(f, "category {:03}", self.category),
@@ -186,7 +186,7 @@ impl Failure {
     pub(super) fn into_error(mut self, category: u8) -> EncodeError {
         self.path.reverse();
         EncodeError {
-            place: Place {
+            place: RecordPlace {
                 category,
                 path: self.path,
             },

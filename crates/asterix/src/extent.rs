@@ -22,7 +22,7 @@ pub(super) const MAX_UNKNOWN_EXTENSION_OCTETS: usize = 4;
 
 /// The measured length of an item.
 #[derive(Debug, Default, Clone, Copy)]
-pub(super) struct Extent {
+pub(super) struct ItemLength {
     /// All bytes of the item.
     pub(super) octets: usize,
     /// Bytes among them that lie beyond the edition's last extension part.
@@ -38,7 +38,7 @@ pub(super) fn measure(
     mode: Mode,
     category: u8,
     offset: usize,
-) -> Result<Extent, Error> {
+) -> Result<ItemLength, Error> {
     let mut measure = Measure {
         uap,
         bytes,
@@ -49,27 +49,27 @@ pub(super) fn measure(
     measure.layout(&item.layout).map_err(|fault| {
         let item = item.name;
         match fault {
-            Fault::Truncated { needed } => Error::ItemTruncated {
+            ItemFault::Truncated { needed } => Error::ItemTruncated {
                 offset,
                 category,
                 item,
                 needed,
                 available: bytes.len(),
             },
-            Fault::ExplicitLength => Error::ExplicitLength { offset, category, item },
-            Fault::Extension { tolerated } => Error::ExtensionUndefined {
+            ItemFault::ExplicitLength => Error::ExplicitLength { offset, category, item },
+            ItemFault::Extension { tolerated } => Error::ExtensionUndefined {
                 offset,
                 category,
                 item,
                 tolerated,
             },
-            Fault::Subitem { position } => Error::SubitemUndefined {
+            ItemFault::Subitem { position } => Error::SubitemUndefined {
                 offset,
                 category,
                 item,
                 position,
             },
-            Fault::Sequence { frn } => Error::SequenceUndefined {
+            ItemFault::Sequence { frn } => Error::SequenceUndefined {
                 offset,
                 category,
                 item,
@@ -77,14 +77,14 @@ pub(super) fn measure(
             },
         }
     })?;
-    Ok(Extent {
+    Ok(ItemLength {
         octets: measure.at,
         unknown: measure.unknown,
     })
 }
 
 /// Fault of an item, without its place, which [`measure`] adds.
-enum Fault {
+enum ItemFault {
     Truncated { needed: usize },
     ExplicitLength,
     Extension { tolerated: usize },
@@ -101,14 +101,14 @@ struct Measure<'a> {
 }
 
 impl Measure<'_> {
-    fn item(&mut self, item: &'static Item) -> Result<(), Fault> {
+    fn item(&mut self, item: &'static Item) -> Result<(), ItemFault> {
         match item.fixed_octets {
             Some(octets) => self.skip(usize::from(octets)),
             None => self.layout(&item.layout),
         }
     }
 
-    fn layout(&mut self, layout: &'static Layout) -> Result<(), Fault> {
+    fn layout(&mut self, layout: &'static Layout) -> Result<(), ItemFault> {
         match layout {
             Layout::Element(bits, _) => self.skip(usize::from(*bits) / 8),
             Layout::Group(_) => self.skip(layout.bit_count() as usize / 8),
@@ -124,7 +124,7 @@ impl Measure<'_> {
             }
             Layout::RepetitiveFx(inner) => self.repetitive_fx(inner.bit_count() as usize / 8 + 1),
             Layout::Explicit => match self.octet()? {
-                0 => Err(Fault::ExplicitLength),
+                0 => Err(ItemFault::ExplicitLength),
                 length => self.skip(usize::from(length) - 1),
             },
             Layout::Compound(subitems) => self.compound(subitems),
@@ -132,7 +132,7 @@ impl Measure<'_> {
         }
     }
 
-    fn extended(&mut self, parts: &'static [&'static [Part]]) -> Result<(), Fault> {
+    fn extended(&mut self, parts: &'static [&'static [Part]]) -> Result<(), ItemFault> {
         for part in parts {
             let (octets, ends_in_fx) = extent_of_part(part);
             if !self.goes_on_after(octets)? || !ends_in_fx {
@@ -149,19 +149,19 @@ impl Measure<'_> {
                 return Ok(());
             }
         }
-        Err(Fault::Extension { tolerated })
+        Err(ItemFault::Extension { tolerated })
     }
 
-    fn repetitive_fx(&mut self, octets: usize) -> Result<(), Fault> {
+    fn repetitive_fx(&mut self, octets: usize) -> Result<(), ItemFault> {
         while self.goes_on_after(octets)? {} // ends with the bytes at the latest
         Ok(())
     }
 
-    fn compound(&mut self, subitems: &'static [Option<Item>]) -> Result<(), Fault> {
+    fn compound(&mut self, subitems: &'static [Option<Item>]) -> Result<(), ItemFault> {
         let mut present = 0u64;
         for i in 0..=MAX_FSPEC_OCTETS {
             if i == MAX_FSPEC_OCTETS {
-                return Err(Fault::Subitem { position: 7 * i + 1 });
+                return Err(ItemFault::Subitem { position: 7 * i + 1 });
             }
             let octet = self.octet()?;
             present |= u64::from(fspec_bits(octet)) << (7 * i);
@@ -174,36 +174,36 @@ impl Measure<'_> {
             present &= present - 1;
             match subitems.get(i) {
                 Some(Some(subitem)) => self.item(subitem)?,
-                _ => return Err(Fault::Subitem { position: i + 1 }),
+                _ => return Err(ItemFault::Subitem { position: i + 1 }),
             }
         }
         Ok(())
     }
 
-    fn random_sequence(&mut self) -> Result<(), Fault> {
+    fn random_sequence(&mut self) -> Result<(), ItemFault> {
         let count = self.octet()?;
         (0..count).try_for_each(|_| {
             let frn = self.octet()?;
-            let item = self.uap.item_in_sequence(frn).ok_or(Fault::Sequence { frn })?;
+            let item = self.uap.item_in_sequence(frn).ok_or(ItemFault::Sequence { frn })?;
             self.item(item)
         })
     }
 
     /// Skips a part; returns whether the FX bit at its end is set.
-    fn goes_on_after(&mut self, octets: usize) -> Result<bool, Fault> {
+    fn goes_on_after(&mut self, octets: usize) -> Result<bool, ItemFault> {
         self.skip(octets)?;
         Ok(goes_on(self.bytes[self.at - 1]))
     }
 
-    fn octet(&mut self) -> Result<u8, Fault> {
+    fn octet(&mut self) -> Result<u8, ItemFault> {
         self.skip(1)?;
         Ok(self.bytes[self.at - 1])
     }
 
-    fn skip(&mut self, octets: usize) -> Result<(), Fault> {
+    fn skip(&mut self, octets: usize) -> Result<(), ItemFault> {
         self.at += octets;
         if self.at > self.bytes.len() {
-            Err(Fault::Truncated { needed: self.at })
+            Err(ItemFault::Truncated { needed: self.at })
         } else {
             Ok(())
         }

@@ -79,7 +79,7 @@ mod from_json;
 mod spare;
 
 pub use block::{Block, BlockWriter, Blocks, blocks, blocks_at};
-pub use decoder::{Counts, Decoder};
+pub use decoder::{Decoder, DecoderCounts};
 pub use encode_error::EncodeError;
 pub use error::Error;
 pub use expansion::Expansion;

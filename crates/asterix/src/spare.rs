@@ -5,7 +5,7 @@ use super::table::{Item, Layout, Part, Uap, extent_of_part};
 
 /// True if a measured item has a spare bit set.
 pub(super) fn any_set(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> bool {
-    let mut walk = Walk {
+    let mut walk = SpareWalk {
         uap,
         bytes,
         at: 0,
@@ -15,14 +15,14 @@ pub(super) fn any_set(item: &'static Item, uap: &'static Uap, bytes: &[u8]) -> b
     walk.found
 }
 
-struct Walk<'a> {
+struct SpareWalk<'a> {
     uap: &'static Uap,
     bytes: &'a [u8],
     at: usize,
     found: bool,
 }
 
-impl Walk<'_> {
+impl SpareWalk<'_> {
     fn layout(&mut self, layout: &'static Layout) {
         match layout {
             Layout::Element(bits, _) => self.at += usize::from(*bits) / 8,

@@ -16,13 +16,13 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 
 use crate::bus::Bus;
 use crate::error::BusError;
-use crate::ports::{Kept, Ports as _};
+use crate::ports::{DropGuard, Ports as _};
 use crate::quality::{Header, Octets};
 use crate::service::{PublisherPort, SubscriberPort};
 use crate::transport::{Payload, SharedMemory};
 use crate::waiter::BACKSTOP;
 
-type Slices = publish_subscribe::PortFactory<SharedMemory, Octets, Header>;
+type BareSlices = publish_subscribe::PortFactory<SharedMemory, Octets, Header>;
 type WakeUps = event::PortFactory<SharedMemory>;
 
 /// Places of a service: a process at each end, and the successor of each.
@@ -42,8 +42,8 @@ pub struct BareSettings {
 /// Sends slices, and nothing else.
 #[derive(Debug)]
 pub struct BareSender<T: Payload> {
-    port: Kept<PublisherPort<SharedMemory>>,
-    notifier: Option<Kept<Notifier<SharedMemory>>>,
+    port: DropGuard<PublisherPort<SharedMemory>>,
+    notifier: Option<DropGuard<Notifier<SharedMemory>>>,
     service: String,
     samples: PhantomData<fn(T)>,
 }
@@ -85,8 +85,8 @@ impl<T: Payload> BareSender<T> {
 /// Receives slices, and nothing else.
 #[derive(Debug)]
 pub struct BareReceiver<T: Payload> {
-    port: Kept<SubscriberPort<SharedMemory>>,
-    listener: Option<Kept<Listener<SharedMemory>>>,
+    port: DropGuard<SubscriberPort<SharedMemory>>,
+    listener: Option<DropGuard<Listener<SharedMemory>>>,
     service: String,
     samples: PhantomData<fn() -> T>,
 }
@@ -137,15 +137,21 @@ fn detail<T: Payload>() -> TypeDetail {
     TypeDetail::new::<T>(TypeVariant::Dynamic)
 }
 
-type Sender = (Kept<PublisherPort<SharedMemory>>, Option<Kept<Notifier<SharedMemory>>>);
-type Receiver = (Kept<SubscriberPort<SharedMemory>>, Option<Kept<Listener<SharedMemory>>>);
+type BareSendPort = (
+    DropGuard<PublisherPort<SharedMemory>>,
+    Option<DropGuard<Notifier<SharedMemory>>>,
+);
+type BareReceivePort = (
+    DropGuard<SubscriberPort<SharedMemory>>,
+    Option<DropGuard<Listener<SharedMemory>>>,
+);
 
 fn sender(
     node: &Node<SharedMemory>,
     service: &str,
     settings: BareSettings,
     samples: &TypeDetail,
-) -> Result<Sender, BusError> {
+) -> Result<BareSendPort, BusError> {
     let port = slices(node, service, settings, samples)?
         .publisher_builder()
         .initial_max_slice_len(settings.slice_len)
@@ -155,10 +161,10 @@ fn sender(
         .map_err(|error| failed(service, "make a publisher", error.to_string()))?;
     let notifier = || {
         let made = wake_ups(node, service)?.notifier_builder().create();
-        made.map(Kept::new)
+        made.map(DropGuard::new)
             .map_err(|error| failed(service, "make a notifier", error.to_string()))
     };
-    Ok((Kept::new(port), settings.events.then(notifier).transpose()?))
+    Ok((DropGuard::new(port), settings.events.then(notifier).transpose()?))
 }
 
 fn receiver(
@@ -166,17 +172,17 @@ fn receiver(
     service: &str,
     settings: BareSettings,
     samples: &TypeDetail,
-) -> Result<Receiver, BusError> {
+) -> Result<BareReceivePort, BusError> {
     let port = slices(node, service, settings, samples)?
         .subscriber_builder()
         .create()
         .map_err(|error| failed(service, "make a subscriber", error.to_string()))?;
     let listener = || {
         let made = wake_ups(node, service)?.listener_builder().create();
-        made.map(Kept::new)
+        made.map(DropGuard::new)
             .map_err(|error| failed(service, "make a listener", error.to_string()))
     };
-    Ok((Kept::new(port), settings.events.then(listener).transpose()?))
+    Ok((DropGuard::new(port), settings.events.then(listener).transpose()?))
 }
 
 fn sleep(listener: &Listener<SharedMemory>, time: Duration, service: &str) -> Result<(), BusError> {
@@ -199,7 +205,7 @@ fn slices(
     name: &str,
     settings: BareSettings,
     samples: &TypeDetail,
-) -> Result<Slices, BusError> {
+) -> Result<BareSlices, BusError> {
     let described = node
         .service_builder(&service_name(name)?)
         .publish_subscribe::<Octets>()

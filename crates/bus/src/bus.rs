@@ -14,11 +14,11 @@ use crate::error::BusError;
 use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
 use crate::log::{self, LogReader, LogWriter};
 use crate::membership::Membership;
-use crate::ports::{Kept, Transport};
+use crate::ports::{DropGuard, Transport};
 use crate::publisher::Publisher;
 use crate::quality::LEAVERS_MAX;
 use crate::root::{Root, close_to_others};
-use crate::service::{DeadProcesses, Held, Service};
+use crate::service::{DeadProcesses, Service, TopicHold};
 use crate::subscriber::Subscriber;
 use crate::transport::Payload;
 use crate::waiter::{WATCHED_MAX, WaitMode, Waiter};
@@ -34,7 +34,7 @@ const PREFIX_IN_PROCESS: &str = "k_";
 /// made them, and outlive the connection.
 #[derive(Debug)]
 pub struct Bus<S: Transport> {
-    node: Kept<Node<S>>,
+    node: DropGuard<Node<S>>,
     // After the node.
     _membership: Option<Membership>,
     root: Root,
@@ -115,7 +115,7 @@ impl<S: Transport> Bus<S> {
     ///
     /// # Errors
     /// If it exists with another type or smaller sizes, or cannot be created.
-    pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<Held, BusError> {
+    pub fn hold<T: Payload>(&self, topic: &Topic<T>) -> Result<TopicHold, BusError> {
         if S::CROSSES_PROCESSES {
             // Lines are created first, so that every process that finds the topic finds the lines.
             Lines::create(&self.prefix, &topic.name, topic.capacity.publishers)?;

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::process::Process;
+use crate::process::MemberProcess;
 
 /// An operation of this crate failed.
 #[derive(Debug, Error)]
@@ -84,7 +84,7 @@ pub enum BusError {
         /// The instance.
         instance: String,
         /// Processes that use it.
-        processes: Vec<Process>,
+        processes: Vec<MemberProcess>,
     },
 
     /// The instance does not run.
@@ -150,7 +150,7 @@ pub enum BusError {
         /// The topic.
         topic: Arc<str>,
         /// Which kind of place.
-        role: Role,
+        role: PortRole,
         /// How many there are.
         limit: usize,
     },
@@ -234,7 +234,7 @@ pub enum BusError {
 
 /// A kind of place that a topic has a limited number of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum PortRole {
     /// One that sends.
     Publisher,
     /// One that takes.
@@ -245,7 +245,7 @@ pub enum Role {
     Process,
 }
 
-impl fmt::Display for Role {
+impl fmt::Display for PortRole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Publisher => "publisher",
@@ -267,7 +267,7 @@ impl fmt::Display for Pid {
     }
 }
 
-struct Processes<'a>(&'a [Process]);
+struct Processes<'a>(&'a [MemberProcess]);
 
 impl fmt::Display for Processes<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -6,7 +6,7 @@
 //! | type | purpose |
 //! |---|---|
 //! | [`Root`], [`Claim`] | folder of a deployment, right to run the deployment, and removal of all its files |
-//! | [`Bus`], [`Held`] | connection of a process; the keeper holds every topic, other processes only open topics |
+//! | [`Bus`], [`TopicHold`] | connection of a process; the keeper holds every topic, other processes only open topics |
 //! | [`Publisher`] | writes slices in place, with sequence numbers and progress; never waits for anybody |
 //! | [`Subscriber`] | takes slices, and counts missing samples per publisher |
 //! | [`LogWriter`], [`LogReader`] | a log, written with a few stores per sample, for readers at any speed |
@@ -86,19 +86,19 @@ mod waiter;
 
 pub use bare::{BareReceiver, BareSender, BareSettings};
 pub use bus::Bus;
-pub use error::{BusError, Role};
-pub use line::{Life, PublisherLine};
+pub use error::{BusError, PortRole};
+pub use line::{PublisherLine, PublisherState};
 pub use log::{LogReader, LogWriter};
 pub use order_port::OrderPort;
 pub use outlasting::Outlasting;
 pub use ports::Transport;
-pub use process::Process;
+pub use process::MemberProcess;
 pub use publisher::{Mark, Publisher, PublisherCounts};
 pub use quality::BORROWED_MAX;
-pub use root::{Claim, INSTANCE_NAME_MAX, Instance, Root, Wiped};
-pub use service::{DeadProcesses, Held};
+pub use root::{Claim, INSTANCE_NAME_MAX, InstanceEntry, Root, Wiped};
+pub use service::{DeadProcesses, TopicHold};
 pub use space::{check_space, free_space, needed_bytes, needed_log_bytes};
-pub use subscriber::{Heard, Received, Slice, Subscriber, SubscriberCounts};
+pub use subscriber::{PublisherRecord, ReceiveOutcome, Slice, Subscriber, SubscriberCounts};
 #[cfg(feature = "any-thread")]
 pub use transport::SharedMemoryAnyThread;
 pub use transport::{InProcess, Payload, SharedMemory};

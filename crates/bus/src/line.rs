@@ -41,7 +41,7 @@ const STATE_BITS: u32 = 3;
 const STATE: u64 = (1 << STATE_BITS) - 1;
 
 #[repr(C, align(64))]
-struct Head {
+struct LineHead {
     /// How many lines have been marked as ended or died.
     ends: AtomicU64,
 }
@@ -61,7 +61,7 @@ struct Line {
     end: AtomicU64,
 }
 
-const _: () = assert!(size_of::<Head>() == LINE_BYTES && size_of::<Line>() == LINE_BYTES);
+const _: () = assert!(size_of::<LineHead>() == LINE_BYTES && size_of::<Line>() == LINE_BYTES);
 
 /// Last words of a publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ pub struct PublisherLine {
     /// Monotonic time of the last send, nanoseconds; 0 before the first one.
     pub heartbeat_ns: i64,
     /// Whether the publisher lives, has left, or was killed.
-    pub life: Life,
+    pub life: PublisherState,
     pub(crate) origin: u64,
     pub(crate) schema: u64,
     /// Differs from that of every other publisher.
@@ -82,7 +82,7 @@ pub struct PublisherLine {
 
 /// State of a publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Life {
+pub enum PublisherState {
     /// The publisher lives, or its death is not detected yet.
     Lives,
     /// It left.
@@ -141,7 +141,7 @@ impl Lines {
         Ok(Self { mapping, count })
     }
 
-    fn head(&self) -> &Head {
+    fn head(&self) -> &LineHead {
         // SAFETY: the mapping begins with a head, is aligned to a page, lives as long as `self`, and any bits are
         // atomic words.
         unsafe { self.mapping.start().cast().as_ref() }
@@ -227,9 +227,9 @@ impl Line {
             next_sequence: self.next_sequence.load(Relaxed),
             heartbeat_ns: self.heartbeat_ns.load(Relaxed).cast_signed(),
             life: match owner & STATE {
-                LIVES => Life::Lives,
-                ENDED => Life::Ended,
-                DIED => Life::Died,
+                LIVES => PublisherState::Lives,
+                ENDED => PublisherState::Ended,
+                DIED => PublisherState::Died,
                 _ => return None,
             },
             origin: self.origin.load(Relaxed),
@@ -337,7 +337,7 @@ impl Ends {
         for (line, told) in self.lines.list().iter().zip(&mut self.told) {
             let ended = line
                 .read()
-                .filter(|line| line.life != Life::Lives && line.schema == self.schema);
+                .filter(|line| line.life != PublisherState::Lives && line.schema == self.schema);
             if let Some(ended) =
                 ended.filter(|ended| ended.check != *told && self.waiting.len() < self.waiting.capacity())
             {

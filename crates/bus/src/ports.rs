@@ -3,7 +3,7 @@
 //! A function generic over the transport is compiled again in every calling crate, with all the iceoryx2 code it
 //! needs: this was more than half of a service's compile time. A method of a concrete type is compiled with the type.
 //! Therefore all iceoryx2 code is called through methods of [`Ports`], and iceoryx2's values are dropped here, too
-//! ([`Kept`]).
+//! ([`DropGuard`]).
 
 use std::io;
 use std::mem::ManuallyDrop;
@@ -21,7 +21,7 @@ use iceoryx2::service::Service as Medium;
 
 use crate::error::BusError;
 use crate::root::Root;
-use crate::service::{self, DeadProcesses, Held, Loan, PublisherPort, Service, SubscriberPort, Taken};
+use crate::service::{self, DeadProcesses, Loan, PublisherPort, Service, SubscriberPort, TakenSlice, TopicHold};
 use crate::transport::{InProcess, SharedMemory};
 
 /// The medium of a [`Bus`](crate::Bus). Implemented by the media of this crate, and by nothing else.
@@ -37,25 +37,25 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn drain(listener: &Listener<Self>) -> io::Result<()>;
     #[doc(hidden)]
-    fn join(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError>;
+    fn join(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<DropGuard<Node<Self>>, BusError>;
     #[doc(hidden)]
     fn remove_dead(node: &Node<Self>) -> DeadProcesses;
     #[doc(hidden)]
-    fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<Held, BusError>;
+    fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<TopicHold, BusError>;
     #[doc(hidden)]
     fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError>;
     #[doc(hidden)]
     fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError>;
     #[doc(hidden)]
-    fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<Kept<Listener<Self>>, BusError>;
+    fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<DropGuard<Listener<Self>>, BusError>;
     #[doc(hidden)]
-    fn loan(port: &PublisherPort<Self>, length: usize) -> Result<Kept<Loan<Self>>, &'static str>;
+    fn loan(port: &PublisherPort<Self>, length: usize) -> Result<DropGuard<Loan<Self>>, &'static str>;
     /// # Safety
     /// Every sample and the header must have been written.
     #[doc(hidden)]
-    unsafe fn send(slice: Kept<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str>;
+    unsafe fn send(slice: DropGuard<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str>;
     #[doc(hidden)]
-    fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, ReceiveError>;
+    fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError>;
     #[doc(hidden)]
     fn has_slices(port: &SubscriberPort<Self>) -> bool;
 }
@@ -65,26 +65,26 @@ pub trait Ports: Medium + Sized + 'static {
 pub struct Sending<S: Medium> {
     pub(crate) node: u128,
     pub(crate) origin: u128,
-    pub(crate) port: Kept<PublisherPort<S>>,
-    pub(crate) notifier: Kept<Notifier<S>>,
+    pub(crate) port: DropGuard<PublisherPort<S>>,
+    pub(crate) notifier: DropGuard<Notifier<S>>,
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
 
 /// The port behind a subscriber, and a counter of its failed connections.
 #[derive(Debug)]
 pub struct Receiving<S: Medium> {
-    pub(crate) port: Kept<SubscriberPort<S>>,
+    pub(crate) port: DropGuard<SubscriberPort<S>>,
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
 
 /// A value that is always dropped by code of this crate.
 #[derive(Debug)]
-pub struct Kept<T> {
+pub struct DropGuard<T> {
     value: ManuallyDrop<T>,
     end: unsafe fn(&mut ManuallyDrop<T>),
 }
 
-impl<T> Kept<T> {
+impl<T> DropGuard<T> {
     /// Keeps `value`. Called where `T` is a concrete type: that is where its drop is compiled.
     pub(crate) fn new(value: T) -> Self {
         Self {
@@ -100,7 +100,7 @@ impl<T> Kept<T> {
     }
 }
 
-impl<T> Deref for Kept<T> {
+impl<T> Deref for DropGuard<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
@@ -108,13 +108,13 @@ impl<T> Deref for Kept<T> {
     }
 }
 
-impl<T> DerefMut for Kept<T> {
+impl<T> DerefMut for DropGuard<T> {
     fn deref_mut(&mut self) -> &mut T {
         &mut self.value
     }
 }
 
-impl<T> Drop for Kept<T> {
+impl<T> Drop for DropGuard<T> {
     fn drop(&mut self) {
         // SAFETY: `end` drops the value in place, once: nothing but this and `into_inner`, which keeps this from
         // running, takes it away.
@@ -140,26 +140,31 @@ macro_rules! transport {
                 service::drain(listener)
             }
 
-            fn join(root: &Root, process: &str, prefix: &str, leavers: usize) -> Result<Kept<Node<Self>>, BusError> {
-                service::join(root, process, prefix, leavers).map(Kept::new)
+            fn join(
+                root: &Root,
+                process: &str,
+                prefix: &str,
+                leavers: usize,
+            ) -> Result<DropGuard<Node<Self>>, BusError> {
+                service::join(root, process, prefix, leavers).map(DropGuard::new)
             }
 
             fn remove_dead(node: &Node<Self>) -> DeadProcesses {
                 service::remove_dead(node)
             }
 
-            fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<Held, BusError> {
+            fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<TopicHold, BusError> {
                 service.hold(node)
             }
 
             fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError> {
                 let (port, failed_connections) = service.publisher(node)?;
                 // After the port: making the notifier wakes subscribers, which then connect to the port.
-                let notifier = Kept::new(service.notifier(node)?);
+                let notifier = DropGuard::new(service.notifier(node)?);
                 Ok(Sending {
                     node: node.id().value(),
                     origin: port.id().value(),
-                    port: Kept::new(port),
+                    port: DropGuard::new(port),
                     notifier,
                     failed_connections,
                 })
@@ -168,26 +173,29 @@ macro_rules! transport {
             fn subscribe(node: &Node<Self>, service: &Service<'_>) -> Result<Receiving<Self>, BusError> {
                 let (port, failed_connections) = service.subscriber(node)?;
                 Ok(Receiving {
-                    port: Kept::new(port),
+                    port: DropGuard::new(port),
                     failed_connections,
                 })
             }
 
-            fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<Kept<Listener<Self>>, BusError> {
-                service.listener(node).map(Kept::new)
+            fn listen(node: &Node<Self>, service: &Service<'_>) -> Result<DropGuard<Listener<Self>>, BusError> {
+                service.listener(node).map(DropGuard::new)
             }
 
-            fn loan(port: &PublisherPort<Self>, length: usize) -> Result<Kept<Loan<Self>>, &'static str> {
-                service::loan(port, length).map(Kept::new)
+            fn loan(port: &PublisherPort<Self>, length: usize) -> Result<DropGuard<Loan<Self>>, &'static str> {
+                service::loan(port, length).map(DropGuard::new)
             }
 
-            unsafe fn send(slice: Kept<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str> {
+            unsafe fn send(
+                slice: DropGuard<Loan<Self>>,
+                notifier: Option<&Notifier<Self>>,
+            ) -> Result<(), &'static str> {
                 // SAFETY: as asked for.
                 unsafe { service::send(slice.into_inner(), notifier) }
             }
 
-            fn receive(port: &SubscriberPort<Self>) -> Result<Option<Kept<Taken<Self>>>, ReceiveError> {
-                Ok(service::receive(port)?.map(Kept::new))
+            fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError> {
+                Ok(service::receive(port)?.map(DropGuard::new))
             }
 
             fn has_slices(port: &SubscriberPort<Self>) -> bool {
@@ -212,9 +220,9 @@ mod tests {
     #[test]
     fn kept_value_is_dropped_once_or_handed_back() {
         let value = Rc::new(7);
-        drop(Kept::new(Rc::clone(&value)));
+        drop(DropGuard::new(Rc::clone(&value)));
         assert_eq!(Rc::strong_count(&value), 1);
-        let handed_back = Kept::new(Rc::clone(&value)).into_inner();
+        let handed_back = DropGuard::new(Rc::clone(&value)).into_inner();
         assert_eq!(Rc::strong_count(&value), 2);
         drop(handed_back);
         assert_eq!(Rc::strong_count(&value), 1);

@@ -2,14 +2,14 @@
 
 /// A live process that has joined an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Process {
+pub struct MemberProcess {
     /// Number in the operating system; 0 if it cannot be read.
     pub pid: u32,
     /// The name it gave itself.
     pub name: String,
 }
 
-impl Process {
+impl MemberProcess {
     pub(crate) fn unknown() -> Self {
         Self {
             pid: 0,

@@ -16,15 +16,15 @@ use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
 use crate::line::OwnLine;
-use crate::ports::{Kept, Sending, Transport};
+use crate::ports::{DropGuard, Sending, Transport};
 use crate::service::PublisherPort;
 use crate::transport::Payload;
 
 /// Sends slices of samples `T` on one topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
-    port: Kept<PublisherPort<S>>,
-    notifier: Kept<Notifier<S>>,
+    port: DropGuard<PublisherPort<S>>,
+    notifier: DropGuard<Notifier<S>>,
     /// Dropped after the port: when the line is marked as ended, no further slice enters the queue.
     line: Option<OwnLine>,
     samples: PhantomData<fn(T)>,

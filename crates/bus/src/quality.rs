@@ -2,7 +2,8 @@
 //!
 //! iceoryx2 refuses to open a service with larger demands than its creator's, and its defaults (two publishers,
 //! buffers of two, a waiting publisher) are unsuitable. Every process that creates or opens a topic therefore uses
-//! [`describe_slices`] and [`describe_wake_ups`], with the topic's own [`Capacity`]; no setting has a default value.
+//! [`describe_slices`] and [`describe_wake_ups`], with the topic's own [`TopicCapacity`]; no setting has a default
+//! value.
 //!
 //! A topic is two iceoryx2 services of the same name: *slices* (publish-subscribe of `[T]` with a [`BatchHeader`] as
 //! user header) and *wake-ups* (events). The services are separate so that spinning and polling readers cost a
@@ -14,7 +15,7 @@ use iceoryx2::service::Service as Medium;
 use iceoryx2::service::builder::{event, publish_subscribe};
 use iceoryx2::service::marker::{CustomHeaderMarker, CustomPayloadMarker};
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
-use messages::{BatchHeader, Capacity, TopicName};
+use messages::{BatchHeader, TopicCapacity, TopicName};
 
 use crate::error::BusError;
 
@@ -42,10 +43,10 @@ pub(crate) const LOANED_MAX: usize = 2;
 pub(crate) fn describe_slices<S: Medium>(
     node: &Node<S>,
     name: &TopicName,
-    capacity: Capacity,
+    capacity: TopicCapacity,
     samples: &TypeDetail,
 ) -> Result<publish_subscribe::Builder<Octets, Header, S>, BusError> {
-    let Capacity {
+    let TopicCapacity {
         depth,
         slice_len: _, // of the publisher, not of the topic
         publishers,
@@ -75,7 +76,7 @@ pub(crate) fn describe_slices<S: Medium>(
 pub(crate) fn describe_wake_ups<S: Medium>(
     node: &Node<S>,
     name: &TopicName,
-    capacity: Capacity,
+    capacity: TopicCapacity,
 ) -> Result<event::Builder<S>, BusError> {
     Ok(node
         .service_builder(&service_name(name)?)
@@ -105,11 +106,11 @@ fn service_name(name: &TopicName) -> Result<ServiceName, BusError> {
 /// this is impossible: the waiting slices of a subscriber are always among the last `depth` slices sent, because
 /// overflow drops the oldest. Therefore at most `depth` slices wait for all subscribers together, and each subscriber
 /// borrows a few more. The second `depth` is for a dead subscriber with an unchanged queue during its removal.
-pub(crate) fn reserved_slices(capacity: Capacity) -> usize {
+pub(crate) fn reserved_slices(capacity: TopicCapacity) -> usize {
     let shared = 2 * capacity.depth + capacity.subscribers * BORROWED_MAX + LOANED_MAX;
     shared.min(worst_case_slices(capacity))
 }
 
-fn worst_case_slices(capacity: Capacity) -> usize {
+fn worst_case_slices(capacity: TopicCapacity) -> usize {
     capacity.subscribers * (capacity.depth + BORROWED_MAX) + LOANED_MAX
 }

@@ -33,7 +33,7 @@ use rustix::fs::{FlockOperation, flock};
 
 use crate::base;
 use crate::error::{BusError, io_error};
-use crate::process::Process;
+use crate::process::MemberProcess;
 use crate::quality::LEAVERS_MAX;
 use crate::seal::{self, NO_LINKS, PREFIX_LEN, SHARED_MEMORY_DIR, Seal};
 use crate::transport::SharedMemory;
@@ -181,17 +181,17 @@ impl Root {
     ///
     /// # Errors
     /// If they cannot be listed.
-    pub fn processes(&self) -> Result<Vec<Process>, BusError> {
+    pub fn processes(&self) -> Result<Vec<MemberProcess>, BusError> {
         let mut processes = Vec::new();
         self.visit_nodes(|state| match state {
             NodeState::Alive(view) => processes.push(match view.details() {
-                Some(details) => Process {
+                Some(details) => MemberProcess {
                     pid: details.process_id().value().unsigned_abs(),
                     name: details.name().as_str().to_owned(),
                 },
-                None => Process::unknown(),
+                None => MemberProcess::unknown(),
             }),
-            NodeState::Inaccessible(_) => processes.push(Process::unknown()),
+            NodeState::Inaccessible(_) => processes.push(MemberProcess::unknown()),
             NodeState::Dead(_) | NodeState::Undefined(_) => {}
         })?;
         Ok(processes)
@@ -228,7 +228,7 @@ impl Root {
     ///
     /// # Errors
     /// If the folder cannot be read, or is not safe. One that does not exist contains no instance.
-    pub fn list(base: impl AsRef<Path>) -> Result<Vec<Instance>, BusError> {
+    pub fn list(base: impl AsRef<Path>) -> Result<Vec<InstanceEntry>, BusError> {
         let base = base.as_ref();
         let entries = match fs::read_dir(base) {
             Ok(entries) => entries,
@@ -243,7 +243,7 @@ impl Root {
                 continue;
             };
             let holder = root.holder()?;
-            instances.push(Instance {
+            instances.push(InstanceEntry {
                 root,
                 runs: holder.is_some(),
                 pid: holder.flatten(),
@@ -324,7 +324,7 @@ impl Root {
         let alone = seal.lock_alone().map_err(io_error("lock the seal in", &self.path))?;
         if !alone && processes.is_empty() {
             // It is joining or leaving.
-            processes.push(Process::unknown());
+            processes.push(MemberProcess::unknown());
         }
         if !processes.is_empty() {
             return Err(BusError::StillUsed {
@@ -489,7 +489,7 @@ impl Wiped {
 
 /// An instance that was found in a base folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Instance {
+pub struct InstanceEntry {
     /// The instance.
     pub root: Root,
     /// Whether a live process runs it.

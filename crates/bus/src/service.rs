@@ -26,9 +26,9 @@ use iceoryx2::service::builder::publish_subscribe::{
 use iceoryx2::service::marker::CustomPayloadMarker;
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use iceoryx2::service::static_config::message_type_details::TypeDetail;
-use messages::{Capacity, TopicName};
+use messages::{TopicCapacity, TopicName};
 
-use crate::error::{BusError, Role};
+use crate::error::{BusError, PortRole};
 use crate::quality::{Header, LOANED_MAX, NODES_MAX, Octets, describe_slices, describe_wake_ups, reserved_slices};
 use crate::root::{Root, tame_logging};
 
@@ -37,7 +37,7 @@ pub(crate) type PublisherPort<S> = iceoryx2::port::publisher::Publisher<S, Octet
 /// Takes slices of bytes.
 pub(crate) type SubscriberPort<S> = iceoryx2::port::subscriber::Subscriber<S, Octets, Header>;
 /// A slice that has been taken.
-pub(crate) type Taken<S> = iceoryx2::sample::Sample<S, Octets, Header>;
+pub(crate) type TakenSlice<S> = iceoryx2::sample::Sample<S, Octets, Header>;
 /// A slice that is to be written.
 pub(crate) type Loan<S> = SampleMutUninit<S, [MaybeUninit<CustomPayloadMarker>], Header>;
 type Slices<S> = publish_subscribe::PortFactory<S, Octets, Header>;
@@ -82,7 +82,7 @@ pub(crate) fn remove_dead<S: Medium>(node: &Node<S>) -> DeadProcesses {
 #[derive(Debug)]
 pub struct Service<'a> {
     pub(crate) name: &'a TopicName,
-    pub(crate) capacity: Capacity,
+    pub(crate) capacity: TopicCapacity,
     pub(crate) samples: TypeDetail,
     /// How long one that does not exist (yet) is asked for.
     pub(crate) patience: Duration,
@@ -90,14 +90,14 @@ pub struct Service<'a> {
 
 impl Service<'_> {
     /// Creates the topic, or opens an existing topic, and keeps the topic in existence during the life of the result.
-    pub(crate) fn hold<S: Medium + 'static>(&self, node: &Node<S>) -> Result<Held, BusError> {
+    pub(crate) fn hold<S: Medium + 'static>(&self, node: &Node<S>) -> Result<TopicHold, BusError> {
         let slices = describe_slices(node, self.name, self.capacity, &self.samples)?
             .open_or_create()
             .map_err(|error| held_slices_error(error, self.name))?;
         let wake_ups = describe_wake_ups(node, self.name, self.capacity)?
             .open_or_create()
             .map_err(|error| held_wake_ups_error(error, self.name))?;
-        Ok(Held {
+        Ok(TopicHold {
             topic: self.name.as_str().into(),
             _services: Box::new((slices, wake_ups)),
         })
@@ -125,7 +125,7 @@ impl Service<'_> {
                 .create()
         };
         let port = in_place(node, make, |error| match error {
-            PublisherCreateError::ExceedsMaxSupportedPublishers => self.full(Role::Publisher),
+            PublisherCreateError::ExceedsMaxSupportedPublishers => self.full(PortRole::Publisher),
             error => topic_error(self.name, "make a publisher", error),
         })?;
         Ok((port, failed_connections))
@@ -151,7 +151,7 @@ impl Service<'_> {
                 .create()
         };
         let port = in_place(node, make, |error| match error {
-            SubscriberCreateError::ExceedsMaxSupportedSubscribers => self.full(Role::Subscriber),
+            SubscriberCreateError::ExceedsMaxSupportedSubscribers => self.full(PortRole::Subscriber),
             error => topic_error(self.name, "make a subscriber", error),
         })?;
         Ok((port, failed_connections))
@@ -163,7 +163,7 @@ impl Service<'_> {
             node,
             || wake_ups.notifier_builder().create(),
             |error| match error {
-                NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(Role::Publisher),
+                NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(PortRole::Publisher),
                 error => topic_error(self.name, "make a notifier", error),
             },
         )
@@ -175,7 +175,7 @@ impl Service<'_> {
             node,
             || wake_ups.listener_builder().create(),
             |error| match error {
-                ListenerCreateError::ExceedsMaxSupportedListeners => self.full(Role::Listener),
+                ListenerCreateError::ExceedsMaxSupportedListeners => self.full(PortRole::Listener),
                 error => topic_error(self.name, "make a listener", error),
             },
         )
@@ -195,9 +195,9 @@ impl Service<'_> {
         })
     }
 
-    fn full(&self, role: Role) -> BusError {
+    fn full(&self, role: PortRole) -> BusError {
         let limit = match role {
-            Role::Publisher => self.capacity.publishers,
+            PortRole::Publisher => self.capacity.publishers,
             _ => self.capacity.subscribers,
         };
         full_error(self.name, role, limit)
@@ -240,12 +240,12 @@ fn in_place<S: Medium, P, E>(
 /// Keeps a topic in existence.
 #[derive(Debug)]
 #[must_use = "the topic is held only as long as this lives"]
-pub struct Held {
+pub struct TopicHold {
     topic: Arc<str>,
     _services: Box<dyn Any + Send>,
 }
 
-impl Held {
+impl TopicHold {
     /// Name of the topic.
     pub fn topic(&self) -> &str {
         &self.topic
@@ -284,7 +284,7 @@ pub(crate) unsafe fn send<S: Medium>(slice: Loan<S>, notifier: Option<&Notifier<
 }
 
 /// The next slice of the queue.
-pub(crate) fn receive<S: Medium>(port: &SubscriberPort<S>) -> Result<Option<Taken<S>>, ReceiveError> {
+pub(crate) fn receive<S: Medium>(port: &SubscriberPort<S>) -> Result<Option<TakenSlice<S>>, ReceiveError> {
     port.receive()
 }
 
@@ -330,7 +330,7 @@ fn topic_error(topic: &TopicName, action: &'static str, error: impl ToString) ->
     }
 }
 
-fn full_error(topic: &TopicName, role: Role, limit: usize) -> BusError {
+fn full_error(topic: &TopicName, role: PortRole, limit: usize) -> BusError {
     BusError::Full {
         topic: topic.as_str().into(),
         role,
@@ -356,7 +356,7 @@ fn slices_error(error: PublishSubscribeOpenError, topic: &TopicName) -> BusError
     use PublishSubscribeOpenError as E;
     match error {
         E::DoesNotExist | E::IsMarkedForDestruction => missing_error(topic),
-        E::ExceedsMaxNumberOfNodes => full_error(topic, Role::Process, NODES_MAX),
+        E::ExceedsMaxNumberOfNodes => full_error(topic, PortRole::Process, NODES_MAX),
         E::IncompatibleTypes
         | E::IncompatibleMessagingPattern
         | E::IncompatibleAttributes
@@ -376,7 +376,7 @@ fn wake_ups_error(error: EventOpenError, topic: &TopicName) -> BusError {
     use EventOpenError as E;
     match error {
         E::DoesNotExist | E::IsMarkedForDestruction => missing_error(topic),
-        E::ExceedsMaxNumberOfNodes => full_error(topic, Role::Process, NODES_MAX),
+        E::ExceedsMaxNumberOfNodes => full_error(topic, PortRole::Process, NODES_MAX),
         E::IncompatibleMessagingPattern
         | E::IncompatibleAttributes
         | E::IncompatibleDeadline

@@ -32,15 +32,15 @@ use messages::{BatchHeader, Epochs, Topic};
 
 use crate::error::BusError;
 use crate::line::{Ends, PublisherLine, fold};
-use crate::ports::{Kept, Receiving, Transport};
+use crate::ports::{DropGuard, Receiving, Transport};
 use crate::quality::BORROWED_MAX;
-use crate::service::{SubscriberPort, Taken};
+use crate::service::{SubscriberPort, TakenSlice};
 use crate::transport::Payload;
 
 /// Takes slices of samples `T` from one topic.
 #[derive(Debug)]
 pub struct Subscriber<S: Transport, T: Payload> {
-    port: Kept<SubscriberPort<S>>,
+    port: DropGuard<SubscriberPort<S>>,
     samples: PhantomData<fn() -> T>,
     topic: Arc<str>,
     joined_ns: u64,
@@ -55,7 +55,7 @@ pub struct Subscriber<S: Transport, T: Payload> {
 
 /// Outcome of [`Subscriber::receive`].
 #[derive(Debug)]
-pub enum Received<S: Transport, T: Payload> {
+pub enum ReceiveOutcome<S: Transport, T: Payload> {
     /// The next slice.
     Slice(Slice<S, T>),
     /// A slice of another layout: counted, and given back.
@@ -68,7 +68,7 @@ pub enum Received<S: Transport, T: Payload> {
 
 /// A slice in shared memory, kept from being overwritten as long as this lives.
 #[derive(Debug)]
-pub struct Slice<S: Transport, T: Payload>(Kept<Taken<S>>, PhantomData<fn() -> T>);
+pub struct Slice<S: Transport, T: Payload>(DropGuard<TakenSlice<S>>, PhantomData<fn() -> T>);
 
 impl<S: Transport, T: Payload> Slice<S, T> {
     /// Header that its publisher has written.
@@ -111,7 +111,7 @@ pub struct SubscriberCounts {
 
 /// A publisher with received slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Heard {
+pub struct PublisherRecord {
     /// When the publisher started, by its own statement.
     pub incarnation: u64,
     /// Sequence number that must come next: all smaller ones have been taken or are lost.
@@ -151,9 +151,9 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     pub fn take(&mut self, budget: usize, mut visit: impl FnMut(&BatchHeader, &[T])) -> Result<usize, BusError> {
         for count in 0..budget {
             match self.receive()? {
-                Received::Slice(slice) => visit(slice.header(), slice.samples()),
-                Received::Rejected | Received::OfOlderEpoch => {}
-                Received::Nothing => return Ok(count),
+                ReceiveOutcome::Slice(slice) => visit(slice.header(), slice.samples()),
+                ReceiveOutcome::Rejected | ReceiveOutcome::OfOlderEpoch => {}
+                ReceiveOutcome::Nothing => return Ok(count),
             }
         }
         Ok(budget)
@@ -165,15 +165,15 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// # Errors
     /// [`BusError::Borrowed`] if too many slices are kept; [`BusError::Take`] if the memory of a publisher cannot be
     /// reached.
-    pub fn receive(&mut self) -> Result<Received<S, T>, BusError> {
+    pub fn receive(&mut self) -> Result<ReceiveOutcome<S, T>, BusError> {
         let Some(sample) = self.receive_any()? else {
-            return Ok(Received::Nothing);
+            return Ok(ReceiveOutcome::Nothing);
         };
         let slice = Slice(sample, PhantomData);
         let header = slice.header();
         if header.schema != T::SCHEMA {
             self.counts.schema_mismatch += 1;
-            return Ok(Received::Rejected);
+            return Ok(ReceiveOutcome::Rejected);
         }
         let (count, standing) = (slice.samples().len(), self.epochs.compare(header));
         match self
@@ -185,18 +185,18 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         }
         if standing.is_lt() && !self.takes_older {
             self.counts.of_older_epochs += count as u64;
-            return Ok(Received::OfOlderEpoch);
+            return Ok(ReceiveOutcome::OfOlderEpoch);
         }
         if standing.is_gt() {
             self.epochs.follow(header);
         }
         self.counts.slices += 1;
         self.counts.taken += count as u64;
-        Ok(Received::Slice(slice))
+        Ok(ReceiveOutcome::Slice(slice))
     }
 
     /// Returns the next slice. With an empty queue, the missing samples of ended publishers are counted as lost.
-    fn receive_any(&mut self) -> Result<Option<Kept<Taken<S>>>, BusError> {
+    fn receive_any(&mut self) -> Result<Option<DropGuard<TakenSlice<S>>>, BusError> {
         let topic = &self.topic;
         let failed = |error| match error {
             ReceiveError::ExceedsMaxBorrows => BusError::Borrowed {
@@ -235,8 +235,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     }
 
     /// Returns the known publishers, including dead publishers until their places are needed.
-    pub fn heard(&self) -> impl Iterator<Item = Heard> + '_ {
-        self.publishers.list.iter().map(|each| Heard {
+    pub fn heard(&self) -> impl Iterator<Item = PublisherRecord> + '_ {
+        self.publishers.list.iter().map(|each| PublisherRecord {
             incarnation: each.incarnation,
             next_sequence: each.next_sequence,
         })
@@ -267,7 +267,7 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
 /// order of their last slices.
 #[derive(Debug)]
 struct Publishers {
-    list: Vec<Followed>,
+    list: Vec<FollowedPublisher>,
     room: usize,
     /// Where the last slice's publisher stands in the list: most often, the next slice is from the same one.
     recent: usize,
@@ -276,7 +276,7 @@ struct Publishers {
 }
 
 #[derive(Debug)]
-struct Followed {
+struct FollowedPublisher {
     /// iceoryx2's number of the port, unique on the machine.
     origin: u128,
     incarnation: u64,
@@ -321,7 +321,8 @@ impl Publishers {
 
     /// How many samples of a publisher that has ended never came, although they were expected.
     fn settle(&mut self, ended: &PublisherLine, joined_ns: u64) -> u64 {
-        let matches = |each: &&mut Followed| fold(each.origin) == ended.origin && each.incarnation == ended.incarnation;
+        let matches =
+            |each: &&mut FollowedPublisher| fold(each.origin) == ended.origin && each.incarnation == ended.incarnation;
         let mut none = 0;
         let next_sequence = match self.list.iter_mut().find(matches) {
             Some(followed) => &mut followed.next_sequence,
@@ -334,7 +335,7 @@ impl Publishers {
     }
 
     fn index_of(&mut self, origin: u128, header: &BatchHeader, joined_ns: u64) -> usize {
-        let matches = |each: &Followed| each.origin == origin && each.incarnation == header.incarnation;
+        let matches = |each: &FollowedPublisher| each.origin == origin && each.incarnation == header.incarnation;
         if self.list.get(self.recent).is_some_and(matches) {
             return self.recent;
         }
@@ -342,7 +343,7 @@ impl Publishers {
             return index;
         }
         let started_later = header.incarnation >= joined_ns;
-        let newcomer = Followed {
+        let newcomer = FollowedPublisher {
             origin,
             incarnation: header.incarnation,
             next_sequence: if started_later { 0 } else { header.first_sequence },

@@ -33,7 +33,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use crate::error::BusError;
-use crate::ports::{Kept, Transport};
+use crate::ports::{DropGuard, Transport};
 
 /// Most topics that one waiter watches.
 pub const WATCHED_MAX: usize = 256;
@@ -77,7 +77,7 @@ pub struct Waiter<S: Transport> {
     yields: bool,
     /// One for each entry of `listeners`, in the same order. Declared first: dropped first.
     descriptors: Vec<PollFd<'static>>,
-    listeners: Vec<Kept<Listener<S>>>,
+    listeners: Vec<DropGuard<Listener<S>>>,
     missed: u64,
 }
 
@@ -114,7 +114,7 @@ impl<S: Transport> Waiter<S> {
     }
 
     /// Is woken by `listener`, too.
-    pub(crate) fn listen(&mut self, listener: Kept<Listener<S>>) {
+    pub(crate) fn listen(&mut self, listener: DropGuard<Listener<S>>) {
         // SAFETY: the descriptor stays open as long as the listener lives, which `self` owns, never removes, and drops
         // after `descriptors`; nothing hands the `'static` borrow out.
         let descriptor: BorrowedFd<'static> = unsafe {

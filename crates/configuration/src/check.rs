@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use ::fusion::Settings as Engine;
 use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
 use frames::{Geodetic, SensorFrame, SystemFrame};
-use reception::{Limits, SourceModel};
+use reception::{ConversionModel, PlausibilityLimits};
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
@@ -19,8 +19,8 @@ use super::tracker::source_tracker;
 use super::tracker_links::check_links;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use deployment::{
-    Delivery, Deployment, Input, Instrument, Link, Links, Recorded, RecordedFormat, ReportOrder, Services, Source,
-    SystemTracks, WideAreaSensor, check_name,
+    Deployment, Input, Instrument, Link, Links, Recorded, RecordedFormat, ReportOrder, SampleDelivery, Services,
+    Source, SystemTracks, WideAreaSensor, check_name,
 };
 use sources::{Processing, TrackerSettings};
 
@@ -190,7 +190,7 @@ fn check_source(
         silent_after_ns: silent_after_ns(raw, &input),
         period_ns: settings::Seconds::of(raw.period_s()).ns(),
         required: raw.required,
-        model: SourceModel {
+        model: ConversionModel {
             number: index as u16,
             sac_sic: match (&input, sender) {
                 (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
@@ -229,13 +229,13 @@ fn check_source(
     Ok((source, processing, weighed))
 }
 
-fn delivery(processing: &Processing) -> Delivery {
+fn delivery(processing: &Processing) -> SampleDelivery {
     match processing {
-        Processing::Tracks => Delivery::Tracks,
-        Processing::Detections(tracker) => Delivery::Detections {
+        Processing::Tracks => SampleDelivery::Tracks,
+        Processing::Detections(tracker) => SampleDelivery::Detections {
             cues: tracker.outputs.cues,
         },
-        Processing::Bearings(_) => Delivery::Bearings,
+        Processing::Bearings(_) => SampleDelivery::Bearings,
     }
 }
 
@@ -246,7 +246,7 @@ fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
 }
 
 /// Limits of the reports of a source that nobody looks at before fusion; its sensor stands at this place, metres.
-pub(super) fn limits(limits: &Limits, place_m: [f64; 2]) -> ReportLimits {
+pub(super) fn limits(limits: &PlausibilityLimits, place_m: [f64; 2]) -> ReportLimits {
     ReportLimits {
         place_m,
         range_m: limits.range_m,

@@ -15,8 +15,8 @@ use settings::SettingsError;
 use super::check::Checked;
 use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
 use deployment::{
-    Asterix, Input, Instrument, Live, Receiver, RecordedFormat, Simulated, Source, Transport, WideAreaSensor, category,
-    check_name,
+    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, Simulated, Source, WideAreaSensor,
+    category, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -52,10 +52,10 @@ impl Network {
                 return Err(SettingsError::new(key("name"), what));
             }
             let transport = match (&each.udp, &each.sbs) {
-                (Some(udp), _) => Transport::Udp(check_udp(&key("udp"), udp)?),
+                (Some(udp), _) => ReceiverTransport::Udp(check_udp(&key("udp"), udp)?),
                 (None, sbs) => {
                     let sbs = sbs.clone().unwrap_or_default();
-                    Transport::Sbs {
+                    ReceiverTransport::Sbs {
                         server: server(&key("sbs.connect"), &sbs.connect)?,
                         settings: SbsSettings {
                             ahead_of_utc_min: sbs.ahead_of_utc_min,
@@ -109,7 +109,7 @@ impl Network {
     /// Refuses, at `key`, a name that is not that of a receiver of datagrams.
     pub(super) fn datagrams(&self, key: &str, name: &str) -> Checked<()> {
         match self.known(key, name)?.transport {
-            Transport::Udp(_) => Ok(()),
+            ReceiverTransport::Udp(_) => Ok(()),
             _ => {
                 let what = format!("\"{name}\" takes no datagrams; name a [[receiver]] with [receiver.udp]");
                 Err(SettingsError::new(key, what))
@@ -119,13 +119,15 @@ impl Network {
 
     /// Whether the receiver called `name` reads SBS-1.
     pub(super) fn is_sbs(&self, name: &str) -> bool {
-        let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Sbs { .. });
+        let is_it =
+            |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, ReceiverTransport::Sbs { .. });
         self.receivers.iter().any(is_it)
     }
 
     /// Whether the receiver called `name` takes datagrams.
     pub(super) fn is_udp(&self, name: &str) -> bool {
-        let is_it = |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, Transport::Udp(_));
+        let is_it =
+            |receiver: &Receiver| receiver.name == name && matches!(receiver.transport, ReceiverTransport::Udp(_));
         self.receivers.iter().any(is_it)
     }
 
@@ -152,7 +154,7 @@ impl Network {
     fn loopback(&mut self, name: &str, port: u16) {
         self.receivers.push(Receiver {
             name: name.to_owned(),
-            transport: Transport::Loopback { port },
+            transport: ReceiverTransport::Loopback { port },
         });
     }
 
@@ -187,7 +189,7 @@ impl Network {
                 );
                 return Err(SettingsError::new(key, what));
             }
-            if matches!(receiver.transport, Transport::Sbs { .. }) && behind.len() > 1 {
+            if matches!(receiver.transport, ReceiverTransport::Sbs { .. }) && behind.len() > 1 {
                 let what = format!(
                     "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
                     behind.len()

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 
 use check::Checked;
 use deployment::{Deployment, IN_INSTANCE, Parts};
-use settings::{Document, SettingsError, Shared, Table, Value};
+use settings::{Document, KeyTable, KeyValue, SettingsError, Shared};
 use sources::{Processing, TrackerSettings};
 use tables::DeploymentTable;
 
@@ -86,7 +86,7 @@ impl fmt::Display for ConfigError {
 impl std::error::Error for ConfigError {}
 
 /// Reads the text of `path` as a table `T`.
-fn read<T: Table + Value + Default>(path: &Path, text: &str) -> Result<T, ConfigError> {
+fn read<T: KeyTable + KeyValue + Default>(path: &Path, text: &str) -> Result<T, ConfigError> {
     let read = Document::parse(text, &[]).and_then(|document| document.read());
     read.map_err(|error| in_file(path, error))
 }
@@ -111,7 +111,7 @@ pub fn text(path: &Path) -> Result<String, ConfigError> {
 fn read_deployment(
     path: &Path,
     document: &Document<'_>,
-    services: Vec<&mut dyn Table>,
+    services: Vec<&mut dyn KeyTable>,
 ) -> Checked<(Deployment, fusion::Settings, Vec<Processing>)> {
     let mut table = DeploymentTable::default();
     document.read_into(&mut Shared::new(&mut table, services))?;

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 use deployment::check_name;
 use fusion::settings::{AccuracyModel, AccuracyTable, Settings, SourceSettings, Weighing};
-use reception::Limits;
+use reception::PlausibilityLimits;
 use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
@@ -92,7 +92,7 @@ settings::settings! {
         /// East and north in the files' frame, for accuracies that depend on the distance.
         position_m: Option<[f64; 2]> = None;
         /// Limits of the sensor's reports: speed and, for a known position, distance from the sensor.
-        limits: Limits = Limits::default();
+        limits: PlausibilityLimits = PlausibilityLimits::default();
     }
 }
 

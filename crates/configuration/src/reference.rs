@@ -32,7 +32,7 @@ pub fn reference<P: Parts>() -> String {
     let deployment = Shared::new(&mut deployment, services.tables());
     let offline = OfflineTable::default();
     let (tracking, locating) = (tracking::Settings::default(), LocatingTable::default());
-    let files: [(&str, &str, &dyn settings::Table); 4] = [
+    let files: [(&str, &str, &dyn settings::KeyTable); 4] = [
         (
             "Tracking",
             "The tracker and its sensors; every table may be left out.",

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
 use outgoing::Technology;
-use reception::{CovarianceModel, Limits, Method, PositionForm, STANDARD_PRESSURE_HPA};
+use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm, STANDARD_PRESSURE_HPA};
 use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
@@ -149,7 +149,7 @@ settings::settings! {
         /// Locator for the source's bearings.
         locator: Option<locating::Settings> = None;
         /// Limits of the sensor's reports.
-        limits: Limits = Limits::default();
+        limits: PlausibilityLimits = PlausibilityLimits::default();
         /// Covariance of the source's reports.
         covariance: CovarianceModel = CovarianceModel::default();
         /// Number of periods without a record after which the source is silent, with an alarm; 0: never.
@@ -264,7 +264,7 @@ settings::settings! {
         /// Place of the other system, for positions on its own plane.
         place: Option<PlaceTable> = None, usually "the frame's";
         /// Limits of the sensor's reports.
-        limits: Limits = Limits::default();
+        limits: PlausibilityLimits = PlausibilityLimits::default();
     }
 
     /// The fusion process.

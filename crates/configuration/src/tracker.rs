@@ -9,7 +9,7 @@ use std::path::Path;
 use settings::{Seconds, SettingsError};
 use sources::{Outputs, TrackerSettings};
 use tracking::cutting::{CutterSettings, PERIOD_MIN_NS};
-use tracking::settings::{ROOM_MAX, SensorSettings, Settings};
+use tracking::settings::{ROOM_MAX, SensorFacts, Settings};
 
 use super::ConfigError;
 use super::tables::SourceTrackerTable;
@@ -58,9 +58,9 @@ impl Tracking {
         let known: BTreeSet<u32> = settings.sensors.iter().map(|sensor| sensor.sensor_id).collect();
         settings
             .sensors
-            .extend(seen.sensor_ids.difference(&known).map(|sensor_id| SensorSettings {
+            .extend(seen.sensor_ids.difference(&known).map(|sensor_id| SensorFacts {
                 sensor_id: *sensor_id,
-                ..SensorSettings::default()
+                ..SensorFacts::default()
             }));
         settings.sensors.sort_unstable_by_key(|sensor| sensor.sensor_id);
         settings
@@ -80,10 +80,10 @@ pub(crate) fn source_tracker(
         return Err(SettingsError::new(format!("source[{number}].period_s"), what));
     }
     let mut settings = table.tracker.clone();
-    settings.sensors = vec![SensorSettings {
+    settings.sensors = vec![SensorFacts {
         sensor_id: observations::sensor_id(number),
         model: table.model,
-        ..SensorSettings::default()
+        ..SensorFacts::default()
     }];
     Ok(TrackerSettings {
         cutter: CutterSettings {

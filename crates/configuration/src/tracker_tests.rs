@@ -1,7 +1,7 @@
 //! The configuration of tracking, heard and refused.
 
 use settings::Degrees;
-use tracking::settings::{Capacity, Limit};
+use tracking::settings::{Limit, TrackerCapacity};
 
 use super::*;
 
@@ -20,7 +20,7 @@ fn settings(text: &str) -> Result<Settings, String> {
 fn nothing_has_to_be_configured() {
     let found = settings("").unwrap();
     let usual = Settings::default();
-    let capacity = Capacity {
+    let capacity = TrackerCapacity {
         tracks: Some(120_000),
         detections: Some(20_000),
         open_scans: 0,

@@ -33,7 +33,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use frames::{SensorFrame, SystemFrame};
-use reception::{CovarianceModel, SourceModel};
+use reception::{ConversionModel, CovarianceModel};
 use settings::SettingsError;
 
 use super::check::{Checked, place};
@@ -132,7 +132,7 @@ fn check_tracks(
         asterix: asterix(&part("editions"), &raw.reading)?,
         period_ns: raw.period_s.ns(),
         group_m: raw.group_m,
-        model: SourceModel {
+        model: ConversionModel {
             number: 0,
             sac_sic: raw.identity.sac_sic(),
             method: Default::default(),

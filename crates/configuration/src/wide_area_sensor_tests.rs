@@ -107,7 +107,10 @@ fn simulated_ones_bring_their_receiver_along() {
     assert_eq!(sensor.simulated.as_ref().unwrap().period_s, 4.0);
     assert_eq!((sensor.receiver(), sensor.adapter.as_str()), (Some("own"), "own"));
     let receiver = config.receiver("own").unwrap();
-    let is_own = matches!(receiver.transport, deployment::Transport::Loopback { port: 31_003 });
+    let is_own = matches!(
+        receiver.transport,
+        deployment::ReceiverTransport::Loopback { port: 31_003 }
+    );
     assert!(is_own, "{:?}", receiver.transport);
     for (old, new, line, expected) in [
         ("\n[scenario]", "", 31, "there is no [scenario] to observe"),

@@ -10,7 +10,7 @@ use tracking::wide_area::correction::Rule;
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
 use tracking::wide_area::prior::{self, Circle, EmissionBand, Knowledge, Prior, Sector};
-use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion, WideArea};
+use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion, SupportSettings};
 
 use crate::{Config, SeenDetections, Tracking};
 
@@ -54,7 +54,7 @@ fn every_key_is_heard() {
         frequency_hz,
         pulse_interval_s,
     };
-    let expected = WideArea {
+    let expected = SupportSettings {
         correction: Some(Rule::Factor(4.0)),
         corrects_confirmed_only: false,
         held: Some(Rule::Share(0.2)),
@@ -142,11 +142,11 @@ fn every_key_is_heard() {
 fn each_part_can_be_off_and_has_defaults_when_it_is_on() {
     let off = settings("[wide_area]\ncorrection = \"off\"\nheld = \"off\"\nconfirmation = \"off\"\nsharing = \"off\"")
         .unwrap();
-    let expected = WideArea {
+    let expected = SupportSettings {
         correction: None,
         held: None,
         confirmation: None,
-        ..WideArea::default()
+        ..SupportSettings::default()
     };
     assert_eq!(off.wide_area, expected);
     let on = settings("[wide_area]\nsharing = {}\nconfirmation = {}\ndeletion = {}\ngroups = {}").unwrap();

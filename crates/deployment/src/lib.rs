@@ -23,14 +23,14 @@ use frames::SystemFrame;
 pub use fusion::{Checkpoint, Fusion, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
-pub use network::{Asterix, Live, Output, Receiver, Transport, category};
+pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, category};
 pub use parts::Parts;
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
-pub use source::{Delivery, Input, Instrument, Links, Recorded, RecordedFormat, Simulated, Source, Truncated};
+pub use source::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Simulated, Source, Truncated};
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// One process of a deployment, connected and ready.
-pub type Process = runtime::Process<Deployment>;
+pub type Process = runtime::DeploymentProcess<Deployment>;
 
 /// File in the folder of a running instance that contains its [`Deployment::text`].
 pub const IN_INSTANCE: &str = "configuration.toml";

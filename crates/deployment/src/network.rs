@@ -12,12 +12,12 @@ pub struct Receiver {
     /// Its name, which is that of its adapter process.
     pub name: String,
     /// Where the data come from.
-    pub transport: Transport,
+    pub transport: ReceiverTransport,
 }
 
 /// Where a receiver's data come from.
 #[derive(Clone, Debug)]
-pub enum Transport {
+pub enum ReceiverTransport {
     /// ASTERIX in datagrams.
     Udp(net::ReceiverSettings),
     /// ASTERIX in datagrams to this port of the deployment's own loopback address: what the simulator sends.
@@ -70,7 +70,7 @@ pub struct Live {
 
 /// An output to the network: one gateway process.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Output {
+pub struct NetworkOutput {
     /// Its name, which is that of its process.
     pub name: String,
     /// Where its datagrams go, and how.

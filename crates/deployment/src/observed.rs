@@ -4,8 +4,8 @@ use crate::{Deployment, Input};
 
 impl Deployment {
     /// Returns the sources, as readers of the running deployment use them.
-    pub fn observed_sources(&self) -> Vec<observed::Source> {
-        let sources = self.sources.iter().map(|source| observed::Source {
+    pub fn observed_sources(&self) -> Vec<observed::SourceFacts> {
+        let sources = self.sources.iter().map(|source| observed::SourceFacts {
             number: source.number,
             name: source.name.clone(),
             adapter: source.adapter.clone(),

@@ -3,14 +3,14 @@
 //! Each service declares its own keys and checks them. The executable puts the parts together: it knows all services.
 //! A program without some services ignores their tables.
 
-use settings::{SettingsError, Table};
+use settings::{KeyTable, SettingsError};
 
 use crate::Deployment;
 
 /// Keys of services in a deployment's file.
 pub trait Parts: Default {
     /// Tables whose keys are tables of the file.
-    fn tables(&mut self) -> Vec<&mut dyn Table>;
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable>;
 
     /// Checks the values against the rest of the deployment, and adds the facts that other processes need.
     ///
@@ -21,7 +21,7 @@ pub trait Parts: Default {
 
 /// No service: their tables are ignored.
 impl Parts for () {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         Vec::new()
     }
 

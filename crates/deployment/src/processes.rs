@@ -2,7 +2,7 @@
 
 use messages::FusionRule;
 
-use crate::network::Output;
+use crate::network::NetworkOutput;
 
 settings::words! {
     /// Order in which fusion takes reports.
@@ -53,7 +53,7 @@ pub struct Secret {
 #[derive(Clone, Debug, Default)]
 pub struct Services {
     /// Outputs to the network; each is a gateway process.
-    pub gateways: Vec<Output>,
+    pub gateways: Vec<NetworkOutput>,
     /// Whether there is a display.
     pub display: bool,
     /// Whether a recorder runs.

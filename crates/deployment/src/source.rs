@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use outgoing::Technology;
-use reception::SourceModel;
+use reception::ConversionModel;
 
 use crate::network::{Asterix, Live};
 
@@ -23,9 +23,9 @@ pub struct Source {
     /// How it observes.
     pub technology: Technology,
     /// Where it stands, what its reports may contain, and how accurate they are.
-    pub model: SourceModel,
+    pub model: ConversionModel,
     /// Samples that it delivers.
-    pub delivers: Delivery,
+    pub delivers: SampleDelivery,
     /// Other sources that its tracker listens to.
     pub links: Links,
     /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
@@ -49,17 +49,17 @@ pub struct Links {
 impl Source {
     /// Whether its tracks are made of its detections.
     pub fn has_detections(&self) -> bool {
-        matches!(self.delivers, Delivery::Detections { .. })
+        matches!(self.delivers, SampleDelivery::Detections { .. })
     }
 
     /// Whether its tracks are made of its bearings.
     pub fn has_bearings(&self) -> bool {
-        self.delivers == Delivery::Bearings
+        self.delivers == SampleDelivery::Bearings
     }
 
     /// Whether its tracker publishes places for the sensor's next look.
     pub fn has_cues(&self) -> bool {
-        self.delivers == Delivery::Detections { cues: true }
+        self.delivers == SampleDelivery::Detections { cues: true }
     }
 
     /// Whether its sensor tracks reach fusion as they come, checked by no adapter.
@@ -74,7 +74,7 @@ impl Source {
 
 /// Samples that a source delivers besides its tracks: they decide on its topics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Delivery {
+pub enum SampleDelivery {
     /// None: the sensor tracks its targets.
     #[default]
     Tracks,

@@ -6,7 +6,7 @@ use runtime::instance::Visit;
 
 use crate::Deployment;
 
-impl runtime::Deployment for Deployment {
+impl runtime::DeploymentParts for Deployment {
     fn fusion_core(&self) -> Option<usize> {
         self.fusion.core
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use reception::SourceModel;
+use reception::ConversionModel;
 
 use crate::network::Asterix;
 
@@ -42,7 +42,7 @@ pub struct CountedTracks {
     /// How their records are read.
     pub asterix: Asterix,
     /// Model of the source that the tracks are of.
-    pub model: SourceModel,
+    pub model: ConversionModel,
     /// Time between two reports of one track, nanoseconds: tracks of one period are counted together.
     pub period_ns: i64,
     /// Tracks that are no farther from each other make one report, metres.

@@ -107,7 +107,7 @@ pub fn intersection_weights<const D: usize>(
 ) -> Option<()> {
     let information = inverses(inputs)?;
     let n = inputs.len();
-    let mut problem = Intersection {
+    let mut problem = IntersectionCost {
         information: &information[..n],
         criterion,
         scale: 1.0,
@@ -140,14 +140,14 @@ pub fn intersection_weights<const D: usize>(
 }
 
 /// The function that covariance intersection minimises.
-struct Intersection<'a, const D: usize> {
+struct IntersectionCost<'a, const D: usize> {
     information: &'a [SMatrix<f64, D, D>],
     criterion: Criterion,
     /// Makes the criterion about 1, so that the barrier's strength means the same for every input.
     scale: f64,
 }
 
-impl<const D: usize> Intersection<'_, D> {
+impl<const D: usize> IntersectionCost<'_, D> {
     fn sum(&self, weights: &[f64; INPUTS_MAX]) -> SMatrix<f64, D, D> {
         let terms = self.information.iter().zip(weights);
         terms.fold(SMatrix::zeros(), |sum, (y, weight)| sum + y * *weight)

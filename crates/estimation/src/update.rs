@@ -24,7 +24,7 @@ impl Gaussian {
     ///
     /// `None`, and no change, if the residual's covariance is not positive definite or a value not finite.
     pub fn update_position<const D: usize>(&mut self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<Innovation> {
-        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let root = CholeskyFactor::<D>::of(&self.position_covariance(), r)?;
         let whitened = root.whitened(self.residual(measured_m));
         let squared_distance = dot(&whitened, &whitened);
         if !squared_distance.is_finite() {
@@ -57,7 +57,7 @@ impl Gaussian {
     /// Squared statistical length of the difference to a measured position of covariance `r` in the first `D` axes;
     /// `None` if its covariance is not positive definite or a value not finite.
     pub fn squared_distance<const D: usize>(&self, measured_m: [f64; AXES], r: &Symmetric3) -> Option<f64> {
-        let root = Root::<D>::of(&self.position_covariance(), r)?;
+        let root = CholeskyFactor::<D>::of(&self.position_covariance(), r)?;
         let whitened = root.whitened(self.residual(measured_m));
         let squared = dot(&whitened, &whitened);
         squared.is_finite().then_some(squared)
@@ -74,7 +74,7 @@ impl Gaussian {
 
 /// L of S = L·Lᵀ, S being the covariance of a residual in two or three axes; with its diagonal inverted, since it is
 /// divided by again and again.
-struct Root<const D: usize> {
+struct CholeskyFactor<const D: usize> {
     diagonal: [f64; AXES],
     inverse: [f64; AXES],
     l10: f64,
@@ -82,7 +82,7 @@ struct Root<const D: usize> {
     l21: f64,
 }
 
-impl<const D: usize> Root<D> {
+impl<const D: usize> CholeskyFactor<D> {
     #[inline]
     fn of(p: &Symmetric3, r: &Symmetric3) -> Option<Self> {
         const { assert!(D == 2 || D == 3, "a position has two or three axes") };

@@ -5,7 +5,7 @@
 
 use messages::{Alarm, AlarmEvent, AlarmSeverity};
 
-use crate::cells::{Quoted, Sensor, Time};
+use crate::cells::{Quoted, SensorId, Time};
 use crate::columns::columns;
 
 /// Event of an alarm.
@@ -26,8 +26,8 @@ columns! {
     "event" => row.event.word(),
     "alarm" => row.word,
     "severity" => row.alarm.severity().map(AlarmSeverity::word),
-    "sensor_id" => Sensor::known(row.alarm.source),
-    "partner_id" => Sensor::known(row.alarm.partner),
+    "sensor_id" => SensorId::known(row.alarm.source),
+    "partner_id" => SensorId::known(row.alarm.partner),
     "process" => row.alarm.process(),
     // Sentences have commas.
     "text" => Quoted(row.alarm.text()),

@@ -34,7 +34,7 @@ const SHOWN_MAX: usize = 60;
 
 /// A sensor on the ferry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sensor {
+pub enum FerrySensor {
     /// Positions in the plane.
     Lidar,
     /// Positions in the plane.
@@ -47,9 +47,9 @@ pub enum Sensor {
 
 /// A turn or an image of a sensor, with or without detections.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scan {
+pub struct FerryScan {
     /// Sensor that made it.
-    pub sensor: Sensor,
+    pub sensor: FerrySensor,
     /// Number among the scans of its sensor, from 0.
     pub number: u32,
     /// Time of measurement, UTC, nanoseconds since 1970.
@@ -139,7 +139,7 @@ struct RawTruth {
 ///
 /// # Errors
 /// [`AutoferryError`] at the first invalid value.
-pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
+pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<FerryScan>, AutoferryError> {
     let mut scans = read_detections(detections)?;
     let truths: Vec<Vec<RawTruth>> = parse(TRUTH, ground_truth)?;
     if scans.len() != truths.len() {
@@ -158,13 +158,13 @@ pub fn read(detections: &[u8], ground_truth: &[u8]) -> Result<Vec<Scan>, Autofer
 ///
 /// # Errors
 /// [`AutoferryError`] at the first invalid value.
-pub fn read_detections(detections: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
+pub fn read_detections(detections: &[u8]) -> Result<Vec<FerryScan>, AutoferryError> {
     let scans: Vec<RawScan> = parse(DETECTIONS, detections)?;
-    let mut next_numbers = [0; Sensor::ALL.len()];
+    let mut next_numbers = [0; FerrySensor::ALL.len()];
     let scans = scans.iter().enumerate();
     scans
         .map(|(entry, scan)| {
-            let sensor = Sensor::from_id(scan.sensor)
+            let sensor = FerrySensor::from_id(scan.sensor)
                 .ok_or_else(|| fault(DETECTIONS, entry, "sensorID", scan.sensor, "is no sensor; 1 to 4 are"))?;
             let number = next_numbers[sensor as usize];
             next_numbers[sensor as usize] += 1;
@@ -173,7 +173,7 @@ pub fn read_detections(detections: &[u8]) -> Result<Vec<Scan>, AutoferryError> {
         .collect()
 }
 
-impl Sensor {
+impl FerrySensor {
     /// Every sensor, in the order of its number.
     pub const ALL: [Self; 4] = [Self::Lidar, Self::Radar, Self::InfraredCamera, Self::Camera];
 
@@ -188,18 +188,18 @@ impl Sensor {
 }
 
 impl RawScan {
-    fn read(&self, entry: usize, sensor: Sensor, number: u32) -> Result<Scan, AutoferryError> {
+    fn read(&self, entry: usize, sensor: FerrySensor, number: u32) -> Result<FerryScan, AutoferryError> {
         let time_ns = time_ns(self.time_s).ok_or_else(|| fault(DETECTIONS, entry, "time", self.time_s, NO_TIME))?;
         let [own_north_m, own_east_m] = self.own_north_east_m;
         let platform_m = [own_east_m, own_north_m, 0.0];
         let (kind, values) = match sensor {
-            Sensor::Lidar | Sensor::Radar => {
+            FerrySensor::Lidar | FerrySensor::Radar => {
                 let absolute = |[north_m, east_m]: [f64; 2]| [own_east_m + east_m, own_north_m + north_m, 0.0];
                 let positions = positions(&self.measurement)
                     .ok_or_else(|| fault(DETECTIONS, entry, "measurement", &self.measurement, NO_POSITIONS))?;
                 (DetectionKind::Position2, positions.into_iter().map(absolute).collect())
             }
-            Sensor::InfraredCamera | Sensor::Camera => {
+            FerrySensor::InfraredCamera | FerrySensor::Camera => {
                 let bearings = bearings(&self.measurement)
                     .ok_or_else(|| fault(DETECTIONS, entry, "measurement", &self.measurement, NO_BEARINGS))?;
                 let values: Vec<_> = bearings.into_iter().map(|bearing| [bearing, 0.0, 0.0]).collect();
@@ -218,7 +218,7 @@ impl RawScan {
             platform_m,
             truth: None,
         };
-        Ok(Scan {
+        Ok(FerryScan {
             sensor,
             number,
             time_of_measurement_ns: time_ns,
@@ -304,7 +304,7 @@ mod tests {
 
     const TRUTHS: &str = r#"[{"targetID": 1, "position": [100.0, -50.5, 2], "time": 1.5E+9}]"#;
 
-    fn scan(sensor: u32, measurement: &str) -> Result<Scan, String> {
+    fn scan(sensor: u32, measurement: &str) -> Result<FerryScan, String> {
         let detections = format!(
             r#"[{{"sensorID": {sensor}, "measurements": [], "ownshipPosition": [-10, 20.5],
                  "time": 1.50000000025E+9, "measurement": {measurement}}}]"#
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn a_scan_knows_its_time_platform_and_truth() {
         let scan = scan(4, "[0.5, 1.25]").unwrap();
-        assert_eq!((scan.sensor, scan.number), (Sensor::Camera, 0));
+        assert_eq!((scan.sensor, scan.number), (FerrySensor::Camera, 0));
         assert_eq!(scan.platform_m, [20.5, -10.0, 0.0], "east, north");
         assert!((scan.time_of_measurement_ns - 1_500_000_000_250_000_000).abs() < 1_000);
         let second = scan.detections[1];

@@ -58,16 +58,16 @@ impl Cell for RoundedTime {
 
 /// Source number: the id under which the file shows the source.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sensor(pub(crate) u16);
+pub(crate) struct SensorId(pub(crate) u16);
 
-impl Sensor {
+impl SensorId {
     /// Returns the source of this number; `None` for the number that stands for no source.
     pub(crate) fn known(source: u16) -> Option<Self> {
         (source != NO_SOURCE).then_some(Self(source))
     }
 }
 
-impl Cell for Sensor {
+impl Cell for SensorId {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         write!(out, "{}", reference.sensor_id(self.0))
     }
@@ -105,9 +105,9 @@ impl fmt::Display for Plain {
 
 /// Values joined with `|`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Joined<I>(pub(crate) I);
+pub(crate) struct CellList<I>(pub(crate) I);
 
-impl<I: IntoIterator<Item: Cell>> Cell for Joined<I> {
+impl<I: IntoIterator<Item: Cell>> Cell for CellList<I> {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         for (index, cell) in self.0.into_iter().enumerate() {
             if index > 0 {

@@ -11,13 +11,13 @@ use crate::cells::Cell;
 use crate::rows::Reference;
 
 /// Names of one column or of successive columns.
-pub(crate) trait Names {
+pub(crate) trait ColumnNames {
     /// Returns the names, separated by commas.
     fn header(self) -> String;
 }
 
 /// Names of columns with the values `V`.
-pub(crate) trait Named<V>: Names {
+pub(crate) trait Named<V>: ColumnNames {
     /// Writes the values, separated by commas.
     ///
     /// # Errors
@@ -25,13 +25,13 @@ pub(crate) trait Named<V>: Names {
     fn write(self, values: V, out: &mut impl Write, reference: &Reference) -> io::Result<()>;
 }
 
-impl Names for &'static str {
+impl ColumnNames for &'static str {
     fn header(self) -> String {
         self.to_owned()
     }
 }
 
-impl<const N: usize> Names for [&'static str; N] {
+impl<const N: usize> ColumnNames for [&'static str; N] {
     fn header(self) -> String {
         self.join(",")
     }
@@ -56,7 +56,7 @@ impl<C: Cell, const N: usize> Named<[C; N]> for [&'static str; N] {
 }
 
 /// Place of a column, or of successive columns, in a header.
-pub(crate) trait Found<N>: Sized {
+pub(crate) trait ColumnPlace<N>: Sized {
     /// Finds the columns of these names.
     ///
     /// # Errors
@@ -64,25 +64,25 @@ pub(crate) trait Found<N>: Sized {
     fn find<R: Read>(table: &Table<R>, names: N) -> Result<Self, CsvError>;
 }
 
-impl Found<&'static str> for Column {
+impl ColumnPlace<&'static str> for Column {
     fn find<R: Read>(table: &Table<R>, name: &'static str) -> Result<Self, CsvError> {
         table.required(name)
     }
 }
 
-impl Found<&'static str> for Option<Column> {
+impl ColumnPlace<&'static str> for Option<Column> {
     fn find<R: Read>(table: &Table<R>, name: &'static str) -> Result<Self, CsvError> {
         table.optional(name)
     }
 }
 
-impl<const N: usize> Found<[&'static str; N]> for [Column; N] {
+impl<const N: usize> ColumnPlace<[&'static str; N]> for [Column; N] {
     fn find<R: Read>(table: &Table<R>, names: [&'static str; N]) -> Result<Self, CsvError> {
         table.all(names)
     }
 }
 
-impl<const N: usize> Found<[&'static str; N]> for Option<[Column; N]> {
+impl<const N: usize> ColumnPlace<[&'static str; N]> for Option<[Column; N]> {
     fn find<R: Read>(table: &Table<R>, names: [&'static str; N]) -> Result<Self, CsvError> {
         match table.optional(names[0])? {
             Some(_) => table.all(names).map(Some),
@@ -101,7 +101,7 @@ macro_rules! columns {
                 let mut header = <$base as $crate::rows::Row>::columns();
                 $(
                     header.push(',');
-                    header.push_str(&$crate::columns::Names::header($name));
+                    header.push_str(&$crate::columns::ColumnNames::header($name));
                 )+
                 header
             }
@@ -124,7 +124,7 @@ macro_rules! columns {
     ($row:ty: |$value:ident| $first:expr => $first_cell:expr, $($name:expr => $cell:expr,)*) => {
         impl $crate::rows::Row for $row {
             fn columns() -> String {
-                [$crate::columns::Names::header($first), $($crate::columns::Names::header($name),)*].join(",")
+                [$crate::columns::ColumnNames::header($first), $($crate::columns::ColumnNames::header($name),)*].join(",")
             }
 
             fn write(
@@ -161,7 +161,7 @@ macro_rules! columns {
             pub(crate) fn find<R: std::io::Read>(
                 table: &csv_table::Table<R>,
             ) -> Result<Self, csv_table::CsvError> {
-                Ok(Self { $( $field: $crate::columns::Found::find(table, $name)?, )+ })
+                Ok(Self { $( $field: $crate::columns::ColumnPlace::find(table, $name)?, )+ })
             }
         }
 

@@ -5,7 +5,7 @@
 
 use messages::{Decision, DecisionKind};
 
-use crate::cells::{Rounded, RoundedTime, Sensor};
+use crate::cells::{Rounded, RoundedTime, SensorId};
 use crate::columns::columns;
 
 /// Writes decisions.
@@ -17,8 +17,8 @@ columns! {
     "decision" => row.kind().map(DecisionKind::word),
     "system_track_id" => numbered(row.system_track),
     "other_system_track_id" => numbered(row.other_system_track),
-    "sensor_id" => Sensor::known(row.source),
-    "other_sensor_id" => Sensor::known(row.other_source),
+    "sensor_id" => SensorId::known(row.source),
+    "other_sensor_id" => SensorId::known(row.other_source),
     "sensor_track_id" => numbered(row.sensor_track),
     "value" => Rounded::known(row.value, 4),
     "limit" => Rounded::known(row.limit, 4),

@@ -7,7 +7,7 @@
 use std::io::{self, Read, Write};
 
 use csv_table::{Cells, Column, CsvError, Table};
-use observations::{Detection, DetectionKind, QUANTITIES_MAX, Truth};
+use observations::{Detection, DetectionKind, DetectionTruth, QUANTITIES_MAX};
 
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
@@ -138,14 +138,14 @@ impl DetectionColumns {
         }
     }
 
-    fn truth(&self, row: Cells<'_>) -> Result<Option<Truth>, CsvError> {
+    fn truth(&self, row: Cells<'_>) -> Result<Option<DetectionTruth>, CsvError> {
         let (Some(column), Some(text)) = (self.at.truth, row.text(self.at.truth)?) else {
             return Ok(None);
         };
         match (text, text.parse()) {
-            ("-1", _) => Ok(Some(Truth::FalseAlarm)),
-            ("merged", _) => Ok(Some(Truth::Merged)),
-            (_, Ok(target)) => Ok(Some(Truth::Target(target))),
+            ("-1", _) => Ok(Some(DetectionTruth::FalseAlarm)),
+            ("merged", _) => Ok(Some(DetectionTruth::Merged)),
+            (_, Ok(target)) => Ok(Some(DetectionTruth::Target(target))),
             _ => Err(row.error(
                 column,
                 "is no target; write its number, -1 for a false alarm, or merged",
@@ -184,7 +184,7 @@ fn deviations(detection: &Detection) -> [Option<f64>; QUANTITIES_MAX + 1] {
     deviations
 }
 
-impl Cell for Truth {
+impl Cell for DetectionTruth {
     fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
         match self {
             Self::Target(target) => write!(out, "{target}"),
@@ -225,7 +225,7 @@ mod tests {
             range_rate_mps: None,
             sigmas: Some([50.0, 50.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
-            truth: Some(Truth::Target(3)),
+            truth: Some(DetectionTruth::Target(3)),
         };
         assert_eq!(found[0], position);
         assert_eq!(
@@ -234,7 +234,7 @@ mod tests {
         );
         assert_eq!(
             (found[1].platform_m, found[1].truth),
-            ([10.0, 20.0, 30.0], Some(Truth::FalseAlarm))
+            ([10.0, 20.0, 30.0], Some(DetectionTruth::FalseAlarm))
         );
         assert_eq!(
             (found[2].range_rate_mps, found[2].sigmas, found[2].truth),
@@ -242,7 +242,7 @@ mod tests {
         );
         assert_eq!(
             (found[3].sigmas, found[3].truth),
-            (Some([20.0, 0.01, 0.0, 1.5]), Some(Truth::Merged))
+            (Some([20.0, 0.01, 0.0, 1.5]), Some(DetectionTruth::Merged))
         );
     }
 
@@ -338,9 +338,9 @@ mod tests {
         let time_ns = -4_000_000_000_000_000i64..4_000_000_000_000_000;
         let truth = prop_oneof![
             Just(None),
-            Just(Some(Truth::FalseAlarm)),
-            Just(Some(Truth::Merged)),
-            any::<u32>().prop_map(|target| Some(Truth::Target(target))),
+            Just(Some(DetectionTruth::FalseAlarm)),
+            Just(Some(DetectionTruth::Merged)),
+            any::<u32>().prop_map(|target| Some(DetectionTruth::Target(target))),
         ];
         let measured = (
             prop::sample::select(DetectionKind::ALL.to_vec()),

@@ -5,7 +5,7 @@
 
 use messages::{NO_TRACK, OrderKind, OrderState, OrderStatus};
 
-use crate::cells::{Sensor, Text, Time};
+use crate::cells::{SensorId, Text, Time};
 use crate::columns::columns;
 
 columns! {
@@ -15,8 +15,8 @@ columns! {
     "state" => row.status().map(OrderStatus::word),
     "kind" => row.order.kind().map(OrderKind::word),
     "operator" => Text(row.order.operator()),
-    "sensor_id" => Sensor::known(row.order.source),
-    "other_sensor_id" => Sensor::known(row.order.other_source),
+    "sensor_id" => SensorId::known(row.order.source),
+    "other_sensor_id" => SensorId::known(row.order.other_source),
     "system_track_id" => unless(0, row.order.track),
     "other_track_id" => unless(NO_TRACK, row.order.other_track),
     "other_order_id" => unless(0, row.order.number),

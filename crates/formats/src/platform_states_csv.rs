@@ -7,7 +7,7 @@
 
 use messages::{PlatformState, platform_state_bits as bits};
 
-use crate::cells::{Sensor, Time};
+use crate::cells::{SensorId, Time};
 use crate::columns::columns;
 use crate::rows::RowWriter;
 
@@ -17,7 +17,7 @@ pub type PlatformStateWriter<W> = RowWriter<PlatformState, W>;
 columns! {
     PlatformState: |row|
     "time_s" => Time(row.time_ns),
-    "sensor_id" => Sensor(row.source),
+    "sensor_id" => SensorId(row.source),
     ["px", "py", "pz"] => row.position_m,
     ["vx", "vy", "vz"] => row.velocity_mps.map(|speed_mps| known(row, bits::VELOCITY, speed_mps)),
     "heading_rad" => known(row, bits::HEADING, row.heading_rad),

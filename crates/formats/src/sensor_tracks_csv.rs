@@ -32,14 +32,14 @@ pub type SensorTrackWriter<W> = RowWriter<SensorTrack, W>;
 pub type SensorTrackReader<R, F> = RowReader<R, SensorTrackColumns<F>>;
 
 /// Sensor track under the id by which a file names its sensor.
-pub(crate) struct Report<'a> {
+pub(crate) struct SensorTrackRow<'a> {
     pub(crate) sensor_id: u32,
     pub(crate) track: &'a SensorTrack,
 }
 
 columns! {
     /// Places of the columns of sensor tracks.
-    SensorTrackPlaces of Report<'_>: |row|
+    SensorTrackPlaces of SensorTrackRow<'_>: |row|
     time: Column = "time_s" => Time(row.track.time_of_measurement_ns),
     sensor: Column = "sensor_id" => row.sensor_id,
     number: Column = "sensor_track_id" => row.track.track_number,
@@ -62,11 +62,11 @@ columns! {
 
 impl Row for SensorTrack {
     fn columns() -> String {
-        Report::columns()
+        SensorTrackRow::columns()
     }
 
     fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        let report = Report {
+        let report = SensorTrackRow {
             sensor_id: reference.sensor_id(self.source),
             track: self,
         };

@@ -12,7 +12,7 @@ use crate::rows::{Columns, RowReader};
 
 /// Samples of all antennas at one time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot {
+pub struct ArraySnapshot {
     /// Time of the measurement, UTC, nanoseconds since 1970.
     pub time_ns: i64,
     /// Position of the platform east, north, up, metres.
@@ -63,9 +63,9 @@ impl<R: Read> SnapshotReader<R> {
 }
 
 impl Columns for SnapshotColumns {
-    type Value = Snapshot;
+    type Value = ArraySnapshot;
 
-    fn read(&mut self, row: Cells<'_>) -> Result<Snapshot, CsvError> {
+    fn read(&mut self, row: Cells<'_>) -> Result<ArraySnapshot, CsvError> {
         let heading_rad = row.number(self.heading)?;
         if heading_rad.abs() > TAU {
             return Err(row.error(self.heading, "is more than a full turn; write radians, not degrees"));
@@ -75,7 +75,7 @@ impl Columns for SnapshotColumns {
             return Err(row.error(self.frequency, "must be greater than 0; a frequency is, in hertz"));
         }
         let samples = self.samples.iter().map(|columns| row.numbers(*columns));
-        Ok(Snapshot {
+        Ok(ArraySnapshot {
             time_ns: self.first_day_ns.saturating_add(row.time_ns(self.time)?),
             platform_m: row.numbers(self.platform)?,
             heading_rad,
@@ -94,7 +94,7 @@ mod tests {
         let text = "im_2,re_2,time_s,px,py,pz,heading_rad,frequency_hz,re_1,im_1\n4,3,1.5,10,20,30,0.5,1e9,1,2\n\
                     4,3,1.5,10,20,30,90,1e9,1,2\n4,3,1.5,10,20,30,1,0,1,2\n4,x,1.5,10,20,30,1,1e9,1,2\n";
         let mut rows = SnapshotReader::new(text.as_bytes(), 1_000, 2).unwrap();
-        let first = Snapshot {
+        let first = ArraySnapshot {
             time_ns: 1_500_001_000,
             platform_m: [10.0, 20.0, 30.0],
             heading_rad: 0.5,

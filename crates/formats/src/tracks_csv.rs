@@ -8,11 +8,11 @@ use csv_table::COVARIANCE_COLUMNS;
 use frames::{Geodetic, SystemFrame};
 use messages::{SensorTrack, SystemTrack, TrackKind, TrackState};
 
-use crate::cells::{Hexadecimal, Joined, Octal, Plain, Rounded, Sensor, Time};
+use crate::cells::{CellList, Hexadecimal, Octal, Plain, Rounded, SensorId, Time};
 use crate::columns::columns;
 use crate::parts::{KINEMATICS, confidence, covariance, kinematics, members, word, words};
 use crate::rows::{RowWriter, Utc};
-use crate::sensor_tracks_csv::Report;
+use crate::sensor_tracks_csv::SensorTrackRow;
 
 /// Writes system tracks.
 pub type SystemTrackWriter<W> = RowWriter<SystemTrack, W>;
@@ -39,7 +39,7 @@ impl TrackerTrack {
 
 columns! {
     TrackerTrack: |row|
-    with Report<'_> = Report { sensor_id: Self::SENSOR_ID, track: &row.track };
+    with SensorTrackRow<'_> = SensorTrackRow { sensor_id: Self::SENSOR_ID, track: &row.track };
     "hypotheses" => row.hypotheses,
     "reliability" => Rounded(row.reliability, 6),
 }
@@ -82,18 +82,18 @@ columns! {
     "system_track_id" => row.track_number,
     KINEMATICS => kinematics(&row.position_m, &row.velocity_mps),
     "state" => TrackState::from_code(row.state).map(TrackState::word),
-    "sources" => Joined(row.contributions().iter().map(|part| Sensor(part.source))),
-    "weights" => Joined(row.contributions().iter().map(|part| Rounded(part.weight, 4))),
-    "selected" => Sensor::known(row.selected_source),
-    "lambda" => Joined(row.contributions().iter().map(|part| Rounded::known(part.accuracy, 4))),
+    "sources" => CellList(row.contributions().iter().map(|part| SensorId(part.source))),
+    "weights" => CellList(row.contributions().iter().map(|part| Rounded(part.weight, 4))),
+    "selected" => SensorId::known(row.selected_source),
+    "lambda" => CellList(row.contributions().iter().map(|part| Rounded::known(part.accuracy, 4))),
     "address" => row.identity.address().map(Hexadecimal),
     "mode_3a" => row.identity.mode_3a().map(Octal),
     "callsign" => row.identity.callsign().map(word),
     COVARIANCE_COLUMNS => covariance(&row.covariance),
-    "sensor_track_ids" => Joined(row.contributions().iter().map(|part| part.track_number)),
-    "report_times_s" => Joined(row.contributions().iter().map(|part| Time(part.time_of_measurement_ns))),
+    "sensor_track_ids" => CellList(row.contributions().iter().map(|part| part.track_number)),
+    "report_times_s" => CellList(row.contributions().iter().map(|part| Time(part.time_of_measurement_ns))),
     "height_valid" => row.height_valid,
-    "trigger" => Sensor::known(row.trigger_source),
+    "trigger" => SensorId::known(row.trigger_source),
     "merged_into" => (row.merged_into != 0).then_some(row.merged_into),
     "kind" => members(row.kind, row.members).map(|_| TrackKind::Group.word()),
     "members" => members(row.kind, row.members),

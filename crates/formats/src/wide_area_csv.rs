@@ -10,7 +10,7 @@ use std::io::Read;
 use csv_table::{Cells, Column, CsvError, Table};
 use observations::WideAreaReport;
 
-use crate::cells::{Joined, Time};
+use crate::cells::{CellList, Time};
 use crate::columns::columns;
 use crate::rows::{Columns, RowReader, RowWriter};
 
@@ -30,7 +30,7 @@ columns! {
     position: [Column; 3] = ["x", "y", "z"] => row.position_m,
     velocity: [Column; 3] = ["vx", "vy", "vz"] => row.velocity_mps,
     count: Column = "count" => row.targets,
-    route: Option<Column> = "route" => row.origin_m.map(Joined),
+    route: Option<Column> = "route" => row.origin_m.map(CellList),
 }
 
 /// Columns of wide-area reports.

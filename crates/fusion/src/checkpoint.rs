@@ -20,7 +20,7 @@
 //! | orders | each order in force, and orders that ended recently | when it changes |
 //!
 //! The crate [`kept`](mod@kept) writes a record so that a kill costs at most one record. Writing needs no system
-//! call, no lock and no allocation; the size is fixed at the start ([`Layout::len`]).
+//! call, no lock and no allocation; the size is fixed at the start ([`CheckpointLayout::len`]).
 //!
 //! A word before the areas ([`IN_WORK`]) identifies the report in process; it is stored before each report.
 //!
@@ -32,8 +32,8 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kept::{Area, Found, Get, HEAD, Kept, Put, is_marked, kept, mark, mixed};
-pub use kept::{Memory, Refused};
+use kept::{Get, HEAD, Kept, Put, RecordArea, RecordState, is_marked, kept, mark, mixed};
+pub use kept::{Memory, MemoryRefusal};
 
 use crate::settings::{Capacity, SourceSettings};
 
@@ -48,7 +48,7 @@ const TORN_MAX: usize = 1;
 
 /// Kinds of records, in the order in which they lie in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum RecordKind {
     Numbers,
     Clock,
     Suspects,
@@ -63,25 +63,25 @@ pub(crate) enum Kind {
     Orders,
 }
 
-const KINDS: [Kind; 12] = [
-    Kind::Numbers,
-    Kind::Clock,
-    Kind::Suspects,
-    Kind::Positions,
-    Kind::Systems,
-    Kind::Members,
-    Kind::Remembered,
-    Kind::Sources,
-    Kind::Pairs,
-    Kind::Classes,
-    Kind::Cells,
-    Kind::Orders,
+const KINDS: [RecordKind; 12] = [
+    RecordKind::Numbers,
+    RecordKind::Clock,
+    RecordKind::Suspects,
+    RecordKind::Positions,
+    RecordKind::Systems,
+    RecordKind::Members,
+    RecordKind::Remembered,
+    RecordKind::Sources,
+    RecordKind::Pairs,
+    RecordKind::Classes,
+    RecordKind::Cells,
+    RecordKind::Orders,
 ];
 
 kept! {
     /// State of the process that writes a checkpoint.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub struct Clock {
+    pub struct CheckpointClock {
         /// Start-up number of the fusion that wrote it.
         pub epoch: u64,
         /// Number of its process.
@@ -102,7 +102,7 @@ kept! {
 kept! {
     /// How far a source's reports have been worked off.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub struct Position {
+    pub struct SourcePosition {
         /// Incarnation of the source's publisher.
         pub incarnation: u64,
         /// Sequence number of the first report that has not been.
@@ -112,8 +112,8 @@ kept! {
 
 /// Where each record lies, for an engine with certain settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layout {
-    areas: [Area; KINDS.len()],
+pub struct CheckpointLayout {
+    areas: [RecordArea; KINDS.len()],
     names: u64,
 }
 
@@ -130,27 +130,27 @@ pub(crate) struct Sizes {
     pub(crate) orders: (usize, usize),
 }
 
-impl Layout {
+impl CheckpointLayout {
     pub(crate) fn new(capacity: &Capacity, names: &[SourceSettings], sizes: Sizes) -> Self {
         let sources = names.len();
         let (systems, sensors) = (capacity.system_tracks(), capacity.sensor_tracks());
         let mut first = IN_WORK + 1;
         let areas = KINDS.map(|kind| {
             let (places, words) = match kind {
-                Kind::Numbers => (1, u32::WORDS),
-                Kind::Clock => (1, Clock::WORDS),
-                Kind::Suspects => (1, sizes.suspects),
-                Kind::Positions => (sources, Position::WORDS),
-                Kind::Systems => (systems, sizes.systems),
-                Kind::Members | Kind::Remembered => (sensors, sizes.members),
-                Kind::Sources => (sources, sizes.sources),
-                Kind::Pairs => (sources * sources, sizes.pairs),
-                Kind::Classes => sizes.classes,
-                Kind::Cells => sizes.cells,
-                Kind::Orders => sizes.orders,
+                RecordKind::Numbers => (1, u32::WORDS),
+                RecordKind::Clock => (1, CheckpointClock::WORDS),
+                RecordKind::Suspects => (1, sizes.suspects),
+                RecordKind::Positions => (sources, SourcePosition::WORDS),
+                RecordKind::Systems => (systems, sizes.systems),
+                RecordKind::Members | RecordKind::Remembered => (sensors, sizes.members),
+                RecordKind::Sources => (sources, sizes.sources),
+                RecordKind::Pairs => (sources * sources, sizes.pairs),
+                RecordKind::Classes => sizes.classes,
+                RecordKind::Cells => sizes.cells,
+                RecordKind::Orders => sizes.orders,
             };
             debug_assert!(words <= RECORD_MAX);
-            let area = Area { first, places, words };
+            let area = RecordArea { first, places, words };
             first += area.len();
             area
         });
@@ -161,14 +161,14 @@ impl Layout {
         }
     }
 
-    fn area(&self, kind: Kind) -> &Area {
+    fn area(&self, kind: RecordKind) -> &RecordArea {
         &self.areas[kind as usize]
     }
 
     /// Words of memory that a checkpoint takes.
     #[expect(clippy::len_without_is_empty, reason = "it never is")]
     pub fn len(&self) -> usize {
-        IN_WORK + 1 + self.areas.iter().map(Area::len).sum::<usize>()
+        IN_WORK + 1 + self.areas.iter().map(RecordArea::len).sum::<usize>()
     }
 
     /// Differs where records are laid out otherwise, or sources have other numbers.
@@ -180,9 +180,9 @@ impl Layout {
 
 /// Writes a checkpoint.
 #[derive(Debug)]
-pub(crate) struct Checkpoint {
+pub(crate) struct CheckpointWriter {
     memory: Box<dyn Memory>,
-    layout: Layout,
+    layout: CheckpointLayout,
     /// How often each record has been written, all areas one after another.
     times: Vec<u32>,
     /// Where each area begins there.
@@ -193,9 +193,9 @@ pub(crate) struct Checkpoint {
     words: Box<[u64; RECORD_MAX]>,
 }
 
-impl Checkpoint {
+impl CheckpointWriter {
     /// In `memory`, which is blank.
-    pub(crate) fn begin(memory: Box<dyn Memory>, layout: Layout) -> Self {
+    pub(crate) fn begin(memory: Box<dyn Memory>, layout: CheckpointLayout) -> Self {
         let mut places = 0;
         let begins = layout.areas.map(|area| {
             places += area.places;
@@ -214,13 +214,13 @@ impl Checkpoint {
 
     /// Writes the record of `kind` at `place`.
     #[inline]
-    pub(crate) fn write(&mut self, kind: Kind, place: usize, record: &impl Kept) {
+    pub(crate) fn write(&mut self, kind: RecordKind, place: usize, record: &impl Kept) {
         self.write_with(kind, place, |to| record.put(to));
     }
 
     /// Writes the complete record of `kind` at `place` with the words from `put`.
     #[inline]
-    pub(crate) fn write_with(&mut self, kind: Kind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
+    pub(crate) fn write_with(&mut self, kind: RecordKind, place: usize, put: impl FnOnce(&mut Put<'_>)) {
         let area = self.layout.area(kind);
         let words = &mut self.words[..area.words];
         put(&mut Put::new(words));
@@ -230,7 +230,7 @@ impl Checkpoint {
     }
 
     /// The next record of these kinds, round and round.
-    pub(crate) fn next_in_turn(&mut self, kinds: &[Kind]) -> Option<(Kind, usize)> {
+    pub(crate) fn next_in_turn(&mut self, kinds: &[RecordKind]) -> Option<(RecordKind, usize)> {
         let (turn, place) = self.turn;
         let kind = *kinds.get(turn)?;
         let is_last = place + 1 >= self.places(kind);
@@ -242,7 +242,7 @@ impl Checkpoint {
     }
 
     /// Number of records of `kind`.
-    pub(crate) fn places(&self, kind: Kind) -> usize {
+    pub(crate) fn places(&self, kind: RecordKind) -> usize {
         self.layout.area(kind).places
     }
 }
@@ -250,7 +250,7 @@ impl Checkpoint {
 /// Start of a fusion: all that was found in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Snapshot {
-    layout: Layout,
+    layout: CheckpointLayout,
     /// Fingerprint of the layout; then for each record a word with kind and place, and the contents.
     words: Vec<u64>,
 }
@@ -260,9 +260,9 @@ impl Snapshot {
     ///
     /// # Errors
     /// If the memory is damaged in more than the record being written.
-    pub fn read(memory: &[AtomicU64], layout: &Layout) -> Result<Self, Refused> {
+    pub fn read(memory: &[AtomicU64], layout: &CheckpointLayout) -> Result<Self, MemoryRefusal> {
         if !is_marked(memory, layout.len(), layout.fingerprint()) {
-            return Err(Refused::Foreign);
+            return Err(MemoryRefusal::Foreign);
         }
         let (mut words, mut contents) = (vec![layout.fingerprint()], Vec::new());
         let (mut torn, mut damaged) = (0, 0);
@@ -270,13 +270,13 @@ impl Snapshot {
             let area = layout.area(kind);
             for place in 0..area.places {
                 let is_there = match area.read(memory, place, &mut contents) {
-                    Found::Nothing => false,
-                    Found::Whole => true,
-                    Found::Torn { has_other } => {
+                    RecordState::Nothing => false,
+                    RecordState::Whole => true,
+                    RecordState::Torn { has_other } => {
                         torn += 1;
                         has_other
                     }
-                    Found::Damaged => {
+                    RecordState::Damaged => {
                         damaged += 1;
                         false
                     }
@@ -288,7 +288,7 @@ impl Snapshot {
             }
         }
         if damaged > 0 || torn > TORN_MAX {
-            return Err(Refused::Damaged(damaged + torn));
+            return Err(MemoryRefusal::Damaged(damaged + torn));
         }
         Ok(Self {
             layout: layout.clone(),
@@ -305,20 +305,20 @@ impl Snapshot {
     ///
     /// # Errors
     /// If the words have another layout.
-    pub fn of_words(words: Vec<u64>, layout: &Layout) -> Result<Self, Refused> {
+    pub fn of_words(words: Vec<u64>, layout: &CheckpointLayout) -> Result<Self, MemoryRefusal> {
         if words.first() != Some(&layout.fingerprint()) {
-            return Err(Refused::Foreign);
+            return Err(MemoryRefusal::Foreign);
         }
         let snapshot = Self {
             layout: layout.clone(),
             words,
         };
         let is_whole = snapshot.records().all(|record| record.is_some());
-        is_whole.then_some(snapshot).ok_or(Refused::Damaged(1))
+        is_whole.then_some(snapshot).ok_or(MemoryRefusal::Damaged(1))
     }
 
     /// Returns each record with kind and place; a malformed record gives `None` and ends the sequence.
-    fn records(&self) -> impl Iterator<Item = Option<(Kind, usize, &[u64])>> {
+    fn records(&self) -> impl Iterator<Item = Option<(RecordKind, usize, &[u64])>> {
         let mut rest = &self.words[1..];
         std::iter::from_fn(move || {
             let (tag, after) = rest.split_first()?;
@@ -335,7 +335,7 @@ impl Snapshot {
     }
 
     /// The records of `kind` with their places, as words.
-    pub(crate) fn of_kind(&self, kind: Kind) -> impl Iterator<Item = (usize, &[u64])> {
+    pub(crate) fn of_kind(&self, kind: RecordKind) -> impl Iterator<Item = (usize, &[u64])> {
         let records = self.records().flatten();
         records
             .filter(move |(found, ..)| *found == kind)
@@ -343,36 +343,36 @@ impl Snapshot {
     }
 
     /// The records of `kind` with their places.
-    pub(crate) fn all<T: Kept>(&self, kind: Kind) -> impl Iterator<Item = (usize, T)> {
+    pub(crate) fn all<T: Kept>(&self, kind: RecordKind) -> impl Iterator<Item = (usize, T)> {
         self.of_kind(kind)
             .filter_map(|(place, words)| Some((place, T::get(&mut Get(words))?)))
     }
 
     /// Returns the clock state of the writing process; `None` if it was killed before its first turn.
-    pub fn clock(&self) -> Option<Clock> {
-        self.all(Kind::Clock).map(|(_, clock)| clock).next()
+    pub fn clock(&self) -> Option<CheckpointClock> {
+        self.all(RecordKind::Clock).map(|(_, clock)| clock).next()
     }
 
     /// How far each source's reports had been worked off, by source number.
-    pub fn positions(&self) -> impl Iterator<Item = (u16, Position)> {
-        self.all(Kind::Positions)
+    pub fn positions(&self) -> impl Iterator<Item = (u16, SourcePosition)> {
+        self.all(RecordKind::Positions)
             .map(|(place, position)| (place as u16, position))
     }
 }
 
 /// The state of the process that writes the checkpoint in `memory`, which may live; `None` if it has written none yet.
-pub fn clock_of(memory: &[AtomicU64], layout: &Layout) -> Option<Clock> {
+pub fn clock_of(memory: &[AtomicU64], layout: &CheckpointLayout) -> Option<CheckpointClock> {
     let mut words = Vec::new();
-    let area = layout.area(Kind::Clock);
+    let area = layout.area(RecordKind::Clock);
     (memory.len() == layout.len()).then(|| area.read(memory, 0, &mut words))?;
-    Clock::get(&mut Get(&words)).filter(|clock| clock.epoch != 0)
+    CheckpointClock::get(&mut Get(&words)).filter(|clock| clock.epoch != 0)
 }
 
 /// How far `source`'s reports have been worked off by the process that writes the checkpoint in `memory`, which may
 /// live.
-pub fn position_of(memory: &[AtomicU64], layout: &Layout, source: u16) -> Option<Position> {
+pub fn position_of(memory: &[AtomicU64], layout: &CheckpointLayout, source: u16) -> Option<SourcePosition> {
     let mut words = Vec::new();
-    let area = layout.area(Kind::Positions);
+    let area = layout.area(RecordKind::Positions);
     (memory.len() == layout.len()).then(|| area.read(memory, usize::from(source), &mut words))?;
-    Position::get(&mut Get(&words))
+    SourcePosition::get(&mut Get(&words))
 }

@@ -42,7 +42,7 @@ const MISLEADS_FROM: f64 = 0.05;
 
 /// Record of one source.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Record {
+struct SourceRecord {
     /// Share of the reports compared that were contradicted, the latest ones first.
     share: f64,
     samples: u32,
@@ -52,7 +52,7 @@ struct Record {
 /// Credibility of all sources.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Credibility {
-    sources: Vec<Record>,
+    sources: Vec<SourceRecord>,
     /// Sources that are set aside, as bits.
     set_aside: u64,
 }
@@ -71,14 +71,14 @@ enum Standing {
 impl Credibility {
     pub(crate) fn new(sources: usize) -> Self {
         Self {
-            sources: vec![Record::default(); sources],
+            sources: vec![SourceRecord::default(); sources],
             set_aside: 0,
         }
     }
 
     /// Forgets the standing of a source.
     pub(crate) fn reset(&mut self, source: u16) {
-        self.sources[usize::from(source)] = Record::default();
+        self.sources[usize::from(source)] = SourceRecord::default();
         self.set_aside &= !(1 << source);
     }
 
@@ -202,7 +202,7 @@ impl Credibility {
     }
 }
 
-impl Record {
+impl SourceRecord {
     #[inline]
     fn learn(&mut self, contradicted: bool) {
         self.samples = self.samples.saturating_add(1);

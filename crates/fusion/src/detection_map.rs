@@ -34,13 +34,13 @@ const PROBES: usize = 8;
 kept! {
     /// Hits and tries.
     #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-    pub(crate) struct Tally {
+    pub(crate) struct HitCount {
         hits: f32,
         tries: f32,
     }
 }
 
-impl Tally {
+impl HitCount {
     /// Adds a try of this weight, in (0, 1].
     pub(crate) fn add(&mut self, hit: bool, weight: f64, memory: f64) {
         if f64::from(self.tries) >= memory {
@@ -67,7 +67,7 @@ impl Tally {
 
 /// Probability that a source follows a target at a place, in [0, [`DETECTION_MAX`]].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Detection {
+pub(crate) struct DetectionProbability {
     /// With the prior that a source sees half of the targets: the probability that decides whether to wait for it.
     pub(crate) assumed: f64,
     /// With the prior that a source sees nothing: the probability that its silence is worth. A source that has not
@@ -76,7 +76,7 @@ pub(crate) struct Detection {
 }
 
 /// A cell: its level in [`LEVELS`] and its column together, and its row.
-type Cell = (i32, i32);
+type MapCell = (i32, i32);
 
 /// Where each source follows targets: learned per cell, or configured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -85,9 +85,9 @@ pub(crate) struct DetectionMap {
     /// Width of the smallest cells.
     cell_m: f64,
     /// Which cell each place of the table holds.
-    cells: Vec<Option<Cell>>,
-    tallies: Vec<Tally>,
-    general: Vec<Tally>,
+    cells: Vec<Option<MapCell>>,
+    tallies: Vec<HitCount>,
+    general: Vec<HitCount>,
     areas: Vec<Option<CoverageArea>>,
 }
 
@@ -99,15 +99,15 @@ impl DetectionMap {
             sources,
             cell_m,
             cells: vec![None; cells],
-            tallies: vec![Tally::default(); cells * sources],
-            general: vec![Tally::default(); sources],
+            tallies: vec![HitCount::default(); cells * sources],
+            general: vec![HitCount::default(); sources],
             areas,
         }
     }
 
     /// Words that a checkpoint keeps of a cell.
     pub(crate) fn cell_words(&self) -> usize {
-        Cell::WORDS + self.sources * Tally::WORDS
+        MapCell::WORDS + self.sources * HitCount::WORDS
     }
 
     /// Number of cells that the table has room for.
@@ -127,22 +127,22 @@ impl DetectionMap {
 
     /// Takes in a cell that was kept.
     pub(crate) fn resume_cell(&mut self, place: usize, from: &mut Get<'_>) {
-        self.cells[place] = Cell::get(from);
+        self.cells[place] = MapCell::get(from);
         for tally in &mut self.tallies[place * self.sources..(place + 1) * self.sources] {
-            *tally = Tally::get(from).unwrap_or_default();
+            *tally = HitCount::get(from).unwrap_or_default();
         }
     }
 
     /// Knowledge of a source in general.
-    pub(crate) fn general_mut(&mut self, source: usize) -> &mut Tally {
+    pub(crate) fn general_mut(&mut self, source: usize) -> &mut HitCount {
         &mut self.general[source]
     }
 
     /// Forgets where a source detects targets.
     pub(crate) fn forget(&mut self, source: usize) {
-        self.general[source] = Tally::default();
+        self.general[source] = HitCount::default();
         for tally in self.tallies.iter_mut().skip(source).step_by(self.sources) {
-            *tally = Tally::default();
+            *tally = HitCount::default();
         }
     }
 
@@ -165,17 +165,17 @@ impl DetectionMap {
     }
 
     /// Probability that `source` follows a target at this place.
-    pub(crate) fn probability(&self, source: u16, position_m: [f64; 3]) -> Detection {
+    pub(crate) fn probability(&self, source: u16, position_m: [f64; 3]) -> DetectionProbability {
         let index = usize::from(source);
         if let Some(area) = &self.areas[index] {
             let stated = area.probability_at(position_m).min(DETECTION_MAX);
-            return Detection {
+            return DetectionProbability {
                 assumed: stated,
                 shown: stated,
             };
         }
         let general = &self.general[index];
-        let mut detection = Detection {
+        let mut detection = DetectionProbability {
             assumed: general.share(DETECTION_PRIOR, GENERAL_WEIGHT),
             shown: general.share(0.0, GENERAL_WEIGHT),
         };
@@ -208,12 +208,12 @@ impl DetectionMap {
         Some(place)
     }
 
-    fn probes(&self, cell: Cell) -> impl Iterator<Item = usize> + use<> {
+    fn probes(&self, cell: MapCell) -> impl Iterator<Item = usize> + use<> {
         let (start, mask) = (hash(cell), self.cells.len() - 1);
         (0..PROBES).map(move |probe| (start.wrapping_add(probe)) & mask)
     }
 
-    fn cell(&self, level: usize, x: f64, y: f64) -> Cell {
+    fn cell(&self, level: usize, x: f64, y: f64) -> MapCell {
         let width_m = self.cell_m * LEVELS[level];
         // `as` saturates.
         let column = ((x / width_m).floor() as i32).wrapping_mul(LEVELS.len() as i32);
@@ -221,7 +221,7 @@ impl DetectionMap {
     }
 }
 
-fn hash((column, row): Cell) -> usize {
+fn hash((column, row): MapCell) -> usize {
     let mixed = (column as u32).wrapping_mul(0x9e37_79b1) ^ (row as u32).wrapping_mul(0x85eb_ca77);
     (mixed ^ (mixed >> 15)) as usize
 }

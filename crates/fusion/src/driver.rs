@@ -8,16 +8,16 @@
 
 use messages::{Counter, Decision, Order, OrderState, Refusal, SensorTrack, SystemTrack, sensor_track_bits};
 
-use crate::checkpoint::{Position, Refused, Snapshot};
+use crate::checkpoint::{MemoryRefusal, Snapshot, SourcePosition};
 use crate::engine::Engine;
-use crate::event_log::{Event, EventLog, Writer};
+use crate::event_log::{Event, EventLog, EventWriter};
 use crate::explanation::Sink;
 
 /// Engine with its event log.
 #[derive(Debug)]
 pub struct Driver<L> {
     engine: Engine,
-    log: Writer<L>,
+    log: EventWriter<L>,
 }
 
 /// Number of a report at its publisher.
@@ -47,7 +47,7 @@ impl<L: EventLog> Driver<L> {
         let sources = engine.settings().sources.len();
         let mut driver = Self {
             engine,
-            log: Writer::new(log, sources),
+            log: EventWriter::new(log, sources),
         };
         driver.log.write(&Event::Begin { epoch });
         driver
@@ -78,7 +78,7 @@ impl<L: EventLog> Driver<L> {
     #[inline]
     pub fn report(&mut self, report: &mut SensorTrack, number: ReportNumber, passed_ns: i64, sink: &mut impl Sink) {
         number.mark(report);
-        self.engine.take_at(report, passed_ns, &mut Watched::new(sink));
+        self.engine.take_at(report, passed_ns, &mut PassageSink::new(sink));
         // After the report: a successor repeats the report in which this process dies. Before the step: no report is
         // in the log twice.
         self.keep_position(report.source, number);
@@ -113,7 +113,7 @@ impl<L: EventLog> Driver<L> {
 
     #[inline]
     fn keep_position(&mut self, source: u16, number: ReportNumber) {
-        let position = Position {
+        let position = SourcePosition {
             incarnation: number.publisher,
             next_sequence: number.sequence.wrapping_add(1),
         };
@@ -123,7 +123,7 @@ impl<L: EventLog> Driver<L> {
     /// Lets time pass up to `until_ns`. The log has the event only if a state is published: otherwise the next event
     /// lets the same time pass.
     pub fn advance(&mut self, until_ns: i64, sink: &mut impl Sink) {
-        let mut watched = Watched::new(sink);
+        let mut watched = PassageSink::new(sink);
         self.engine.advance(until_ns, &mut watched);
         if watched.has_state {
             let passed_ns = self.engine.now_ns();
@@ -191,25 +191,25 @@ impl<L: EventLog> Driver<L> {
     ///
     /// # Errors
     /// If the snapshot belongs to other settings or to another build.
-    pub fn resume_snapshot(&mut self, snapshot: &[u8]) -> Result<(), Refused> {
+    pub fn resume_snapshot(&mut self, snapshot: &[u8]) -> Result<(), MemoryRefusal> {
         self.engine.resume_image(snapshot)
     }
 }
 
 /// Sink that notes whether a state of a track or of an order passes.
 #[derive(Debug)]
-struct Watched<'a, S> {
+struct PassageSink<'a, S> {
     sink: &'a mut S,
     has_state: bool,
 }
 
-impl<'a, S> Watched<'a, S> {
+impl<'a, S> PassageSink<'a, S> {
     fn new(sink: &'a mut S) -> Self {
         Self { sink, has_state: false }
     }
 }
 
-impl<S: Sink> Sink for Watched<'_, S> {
+impl<S: Sink> Sink for PassageSink<'_, S> {
     #[inline]
     fn track(&mut self, track: &SystemTrack) {
         self.has_state = true;

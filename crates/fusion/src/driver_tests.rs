@@ -8,7 +8,7 @@ use messages::{
 use proptest::prelude::*;
 use test_support::S;
 
-use crate::event_log::{Event, EventLog, Reader, Unreadable};
+use crate::event_log::{Event, EventLog, EventReader, UnreadableStep};
 use crate::settings::{RuleName, Settings};
 use crate::testing::test_settings;
 use crate::{Driver, Engine, ReportNumber, Sink};
@@ -215,7 +215,7 @@ fn again(live: &Live) -> (Driver<()>, Published) {
     let mut driver = Driver::begin(Engine::new(settings()).unwrap(), (), 7);
     let mut published = Published::default();
     let out = &mut published;
-    let mut reader = Reader::default();
+    let mut reader = EventReader::default();
     for step in live.driver.log() {
         let Some(event) = reader.read(step).unwrap() else {
             continue;
@@ -308,25 +308,25 @@ fn an_order_without_all_its_parts_and_a_kind_of_a_later_version_are_unreadable()
         ..Order::new(OrderKind::Out)
     };
     let steps: Vec<_> = order.steps(9).collect();
-    let mut reader = Reader::default();
+    let mut reader = EventReader::default();
     // A value of an order may be NaN: the words are compared.
     let mut read = |steps: &[WorkStep]| {
         let events: Vec<_> = steps.iter().map(|step| reader.read(step)).collect();
         match events[events.len() - 1] {
             Ok(Some(Event::Order { order, passed_ns: 9 })) => Ok(order.to_words()),
-            _ => Err(Unreadable),
+            _ => Err(UnreadableStep),
         }
     };
     assert_eq!(read(&steps), Ok(order.to_words()));
-    assert_eq!(read(&steps[1..]), Err(Unreadable));
+    assert_eq!(read(&steps[1..]), Err(UnreadableStep));
     assert_eq!(read(&steps), Ok(order.to_words()));
     let later = WorkStep { kind: 200, ..steps[0] };
-    assert_eq!(read(&[later]), Err(Unreadable));
+    assert_eq!(read(&[later]), Err(UnreadableStep));
 }
 
 #[test]
 fn events_of_former_builds_and_unknown_clocks_are_read() {
-    let mut reader = Reader::default();
+    let mut reader = EventReader::default();
     let condition = reader.read(&step(StepKind::Condition, messages::NO_SOURCE, 3, 8));
     assert_eq!(
         condition,

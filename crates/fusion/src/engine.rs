@@ -7,7 +7,7 @@
 //! 3. [`Linking`] and [`Scans`] associate the sensor track with a system track (module `association_step` holds the
 //!    gate). The engine then updates the filter of the system track.
 //! 4. [`Life`] confirms, coasts and terminates system tracks.
-//! 5. [`Publisher`] weighs the contributions and publishes the state.
+//! 5. [`TrackPublisher`] weighs the contributions and publishes the state.
 //!
 //! Each part owns its learned state; [`Tracks`] is shared by all.
 
@@ -27,14 +27,14 @@ use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
 use crate::measurement::{Correction, Measurement, whole_report};
-use crate::order_table::{Configured, IN_FORCE_MAX, Orders};
-use crate::outlet::Outbox;
-use crate::publishing::Publisher;
+use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
+use crate::outlet::EngineOutbox;
+use crate::publishing::TrackPublisher;
 use crate::purity::Purity;
 use crate::reference_point::ReferencePoints;
 use crate::registration::SourceErrors;
 use crate::rules;
-use crate::scan::{Placement, Scans};
+use crate::scan::{ScanAssignment, Scans};
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
@@ -62,11 +62,11 @@ pub struct Engine {
     pub(crate) points: ReferencePoints,
     pub(crate) scans: Scans,
     pub(crate) life: Life,
-    pub(crate) publisher: Publisher,
+    pub(crate) publisher: TrackPublisher,
     pub(crate) schedule: Schedule,
     pub(crate) host_clock: HostClock,
-    pub(crate) orders: Orders,
-    pub(crate) outbox: Outbox,
+    pub(crate) orders: OrderTable,
+    pub(crate) outbox: EngineOutbox,
 }
 
 impl Engine {
@@ -104,11 +104,11 @@ impl Engine {
             points: ReferencePoints::default(),
             scans: Scans::new(&settings.sources, settings.association.scan_wait),
             life: Life::new(&settings.sources),
-            publisher: Publisher::new(rule, sources),
+            publisher: TrackPublisher::new(rule, sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
             host_clock: HostClock::default(),
-            orders: Orders::new(Configured::of(&settings)),
-            outbox: Outbox::new(sources),
+            orders: OrderTable::new(Configured::of(&settings)),
+            outbox: EngineOutbox::new(sources),
             settings,
         })
     }
@@ -508,7 +508,7 @@ impl Engine {
     }
 
     /// Places a sensor track as the assignment of its scan decides.
-    fn place_assigned(&mut self, Placement { sensor, best }: Placement, sink: &mut impl Sink) {
+    fn place_assigned(&mut self, ScanAssignment { sensor, best }: ScanAssignment, sink: &mut impl Sink) {
         let is_unlinked = self.tracks.sensors.get(sensor).system == NO_SYSTEM;
         // The system track may have ended since, merged by another sensor track of this scan.
         let lives = |system: SystemSlot| self.tracks.systems.get(system).life != TrackState::Terminated;
@@ -694,7 +694,7 @@ impl Engine {
     /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is
     /// wrong. Covariance scaling and the learned noise of the sources would otherwise defend the estimate against all
     /// of them.
-    fn is_astray(&mut self, sensor: SensorSlot, innovation: &crate::filter::Innovation) -> bool {
+    fn is_astray(&mut self, sensor: SensorSlot, innovation: &crate::filter::FilterInnovation) -> bool {
         let entry = self.tracks.sensors.get(sensor);
         let (system, claimed) = (entry.system, &entry.latest.covariance);
         let entry = self.tracks.systems.get_mut(system);

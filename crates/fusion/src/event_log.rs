@@ -1,7 +1,7 @@
 //! The event log: all that changes an engine, in its order, as steps of 16 bytes ([`WorkStep`]).
 //!
-//! Reports and snapshots are not in the log: an event names them. `Writer` turns events into steps, and [`Reader`]
-//! turns steps back into events.
+//! Reports and snapshots are not in the log: an event names them. `EventWriter` turns events into steps, and
+//! [`EventReader`] turns steps back into events.
 
 use messages::{NO_SOURCE, Order, StepKind, WorkStep, work_step_bits};
 
@@ -97,17 +97,17 @@ impl EventLog for () {
 
 /// Step that cannot be read: its kind belongs to a later version, or steps before it are missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unreadable;
+pub struct UnreadableStep;
 
 /// Writer of events. The log names a publisher once, before the first of its reports.
 #[derive(Debug)]
-pub(crate) struct Writer<L> {
+pub(crate) struct EventWriter<L> {
     log: L,
     /// Latest publisher of each source.
     publishers: Vec<Option<u64>>,
 }
 
-impl<L: EventLog> Writer<L> {
+impl<L: EventLog> EventWriter<L> {
     /// Creates the writer for a number of sources.
     pub(crate) fn new(log: L, sources: usize) -> Self {
         Self {
@@ -209,26 +209,26 @@ impl Event {
 
 /// Reader of a log, step by step.
 #[derive(Clone, Debug, Default)]
-pub struct Reader {
+pub struct EventReader {
     /// Latest publisher of each source, as far as the log has named one.
     publishers: Vec<u64>,
     /// Parts of the next order.
     order_parts: Vec<WorkStep>,
 }
 
-impl Reader {
+impl EventReader {
     /// Returns the event that the step completes; `None` if further steps belong to it.
     ///
     /// # Errors
     /// If the step is unreadable.
-    pub fn read(&mut self, step: &WorkStep) -> Result<Option<Event>, Unreadable> {
+    pub fn read(&mut self, step: &WorkStep) -> Result<Option<Event>, UnreadableStep> {
         let WorkStep {
             time_ns: passed_ns,
             sequence,
             source,
             ..
         } = *step;
-        let event = match StepKind::from_code(step.kind).ok_or(Unreadable)? {
+        let event = match StepKind::from_code(step.kind).ok_or(UnreadableStep)? {
             StepKind::Begin => Event::Begin {
                 epoch: passed_ns.cast_unsigned(),
             },
@@ -264,7 +264,7 @@ impl Reader {
                 return Ok(None);
             }
             StepKind::Order => {
-                let order = Order::of_parts(&std::mem::take(&mut self.order_parts)).ok_or(Unreadable)?;
+                let order = Order::of_parts(&std::mem::take(&mut self.order_parts)).ok_or(UnreadableStep)?;
                 Event::Order { order, passed_ns }
             }
             StepKind::Restored => Event::Restored,

@@ -47,7 +47,7 @@ settings::settings! {
 
 /// Evidence for a target that only one source reports.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Claim {
+pub(crate) struct SingleSourceClaim {
     /// Σ ln(1 − pₖ) over the sources that are silent.
     pub(crate) silence: f64,
     /// Logarithm of the odds that a new track of the source is a target.
@@ -57,7 +57,7 @@ pub(crate) struct Claim {
     pub(crate) has_address: bool,
 }
 
-impl Claim {
+impl SingleSourceClaim {
     /// L, the logarithm of how much likelier a target is than a false track.
     pub(crate) fn log_ratio(&self, settings: &ExistenceSettings) -> f64 {
         let further = self.reports.saturating_sub(settings.persistence_reports);
@@ -75,8 +75,8 @@ impl Claim {
 mod tests {
     use super::*;
 
-    fn claim(silence: f64, reports: u32) -> Claim {
-        Claim {
+    fn claim(silence: f64, reports: u32) -> SingleSourceClaim {
+        SingleSourceClaim {
             silence,
             purity: 0.0,
             reports,
@@ -88,7 +88,7 @@ mod tests {
     fn silence_of_sources_that_cover_the_place_is_telling() {
         assert!(!claim((1.0_f64 - 0.9).ln(), 5).is_believed(&ExistenceSettings::default()));
         assert!(claim((1.0_f64 - 0.1).ln(), 5).is_believed(&ExistenceSettings::default()));
-        let of_a_noisy_source = Claim {
+        let of_a_noisy_source = SingleSourceClaim {
             purity: -1.5,
             ..claim((1.0_f64 - 0.1).ln(), 5)
         };

@@ -50,7 +50,7 @@ const VERTICAL_SPEED_M2PS2: f64 = 400.0;
 
 /// State of a target's filter at a time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Filter {
+pub(crate) struct TargetFilter {
     pub(crate) time_ns: i64,
     /// All models together.
     pub(crate) estimate: Gaussian,
@@ -99,7 +99,7 @@ pub(crate) struct Manoeuvre {
 
 /// Difference between a measurement and its prediction.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Innovation {
+pub(crate) struct FilterInnovation {
     /// East and north, metres.
     pub(crate) residual_m: [f64; 2],
     /// Covariance of the residual (xx, xy, yy), m².
@@ -115,7 +115,7 @@ pub(crate) struct Innovation {
     pub(crate) begins_turn: bool,
 }
 
-impl Filter {
+impl TargetFilter {
     pub(crate) fn new(time_ns: i64, estimate: Gaussian, has_height: bool) -> Self {
         let (plane, vertical) = parts_of(&estimate);
         let mut filter = Self {
@@ -243,7 +243,7 @@ impl Filter {
         time_ns: i64,
         motion: &Motion,
         use_it: bool,
-    ) -> Option<Innovation> {
+    ) -> Option<FilterInnovation> {
         let before_mps = self.estimate.velocity_mps();
         let passed_s = (time_ns - self.time_ns).max(0) as f64 / NS_PER_S;
         let advances = time_ns > self.time_ns;
@@ -401,7 +401,7 @@ impl Filter {
     }
 
     /// The plane's part of [`Self::take`]. The gain is 1 for now if the measurement was used.
-    fn update(&mut self, z: [f64; 2], mut r: [f64; 3], motion: &Motion, use_it: bool) -> Option<Innovation> {
+    fn update(&mut self, z: [f64; 2], mut r: [f64; 3], motion: &Motion, use_it: bool) -> Option<FilterInnovation> {
         let (expected_m, expected_m2) = self.plane.position();
         let residual_m = [z[0] - expected_m[0], z[1] - expected_m[1]];
         let covariance_m2: [f64; 3] = std::array::from_fn(|index| expected_m2[index] + r[index]);
@@ -409,7 +409,7 @@ impl Filter {
         if !squared.is_finite() {
             return None;
         }
-        let mut innovation = Innovation {
+        let mut innovation = FilterInnovation {
             residual_m,
             covariance_m2,
             gain: 0.0,

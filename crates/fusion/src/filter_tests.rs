@@ -5,7 +5,7 @@ use messages::{Covariance, MotionMode};
 use proptest::prelude::*;
 use test_support::Random;
 
-use crate::filter::Filter;
+use crate::filter::TargetFilter;
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::Measurement;
 use crate::motion::Motion;
@@ -18,7 +18,7 @@ const SIGMA_HEIGHT_M: f64 = 8.0;
 
 /// A target and its filter.
 struct Flight {
-    filter: Filter,
+    filter: TargetFilter,
     motion: Motion,
     random: Random,
     time_s: f64,
@@ -34,7 +34,7 @@ impl Flight {
         covariance.set(0, 2, 0.5 * SIGMA_M * SIGMA_HEIGHT_M);
         let start = Gaussian::new([0.0, 0.0, 5000.0], [150.0, 0.0, 0.0], &covariance);
         Self {
-            filter: Filter::new(0, start, true),
+            filter: TargetFilter::new(0, start, true),
             motion: *Manoeuvres::new(1.0).motion([150.0, 0.0, 0.0]),
             random: Random::new(seed),
             time_s: 0.0,
@@ -195,7 +195,7 @@ fn climbs_begin_and_end() {
 #[test]
 fn without_observed_height_nothing_is_stated_of_the_vertical() {
     let flight = Flight::new(1);
-    let filter = Filter::new(0, flight.filter.estimate, false);
+    let filter = TargetFilter::new(0, flight.filter.estimate, false);
     assert_eq!(filter.mode_probabilities()[5..], [0.0; 3]);
     assert_eq!(filter.climb_rate(), None);
     assert_eq!(filter.turn_rate(), None, "before the first measurement");
@@ -206,7 +206,7 @@ fn a_resumed_filter_has_the_estimate_and_the_probabilities() {
     let mut flight = Flight::new(5);
     flight.fly(40.0, 0.0, 10.0);
     flight.fly(12.0, 6.0, 10.0);
-    let resumed = Filter::resumed(&flight.filter.kept());
+    let resumed = TargetFilter::resumed(&flight.filter.kept());
     assert_eq!(resumed.estimate, flight.filter.estimate);
     for (mode, (before, after)) in flight
         .filter

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 /// Horizontal position and velocity, and the position of the sensor, if known; metres and metres per second.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Motion {
+pub(crate) struct TrackMotion {
     pub(crate) position_m: [f64; 2],
     pub(crate) velocity_mps: [f64; 2],
     pub(crate) place_m: Option<[f64; 2]>,
 }
 
-impl Motion {
+impl TrackMotion {
     /// The motion without an error of its source; the same if the error needs a place that is not known.
     pub(crate) fn without(mut self, kind: BiasKind, value: [f64; 2]) -> Self {
         let ([x, y], [vx, vy]) = (self.position_m, self.velocity_mps);
@@ -114,7 +114,7 @@ pub(crate) fn corrected(
             upper[Covariance::index(axis, axis)] += value[0] * value[0] * covariance.get(axis + AXES, axis + AXES);
         }
     }
-    let motion = Motion {
+    let motion = TrackMotion {
         position_m: [report.position_m[0], report.position_m[1]],
         velocity_mps: [report.velocity_mps[0], report.velocity_mps[1]],
         place_m,
@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn an_error_that_is_implied_brings_the_tracks_together() {
-        let target = Motion {
+        let target = TrackMotion {
             position_m: [40e3, -25e3],
             velocity_mps: [150.0, 80.0],
             place_m: Some([-10e3, 5e3]),
@@ -159,7 +159,7 @@ mod tests {
             let apart = |axis: usize| back.position_m[axis] - target.position_m[axis];
             assert!(apart(0).hypot(apart(1)) < 1e-3, "{kind:?}");
         }
-        let aside = Motion {
+        let aside = TrackMotion {
             position_m: [40e3 + 800.0, -25e3 - 1500.0],
             ..target
         };

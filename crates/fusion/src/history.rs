@@ -8,8 +8,8 @@
 use messages::{SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::places::{self, Place};
-use crate::rules::settings::Residual;
+use crate::places::{self, TablePlace};
+use crate::rules::settings::ResidualKind;
 
 /// The part of a report that is kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ struct StoredReport {
     velocity_mps: [f64; 3],
 }
 
-impl Place for StoredReport {
+impl TablePlace for StoredReport {
     fn is_taken(&self) -> bool {
         *self != Self::default()
     }
@@ -46,7 +46,7 @@ pub(crate) fn moved(position_m: [f64; 3], velocity_mps: [f64; 3], ns: i64) -> [f
 pub(crate) struct Histories {
     #[serde(with = "places")]
     stored: Vec<StoredReport>,
-    heads: Vec<Head>,
+    heads: Vec<RingHead>,
     length: usize,
     /// Weight of an earlier report relative to the next newer one; 1 gives the plain mean (TI-5).
     recency: f64,
@@ -55,12 +55,12 @@ pub(crate) struct Histories {
 /// Octets that a ring of `length` reports takes.
 #[cfg(test)]
 pub(crate) fn bytes_per_track(length: usize) -> usize {
-    length * size_of::<StoredReport>() + size_of::<Head>()
+    length * size_of::<StoredReport>() + size_of::<RingHead>()
 }
 
 /// Where one ring stands.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Head {
+struct RingHead {
     newest: usize,
     count: usize,
     /// Measured minus predicted position of the newest report, where there was a measurement.
@@ -74,14 +74,14 @@ impl Histories {
     pub(crate) fn new(slots: usize, length: usize, recency: f64) -> Self {
         Self {
             stored: vec![StoredReport::default(); slots * length],
-            heads: vec![Head::default(); slots],
+            heads: vec![RingHead::default(); slots],
             length,
             recency,
         }
     }
 
     pub(crate) fn clear(&mut self, slot: usize) {
-        self.heads[slot] = Head::default();
+        self.heads[slot] = RingHead::default();
     }
 
     pub(crate) fn push(&mut self, slot: usize, report: &SensorTrack) {
@@ -102,7 +102,7 @@ impl Histories {
         self.heads[slot].apart = self.apart(slot);
     }
 
-    /// See [`Head::apart`].
+    /// See [`RingHead::apart`].
     fn apart(&self, slot: usize) -> Option<([f64; 3], [f64; 3])> {
         let first = self.nth(slot, 0)?;
         let (mut places, mut velocities, mut total, mut weight) = ([0.0; 3], [0.0; 3], 0.0, 1.0);
@@ -163,7 +163,7 @@ impl Histories {
     }
 
     /// V per axis at the reference time, signed; `None` without an earlier report (TI-10).
-    pub(crate) fn residual(&self, slot: usize, kind: Residual, reference_ns: i64) -> Option<[f64; 3]> {
+    pub(crate) fn residual(&self, slot: usize, kind: ResidualKind, reference_ns: i64) -> Option<[f64; 3]> {
         let head = &self.heads[slot];
         let (apart_m, apart_mps) = head.apart?;
         let position = || {
@@ -171,9 +171,9 @@ impl Histories {
             moved(apart_m, apart_mps, reference_ns - newest_ns)
         };
         Some(match kind {
-            Residual::Innovation => head.innovation.unwrap_or_else(position),
-            Residual::Velocity => apart_mps,
-            Residual::Position | Residual::PerAxis => position(),
+            ResidualKind::Innovation => head.innovation.unwrap_or_else(position),
+            ResidualKind::Velocity => apart_mps,
+            ResidualKind::Position | ResidualKind::PerAxis => position(),
         })
     }
 }
@@ -198,9 +198,9 @@ mod tests {
         for time in 0..10 {
             histories.push(1, &report(time, 10.0 * time as f64, 10.0));
         }
-        let v = histories.residual(1, Residual::Position, 12 * S).unwrap();
+        let v = histories.residual(1, ResidualKind::Position, 12 * S).unwrap();
         assert!(v[0].abs() < 1e-9);
-        assert_eq!(histories.residual(0, Residual::Position, 12 * S), None);
+        assert_eq!(histories.residual(0, ResidualKind::Position, 12 * S), None);
     }
 
     #[test]
@@ -212,12 +212,12 @@ mod tests {
             histories.push(0, &report(time, x, vx));
             newer_count_more.push(0, &report(time, x, vx));
         }
-        let plain = histories.residual(0, Residual::Position, 4 * S).unwrap();
+        let plain = histories.residual(0, ResidualKind::Position, 4 * S).unwrap();
         assert!((plain[0] - (25.0 - 11.0)).abs() < 1e-12);
         // Newer ones count more: weights 1 and 1/2 on 10 and 12.
-        let weighted = newer_count_more.residual(0, Residual::Position, 4 * S).unwrap();
+        let weighted = newer_count_more.residual(0, ResidualKind::Position, 4 * S).unwrap();
         assert!((weighted[0] - (25.0 - (10.0 + 0.5 * 12.0) / 1.5)).abs() < 1e-12);
-        let velocity = histories.residual(0, Residual::Velocity, 4 * S).unwrap();
+        let velocity = histories.residual(0, ResidualKind::Velocity, 4 * S).unwrap();
         assert!((velocity[0] - (5.0 - 1.0)).abs() < 1e-12);
     }
 
@@ -229,9 +229,12 @@ mod tests {
         second.valid |= sensor_track_bits::MEASURED;
         second.measured_m = [13.0, 0.0, 0.0];
         histories.push(0, &second);
-        assert_eq!(histories.residual(0, Residual::Innovation, S), Some([3.0, 0.0, 0.0]));
+        assert_eq!(
+            histories.residual(0, ResidualKind::Innovation, S),
+            Some([3.0, 0.0, 0.0])
+        );
         histories.push(0, &report(2, 21.0, 10.0));
-        let v = histories.residual(0, Residual::Innovation, 2 * S).unwrap();
+        let v = histories.residual(0, ResidualKind::Innovation, 2 * S).unwrap();
         assert!(
             (v[0] - (21.0 - 20.5)).abs() < 1e-12,
             "falls back to the position residual"

@@ -7,9 +7,9 @@
 
 use kept::mixed;
 
-use crate::checkpoint::Refused;
+use crate::checkpoint::MemoryRefusal;
 use crate::engine::Engine;
-use crate::order_table::Orders;
+use crate::order_table::OrderTable;
 
 /// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
 /// the fingerprint of the checkpoint covers other types.
@@ -53,14 +53,16 @@ impl Engine {
     ///
     /// # Errors
     /// If the snapshot has other settings or is from another build.
-    pub fn resume_image(&mut self, image: &[u8]) -> Result<(), Refused> {
-        let (of, rest) = postcard::take_from_bytes::<u64>(image).map_err(|_| Refused::Damaged(1))?;
+    pub fn resume_image(&mut self, image: &[u8]) -> Result<(), MemoryRefusal> {
+        let (of, rest) = postcard::take_from_bytes::<u64>(image).map_err(|_| MemoryRefusal::Damaged(1))?;
         if of != self.image_fingerprint() {
-            return Err(Refused::Foreign);
+            return Err(MemoryRefusal::Foreign);
         }
-        let parts = postcard::take_from_bytes(rest).map_err(|_| Refused::Damaged(1))?.0;
+        let parts = postcard::take_from_bytes(rest)
+            .map_err(|_| MemoryRefusal::Damaged(1))?
+            .0;
         let checkpoint = self.tracks.checkpoint.take();
-        let (periods, orders): (Vec<(i64, i64)>, Orders);
+        let (periods, orders): (Vec<(i64, i64)>, OrderTable);
         (
             periods,
             self.tracks,

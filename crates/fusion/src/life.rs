@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::detection_map::DetectionMap;
-use crate::existence::Claim;
+use crate::existence::SingleSourceClaim;
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
@@ -58,7 +58,7 @@ pub(crate) struct Life {
 
 /// Evidence for the target of a system track.
 #[derive(Clone, Copy, Debug)]
-struct Evidence {
+struct ExistenceEvidence {
     /// Whether the target is believed to exist.
     is_believed: bool,
     /// Logarithm of the likelihood ratio of a target to a false track; NaN before the first evidence.
@@ -148,13 +148,13 @@ impl Life {
     }
 
     /// Weighs the evidence for the target of a system track.
-    fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> Evidence {
+    fn evidence(&self, settings: &Settings, tracks: &Tracks, system: SystemSlot, now_ns: i64) -> ExistenceEvidence {
         let (mut sources, mut reports, mut is_established) = (0u64, 0u32, false);
         for member in tracks.contributing(system, now_ns) {
             let entry = tracks.sensors.get(member);
             if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
                 // Another centre believes it, of however many sensors.
-                return Evidence {
+                return ExistenceEvidence {
                     is_believed: true,
                     log_ratio: f64::INFINITY,
                     teaching: f64::INFINITY,
@@ -168,7 +168,7 @@ impl Life {
             reports = reports.saturating_add(entry.reports);
         }
         if reports < settings.life.confirm_reports || !is_established {
-            return Evidence {
+            return ExistenceEvidence {
                 is_believed: false,
                 log_ratio: f64::NAN,
                 teaching: f64::NAN,
@@ -179,7 +179,7 @@ impl Life {
         }
         let witnesses = tracks.dependence.witnesses_among(sources);
         if witnesses >= 3 {
-            return Evidence {
+            return ExistenceEvidence {
                 is_believed: true,
                 log_ratio: f64::INFINITY,
                 teaching: f64::INFINITY,
@@ -194,7 +194,7 @@ impl Life {
             1 => tracks.purity.log_odds(sources.trailing_zeros() as u16),
             _ => 0.0,
         };
-        let claim = Claim {
+        let claim = SingleSourceClaim {
             silence,
             purity,
             reports,
@@ -204,7 +204,7 @@ impl Life {
         if witnesses >= 2 {
             let log_ratio = log_ratio + agreement_log_ratio(tracks);
             let is_believed = log_ratio > settings.existence.believed;
-            return Evidence {
+            return ExistenceEvidence {
                 is_believed,
                 log_ratio,
                 teaching: log_ratio - UNTAUGHT * silence,
@@ -214,7 +214,7 @@ impl Life {
             };
         }
         let is_believed = claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address);
-        Evidence {
+        ExistenceEvidence {
             is_believed,
             log_ratio,
             teaching: log_ratio - UNTAUGHT * silence,
@@ -318,7 +318,7 @@ impl Life {
 }
 
 /// Counts a tentative system track as a target, once, where a second source agrees or where it has lasted.
-fn count_new_track(tracks: &mut Tracks, (system, now_ns): (SystemSlot, i64), evidence: &Evidence) {
+fn count_new_track(tracks: &mut Tracks, (system, now_ns): (SystemSlot, i64), evidence: &ExistenceEvidence) {
     let entry = tracks.systems.get(system);
     let agrees = evidence.witnesses >= 2 && evidence.is_believed;
     if entry.is_counted || !(agrees || entry.reports >= LASTING_REPORTS) {

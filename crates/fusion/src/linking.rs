@@ -14,7 +14,7 @@ use estimation::{ComparedComponents, statistical_distance};
 use crate::association_step::Search;
 use crate::crossing::{self, CROSSED};
 use crate::explanation::Sink;
-use crate::filter::Filter;
+use crate::filter::TargetFilter;
 use crate::measurement::gaussian_of;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, NO_SYSTEM, Role, SensorSlot};
@@ -35,12 +35,12 @@ pub(crate) enum Next {
     /// The sensor track waits until its scan is complete.
     Wait,
     /// A system track has lost all its sensor tracks to another system track, and terminates.
-    End(Merged),
+    End(MergedTrack),
 }
 
 /// A system track that another one has taken over.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Merged {
+pub(crate) struct MergedTrack {
     pub(crate) ended: SystemSlot,
     /// Number of the other one.
     pub(crate) into: u32,
@@ -112,7 +112,7 @@ impl Linking<'_> {
     /// Starts a system track from a sensor track, to be looked at first at `deadline_ns`; `false` if the table is full.
     pub(crate) fn start<S: Sink>(&mut self, sensor: SensorSlot, deadline_ns: i64, out: &mut Outlet<'_, S>) -> bool {
         let report = &self.tracks.sensors.get(sensor).latest;
-        let (source, filter) = (report.source, Filter::of_report(report));
+        let (source, filter) = (report.source, TargetFilter::of_report(report));
         let Some(system) = self.tracks.systems.insert(source, filter, deadline_ns) else {
             out.count(source, Counter::DroppedTable);
             return false;
@@ -370,7 +370,7 @@ impl Linking<'_> {
             ..Decision::default()
         });
         out.count(NO_SOURCE, Counter::TracksMerged);
-        Next::End(Merged {
+        Next::End(MergedTrack {
             ended: from,
             into,
             time_ns: now_ns,

@@ -19,7 +19,7 @@ use estimation::NearlyConstantVelocity;
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::filter::{Fit, Innovation, Manoeuvre};
+use crate::filter::{FilterInnovation, Fit, Manoeuvre};
 use crate::motion::{LEVELS, Motion};
 use crate::seeker::Seeker;
 use crate::source_model::CHI2_MEDIAN_2;
@@ -183,7 +183,7 @@ impl Manoeuvres {
     }
 
     /// Learns from how well a measurement of a target that flies at `velocity_mps` was foretold.
-    pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], innovation: &Innovation) {
+    pub(crate) fn learn(&mut self, velocity_mps: [f64; 3], innovation: &FilterInnovation) {
         let class = &mut self.classes[class_of(velocity_mps)];
         let [east, north, _] = velocity_mps;
         // Nothing can be seen of the turns of targets that stand.
@@ -259,7 +259,7 @@ mod tests {
                     turn: 0.9 - agile,
                     hardness,
                 });
-                let innovation = Innovation {
+                let innovation = FilterInnovation {
                     manoeuvre,
                     ..innovation(Fit::Undecided)
                 };
@@ -294,7 +294,7 @@ mod tests {
         let mut manoeuvres = Manoeuvres::new(1.0);
         let mut fly = |velocity_mps: [f64; 3], straight_s: f64, turns: usize| {
             for flight in 0..40 * turns {
-                let innovation = Innovation {
+                let innovation = FilterInnovation {
                     straight_s: straight_s / 40.0,
                     begins_turn: flight % 40 == 39,
                     ..innovation(Fit::Undecided)

@@ -33,10 +33,10 @@ impl NumberHasher {
 }
 
 impl BuildHasher for NumberHasher {
-    type Hasher = Place;
+    type Hasher = TableSlot;
 
-    fn build_hasher(&self) -> Place {
-        Place {
+    fn build_hasher(&self) -> TableSlot {
+        TableSlot {
             places: self.places,
             place: 0,
         }
@@ -45,12 +45,12 @@ impl BuildHasher for NumberHasher {
 
 /// Where in the table a number belongs.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct TableSlot {
     places: u64,
     place: u64,
 }
 
-impl Hasher for Place {
+impl Hasher for TableSlot {
     fn write_u16(&mut self, source: u16) {
         self.place += (u64::from(source.reverse_bits()) * self.places) >> u16::BITS;
     }

@@ -18,7 +18,7 @@ const BLOCKED_MAX: usize = 16;
 kept! {
     /// One order with its state.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-    pub(crate) struct Record {
+    pub(crate) struct OrderRecord {
         pub(crate) words: [u64; ORDER_WORDS],
         /// Number of the order, ascending; 0: the place is free.
         pub(crate) number: u32,
@@ -36,7 +36,7 @@ kept! {
     }
 }
 
-impl Record {
+impl OrderRecord {
     pub(crate) const FREE: Self = Self {
         words: [0; ORDER_WORDS],
         number: 0,
@@ -78,8 +78,8 @@ impl Record {
 
 /// Table of orders.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Orders {
-    pub(crate) records: Vec<Record>,
+pub(crate) struct OrderTable {
+    pub(crate) records: Vec<OrderRecord>,
     pub(crate) next_number: u32,
     /// Time of the next look at the tracks of orders; `i64::MAX` without such orders.
     pub(crate) watch_ns: i64,
@@ -91,11 +91,11 @@ pub(crate) struct Orders {
     pub(crate) configured: Configured,
 }
 
-impl Orders {
+impl OrderTable {
     /// Creates an empty table; `configured` are the settings without orders.
     pub(crate) fn new(configured: Configured) -> Self {
         Self {
-            records: vec![Record::FREE; PLACES],
+            records: vec![OrderRecord::FREE; PLACES],
             next_number: 1,
             watch_ns: i64::MAX,
             due_ns: i64::MAX,
@@ -106,17 +106,17 @@ impl Orders {
 
     /// Returns the place of the order in force with this number.
     pub(crate) fn place_of(&self, number: u32) -> Option<usize> {
-        let is_meant = |record: &Record| record.number == number && record.is_in_force();
+        let is_meant = |record: &OrderRecord| record.number == number && record.is_in_force();
         self.records.iter().position(is_meant)
     }
 
-    pub(crate) fn in_force(&self) -> impl Iterator<Item = &Record> {
+    pub(crate) fn in_force(&self) -> impl Iterator<Item = &OrderRecord> {
         self.records.iter().filter(|record| record.is_in_force())
     }
 
     /// Returns the place of the oldest order in force with a number above `number`.
     pub(crate) fn next_in_force(&self, number: u32) -> Option<usize> {
-        let later = |record: &Record| record.is_in_force() && record.number > number;
+        let later = |record: &OrderRecord| record.is_in_force() && record.number > number;
         let places = (0..self.records.len()).filter(|place| later(&self.records[*place]));
         places.min_by_key(|place| self.records[*place].number)
     }
@@ -130,7 +130,7 @@ impl Orders {
     /// Derives the values that the loop reads from the records, at `now_ns`.
     pub(crate) fn index(&mut self, now_ns: i64) {
         let binds = |kind| matches!(kind, OrderKind::Drop | OrderKind::Join | OrderKind::Split);
-        let concerns_tracks = self.in_force().filter_map(Record::kind).any(binds);
+        let concerns_tracks = self.in_force().filter_map(OrderRecord::kind).any(binds);
         self.concerns_tracks = concerns_tracks;
         let next_ns = now_ns.saturating_add(WATCH_NS);
         self.watch_ns = if self.concerns_tracks {

@@ -7,12 +7,12 @@ use crate::explanation::Sink;
 
 /// The counters, and the message that is being written: a large one, filled anew each time and never copied here.
 #[derive(Debug)]
-pub(crate) struct Outbox {
+pub(crate) struct EngineOutbox {
     pub(crate) counts: EngineCounters,
     message: Box<SystemTrack>,
 }
 
-impl Outbox {
+impl EngineOutbox {
     /// All zero, for `sources` sources.
     pub(crate) fn new(sources: usize) -> Self {
         Self {
@@ -29,7 +29,7 @@ impl Outbox {
 
 /// The caller's sink beside the engine's counters.
 pub(crate) struct Outlet<'a, S> {
-    outbox: &'a mut Outbox,
+    outbox: &'a mut EngineOutbox,
     sink: &'a mut S,
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A place of a table.
-pub(crate) trait Place: Sized {
+pub(crate) trait TablePlace: Sized {
     /// Whether something has taken it.
     fn is_taken(&self) -> bool;
 
@@ -11,13 +11,16 @@ pub(crate) trait Place: Sized {
     fn free() -> Self;
 }
 
-pub(crate) fn serialize<T: Place + Serialize, S: Serializer>(places: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+pub(crate) fn serialize<T: TablePlace + Serialize, S: Serializer>(
+    places: &[T],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(places.iter().map(|place| place.is_taken().then_some(place)))
 }
 
 pub(crate) fn deserialize<'de, T, D>(deserializer: D) -> Result<Vec<T>, D::Error>
 where
-    T: Place + Deserialize<'de>,
+    T: TablePlace + Deserialize<'de>,
     D: Deserializer<'de>,
 {
     let places = Vec::<Option<T>>::deserialize(deserializer)?;

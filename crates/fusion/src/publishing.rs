@@ -10,10 +10,10 @@ use messages::{
 use crate::accuracy::Accuracies;
 use crate::description::Description;
 use crate::explanation::Sink;
-use crate::filter::Filter;
+use crate::filter::TargetFilter;
 use crate::message::{list_silent_centres, weight, write};
 use crate::outlet::Outlet;
-use crate::rules::{self, Candidate, Fuse, Method, RuleEntry};
+use crate::rules::{self, Candidate, RuleEntry, RuleFunction, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::{AccuracyBase, BorderSettings, Settings, SourceSettings};
 use crate::sources::Sources;
@@ -26,7 +26,7 @@ const CENTRES_MAX: usize = 8;
 
 /// The weighing of system tracks by the rule.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Publisher {
+pub(crate) struct TrackPublisher {
     #[serde(with = "rules::by_code")]
     rule: &'static RuleEntry,
     pub(crate) accuracies: Accuracies,
@@ -36,7 +36,7 @@ pub(crate) struct Publisher {
     common_error_m2: f64,
 }
 
-impl Publisher {
+impl TrackPublisher {
     /// By `rule`, for so many sources.
     pub(crate) fn new(rule: &'static RuleEntry, sources: usize) -> Self {
         Self {
@@ -135,14 +135,14 @@ impl Publisher {
             self.learn(&settings.sources, report.source);
         }
         let is_usable = match self.rule.method {
-            Method::Filter => {
+            RuleMethod::Filter => {
                 let is_usable = self.weighed.share_out();
                 if is_usable {
                     self.take_over_filter(tracks, sources, system, reference_ns);
                 }
                 is_usable
             }
-            Method::Candidates(rule) => self.fuse(settings, tracks, rule, (system, reference_ns), out),
+            RuleMethod::Candidates(rule) => self.fuse(settings, tracks, rule, (system, reference_ns), out),
         };
         if is_usable && settings.exchange && Self::is_exchanged(&settings.border, tracks, system) {
             let weighed = Some(&*self.weighed);
@@ -236,7 +236,7 @@ impl Publisher {
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
-        rule: Fuse,
+        rule: RuleFunction,
         (system, reference_ns): (SystemSlot, i64),
         out: &mut Outlet<'_, S>,
     ) -> bool {
@@ -283,7 +283,7 @@ impl Publisher {
             if !centre.is_foreign || count == CENTRES_MAX {
                 continue;
             }
-            let latest = Filter::of_report(&centre.latest);
+            let latest = TargetFilter::of_report(&centre.latest);
             let candidate = Candidate {
                 source: centre.source,
                 state: latest.state_at(reference_ns, sources.motion_of(&latest)),

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::detection_map::Tally;
+use crate::detection_map::HitCount;
 
 /// Reports after which a track that one source alone follows is a target: false tracks seldom reach them.
 pub(crate) const LASTING_REPORTS: u32 = 12;
@@ -17,13 +17,13 @@ const PRIOR: f64 = 2.0;
 /// Counts of new tracks per source.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Purity {
-    tallies: Vec<Tally>,
+    tallies: Vec<HitCount>,
 }
 
 impl Purity {
     pub(crate) fn new(sources: usize) -> Self {
         Self {
-            tallies: vec![Tally::default(); sources],
+            tallies: vec![HitCount::default(); sources],
         }
     }
 
@@ -39,7 +39,7 @@ impl Purity {
     }
 
     /// Counts of a source, for checkpoints.
-    pub(crate) fn tally_mut(&mut self, source: usize) -> &mut Tally {
+    pub(crate) fn tally_mut(&mut self, source: usize) -> &mut HitCount {
         &mut self.tallies[source]
     }
 }

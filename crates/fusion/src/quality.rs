@@ -13,12 +13,12 @@ pub const SCANS_MAX: u32 = 64;
 /// The last scans of every sensor-track slot, allocated at once.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Qualities {
-    scans: Vec<Scans>,
+    scans: Vec<ScanHistory>,
 }
 
 /// The last scans of one sensor track.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Scans {
+struct ScanHistory {
     /// Bit 0 is the latest scan with a report; 1 if it confirmed the track.
     confirmed: u64,
     /// When that scan began, nanoseconds; `None` before the first report.
@@ -28,12 +28,12 @@ struct Scans {
 impl Qualities {
     pub(crate) fn new(slots: usize) -> Self {
         Self {
-            scans: vec![Scans::default(); slots],
+            scans: vec![ScanHistory::default(); slots],
         }
     }
 
     pub(crate) fn clear(&mut self, slot: usize) {
-        self.scans[slot] = Scans::default();
+        self.scans[slot] = ScanHistory::default();
     }
 
     /// Adds a report of the track in `slot` of a source with the given period.

@@ -11,7 +11,7 @@ use messages::DecisionKind;
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
-use crate::filter::Innovation;
+use crate::filter::FilterInnovation;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};
@@ -155,7 +155,7 @@ impl ReferencePoints {
     }
 
     /// Learns where a sensor track's detection point lies on the target.
-    pub(crate) fn learn(&self, tracks: &mut Tracks, sensor: SensorSlot, innovation: &Innovation) {
+    pub(crate) fn learn(&self, tracks: &mut Tracks, sensor: SensorSlot, innovation: &FilterInnovation) {
         if !self.keeps_points {
             return;
         }

@@ -54,13 +54,13 @@ use nalgebra::{Cholesky, Const, SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances, sensitivity};
-use crate::registration::model::Model;
+use crate::registration::model::BiasModel;
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN, step_limit};
-use crate::registration::rows::{Block, TIME};
+use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::significance::PointsVariance;
 
 pub use crate::registration::errors::SourceErrors;
-pub(crate) use crate::registration::errors::{ClockError, View};
+pub(crate) use crate::registration::errors::{ClockError, TargetView};
 pub use crate::registration::rows::{ERRORS, Errors};
 
 /// Velocities of one target do not differ by more, metres per second.
@@ -97,24 +97,24 @@ const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 kept! {
     /// Sums over one ordered pair of sources, from the view of the first.
     #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-    pub(crate) struct Pair {
+    pub(crate) struct SourcePair {
         /// Σ HⱼᵀWHⱼ.
-        own: Block,
+        own: NormalMatrix,
         /// Σ HⱼᵀWHₖ.
-        cross: Block,
+        cross: NormalMatrix,
         /// Σ HⱼᵀWΔ.
         right: Errors,
     }
 }
 
-const EMPTY: Pair = Pair {
-    own: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
-    cross: Block::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
+const EMPTY: SourcePair = SourcePair {
+    own: NormalMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
+    cross: NormalMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
     right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
 };
 
 kept! {
-    /// Part of one source's errors that a checkpoint keeps, beside the [`Pair`]s.
+    /// Part of one source's errors that a checkpoint keeps, beside the [`SourcePair`]s.
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct KeptErrors {
         known: SourceErrors,
@@ -129,7 +129,7 @@ kept! {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Registration {
     sources: Vec<SourceErrors>,
-    pairs: Vec<Pair>,
+    pairs: Vec<SourcePair>,
     /// Sources with which each source has been compared, as bits.
     partners: Vec<u64>,
     /// Share of each source's latest differences that contradict its estimate.
@@ -152,19 +152,19 @@ pub(crate) struct Registration {
     /// Share of the sums that is left after one tick, and of those of sources that drift.
     keep: f64,
     keep_drifting: f64,
-    solution: Solution,
+    solution: SolutionProgress,
 }
 
 /// A solution in progress.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Solution {
+struct SolutionProgress {
     /// Next sweep and source; `None` if no solution is in progress.
     next: Option<(usize, usize)>,
     sources: Vec<SourceErrors>,
     /// Factored normal equations of each source, set in the first sweep.
     factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
     /// Change of a model that raises the evidence most, and by how much.
-    best: Option<(f64, usize, Model)>,
+    best: Option<(f64, usize, BiasModel)>,
 }
 
 impl Registration {
@@ -186,7 +186,7 @@ impl Registration {
             targets: 1.0,
             keep: (-tick_s / memory_s).exp(),
             keep_drifting: (-tick_s / RECENT_S.min(memory_s)).exp(),
-            solution: Solution {
+            solution: SolutionProgress {
                 next: None,
                 sources: vec![unknown; sources],
                 factors: vec![None; sources],
@@ -217,12 +217,12 @@ impl Registration {
     }
 
     /// Returns the sums over each ordered pair of sources.
-    pub(crate) fn pairs(&self) -> &[Pair] {
+    pub(crate) fn pairs(&self) -> &[SourcePair] {
         &self.pairs
     }
 
     /// Resumes from the stored sums of the pair at this index.
-    pub(crate) fn resume_pair(&mut self, place: usize, kept: Pair) {
+    pub(crate) fn resume_pair(&mut self, place: usize, kept: SourcePair) {
         self.pairs[place] = kept;
     }
 
@@ -294,7 +294,7 @@ impl Registration {
 
     /// Learns from two views of one target at one time. `points_m2` is the variance per axis between the detected
     /// points, m²; `reports` is the number of reports of the target per source, in `age_s` seconds.
-    pub(crate) fn learn(&mut self, a: &View, b: &View, points_m2: f64, (reports, age_s): (f64, f64)) {
+    pub(crate) fn learn(&mut self, a: &TargetView, b: &TargetView, points_m2: f64, (reports, age_s): (f64, f64)) {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
@@ -357,7 +357,7 @@ impl Registration {
             self.has_place[usize::from(view.source)] = view.place_m.is_some();
         }
         let bounded = rest * (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
-        let is_solved = |view: &View| self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN;
+        let is_solved = |view: &TargetView| self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN;
         if settled && is_solved(a) && is_solved(b) {
             for (view, of, bounded) in [(a, &of_a, bounded), (b, &of_b, -bounded)] {
                 let weighted = of.transpose() * (weight_of_recent * SAMPLE_WEIGHT);
@@ -555,7 +555,7 @@ impl Registration {
 
     /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved
     /// for yet.
-    fn settled_equations(&self, own: usize, clock: ClockError) -> (Block, Errors) {
+    fn settled_equations(&self, own: usize, clock: ClockError) -> (NormalMatrix, Errors) {
         let count = self.sources.len();
         let (mut normal, mut right) = prior(clock);
         for other in partners(self.partners[own]) {
@@ -628,8 +628,9 @@ impl Registration {
 }
 
 /// Returns the normal equations of a source before any comparison.
-fn prior(clock: ClockError) -> (Block, Errors) {
-    let mut normal = Block::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
+fn prior(clock: ClockError) -> (NormalMatrix, Errors) {
+    let mut normal =
+        NormalMatrix::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
     let mut right = Errors::zeros();
     let (information, offset_s) = clock.prior();
     normal[(TIME, TIME)] = information;

@@ -11,12 +11,12 @@ fn noise(index: u32, scale: f64) -> f64 {
     (f64::from(mixed % 10_007) / 10_007.0 - 0.5) * 3.46 * scale
 }
 
-fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> View {
+fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late_s: f64, index: u32) -> TargetView {
     let place = |axis: usize| {
         truth[axis] + offset.get(axis).copied().unwrap_or(0.0) - late_s * velocity[axis]
             + noise(index * 31 + u32::from(source) * 7 + axis as u32, 20.0)
     };
-    View {
+    TargetView {
         source,
         position_m: std::array::from_fn(place),
         covariance_m2: estimation::Matrix3::identity() * 400.0,

@@ -7,32 +7,39 @@ use kept::{Get, Kept, kept};
 use messages::{Bias, BiasKind, NS_PER_S, TrackState};
 
 use crate::alignment::PairFindings;
-use crate::checkpoint::{Checkpoint, Clock, Kind, Layout, Memory, Position, Sizes, Snapshot};
-use crate::detection_map::Tally;
+use crate::checkpoint::{
+    CheckpointClock, CheckpointLayout, CheckpointWriter, Memory, RecordKind, Sizes, Snapshot, SourcePosition,
+};
+use crate::detection_map::HitCount;
 use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::life;
 use crate::manoeuvres::{CLASSES, Class};
 use crate::numbering;
-use crate::order_table::{PLACES, Record};
-use crate::registration::{KeptErrors, Pair};
+use crate::order_table::{OrderRecord, PLACES};
+use crate::registration::{KeptErrors, SourcePair};
 use crate::source_model::SourceModel;
 use crate::suspects::Suspects;
 use crate::system_tracks::{KeptTrack, SystemSlot};
-use crate::tracks::Member;
+use crate::tracks::TrackMembership;
 
 /// Time before a kill within which the end of a track may not have been published, nanoseconds.
 const TOLD_AGAIN_NS: i64 = 5 * NS_PER_S as i64;
 /// Kinds that are written in turn.
-const IN_TURN: [Kind; 4] = [Kind::Sources, Kind::Pairs, Kind::Classes, Kind::Cells];
+const IN_TURN: [RecordKind; 4] = [
+    RecordKind::Sources,
+    RecordKind::Pairs,
+    RecordKind::Classes,
+    RecordKind::Cells,
+];
 
 kept! {
     /// All that was learned of one source.
     struct SourceEstimates {
         model: SourceModel,
         errors: KeptErrors,
-        detection: Tally,
-        purity: Tally,
+        detection: HitCount,
+        purity: HitCount,
         mean_square: Option<f64>,
         /// Accepted gross bias, and the removed bias.
         gross: (Option<Bias>, Option<(BiasKind, [f64; 2])>),
@@ -42,7 +49,7 @@ kept! {
 kept! {
     /// All that was learned of one ordered pair of sources.
     struct PairEstimates {
-        sums: Pair,
+        sums: SourcePair,
         gross: PairFindings,
         /// Share of copies, mean squares of differences, and whether that makes the two dependent.
         dependence: ((f64, [f64; 2]), bool),
@@ -51,24 +58,24 @@ kept! {
 
 impl Engine {
     /// How a checkpoint of this engine is laid out.
-    pub fn checkpoint_layout(&self) -> Layout {
+    pub fn checkpoint_layout(&self) -> CheckpointLayout {
         let coverage = &self.life.coverage;
         let sizes = Sizes {
             suspects: Suspects::WORDS,
             systems: KeptTrack::WORDS,
-            members: Member::WORDS,
+            members: TrackMembership::WORDS,
             sources: SourceEstimates::WORDS,
             pairs: PairEstimates::WORDS,
             classes: (CLASSES, Class::WORDS),
             cells: (coverage.places(), coverage.cell_words()),
-            orders: (PLACES, Record::WORDS),
+            orders: (PLACES, OrderRecord::WORDS),
         };
-        Layout::new(&self.settings.capacity, &self.settings.sources, sizes)
+        CheckpointLayout::new(&self.settings.capacity, &self.settings.sources, sizes)
     }
 
     /// Keeps the engine's state in `memory`, which is blank, from now on.
     pub fn keep_checkpoint(&mut self, memory: Box<dyn Memory>) {
-        let checkpoint = Checkpoint::begin(memory, self.checkpoint_layout());
+        let checkpoint = CheckpointWriter::begin(memory, self.checkpoint_layout());
         self.tracks.keep_in(checkpoint);
         self.keep_orders();
         self.keep_learned(self.learned_records());
@@ -84,7 +91,7 @@ impl Engine {
         self.schedule.pass(passed_ns);
         self.resume_learned(snapshot);
         let mut numbers: Vec<(u32, SystemSlot)> = Vec::new();
-        for (_, kept) in snapshot.all::<KeptTrack>(Kind::Systems) {
+        for (_, kept) in snapshot.all::<KeptTrack>(RecordKind::Systems) {
             let Some(was) = kept.life().filter(|_| kept.is_of(self.settings.sources.len())) else {
                 continue;
             };
@@ -109,17 +116,20 @@ impl Engine {
             let found = numbers.binary_search_by_key(&number, |(number, _)| *number).ok()?;
             Some(numbers[found].1)
         };
-        let kinds = [Kind::Members, Kind::Remembered];
-        let members: Vec<(Member, SystemSlot)> = kinds
+        let kinds = [RecordKind::Members, RecordKind::Remembered];
+        let members: Vec<(TrackMembership, SystemSlot)> = kinds
             .into_iter()
-            .flat_map(|kind| snapshot.all::<Member>(kind))
+            .flat_map(|kind| snapshot.all::<TrackMembership>(kind))
             .filter_map(|(_, member)| Some((member, slot_of(member.system_track)?)))
             .collect();
         self.tracks.remember(members);
-        let reserved = snapshot.all::<u32>(Kind::Numbers).map(|(_, number)| number).next();
+        let reserved = snapshot
+            .all::<u32>(RecordKind::Numbers)
+            .map(|(_, number)| number)
+            .next();
         let least = numbers.last().map_or(1, |(number, _)| numbering::following(*number));
         self.start_numbers_at(reserved.unwrap_or(least));
-        self.resume_orders(snapshot.all::<Record>(Kind::Orders), sink);
+        self.resume_orders(snapshot.all::<OrderRecord>(RecordKind::Orders), sink);
     }
 
     /// The next system track that starts has this number.
@@ -128,7 +138,7 @@ impl Engine {
     }
 
     fn resume_learned(&mut self, snapshot: &Snapshot) {
-        for (source, learned) in snapshot.all::<SourceEstimates>(Kind::Sources) {
+        for (source, learned) in snapshot.all::<SourceEstimates>(RecordKind::Sources) {
             self.sources.models[source] = learned.model;
             self.sources.registration.resume(source, &learned.errors);
             *self.life.coverage.general_mut(source) = learned.detection;
@@ -136,44 +146,44 @@ impl Engine {
             *self.publisher.accuracies.mean_square_mut(source) = learned.mean_square;
             self.sources.alignment.resume(source, learned.gross);
         }
-        for (place, pair) in snapshot.all::<PairEstimates>(Kind::Pairs) {
+        for (place, pair) in snapshot.all::<PairEstimates>(RecordKind::Pairs) {
             self.sources.registration.resume_pair(place, pair.sums);
             *self.sources.alignment.pair_mut(place) = pair.gross;
             self.tracks.dependence.resume(place, pair.dependence);
         }
-        for (place, class) in snapshot.all::<Class>(Kind::Classes) {
+        for (place, class) in snapshot.all::<Class>(RecordKind::Classes) {
             self.sources.manoeuvres.classes_mut()[place] = class;
         }
-        for (place, words) in snapshot.of_kind(Kind::Cells) {
+        for (place, words) in snapshot.of_kind(RecordKind::Cells) {
             self.life.coverage.resume_cell(place, &mut Get(words));
         }
     }
 
     /// Notes how far the reports of `source` have been worked off.
     #[inline]
-    pub fn keep_position(&mut self, source: u16, position: Position) {
+    pub fn keep_position(&mut self, source: u16, position: SourcePosition) {
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
-            checkpoint.write(Kind::Positions, usize::from(source), &position);
+            checkpoint.write(RecordKind::Positions, usize::from(source), &position);
         }
     }
 
     /// Stores the reports in which fusion has died.
     pub fn keep_suspects(&mut self, suspects: &Suspects) {
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
-            checkpoint.write(Kind::Suspects, 0, suspects);
+            checkpoint.write(RecordKind::Suspects, 0, suspects);
         }
     }
 
     /// Notes that the process lives; how far time has passed, and the host offset, are filled in.
-    pub fn keep_clock(&mut self, clock: Clock) {
+    pub fn keep_clock(&mut self, clock: CheckpointClock) {
         let (passed_ns, host_offset_ns) = (self.schedule.now_ns(), self.host_clock.offset_ns);
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
-            let clock = Clock {
+            let clock = CheckpointClock {
                 passed_ns,
                 host_offset_ns,
                 ..clock
             };
-            checkpoint.write(Kind::Clock, 0, &clock);
+            checkpoint.write(RecordKind::Clock, 0, &clock);
         }
     }
 
@@ -200,7 +210,7 @@ impl Engine {
             return;
         };
         match kind {
-            Kind::Sources => {
+            RecordKind::Sources => {
                 let learned = SourceEstimates {
                     model: self.sources.models[place],
                     errors: self.sources.registration.kept(place),
@@ -211,7 +221,7 @@ impl Engine {
                 };
                 checkpoint.write(kind, place, &learned);
             }
-            Kind::Pairs => {
+            RecordKind::Pairs => {
                 let learned = PairEstimates {
                     sums: self.sources.registration.pairs()[place],
                     gross: *self.sources.alignment.pair_mut(place),
@@ -219,7 +229,7 @@ impl Engine {
                 };
                 checkpoint.write(kind, place, &learned);
             }
-            Kind::Classes => checkpoint.write(kind, place, &self.sources.manoeuvres.classes_mut()[place]),
+            RecordKind::Classes => checkpoint.write(kind, place, &self.sources.manoeuvres.classes_mut()[place]),
             _ => {
                 if let Some(cell) = self.life.coverage.cell_at(place) {
                     checkpoint.write_with(kind, place, cell);

@@ -24,7 +24,7 @@ const PAIRS_MAX: usize = 4 * WAITING_MAX;
 /// Sensor tracks waiting for the end of their scan, per source, and room for the assignment.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Scans {
-    scans: Vec<Scan>,
+    scans: Vec<WaitingScan>,
     /// When the first scan is complete, nanoseconds; never (`i64::MAX`) if none waits.
     due_ns: i64,
     #[serde(skip)]
@@ -35,19 +35,19 @@ pub(crate) struct Scans {
     #[serde(skip, default = "assignment")]
     assignment: Assignment,
     #[serde(skip)]
-    assigned: Vec<Placement>,
+    assigned: Vec<ScanAssignment>,
 }
 
 /// The part of one source's scan that waits.
 #[derive(Debug, Serialize, Deserialize)]
-struct Scan {
+struct WaitingScan {
     waiting: Vec<SensorSlot>,
     first_ns: i64,
     /// How long after its first report the scan is complete, nanoseconds.
     duration_ns: i64,
 }
 
-impl Scan {
+impl WaitingScan {
     /// When the scan is complete; never (`i64::MAX`) if nothing waits.
     fn complete_ns(&self) -> i64 {
         self.first_ns.saturating_add(self.duration_ns)
@@ -56,7 +56,7 @@ impl Scan {
 
 /// A sensor track of a scan that has been assigned.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
+pub(crate) struct ScanAssignment {
     pub(crate) sensor: SensorSlot,
     /// The system track, and d²; `None` if it fits none.
     pub(crate) best: Option<(SystemSlot, f64)>,
@@ -68,7 +68,7 @@ fn assignment() -> Assignment {
 
 impl Scans {
     pub(crate) fn new(sources: &[SourceSettings], scan_wait: f64) -> Self {
-        let scans = sources.iter().map(|_| Scan {
+        let scans = sources.iter().map(|_| WaitingScan {
             waiting: Vec::with_capacity(WAITING_MAX),
             first_ns: i64::MAX,
             duration_ns: 0,
@@ -112,10 +112,15 @@ impl Scans {
 
     /// Returns a source with a complete scan at `time_ns`, the source with the smallest number; `None` without one.
     pub(crate) fn complete_at(&mut self, time_ns: i64) -> Option<u16> {
-        let complete = |scan: &Scan| !scan.waiting.is_empty() && scan.complete_ns() <= time_ns;
+        let complete = |scan: &WaitingScan| !scan.waiting.is_empty() && scan.complete_ns() <= time_ns;
         let source = self.scans.iter().position(complete);
         if source.is_none() {
-            self.due_ns = self.scans.iter().map(Scan::complete_ns).min().unwrap_or(i64::MAX);
+            self.due_ns = self
+                .scans
+                .iter()
+                .map(WaitingScan::complete_ns)
+                .min()
+                .unwrap_or(i64::MAX);
         }
         source.map(|source| source as u16)
     }
@@ -127,7 +132,7 @@ impl Scans {
         let scan = &mut self.scans[usize::from(source)];
         scan.first_ns = i64::MAX;
         self.assigned.clear();
-        let unassigned = |sensor: &SensorSlot| Placement {
+        let unassigned = |sensor: &SensorSlot| ScanAssignment {
             sensor: *sensor,
             best: None,
         };
@@ -148,7 +153,7 @@ impl Scans {
     }
 
     /// The sensor track in one row of the scan that was assigned last.
-    pub(crate) fn assigned(&self, row: usize) -> Placement {
+    pub(crate) fn assigned(&self, row: usize) -> ScanAssignment {
         self.assigned[row]
     }
 

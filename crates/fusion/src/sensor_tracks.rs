@@ -11,7 +11,7 @@ use crate::error_shape::Stretch;
 use crate::history::Histories;
 use crate::measurement::{Correction, gaussian_of};
 use crate::number_hasher::{NumberHasher, table};
-use crate::places::{self, Place};
+use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
 
@@ -35,9 +35,9 @@ pub(crate) enum Role {
 
 /// The next sensor track of the same system track, if there is one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Link(SensorSlot);
+pub(crate) struct MemberLink(SensorSlot);
 
-impl Link {
+impl MemberLink {
     const NONE: Self = Self(SensorSlot::MAX);
 
     pub(crate) fn to(slot: Option<SensorSlot>) -> Self {
@@ -65,7 +65,7 @@ pub(crate) struct SensorEntry {
     pub(crate) residuals: u32,
     /// System track it belongs to, or [`NO_SYSTEM`].
     pub(crate) system: u32,
-    pub(crate) next: Link,
+    pub(crate) next: MemberLink,
     /// Number at the source.
     pub(crate) track_number: u32,
     /// Source of `latest`.
@@ -134,7 +134,7 @@ impl Default for SensorEntry {
             latest: SensorTrack::default(),
             role: Role::Duplicate,
             system: NO_SYSTEM,
-            next: Link::NONE,
+            next: MemberLink::NONE,
             repaired: false,
             misfits: 0,
             competing: None,
@@ -216,7 +216,7 @@ impl SensorEntry {
     }
 }
 
-impl Place for SensorEntry {
+impl TablePlace for SensorEntry {
     fn is_taken(&self) -> bool {
         self.live
     }

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use crate::alignment::Alignment;
 use crate::credibility::Credibility;
 use crate::error_shape::Stretch;
-use crate::filter::{Filter, Innovation};
+use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
 use crate::motion::Motion;
-use crate::registration::{ClockError, Registration, TARGETS_MIN, View};
+use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
@@ -128,7 +128,7 @@ impl Sources {
 
     /// Process noise of turns of the target that `filter` follows.
     #[inline]
-    pub(crate) fn motion_of(&self, filter: &Filter) -> &Motion {
+    pub(crate) fn motion_of(&self, filter: &TargetFilter) -> &Motion {
         self.manoeuvres.motion(filter.estimate.velocity_mps())
     }
 
@@ -244,7 +244,7 @@ impl Sources {
         settings: &Settings,
         tracks: &mut Tracks,
         sensor: SensorSlot,
-        innovation: &Innovation,
+        innovation: &FilterInnovation,
         measurement: &Measurement,
     ) {
         let entry = tracks.sensors.get_mut(sensor);
@@ -371,7 +371,7 @@ impl Sources {
     }
 
     /// A sensor track as its source gives it, at `time_ns`.
-    fn view(&self, sources: &[SourceSettings], entry: &SensorEntry, time_ns: i64) -> View {
+    fn view(&self, sources: &[SourceSettings], entry: &SensorEntry, time_ns: i64) -> TargetView {
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
         let mut state = entry.as_reported();
@@ -383,7 +383,7 @@ impl Sources {
             .map(|density| AxisNoise::white(density, seconds));
         state.advance(seconds, noise);
         let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
-        View {
+        TargetView {
             source,
             position_m: state.position_m(),
             covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),

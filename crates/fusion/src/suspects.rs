@@ -11,7 +11,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use kept::kept;
 
-use crate::checkpoint::{IN_WORK, Kind, Snapshot};
+use crate::checkpoint::{IN_WORK, RecordKind, Snapshot};
 
 /// Suspects at a time. A process dies in one report, so that further places hold suspects of which a successor died
 /// before it reached them.
@@ -37,7 +37,7 @@ kept! {
 
 /// What to do with a suspect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum SuspectTreatment {
     /// Fusion has never died in the report.
     Sound,
     /// Fusion has died in the report once: the report is worked off again.
@@ -51,7 +51,7 @@ impl Suspects {
     /// writer of `memory` died, if there is one.
     pub fn found(memory: &[AtomicU64], snapshot: &Snapshot) -> Self {
         let mut suspects: Self = snapshot
-            .all(Kind::Suspects)
+            .all(RecordKind::Suspects)
             .map(|(_, found)| found)
             .next()
             .unwrap_or_default();
@@ -95,12 +95,12 @@ impl Suspects {
     }
 
     /// What to do with the report of this name.
-    pub fn verdict(&self, key: u64) -> Verdict {
+    pub fn verdict(&self, key: u64) -> SuspectTreatment {
         let place = self.keys.iter().position(|known| *known == key && key != 0);
         match place.map(|place| self.deaths[place]) {
-            None => Verdict::Sound,
-            Some(deaths) if deaths < DEATHS_MAX => Verdict::Again,
-            Some(_) => Verdict::Quarantine,
+            None => SuspectTreatment::Sound,
+            Some(deaths) if deaths < DEATHS_MAX => SuspectTreatment::Again,
+            Some(_) => SuspectTreatment::Quarantine,
         }
     }
 
@@ -120,18 +120,18 @@ mod tests {
     fn the_second_death_in_a_report_puts_it_in_quarantine_and_no_other() {
         let mut suspects = Suspects::default();
         let keys: Vec<u64> = (0..3).map(|sequence| report_key(2, 1_000_000_007, sequence)).collect();
-        assert_eq!(suspects.verdict(keys[0]), Verdict::Sound);
-        assert_eq!(suspects.verdict(0), Verdict::Sound);
+        assert_eq!(suspects.verdict(keys[0]), SuspectTreatment::Sound);
+        assert_eq!(suspects.verdict(0), SuspectTreatment::Sound);
         suspects.add_death(keys[0]);
         suspects.add_death(keys[1]);
-        assert_eq!(suspects.verdict(keys[0]), Verdict::Again);
+        assert_eq!(suspects.verdict(keys[0]), SuspectTreatment::Again);
         suspects.add_death(keys[0]);
-        assert_eq!(suspects.verdict(keys[0]), Verdict::Quarantine);
-        assert_eq!(suspects.verdict(keys[1]), Verdict::Again);
-        assert_eq!(suspects.verdict(keys[2]), Verdict::Sound);
+        assert_eq!(suspects.verdict(keys[0]), SuspectTreatment::Quarantine);
+        assert_eq!(suspects.verdict(keys[1]), SuspectTreatment::Again);
+        assert_eq!(suspects.verdict(keys[2]), SuspectTreatment::Sound);
         suspects.clear(keys[0]);
-        assert_eq!(suspects.verdict(keys[0]), Verdict::Sound);
-        assert_eq!(suspects.verdict(keys[1]), Verdict::Again);
+        assert_eq!(suspects.verdict(keys[0]), SuspectTreatment::Sound);
+        assert_eq!(suspects.verdict(keys[1]), SuspectTreatment::Again);
         suspects.clear(keys[1]);
         assert!(suspects.is_empty());
     }
@@ -145,7 +145,11 @@ mod tests {
         for key in &keys {
             suspects.add_death(*key);
         }
-        assert_eq!(suspects.verdict(keys[0]), Verdict::Sound);
-        assert!(keys[1..].iter().all(|key| suspects.verdict(*key) == Verdict::Again));
+        assert_eq!(suspects.verdict(keys[0]), SuspectTreatment::Sound);
+        assert!(
+            keys[1..]
+                .iter()
+                .all(|key| suspects.verdict(*key) == SuspectTreatment::Again)
+        );
     }
 }

@@ -11,12 +11,12 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::border::Ownership;
 use crate::description::Description;
-use crate::filter::{Filter, KeptFilter};
+use crate::filter::{KeptFilter, TargetFilter};
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
-use crate::places::{self, Place};
+use crate::places::{self, TablePlace};
 use crate::quota::Quota;
-use crate::rules::Memory;
+use crate::rules::RuleMemory;
 use crate::sensor_tracks::SensorSlot;
 use crate::state::State;
 
@@ -48,7 +48,7 @@ pub(crate) struct SystemEntry {
     /// State as last weighed.
     pub(crate) state: State,
     /// The system filter: what reports are compared with.
-    pub(crate) filter: Filter,
+    pub(crate) filter: TargetFilter,
     /// Course of the target, as sine and cosine; north until it has moved.
     pub(crate) course: [f64; 2],
     /// Logarithm of the odds that the target exists, after the latest report; NaN before there is evidence.
@@ -205,7 +205,7 @@ impl SystemEntry {
 
     /// A track as it was kept; without its members, which come back with their reports.
     fn resumed(kept: &KeptTrack, life: TrackState) -> Self {
-        let filter = Filter::resumed(&kept.filter);
+        let filter = TargetFilter::resumed(&kept.filter);
         Self {
             identity: kept.identity,
             course: kept.course,
@@ -232,7 +232,7 @@ impl SystemEntry {
         }
     }
 
-    fn new((number, owner): (u32, u16), life: TrackState, filter: Filter, fresh_until_ns: i64) -> Self {
+    fn new((number, owner): (u32, u16), life: TrackState, filter: TargetFilter, fresh_until_ns: i64) -> Self {
         Self {
             number,
             owner,
@@ -272,14 +272,14 @@ impl SystemEntry {
     }
 }
 
-impl Place for SystemEntry {
+impl TablePlace for SystemEntry {
     fn is_taken(&self) -> bool {
         self.number != 0
     }
 
     fn free() -> Self {
         let nowhere = Gaussian::new([0.0; 3], [0.0; 3], &Covariance::default());
-        let filter = Filter::new(0, nowhere, false);
+        let filter = TargetFilter::new(0, nowhere, false);
         Self::new((0, NO_SOURCE), TrackState::Terminated, filter, i64::MIN)
     }
 }
@@ -290,7 +290,7 @@ pub(crate) struct SystemTracks {
     #[serde(with = "places")]
     entries: Vec<SystemEntry>,
     /// The rule's memory of each; empty if it has none.
-    memories: Vec<Memory>,
+    memories: Vec<RuleMemory>,
     free: Vec<SystemSlot>,
     quota: Quota,
     pub(crate) grid: Grid,
@@ -310,7 +310,7 @@ impl SystemTracks {
     pub(crate) fn new(capacity: usize, sources: usize, cell_m: f64, remembers: bool) -> Self {
         Self {
             entries: vec![SystemEntry::free(); capacity],
-            memories: vec![Memory::default(); if remembers { capacity } else { 0 }],
+            memories: vec![RuleMemory::default(); if remembers { capacity } else { 0 }],
             free: (0..capacity as SystemSlot).rev().collect(),
             quota: Quota::new(capacity, sources),
             grid: Grid::new(cell_m, capacity),
@@ -322,7 +322,7 @@ impl SystemTracks {
     }
 
     /// A new tentative system track with `filter` that `owner` starts; `None` if the table is full for it.
-    pub(crate) fn insert(&mut self, owner: u16, filter: Filter, deadline_ns: i64) -> Option<SystemSlot> {
+    pub(crate) fn insert(&mut self, owner: u16, filter: TargetFilter, deadline_ns: i64) -> Option<SystemSlot> {
         let number = self.next_number;
         let entry = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
         let slot = self.take_in(entry, deadline_ns)?;
@@ -333,7 +333,7 @@ impl SystemTracks {
     fn take_in(&mut self, entry: SystemEntry, deadline_ns: i64) -> Option<SystemSlot> {
         let slot = self.quota.take(entry.owner).then(|| self.free.pop())??;
         if let Some(memory) = self.memories.get_mut(slot as usize) {
-            *memory = Memory::default();
+            *memory = RuleMemory::default();
         }
         self.in_state[entry.life as usize] += 1;
         self.deadlines.push(Reverse((deadline_ns, entry.number, slot)));
@@ -384,12 +384,12 @@ impl SystemTracks {
     }
 
     /// Memory of a rule that has one, of a system track.
-    pub(crate) fn memory(&self, slot: SystemSlot) -> &Memory {
+    pub(crate) fn memory(&self, slot: SystemSlot) -> &RuleMemory {
         &self.memories[slot as usize]
     }
 
     /// Both parts of an entry, where the rule remembers.
-    pub(crate) fn get_with_memory(&mut self, slot: SystemSlot) -> (&mut SystemEntry, &mut Memory) {
+    pub(crate) fn get_with_memory(&mut self, slot: SystemSlot) -> (&mut SystemEntry, &mut RuleMemory) {
         (&mut self.entries[slot as usize], &mut self.memories[slot as usize])
     }
 
@@ -398,7 +398,7 @@ impl SystemTracks {
         let entry = &mut self.entries[slot as usize];
         entry.state = entry.filter.state();
         if let Some(memory) = self.memories.get_mut(slot as usize) {
-            *memory = Memory::default();
+            *memory = RuleMemory::default();
         }
     }
 

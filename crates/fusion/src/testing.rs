@@ -1,6 +1,6 @@
 //! Settings and inputs for tests.
 
-use crate::filter::{Fit, Innovation};
+use crate::filter::{FilterInnovation, Fit};
 use crate::settings::{Accuracy, AssociationSettings, Capacity, RuleName, Settings, SourceSettings};
 
 /// Settings for `sources` like sources, in small tables.
@@ -28,8 +28,8 @@ pub(crate) fn test_settings(sources: usize) -> Settings {
 }
 
 /// An innovation of 0, that fits so.
-pub(crate) fn innovation(fit: Fit) -> Innovation {
-    Innovation {
+pub(crate) fn innovation(fit: Fit) -> FilterInnovation {
+    FilterInnovation {
         residual_m: [0.0; 2],
         covariance_m2: [1.0, 0.0, 1.0],
         gain: 0.5,

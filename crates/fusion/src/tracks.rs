@@ -6,14 +6,14 @@ use std::collections::HashMap;
 
 use messages::{Decision, DecisionKind, TrackState};
 
-use crate::checkpoint::{Checkpoint, Kind};
+use crate::checkpoint::{CheckpointWriter, RecordKind};
 use crate::dependence::Dependence;
-use crate::filter::Filter;
+use crate::filter::TargetFilter;
 use crate::lifetimes::Lifetimes;
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
 use crate::purity::Purity;
-use crate::sensor_tracks::{Link, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
+use crate::sensor_tracks::{MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
 
 /// Both tables, linked with each other.
@@ -27,7 +27,7 @@ pub(crate) struct Tracks {
     pub(crate) purity: Purity,
     /// Where what must outlive the process is written.
     #[serde(skip)]
-    pub(crate) checkpoint: Option<Checkpoint>,
+    pub(crate) checkpoint: Option<CheckpointWriter>,
     /// Members from before the start.
     #[serde(with = "table")]
     remembered: Remembered,
@@ -40,7 +40,7 @@ const KEPT_EVERY: u8 = 2;
 kept! {
     /// A sensor track's membership, as a checkpoint keeps it.
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-    pub(crate) struct Member {
+    pub(crate) struct TrackMembership {
         pub(crate) source: u16,
         pub(crate) track_number: u32,
         /// Number of its system track; 0: none.
@@ -73,7 +73,7 @@ impl Tracks {
 
     /// Remembers members of system tracks that have just been taken in again, the newest first, as many as there can
     /// be: of one that found its way back by its address, there is an older word too.
-    pub(crate) fn remember(&mut self, members: Vec<(Member, SystemSlot)>) {
+    pub(crate) fn remember(&mut self, members: Vec<(TrackMembership, SystemSlot)>) {
         let capacity = 2 * members.len();
         self.remembered = HashMap::with_capacity_and_hasher(capacity, NumberHasher::new(capacity));
         for (member, system) in members {
@@ -97,7 +97,7 @@ impl Tracks {
         let key = (entry.source, entry.track_number);
         let (system, number, place) = self.remembered.remove(&key)?;
         if let Some(checkpoint) = &mut self.checkpoint {
-            checkpoint.write(Kind::Remembered, place, &Member::default());
+            checkpoint.write(RecordKind::Remembered, place, &TrackMembership::default());
         }
         let entry = self.systems.get(system);
         (entry.number == number && entry.life != TrackState::Terminated).then_some(system)
@@ -114,7 +114,7 @@ impl Tracks {
             let is_due = entry.unkept >= KEPT_EVERY && entry.state.time_ns >= entry.kept_ns + KEPT_EVERY_NS;
             if has_changed || is_due {
                 (entry.kept_ns, entry.unkept) = (entry.state.time_ns, 0);
-                checkpoint.write(Kind::Systems, system as usize, &entry.kept());
+                checkpoint.write(RecordKind::Systems, system as usize, &entry.kept());
             }
         }
     }
@@ -123,14 +123,14 @@ impl Tracks {
         if let Some(checkpoint) = &mut self.checkpoint {
             let entry = self.sensors.get(sensor);
             let member = match entry.system {
-                NO_SYSTEM => Member::default(),
-                system => Member {
+                NO_SYSTEM => TrackMembership::default(),
+                system => TrackMembership {
                     source: entry.source,
                     track_number: entry.track_number,
                     system_track: self.systems.get(system).number,
                 },
             };
-            checkpoint.write(Kind::Members, sensor as usize, &member);
+            checkpoint.write(RecordKind::Members, sensor as usize, &member);
         }
     }
 
@@ -140,7 +140,7 @@ impl Tracks {
         if let Some(checkpoint) = &mut self.checkpoint
             && next.is_multiple_of(numbering::BLOCK)
         {
-            checkpoint.write(Kind::Numbers, 0, &numbering::reserved(next));
+            checkpoint.write(RecordKind::Numbers, 0, &numbering::reserved(next));
         }
     }
 
@@ -169,15 +169,15 @@ impl Tracks {
     }
 
     /// Begins to keep what there is in `checkpoint`.
-    pub(crate) fn keep_in(&mut self, mut checkpoint: Checkpoint) {
-        checkpoint.write(Kind::Numbers, 0, &numbering::reserved(self.systems.next_number()));
+    pub(crate) fn keep_in(&mut self, mut checkpoint: CheckpointWriter) {
+        checkpoint.write(RecordKind::Numbers, 0, &numbering::reserved(self.systems.next_number()));
         for ((source, track_number), (_, system_track, place)) in &self.remembered {
-            let member = Member {
+            let member = TrackMembership {
                 source: *source,
                 track_number: *track_number,
                 system_track: *system_track,
             };
-            checkpoint.write(Kind::Remembered, *place, &member);
+            checkpoint.write(RecordKind::Remembered, *place, &member);
         }
         self.checkpoint = Some(checkpoint);
         for system in self.systems.slots() {
@@ -268,7 +268,7 @@ impl Tracks {
         let first = &mut self.systems.get_mut(system).members;
         let entry = self.sensors.get_mut(sensor);
         entry.system = system;
-        entry.next = Link::to(first.replace(sensor));
+        entry.next = MemberLink::to(first.replace(sensor));
         entry.role = Role::Duplicate;
         entry.forget_target();
         let (identity, started_ns) = (entry.latest.identity, entry.started_ns);
@@ -289,7 +289,7 @@ impl Tracks {
             let mut at = *first;
             while let Some(slot) = at {
                 let entry = self.sensors.get_mut(slot);
-                if entry.next == Link::to(Some(sensor)) {
+                if entry.next == MemberLink::to(Some(sensor)) {
                     entry.next = next;
                     break;
                 }
@@ -354,7 +354,7 @@ impl Tracks {
     pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let system = self.systems.get_mut(entry.system);
-        system.filter = Filter::of_report(&entry.latest);
+        system.filter = TargetFilter::of_report(&entry.latest);
         system.is_foreign = entry.is_foreign;
         system.contributors = 1 << entry.source;
     }

@@ -9,7 +9,7 @@ use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
 
 use crate::accuracy::Accuracies;
 use crate::history::moved;
-use crate::rules::{self, Candidate, Fuse, Memory, Method, Share, Target};
+use crate::rules::{self, Candidate, RuleFunction, RuleMemory, RuleMethod, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
 use crate::settings::{DropOut, Settings};
 use crate::state::State;
@@ -22,7 +22,7 @@ pub(crate) struct Weigher<'a> {
     pub(crate) tracks: &'a Tracks,
     pub(crate) accuracies: &'a Accuracies,
     /// Method of the rule that the contributions are gathered for.
-    pub(crate) method: Method,
+    pub(crate) method: RuleMethod,
 }
 
 /// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
@@ -74,10 +74,10 @@ impl Weighed {
     /// `last`. `None` if it can use none of them.
     pub(crate) fn fuse(
         &mut self,
-        rule: Fuse,
+        rule: RuleFunction,
         settings: &Settings,
         last: &State,
-        memory: &mut Memory,
+        memory: &mut RuleMemory,
         reference_ns: i64,
     ) -> Option<State> {
         if self.len == 0 {
@@ -166,8 +166,8 @@ impl Weigher<'_> {
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         (weighed.len, weighed.contributing) = (0, 0);
         match self.method {
-            Method::Filter => self.gather_shares(system, reference_ns, weighed),
-            Method::Candidates(_) => self.gather_states(system, reference_ns, weighed),
+            RuleMethod::Filter => self.gather_shares(system, reference_ns, weighed),
+            RuleMethod::Candidates(_) => self.gather_states(system, reference_ns, weighed),
         }
     }
 

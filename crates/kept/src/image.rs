@@ -37,14 +37,14 @@ impl Memory for Vec<AtomicU64> {
 
 /// Memory that cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refused {
+pub enum MemoryRefusal {
     /// No checkpoint, or a checkpoint of other settings, sources or another build.
     Foreign,
     /// Damaged checkpoint, with the number of records that are not whole.
     Damaged(usize),
 }
 
-impl fmt::Display for Refused {
+impl fmt::Display for MemoryRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Foreign => f.write_str("it is no checkpoint of this build with these sources and table sizes"),
@@ -53,7 +53,7 @@ impl fmt::Display for Refused {
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for MemoryRefusal {}
 
 /// Writes the [`HEAD`] of blank memory.
 pub fn mark(memory: &[AtomicU64], fingerprint: u64) {
@@ -75,7 +75,7 @@ const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Records of one kind in the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
+pub struct RecordArea {
     /// First word of the area.
     pub first: usize,
     /// Number of records.
@@ -86,7 +86,7 @@ pub struct Area {
 
 /// State of a record in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
+pub enum RecordState {
     /// Never written.
     Nothing,
     /// The newest copy is whole; the other copy is whole or blank.
@@ -108,7 +108,7 @@ pub(crate) enum Copy {
     Broken,
 }
 
-impl Area {
+impl RecordArea {
     const fn copy(&self) -> usize {
         FRONT + self.words
     }
@@ -139,7 +139,7 @@ impl Area {
     }
 
     /// Reads the newest whole copy of the record of `place` into `contents`.
-    pub fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> Found {
+    pub fn read(&self, memory: &[AtomicU64], place: usize, contents: &mut Vec<u64>) -> RecordState {
         let mut other = Vec::with_capacity(self.words);
         let first = self.read_copy(memory, place, 0, contents);
         let second = self.read_copy(memory, place, 1, &mut other);
@@ -151,11 +151,11 @@ impl Area {
             *contents = other;
         }
         match (first, second) {
-            (Copy::Blank, Copy::Blank) => Found::Nothing,
-            (Copy::Broken, Copy::Broken) => Found::Damaged,
-            (Copy::Broken, Copy::Blank) | (Copy::Blank, Copy::Broken) => Found::Torn { has_other: false },
-            (Copy::Broken, _) | (_, Copy::Broken) => Found::Torn { has_other: true },
-            _ => Found::Whole,
+            (Copy::Blank, Copy::Blank) => RecordState::Nothing,
+            (Copy::Broken, Copy::Broken) => RecordState::Damaged,
+            (Copy::Broken, Copy::Blank) | (Copy::Blank, Copy::Broken) => RecordState::Torn { has_other: false },
+            (Copy::Broken, _) | (_, Copy::Broken) => RecordState::Torn { has_other: true },
+            _ => RecordState::Whole,
         }
     }
 
@@ -201,7 +201,7 @@ mod tests {
 
     use super::*;
 
-    const AREA: Area = Area {
+    const AREA: RecordArea = RecordArea {
         first: 3,
         places: 2,
         words: 5,
@@ -221,7 +221,7 @@ mod tests {
         let mut contents = Vec::new();
         for times in 1..=4 {
             AREA.write(&memory, 1, times, &[times; 5]);
-            assert_eq!(AREA.read(&memory, 1, &mut contents), Found::Whole);
+            assert_eq!(AREA.read(&memory, 1, &mut contents), RecordState::Whole);
             assert_eq!(contents, [times; 5]);
         }
     }
@@ -247,14 +247,14 @@ mod tests {
             }
             let mut contents = Vec::new();
             match AREA.read(&memory, 1, &mut contents) {
-                Found::Nothing | Found::Torn { has_other: false } => prop_assert!(before.is_empty()),
-                Found::Damaged => prop_assert!(false, "the older copy was not touched"),
-                Found::Whole if copied(&memory) == new => prop_assert_eq!(&contents[..], &last[..]),
-                Found::Whole | Found::Torn { has_other: true } => {
+                RecordState::Nothing | RecordState::Torn { has_other: false } => prop_assert!(before.is_empty()),
+                RecordState::Damaged => prop_assert!(false, "the older copy was not touched"),
+                RecordState::Whole if copied(&memory) == new => prop_assert_eq!(&contents[..], &last[..]),
+                RecordState::Whole | RecordState::Torn { has_other: true } => {
                     prop_assert_eq!(&contents[..], &before.last().unwrap()[..]);
                 }
             }
-            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), Found::Nothing);
+            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), RecordState::Nothing);
         }
 
         /// A change of any bit is detected.
@@ -270,7 +270,7 @@ mod tests {
             AREA.write(&memory, 0, 2, &second);
             memory[AREA.first + word].fetch_xor(1 << bit, Relaxed);
             let mut contents = Vec::new();
-            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), Found::Torn { has_other: true });
+            prop_assert_eq!(AREA.read(&memory, 0, &mut contents), RecordState::Torn { has_other: true });
             prop_assert!(contents == first || contents == second);
         }
     }

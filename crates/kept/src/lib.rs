@@ -15,6 +15,6 @@ mod picture;
 mod states;
 mod value;
 
-pub use image::{Area, Found, HEAD, Memory, Refused, is_marked, mark, mixed};
+pub use image::{HEAD, Memory, MemoryRefusal, RecordArea, RecordState, is_marked, mark, mixed};
 pub use picture::Picture;
 pub use value::{Get, Kept, Put};

@@ -7,7 +7,7 @@
 use std::marker::PhantomData;
 use std::sync::atomic::AtomicU64;
 
-use crate::image::{Area, Copy, HEAD, Memory, Refused, is_marked, mark, mixed};
+use crate::image::{Copy, HEAD, Memory, MemoryRefusal, RecordArea, is_marked, mark, mixed};
 use crate::value::{Get, Kept, Put};
 
 /// Snapshot of a limited number of values `T`, with a head `F`.
@@ -23,20 +23,20 @@ pub struct Picture<F, T> {
 /// Records of a snapshot.
 #[derive(Clone, Copy, Debug)]
 struct Areas {
-    front: Area,
-    values: Area,
+    front: RecordArea,
+    values: RecordArea,
     fingerprint: u64,
 }
 
 impl Areas {
     /// Creates the records; `owner` identifies the owner of the snapshot.
     fn new<F: Kept, T: Kept>(owner: &str, places: usize) -> Self {
-        let front = Area {
+        let front = RecordArea {
             first: HEAD,
             places: 1,
             words: u64::WORDS + F::WORDS,
         };
-        let values = Area {
+        let values = RecordArea {
             first: HEAD + front.len(),
             places,
             words: T::WORDS,
@@ -106,10 +106,10 @@ impl<F: Kept, T: Kept> Picture<F, T> {
     ///
     /// # Errors
     /// If neither is whole, or the snapshot has another owner.
-    pub fn read(memory: &[AtomicU64], owner: &str, places: usize) -> Result<Option<(F, Vec<T>)>, Refused> {
+    pub fn read(memory: &[AtomicU64], owner: &str, places: usize) -> Result<Option<(F, Vec<T>)>, MemoryRefusal> {
         let areas = Areas::new::<F, T>(owner, places);
         if !is_marked(memory, areas.len(), areas.fingerprint) {
-            return Err(Refused::Foreign);
+            return Err(MemoryRefusal::Foreign);
         }
         let mut words = Vec::new();
         let copies = [0, 1].map(|copy| areas.front.read_copy(memory, 0, copy, &mut words));
@@ -134,7 +134,7 @@ impl<F: Kept, T: Kept> Picture<F, T> {
             });
             Some((front, values.collect::<Option<Vec<T>>>()?))
         });
-        of_copy.next().map(Some).ok_or(Refused::Damaged(1))
+        of_copy.next().map(Some).ok_or(MemoryRefusal::Damaged(1))
     }
 }
 
@@ -161,7 +161,7 @@ mod tests {
 
     type Found = Option<(i64, Vec<(u32, f64)>)>;
 
-    fn read(memory: &Arc<Vec<AtomicU64>>) -> Result<Found, Refused> {
+    fn read(memory: &Arc<Vec<AtomicU64>>) -> Result<Found, MemoryRefusal> {
         Numbers::read(memory.words(), "a", PLACES)
     }
 
@@ -204,7 +204,10 @@ mod tests {
     fn another_ones_picture_is_refused() {
         let memory = blank();
         let _ = Numbers::begin(Box::new(memory.clone()), "a", PLACES);
-        assert_eq!(Numbers::read(memory.words(), "b", PLACES), Err(Refused::Foreign));
-        assert_eq!(Numbers::read(memory.words(), "a", PLACES + 1), Err(Refused::Foreign));
+        assert_eq!(Numbers::read(memory.words(), "b", PLACES), Err(MemoryRefusal::Foreign));
+        assert_eq!(
+            Numbers::read(memory.words(), "a", PLACES + 1),
+            Err(MemoryRefusal::Foreign)
+        );
     }
 }

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::time::Duration;
 
-use bus::{Payload, Received, Root, Subscriber, WaitMode, Waiter, Woken};
+use bus::{Payload, ReceiveOutcome, Root, Subscriber, WaitMode, Waiter, Woken};
 use messages::{BatchHeader, SystemTrack, Topic};
 
 use crate::clock::mono_ns;
@@ -82,7 +82,7 @@ impl<T: Payload> Subscription<T> {
         loop {
             let epoch = self.subscriber.epoch();
             match self.subscriber.receive()? {
-                Received::Slice(inner) => {
+                ReceiveOutcome::Slice(inner) => {
                     let lost = self.subscriber.counts().lost;
                     let next = Slice {
                         starts_epoch: inner.header().epoch != epoch,
@@ -92,13 +92,13 @@ impl<T: Payload> Subscription<T> {
                     self.told = lost;
                     return Ok(Some(next));
                 }
-                Received::OfOlderEpoch => continue,
-                Received::Rejected => {
+                ReceiveOutcome::OfOlderEpoch => continue,
+                ReceiveOutcome::Rejected => {
                     let topic = self.subscriber.topic().to_owned();
                     return Err(Error::Schema { topic });
                 }
-                Received::Nothing if has_ended => return Err(self.connection.ended()),
-                Received::Nothing => {}
+                ReceiveOutcome::Nothing if has_ended => return Err(self.connection.ended()),
+                ReceiveOutcome::Nothing => {}
             }
             // Samples sent before the end may have arrived since the check above, so it is repeated.
             has_ended = self.connection.has_ended()?;

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
-use bus::{Bus, Held, Mark, Root, SharedMemory};
+use bus::{Bus, Mark, Root, SharedMemory, TopicHold};
 use koseki_client::{BORROWED_MAX, ErrorKind, Publisher, Subscription, by_name};
 use messages::layout::Sample as _;
 use messages::{SensorTrack, SystemTrack};
@@ -20,7 +20,7 @@ const MARK: Mark = Mark {
 struct Deployment {
     root: Root,
     bus: Bus<SharedMemory>,
-    _held: Vec<Held>,
+    _held: Vec<TopicHold>,
     _claim: bus::Claim,
     _folder: TempDir,
 }

@@ -22,11 +22,11 @@
 
 use nalgebra::Matrix4;
 
-use crate::explanation::DecisionKind;
+use crate::explanation::LocatorDecisionKind;
 use crate::line_of_bearing::LineOfBearing;
-use crate::motion::Motion;
-use crate::settings::{ConsistencySettings, MotionSettings};
-use crate::smoother::{Bounds, Smoother, Taken};
+use crate::motion::MotionModel;
+use crate::settings::{ConsistencySettings, EmitterMotionSettings};
+use crate::smoother::{BearingTreatment, Bounds, Smoother};
 
 /// Most models of one emitter.
 pub(crate) const MODELS_MAX: usize = 3;
@@ -44,7 +44,7 @@ pub struct RawFix {
     /// Covariance of (east, north, velocity east, velocity north): m², m²/s and m²/s².
     pub covariance: Matrix4<f64>,
     /// Model of motion that is believed.
-    pub motion: Motion,
+    pub motion: MotionModel,
     /// Set if the bearings agree with the fix; otherwise the fix is from older bearings.
     pub is_agreed: bool,
 }
@@ -59,7 +59,7 @@ impl RawFix {
 /// A filter of either kind.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "both are windows of lines; the rest is little")]
-enum Filter {
+enum EmitterFilter {
     Point(Smoother<2>),
     Motion(Smoother<4>),
 }
@@ -68,17 +68,17 @@ enum Filter {
 macro_rules! either {
     ($filter:expr, $inner:ident => $answer:expr) => {
         match $filter {
-            Filter::Point($inner) => $answer,
-            Filter::Motion($inner) => $answer,
+            EmitterFilter::Point($inner) => $answer,
+            EmitterFilter::Motion($inner) => $answer,
         }
     };
 }
 
 /// A model with its filter.
 #[derive(Clone, Debug)]
-struct Member {
-    motion: Motion,
-    filter: Filter,
+struct BankMember {
+    motion: MotionModel,
+    filter: EmitterFilter,
     /// Time, and number of bearings, for which bearings have disagreed without a turn.
     disagreed_s: f64,
     disagreed: u32,
@@ -90,7 +90,7 @@ struct Member {
 /// The filters of one emitter.
 #[derive(Clone, Debug)]
 pub(crate) struct Bank {
-    members: [Option<Member>; MODELS_MAX],
+    members: [Option<BankMember>; MODELS_MAX],
     chosen: Option<usize>,
     /// Set if the evidence shows a moving emitter, and the number of bearings with evidence for the opposite.
     is_moving: bool,
@@ -98,13 +98,13 @@ pub(crate) struct Bank {
 }
 
 /// Decisions of a bank on a bearing; room for two per model and one more.
-pub(crate) type Notes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
+pub(crate) type BankNotes = crate::explanation::Notes<{ 2 * MODELS_MAX + 1 }>;
 
 impl Bank {
-    pub(crate) fn new(settings: &MotionSettings) -> Self {
-        let motions = Motion::of(settings.filter);
+    pub(crate) fn new(settings: &EmitterMotionSettings) -> Self {
+        let motions = MotionModel::of(settings.filter);
         Self {
-            members: std::array::from_fn(|place| motions.get(place).map(|motion| Member::new(*motion, settings))),
+            members: std::array::from_fn(|place| motions.get(place).map(|motion| BankMember::new(*motion, settings))),
             chosen: None,
             is_moving: false,
             doubts: 0,
@@ -112,7 +112,7 @@ impl Bank {
     }
 
     /// Restarts with another emitter.
-    pub(crate) fn reset(&mut self, settings: &MotionSettings) {
+    pub(crate) fn reset(&mut self, settings: &EmitterMotionSettings) {
         *self = Self::new(settings);
     }
 
@@ -143,8 +143,8 @@ impl Bank {
         line: &LineOfBearing,
         after_s: f64,
         turning_since_ns: Option<i64>,
-        (motion, consistency): (&MotionSettings, &ConsistencySettings),
-        notes: &mut Notes,
+        (motion, consistency): (&EmitterMotionSettings, &ConsistencySettings),
+        notes: &mut BankNotes,
     ) {
         let is_turning = turning_since_ns.is_some();
         let bounds = Bounds {
@@ -158,7 +158,7 @@ impl Bank {
         let believed = self.chosen;
         let verdict = believed.map(|place| self.add_to(place, line, bounds, notes));
         let is_wrong = is_turning && verdict.is_some_and(|taken| !taken.is_used());
-        let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(Taken::Distrusted(_))));
+        let since_ns = turning_since_ns.filter(|_| matches!(verdict, Some(BearingTreatment::Distrusted(_))));
         for place in (0..MODELS_MAX).filter(|place| Some(*place) != believed) {
             match (is_wrong, &mut self.members[place]) {
                 (true, Some(member)) => member.filter.set_aside(line, since_ns),
@@ -172,7 +172,7 @@ impl Bank {
             member.count_agreement(after_s, is_turning);
             if member.has_disagreed_too_long(consistency) {
                 notes.note(
-                    DecisionKind::ModelRestarted(member.motion),
+                    LocatorDecisionKind::ModelRestarted(member.motion),
                     member.disagreed_s,
                     consistency.disagreement_max_s,
                 );
@@ -186,20 +186,30 @@ impl Bank {
     }
 
     /// Gives a model the line.
-    fn add_to(&mut self, place: usize, line: &LineOfBearing, bounds: Bounds, notes: &mut Notes) -> Taken {
+    fn add_to(
+        &mut self,
+        place: usize,
+        line: &LineOfBearing,
+        bounds: Bounds,
+        notes: &mut BankNotes,
+    ) -> BearingTreatment {
         let Some(member) = &mut self.members[place] else {
-            return Taken::Used;
+            return BearingTreatment::Used;
         };
         let taken = member.filter.add(line, bounds);
         match taken {
-            Taken::Distrusted(sum) => {
-                notes.note(DecisionKind::BearingsSetAside(member.motion), sum.abs(), bounds.limit);
+            BearingTreatment::Distrusted(sum) => {
+                notes.note(
+                    LocatorDecisionKind::BearingsSetAside(member.motion),
+                    sum.abs(),
+                    bounds.limit,
+                );
             }
-            Taken::Trusted => {
+            BearingTreatment::Trusted => {
                 let disagreed = f64::from(member.disagreed);
-                notes.note(DecisionKind::BearingsAgree(member.motion), disagreed, f64::NAN);
+                notes.note(LocatorDecisionKind::BearingsAgree(member.motion), disagreed, f64::NAN);
             }
-            Taken::Used | Taken::SetAside => {}
+            BearingTreatment::Used | BearingTreatment::SetAside => {}
         }
         taken
     }
@@ -211,10 +221,10 @@ impl Bank {
             [first, second, third] => [first.as_mut(), second.as_mut(), third.as_mut()],
         };
         match (one.map(|member| &member.filter), other.map(|member| &mut member.filter)) {
-            (Some(Filter::Point(base)), Some(Filter::Point(filter))) if !filter.is_settled() => {
+            (Some(EmitterFilter::Point(base)), Some(EmitterFilter::Point(filter))) if !filter.is_settled() => {
                 filter.restart_like(base);
             }
-            (Some(Filter::Motion(base)), Some(Filter::Motion(filter))) if !filter.is_settled() => {
+            (Some(EmitterFilter::Motion(base)), Some(EmitterFilter::Motion(filter))) if !filter.is_settled() => {
                 filter.restart_like(base);
             }
             _ => {}
@@ -227,24 +237,24 @@ impl Bank {
             .members
             .iter()
             .flatten()
-            .find(|member| member.motion == Motion::Fixed);
+            .find(|member| member.motion == MotionModel::Fixed);
         let position_m = fixed
             .filter(|member| member.filter.is_located() && !member.filter.is_distrusting())
             .map(|member| member.filter.state_at(latest.time_ns).0);
         for member in self.members.iter_mut().flatten() {
-            if let Filter::Motion(filter) = &mut member.filter {
+            if let EmitterFilter::Motion(filter) = &mut member.filter {
                 filter.reconsider(position_m, latest);
             }
         }
     }
 
     /// Switches between moving and resting once the evidence has lasted long enough.
-    fn weigh_motion(&mut self, settings: &MotionSettings) -> f64 {
+    fn weigh_motion(&mut self, settings: &EmitterMotionSettings) -> f64 {
         let straight = self
             .members
             .iter()
             .flatten()
-            .find(|member| member.motion == Motion::Straight);
+            .find(|member| member.motion == MotionModel::Straight);
         let Some(evidence) = straight
             .filter(|member| !member.filter.is_distrusting())
             .and_then(|member| member.filter.evidence_of_motion())
@@ -265,9 +275,9 @@ impl Bank {
 
     /// Returns the simplest model without contrary evidence; otherwise the previous model, or the model with most
     /// freedom.
-    fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut Notes) {
+    fn choose(&mut self, evidence: f64, evidence_min: f64, notes: &mut BankNotes) {
         let is_moving = self.is_moving;
-        let speaks_against = |member: &Member| member.motion == Motion::Fixed && is_moving;
+        let speaks_against = |member: &BankMember| member.motion == MotionModel::Fixed && is_moving;
         let mut located = (0..MODELS_MAX).filter(|place| self.is_located(*place));
         let good = located.clone().find(|place| {
             let member = self.members[*place].as_ref();
@@ -283,7 +293,7 @@ impl Bank {
             return;
         }
         if let Some(member) = best.and_then(|best| self.members[best].as_ref()) {
-            notes.note(DecisionKind::ModelChosen(member.motion), evidence, evidence_min);
+            notes.note(LocatorDecisionKind::ModelChosen(member.motion), evidence, evidence_min);
             self.chosen = best;
         }
     }
@@ -296,33 +306,33 @@ impl Bank {
 
     fn restart(&mut self, place: usize) {
         let like = self.members.iter().flatten().find_map(|member| match &member.filter {
-            Filter::Motion(filter) if member.motion == Motion::Manoeuvring => Some(filter.clone()),
+            EmitterFilter::Motion(filter) if member.motion == MotionModel::Manoeuvring => Some(filter.clone()),
             _ => None,
         });
         let Some(member) = &mut self.members[place] else { return };
-        if member.motion == Motion::Straight {
+        if member.motion == MotionModel::Straight {
             // The velocity estimate of the restarted model is void.
             (self.is_moving, self.doubts) = (false, 0);
         }
         match &mut member.filter {
-            Filter::Motion(filter) => {
+            EmitterFilter::Motion(filter) => {
                 if !like.is_some_and(|like| filter.restart_like(&like)) {
                     filter.restart();
                 }
             }
-            Filter::Point(filter) => filter.restart(),
+            EmitterFilter::Point(filter) => filter.restart(),
         }
         (member.disagreed_s, member.disagreed, member.agreed) = (0.0, 0, 0);
         member.patience = (2 * member.patience).clamp(PATIENCE_MIN, PATIENCE_MAX);
     }
 }
 
-impl Member {
-    fn new(motion: Motion, settings: &MotionSettings) -> Self {
+impl BankMember {
+    fn new(motion: MotionModel, settings: &EmitterMotionSettings) -> Self {
         let model = motion.model(settings);
         let filter = match motion {
-            Motion::Fixed | Motion::Wandering => Filter::Point(Smoother::new(model)),
-            Motion::Straight | Motion::Manoeuvring => Filter::Motion(Smoother::new(model)),
+            MotionModel::Fixed | MotionModel::Wandering => EmitterFilter::Point(Smoother::new(model)),
+            MotionModel::Straight | MotionModel::Manoeuvring => EmitterFilter::Motion(Smoother::new(model)),
         };
         Self {
             motion,
@@ -354,8 +364,8 @@ impl Member {
     }
 }
 
-impl Filter {
-    fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
+impl EmitterFilter {
+    fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> BearingTreatment {
         either!(self, filter => filter.add(line, bounds))
     }
 

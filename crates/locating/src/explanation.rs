@@ -1,7 +1,7 @@
 //! Reasons for the output: a record per decision (`--explain`).
 
-use crate::motion::Motion;
-use crate::selection::{Reason, Stage};
+use crate::motion::MotionModel;
+use crate::selection::{SelectionReason, SelectionStage};
 
 /// Decision on an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Decision {
     /// The emitter's number.
     pub emitter: u32,
     /// Decision.
-    pub kind: DecisionKind,
+    pub kind: LocatorDecisionKind,
     /// Compared value; NaN if there is none.
     pub value: f64,
     /// Limit for the value; NaN if there is none.
@@ -20,26 +20,26 @@ pub struct Decision {
 
 /// Kind of a decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DecisionKind {
+pub enum LocatorDecisionKind {
     /// An emitter was seen for the first time. Value: emitters there are; limit: places.
     EmitterStarted,
     /// The place of an emitter that had been silent (value, seconds) was given to another.
     EmitterDropped,
     /// Another model is chosen. Value: evidence that the emitter moves (2 ln of the Bayes factor); limit: sufficient
     /// evidence.
-    ModelChosen(Motion),
+    ModelChosen(MotionModel),
     /// A model's bearings disagree, and are set aside from now on: running sum of innovations in standard deviations.
-    BearingsSetAside(Motion),
+    BearingsSetAside(MotionModel),
     /// A model's bearings agree again, after so many without a turn.
-    BearingsAgree(Motion),
+    BearingsAgree(MotionModel),
     /// A model restarts: its bearings disagreed for this many seconds without a turn.
-    ModelRestarted(Motion),
+    ModelRestarted(MotionModel),
     /// The selection went to another stage, used a fix, or did not. Value: the fix's variance, m²; limit: its
     /// threshold; or the times that were compared, seconds.
-    Selection(Stage, Reason),
+    Selection(SelectionStage, SelectionReason),
 }
 
-impl DecisionKind {
+impl LocatorDecisionKind {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
@@ -83,7 +83,7 @@ impl DecisionKind {
 /// models never make so many.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Notes<const N: usize> {
-    notes: [Option<(DecisionKind, f64, f64)>; N],
+    notes: [Option<(LocatorDecisionKind, f64, f64)>; N],
     len: usize,
 }
 
@@ -93,14 +93,14 @@ impl<const N: usize> Notes<N> {
         len: 0,
     };
 
-    pub(crate) fn note(&mut self, kind: DecisionKind, value: f64, limit: f64) {
+    pub(crate) fn note(&mut self, kind: LocatorDecisionKind, value: f64, limit: f64) {
         if let Some(place) = self.notes.get_mut(self.len) {
             *place = Some((kind, value, limit));
             self.len += 1;
         }
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (DecisionKind, f64, f64)> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (LocatorDecisionKind, f64, f64)> {
         self.notes.iter().flatten().copied()
     }
 }

@@ -17,12 +17,12 @@ pub(crate) const DEVIATION_MAX: f64 = 4.0;
 
 /// Prior knowledge of a state.
 #[derive(Clone, Debug)]
-pub(crate) struct Prior<const D: usize> {
+pub(crate) struct StatePrior<const D: usize> {
     pub(crate) mean: SVector<f64, D>,
     pub(crate) information: SMatrix<f64, D, D>,
 }
 
-impl<const D: usize> Default for Prior<D> {
+impl<const D: usize> Default for StatePrior<D> {
     fn default() -> Self {
         Self {
             mean: SVector::zeros(),
@@ -33,9 +33,9 @@ impl<const D: usize> Default for Prior<D> {
 
 /// Prior and lines that a state at the reference time is to explain.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Problem<'a, const D: usize> {
+pub(crate) struct LeastSquaresProblem<'a, const D: usize> {
     pub(crate) reference_ns: i64,
-    pub(crate) prior: &'a Prior<D>,
+    pub(crate) prior: &'a StatePrior<D>,
     pub(crate) lines: &'a [LineOfBearing],
 }
 
@@ -51,7 +51,7 @@ pub(crate) struct System<const D: usize> {
 }
 
 /// Result of a search.
-pub(crate) struct Solution<const D: usize> {
+pub(crate) struct SearchResult<const D: usize> {
     pub(crate) state: SVector<f64, D>,
     pub(crate) covariance: SMatrix<f64, D, D>,
     pub(crate) has_converged: bool,
@@ -69,10 +69,10 @@ impl<const D: usize> System<D> {
     }
 }
 
-impl<const D: usize> Problem<'_, D> {
+impl<const D: usize> LeastSquaresProblem<'_, D> {
     /// Searches from `start`, with all lines linearised anew in each round. `None` if the lines do not determine a
     /// state.
-    pub(crate) fn search(&self, start: SVector<f64, D>, rounds: usize) -> Option<Solution<D>> {
+    pub(crate) fn search(&self, start: SVector<f64, D>, rounds: usize) -> Option<SearchResult<D>> {
         let mut at = start;
         let mut system = self.linearised(&at);
         let mut has_converged = false;
@@ -88,7 +88,7 @@ impl<const D: usize> Problem<'_, D> {
             };
             (at, system) = (next, there);
         }
-        Some(Solution {
+        Some(SearchResult {
             state: at,
             covariance: Factor::of(&system.information)?.inverse(),
             has_converged,

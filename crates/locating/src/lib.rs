@@ -75,9 +75,9 @@ mod window;
 
 pub use bank::RawFix;
 pub use counts::LocatorCounts;
-pub use explanation::{Decision, DecisionKind};
-pub use locator::{EmitterReport, Locator, OWN_NUMBERS, Rejection};
-pub use motion::Motion;
+pub use explanation::{Decision, LocatorDecisionKind};
+pub use locator::{BearingRejection, EmitterReport, Locator, OWN_NUMBERS};
+pub use motion::MotionModel;
 pub use resumption::{EmitterMemory, LeftEmitters};
 pub use settings::Settings;
 pub use window::WINDOW_MAX as LINES_MAX;

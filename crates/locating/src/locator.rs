@@ -5,9 +5,9 @@ use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 use observations::Bearing;
 use settings::SettingsError;
 
-use crate::bank::{Bank, Notes, RawFix};
+use crate::bank::{Bank, BankNotes, RawFix};
 use crate::counts::LocatorCounts;
-use crate::explanation::{Decision, DecisionKind};
+use crate::explanation::{Decision, LocatorDecisionKind};
 use crate::line_of_bearing::LineOfBearing;
 use crate::selection::{Fix, Output, Selector};
 use crate::settings::Settings;
@@ -76,7 +76,7 @@ impl EmitterReport {
 
 /// Reason why a bearing was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rejection {
+pub enum BearingRejection {
     /// A value is no number or cannot be.
     Unusable(&'static str),
     /// The bearing is older than the emitter's last one.
@@ -85,7 +85,7 @@ pub enum Rejection {
     TableFull,
 }
 
-impl std::fmt::Display for Rejection {
+impl std::fmt::Display for BearingRejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Unusable(what) => write!(formatter, "{what}"),
@@ -101,7 +101,7 @@ impl std::fmt::Display for Rejection {
     }
 }
 
-impl std::error::Error for Rejection {}
+impl std::error::Error for BearingRejection {}
 
 /// State of an emitter.
 #[derive(Clone, Debug)]
@@ -122,7 +122,7 @@ struct Emitter {
 kept! {
     /// An emitter, but for its fix.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(crate) struct Known {
+    pub(crate) struct EmitterRecord {
         pub(crate) number: u32,
         pub(crate) is_labelled: bool,
         pub(crate) frequency_hz: f64,
@@ -166,11 +166,11 @@ impl Locator {
     ///
     /// # Errors
     /// If the bearing is unusable; the bearing is counted and changes nothing.
-    pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, Rejection> {
+    pub fn bearing(&mut self, bearing: &Bearing) -> Result<Option<EmitterReport>, BearingRejection> {
         self.decisions.clear();
         if let Some(fault) = fault(bearing) {
             self.counts.unusable += 1;
-            return Err(Rejection::Unusable(fault));
+            return Err(BearingRejection::Unusable(fault));
         }
         let line = LineOfBearing::new(bearing);
         let found = match bearing.emitter_id {
@@ -184,7 +184,7 @@ impl Locator {
         let emitter = &mut self.emitters[slot];
         if line.time_ns < emitter.last.time_ns {
             self.counts.out_of_order += 1;
-            return Err(Rejection::OutOfOrder);
+            return Err(BearingRejection::OutOfOrder);
         }
         self.counts.bearings += 1;
         self.counts.associated += u64::from(bearing.emitter_id.is_none() && !is_new);
@@ -220,8 +220,8 @@ impl Locator {
     }
 
     /// All emitters, but for their fixes.
-    pub(crate) fn known(&self) -> impl Iterator<Item = Known> {
-        self.emitters.iter().map(|emitter| Known {
+    pub(crate) fn known(&self) -> impl Iterator<Item = EmitterRecord> {
+        self.emitters.iter().map(|emitter| EmitterRecord {
             number: emitter.number,
             is_labelled: emitter.is_labelled,
             frequency_hz: emitter.frequency_hz,
@@ -233,7 +233,7 @@ impl Locator {
     }
 
     /// Adds an emitter that has no fix, if there is room and none of its number.
-    pub(crate) fn resume_emitter(&mut self, known: &Known) {
+    pub(crate) fn resume_emitter(&mut self, known: &EmitterRecord) {
         let slot = self.emitters.len();
         if let Err(place) = self.place(known.is_labelled, known.number)
             && slot < self.settings.emitters_max
@@ -257,7 +257,7 @@ impl Locator {
         let (settings, emitter) = (&self.settings, &mut self.emitters[slot]);
         let after_s = line.after_s(emitter.last.time_ns);
         emitter.watch_heading(bearing.heading_rad, line, settings.consistency.turning_deg_per_s.rad());
-        let mut notes = Notes::EMPTY;
+        let mut notes = BankNotes::EMPTY;
         let (models, turning_since_ns) = ((&settings.motion, &settings.consistency), emitter.turning_since_ns);
         emitter.bank.add(line, after_s, turning_since_ns, models, &mut notes);
         emitter.last = *line;
@@ -275,7 +275,7 @@ impl Locator {
             self.decide(
                 time_ns,
                 number,
-                DecisionKind::Selection(output.stage, reason),
+                LocatorDecisionKind::Selection(output.stage, reason),
                 value,
                 limit,
             );
@@ -324,7 +324,7 @@ impl Locator {
     }
 
     /// A new emitter's place in the table.
-    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, Rejection> {
+    fn begin(&mut self, bearing: &Bearing, line: &LineOfBearing) -> Result<usize, BearingRejection> {
         let (is_labelled, number) = match bearing.emitter_id {
             Some(id) => (true, id),
             None => (false, self.next_number),
@@ -345,7 +345,7 @@ impl Locator {
         } else {
             let Some(slot) = self.given_up(line.time_ns) else {
                 self.counts.table_full += 1;
-                return Err(Rejection::TableFull);
+                return Err(BearingRejection::TableFull);
             };
             slot
         };
@@ -363,7 +363,13 @@ impl Locator {
         }
         self.counts.emitters += 1;
         let (there_are, places) = (self.emitters.len() as f64, self.settings.emitters_max as f64);
-        self.decide(line.time_ns, number, DecisionKind::EmitterStarted, there_are, places);
+        self.decide(
+            line.time_ns,
+            number,
+            LocatorDecisionKind::EmitterStarted,
+            there_are,
+            places,
+        );
         Ok(slot)
     }
 
@@ -382,11 +388,11 @@ impl Locator {
         }
         self.counts.emitters_dropped += 1;
         let limit_s = self.settings.association.silent_max_s;
-        self.decide(time_ns, number, DecisionKind::EmitterDropped, silent_s, limit_s);
+        self.decide(time_ns, number, LocatorDecisionKind::EmitterDropped, silent_s, limit_s);
         Some(slot)
     }
 
-    fn decide(&mut self, time_ns: i64, emitter: u32, kind: DecisionKind, value: f64, limit: f64) {
+    fn decide(&mut self, time_ns: i64, emitter: u32, kind: LocatorDecisionKind, value: f64, limit: f64) {
         if self.decisions.len() < DECISIONS_MAX {
             self.decisions.push(Decision {
                 time_ns,

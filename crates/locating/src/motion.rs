@@ -1,11 +1,11 @@
 //! Models of an emitter's motion, from the simplest on.
 
-use crate::settings::{FilterChoice, MotionSettings};
+use crate::settings::{EmitterMotionSettings, FilterChoice};
 use crate::smoother::Model;
 
 /// A model of an emitter's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
+pub enum MotionModel {
     /// A fixed point.
     Fixed,
     /// A point that wanders.
@@ -16,7 +16,7 @@ pub enum Motion {
     Manoeuvring,
 }
 
-impl Motion {
+impl MotionModel {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Motion {
         }
     }
 
-    pub(crate) fn model(self, settings: &MotionSettings) -> Model {
+    pub(crate) fn model(self, settings: &EmitterMotionSettings) -> Model {
         let process_noise = match self {
             Self::Fixed | Self::Straight => 0.0,
             Self::Wandering => settings.wandering_noise_m2ps,
@@ -56,12 +56,17 @@ mod tests {
 
     #[test]
     fn models_that_stand_by_have_the_noise_of_their_keys() {
-        let settings = MotionSettings {
+        let settings = EmitterMotionSettings {
             wandering_noise_m2ps: 7.0,
             manoeuvring_noise_m2ps3: 0.3,
-            ..MotionSettings::default()
+            ..EmitterMotionSettings::default()
         };
-        let models = [Motion::Fixed, Motion::Wandering, Motion::Straight, Motion::Manoeuvring];
+        let models = [
+            MotionModel::Fixed,
+            MotionModel::Wandering,
+            MotionModel::Straight,
+            MotionModel::Manoeuvring,
+        ];
         let noise = models.map(|motion| motion.model(&settings).process_noise);
         assert_eq!(noise, [0.0, 7.0, 0.0, 0.3]);
     }

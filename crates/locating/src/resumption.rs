@@ -6,15 +6,15 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kept::{Memory, Picture, Refused, kept};
+use kept::{Memory, MemoryRefusal, Picture, kept};
 
-use crate::locator::{Known, Locator};
+use crate::locator::{EmitterRecord, Locator};
 use crate::settings::Settings;
 
 kept! {
     /// Numbers and times of a locator.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    struct Front {
+    struct LocatorHead {
         kept_ns: i64,
         next_number: u32,
     }
@@ -23,14 +23,14 @@ kept! {
 /// Memory for a locator's emitters.
 #[derive(Debug)]
 pub struct EmitterMemory {
-    picture: Picture<Front, Known>,
-    known: Vec<Known>,
+    picture: Picture<LocatorHead, EmitterRecord>,
+    known: Vec<EmitterRecord>,
 }
 
 impl EmitterMemory {
     /// Size in words of the memory for a locator with these settings.
     pub fn words(settings: &Settings) -> usize {
-        Picture::<Front, Known>::words(settings.emitters_max)
+        Picture::<LocatorHead, EmitterRecord>::words(settings.emitters_max)
     }
 
     /// Begins in `memory`, which is blank; `owner` identifies the locator.
@@ -45,8 +45,8 @@ impl EmitterMemory {
 /// Emitters that another locator has left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftEmitters {
-    front: Front,
-    emitters: Vec<Known>,
+    front: LocatorHead,
+    emitters: Vec<EmitterRecord>,
 }
 
 impl LeftEmitters {
@@ -54,7 +54,7 @@ impl LeftEmitters {
     ///
     /// # Errors
     /// If the memory is incomplete, or belongs to another locator.
-    pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, Refused> {
+    pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, MemoryRefusal> {
         let found = Picture::read(memory, owner, settings.emitters_max)?;
         Ok(found.map(|(front, emitters)| Self { front, emitters }))
     }
@@ -74,7 +74,7 @@ impl Locator {
     /// Keeps the emitters; it is `now_ns` (UTC, nanoseconds).
     pub fn keep(&self, memory: &mut EmitterMemory, now_ns: i64) {
         let EmitterMemory { picture, known } = memory;
-        let front = Front {
+        let front = LocatorHead {
             kept_ns: now_ns,
             next_number: self.next_number(),
         };

@@ -126,16 +126,16 @@ pub struct Output {
     /// Velocity at which the output moves on from here, east, north and up, m/s.
     pub velocity_mps: [f64; 3],
     /// State of the selection.
-    pub stage: Stage,
+    pub stage: SelectionStage,
     /// Whether a fix was selected.
     pub is_selected: bool,
     /// Decision, with the values that were compared, if any were.
-    pub decision: Option<(Reason, f64, f64)>,
+    pub decision: Option<(SelectionReason, f64, f64)>,
 }
 
 /// States of the selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum SelectionStage {
     /// No fix is selected yet; fixes are passed on.
     Passing,
     /// One is, and fixes are passed on until the second.
@@ -148,7 +148,7 @@ pub enum Stage {
     Steered,
 }
 
-impl Stage {
+impl SelectionStage {
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
@@ -163,7 +163,7 @@ impl Stage {
 
 /// Reason of a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reason {
+pub enum SelectionReason {
     /// The variance is below its threshold for the first time.
     FirstBelow,
     /// The first minimum below the threshold.
@@ -188,7 +188,7 @@ pub enum Reason {
     MinimaRare,
 }
 
-impl Reason {
+impl SelectionReason {
     /// Meaning of the reason, in a few words.
     pub fn sentence(self) -> &'static str {
         match self {
@@ -218,7 +218,7 @@ struct Point {
 #[derive(Clone, Debug)]
 pub struct Selector {
     settings: SelectionSettings,
-    stage: Stage,
+    stage: SelectionStage,
     /// Beginning and velocity of the present line.
     line: Point,
     velocity_mps: [f64; 3],
@@ -247,7 +247,7 @@ impl Selector {
         };
         Self {
             settings,
-            stage: Stage::Passing,
+            stage: SelectionStage::Passing,
             line: nowhere,
             velocity_mps: [0.0; 3],
             previous: nowhere,
@@ -290,14 +290,14 @@ impl Selector {
         };
         self.last = Some((seen, is_below));
         let after = self.output_at(seen);
-        let is_line = !matches!(self.stage, Stage::Passing | Stage::First);
+        let is_line = !matches!(self.stage, SelectionStage::Passing | SelectionStage::First);
         Some(Output {
             position_m: after.position_m,
             velocity_mps: if is_line { self.velocity_mps } else { fix.velocity_mps },
             stage: self.stage,
             is_selected: match decision {
                 Some((reason, ..)) => reason.uses_fix(),
-                None => self.stage == Stage::Steered,
+                None => self.stage == SelectionStage::Steered,
             },
             decision,
         })
@@ -306,7 +306,7 @@ impl Selector {
     /// Position of the output at the time of a fix, metres.
     fn output_at(&self, seen: Point) -> Point {
         let position_m = match self.stage {
-            Stage::Passing | Stage::First => seen.position_m,
+            SelectionStage::Passing | SelectionStage::First => seen.position_m,
             _ => moved(self.line.position_m, self.velocity_mps, seen.time_s - self.line.time_s),
         };
         Point { position_m, ..seen }
@@ -321,31 +321,41 @@ impl Selector {
     }
 
     /// Every fix heads the output to where the emitter will be a steering time later.
-    fn steer(&mut self, fix: &Fix, before: Point, is_below: bool) -> Option<(Reason, f64, f64)> {
-        let is_first = self.stage != Stage::Steered;
+    fn steer(&mut self, fix: &Fix, before: Point, is_below: bool) -> Option<(SelectionReason, f64, f64)> {
+        let is_first = self.stage != SelectionStage::Steered;
         if is_first && !is_below {
             return None;
         }
         // The next fix must not come after the output has passed its aim.
         let last_step_s = self.last.map_or(0.0, |(last, _)| fix.time_s - last.time_s);
         let steering_s = self.settings.steering_s.max(2.0 * last_step_s);
-        self.stage = Stage::Steered;
+        self.stage = SelectionStage::Steered;
         self.line = before;
         self.velocity_mps = std::array::from_fn(|axis| {
             fix.velocity_mps[axis] + (fix.position_m[axis] - before.position_m[axis]) / steering_s
         });
-        is_first.then_some((Reason::FirstBelow, fix.variance_m2, self.settings.variance_max_m2()))
+        is_first.then_some((
+            SelectionReason::FirstBelow,
+            fix.variance_m2,
+            self.settings.variance_max_m2(),
+        ))
     }
 
     /// EL-4 … EL-8.
-    fn at_interval(&mut self, fix: &Fix, seen: Point, before: Point, is_below: bool) -> Option<(Reason, f64, f64)> {
+    fn at_interval(
+        &mut self,
+        fix: &Fix,
+        seen: Point,
+        before: Point,
+        is_below: bool,
+    ) -> Option<(SelectionReason, f64, f64)> {
         let found = |reason| Some((reason, fix.variance_m2, self.settings.variance_max_m2()));
-        if self.stage == Stage::Passing {
+        if self.stage == SelectionStage::Passing {
             if !is_below {
                 return None;
             }
-            let found = found(Reason::FirstBelow);
-            self.stage = Stage::First;
+            let found = found(SelectionReason::FirstBelow);
+            self.stage = SelectionStage::First;
             self.previous = seen;
             self.due_s = fix.time_s + self.settings.interval_s;
             return found;
@@ -354,76 +364,81 @@ impl Selector {
             return None;
         }
         self.due_s = next_due(self.due_s, self.settings.interval_s, fix.time_s);
-        if self.stage == Stage::First {
+        if self.stage == SelectionStage::First {
             if !is_below {
-                return found(Reason::SecondWaits);
+                return found(SelectionReason::SecondWaits);
             }
-            let found = found(Reason::Second);
-            self.turn(Stage::Interval, before, Some((self.previous, seen)), before);
+            let found = found(SelectionReason::Second);
+            self.turn(SelectionStage::Interval, before, Some((self.previous, seen)), before);
             return found;
         }
         let (reason, way) = self.way(seen, is_below);
         let found = found(reason);
         self.was_above_at_selection = !is_below;
-        self.turn(Stage::Interval, before, way, before);
+        self.turn(SelectionStage::Interval, before, way, before);
         found
     }
 
     /// Start and end of the way that gives the output's next velocity, at a selection time; `None`: the velocity
     /// stays.
-    fn way(&self, seen: Point, is_below: bool) -> (Reason, Option<(Point, Point)>) {
+    fn way(&self, seen: Point, is_below: bool) -> (SelectionReason, Option<(Point, Point)>) {
         let crossings = self.settings.above_threshold == AboveThreshold::UseCrossings;
         if !is_below {
             let rose = self.up.filter(|up| up.time_s > self.previous.time_s);
             return match rose.filter(|_| crossings && !self.was_above_at_selection) {
-                Some(up) => (Reason::UpCrossing, Some((self.previous, up))),
-                None => (Reason::HeldAbove, None),
+                Some(up) => (SelectionReason::UpCrossing, Some((self.previous, up))),
+                None => (SelectionReason::HeldAbove, None),
             };
         }
         let fell = self.down.filter(|down| down.time_s < seen.time_s);
         match fell.filter(|_| crossings && self.was_above_at_selection) {
-            Some(down) => (Reason::DownCrossing, Some((down, seen))),
-            None => (Reason::IntervalOver, Some((self.previous, seen))),
+            Some(down) => (SelectionReason::DownCrossing, Some((down, seen))),
+            None => (SelectionReason::IntervalOver, Some((self.previous, seen))),
         }
     }
 
     /// EL-9. A minimum is known once the variance has risen: the output turns then, based on its position at the
     /// minimum.
-    fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(Reason, f64, f64)> {
+    fn at_minimum(&mut self, fix: &Fix, minimum: Option<Minimum>, now: Point) -> Option<(SelectionReason, f64, f64)> {
         let minimum = minimum?;
         let limit = self.settings.variance_max_m2();
         let is_below = minimum.variance_m2 < limit;
         let found = |reason| Some((reason, minimum.variance_m2, limit));
         match self.stage {
-            Stage::Passing if is_below => {
-                self.stage = Stage::First;
+            SelectionStage::Passing if is_below => {
+                self.stage = SelectionStage::First;
                 self.previous = minimum.seen;
-                found(Reason::FirstMinimum)
+                found(SelectionReason::FirstMinimum)
             }
-            Stage::Passing => None,
+            SelectionStage::Passing => None,
             _ if minimum.seen.time_s - self.previous.time_s <= self.settings.minimum_gap_s => None,
-            Stage::First if !is_below => found(Reason::SecondWaits),
-            Stage::First => {
+            SelectionStage::First if !is_below => found(SelectionReason::SecondWaits),
+            SelectionStage::First => {
                 // Fixes are passed on up to now, so the line begins at the present one.
                 let begin = Point {
                     time_s: fix.time_s,
                     position_m: fix.position_m,
                 };
                 self.turn(
-                    Stage::Minimum,
+                    SelectionStage::Minimum,
                     begin,
                     Some((self.previous, minimum.seen)),
                     minimum.output,
                 );
-                found(Reason::Second)
+                found(SelectionReason::Second)
             }
             _ if is_below => {
-                self.turn(Stage::Minimum, now, Some((self.previous, minimum.seen)), minimum.output);
-                found(Reason::AtMinimum)
+                self.turn(
+                    SelectionStage::Minimum,
+                    now,
+                    Some((self.previous, minimum.seen)),
+                    minimum.output,
+                );
+                found(SelectionReason::AtMinimum)
             }
             _ => {
-                self.turn(Stage::Minimum, now, None, minimum.output);
-                found(Reason::HeldAbove)
+                self.turn(SelectionStage::Minimum, now, None, minimum.output);
+                found(SelectionReason::HeldAbove)
             }
         }
     }
@@ -436,14 +451,14 @@ impl Selector {
         before: Point,
         is_below: bool,
         minimum: Option<Minimum>,
-    ) -> Option<(Reason, f64, f64)> {
+    ) -> Option<(SelectionReason, f64, f64)> {
         let wait_s = self.settings.minimum_wait_s;
         if let Some(minimum) = minimum.filter(|minimum| minimum.variance_m2 < self.settings.variance_max_m2()) {
             let is_soon = minimum.seen.time_s - self.last_minimum_s <= wait_s;
             self.minima = if is_soon { self.minima + 1 } else { 1 };
             self.last_minimum_s = minimum.seen.time_s;
         }
-        if self.stage == Stage::Minimum {
+        if self.stage == SelectionStage::Minimum {
             let silent_s = fix.time_s - self.last_minimum_s;
             if silent_s <= wait_s {
                 return self.at_minimum(fix, minimum, before);
@@ -452,22 +467,22 @@ impl Selector {
             self.due_s = fix.time_s;
             let (_, way) = self.way(seen, is_below);
             self.was_above_at_selection = !is_below;
-            self.turn(Stage::Interval, before, way, before);
+            self.turn(SelectionStage::Interval, before, way, before);
             self.due_s = fix.time_s + self.settings.interval_s;
-            return Some((Reason::MinimaRare, silent_s, wait_s));
+            return Some((SelectionReason::MinimaRare, silent_s, wait_s));
         }
-        if self.stage == Stage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
-            self.stage = Stage::Minimum;
+        if self.stage == SelectionStage::Interval && minimum.is_some() && self.minima >= self.settings.settled_minima {
+            self.stage = SelectionStage::Minimum;
             // A minimum too soon after the last interval changes the stage, but not yet the direction.
             self.at_minimum(fix, minimum, before);
             let needed = f64::from(self.settings.settled_minima);
-            return Some((Reason::Settled, f64::from(self.minima), needed));
+            return Some((SelectionReason::Settled, f64::from(self.minima), needed));
         }
         self.at_interval(fix, seen, before, is_below)
     }
 
     /// Continues the output from `begin` with the velocity of a way, or unchanged; `p` is P(n).
-    fn turn(&mut self, stage: Stage, begin: Point, way: Option<(Point, Point)>, p: Point) {
+    fn turn(&mut self, stage: SelectionStage, begin: Point, way: Option<(Point, Point)>, p: Point) {
         if let Some((from, to)) = way {
             let duration_s = to.time_s - from.time_s;
             if duration_s > 0.0 {
@@ -481,7 +496,7 @@ impl Selector {
     }
 }
 
-impl Reason {
+impl SelectionReason {
     fn uses_fix(self) -> bool {
         !matches!(self, Self::SecondWaits | Self::HeldAbove | Self::UpCrossing)
     }

@@ -35,7 +35,7 @@ fn run(selector: &mut Selector, fixes: &[(f64, [f64; 2], f64)]) -> Vec<Output> {
     for (time_s, place, variance) in fixes {
         let output = selector.fix(&fix(*time_s, *place, *variance)).unwrap();
         if let Some((before_s, before)) = outputs.last() {
-            let is_line = !matches!(before.stage, Stage::Passing | Stage::First);
+            let is_line = !matches!(before.stage, SelectionStage::Passing | SelectionStage::First);
             for axis in 0..3 {
                 let expected = before.position_m[axis] + before.velocity_mps[axis] * (time_s - before_s);
                 let jump = (output.position_m[axis] - expected).abs();
@@ -51,7 +51,7 @@ fn place(output: &Output) -> [f64; 2] {
     [output.position_m[0], output.position_m[1]]
 }
 
-fn reason(output: &Output) -> Option<Reason> {
+fn reason(output: &Output) -> Option<SelectionReason> {
     output.decision.map(|(reason, ..)| reason)
 }
 
@@ -74,7 +74,7 @@ fn the_worked_check_holds_exactly() {
         &[(50.0, [99.0, 99.0], ABOVE), (60.0, [50.0, 8.0], BELOW)],
     );
     assert_eq!(place(&outputs[0]), [40.0, 5.0], "P5");
-    assert_eq!(reason(&outputs[0]), Some(Reason::HeldAbove));
+    assert_eq!(reason(&outputs[0]), Some(SelectionReason::HeldAbove));
     assert!(!outputs[0].is_selected);
     assert_eq!(place(&outputs[1]), [50.0, 8.0], "P6");
     assert_eq!(outputs[1].position_m[2], 7.0, "height is carried along");
@@ -93,7 +93,7 @@ fn between_selections_the_output_is_a_line_and_other_fixes_do_not_matter() {
     assert!(
         outputs
             .iter()
-            .all(|output| output.stage == Stage::Interval && reason(output).is_none())
+            .all(|output| output.stage == SelectionStage::Interval && reason(output).is_none())
     );
 }
 
@@ -113,19 +113,19 @@ fn fixes_are_passed_on_before_the_first_selection_and_until_the_second() {
     );
     let stages = outputs.iter().map(|output| output.stage);
     let expected = [
-        Stage::Passing,
-        Stage::Passing,
-        Stage::First,
-        Stage::First,
-        Stage::First,
-        Stage::Interval,
+        SelectionStage::Passing,
+        SelectionStage::Passing,
+        SelectionStage::First,
+        SelectionStage::First,
+        SelectionStage::First,
+        SelectionStage::Interval,
     ];
     assert!(stages.eq(expected));
     assert_eq!(place(&outputs[3]), [40.0, 5.0]);
     assert_eq!(outputs[3].velocity_mps, [0.5, 0.25, 0.0], "the filter's own velocity");
     assert_eq!(
         [reason(&outputs[2]), reason(&outputs[5])],
-        [Some(Reason::FirstBelow), Some(Reason::Second)]
+        [Some(SelectionReason::FirstBelow), Some(SelectionReason::Second)]
     );
     assert_eq!(outputs[5].velocity_mps[0], 2.0);
     assert_eq!(place(&outputs[5]), [27.0, 5.0]);
@@ -144,9 +144,9 @@ fn a_second_selection_above_the_threshold_waits_for_the_next() {
             (30.0, [0.0, 0.0], BELOW),
         ],
     );
-    assert_eq!(reason(&outputs[1]), Some(Reason::SecondWaits));
+    assert_eq!(reason(&outputs[1]), Some(SelectionReason::SecondWaits));
     assert_eq!(place(&outputs[2]), [15.0, 1.0], "passed on");
-    assert_eq!(reason(&outputs[3]), Some(Reason::Second));
+    assert_eq!(reason(&outputs[3]), Some(SelectionReason::Second));
     // P1 = S1 at 0 s, P2 = S2 at 20 s: the same way and the same time.
     assert_eq!(place(&outputs[4]), [30.0, 3.0]);
 }
@@ -168,7 +168,7 @@ fn above_the_threshold_option_a_goes_on_as_before() {
     let outputs = run(&mut selector, &RISES_AND_FALLS);
     assert_eq!(place(&outputs[2]), [40.0, 5.0], "P5");
     assert_eq!(place(&outputs[4]), [50.0, 8.0], "P6 = P5 + (P5 − P4)");
-    assert_eq!(reason(&outputs[4]), Some(Reason::IntervalOver));
+    assert_eq!(reason(&outputs[4]), Some(SelectionReason::IntervalOver));
     // P7 = P6 + (S6 − P5).
     assert_eq!(place(&outputs[5]), [66.0, 12.0]);
 }
@@ -178,16 +178,16 @@ fn above_the_threshold_option_b_uses_the_motion_up_to_and_from_the_crossings() {
     let mut selector = Selector::new(settings(Select::Interval, AboveThreshold::UseCrossings));
     run(&mut selector, &CHECKED);
     let outputs = run(&mut selector, &RISES_AND_FALLS);
-    assert_eq!(reason(&outputs[2]), Some(Reason::UpCrossing));
+    assert_eq!(reason(&outputs[2]), Some(SelectionReason::UpCrossing));
     assert!(!outputs[2].is_selected);
     // P6 = P5 + (X_up − P4)·T/(t_up − t4) = (40, 5) + ((36, 4.4) − (30, 2))·10/4.
     let [x, y] = place(&outputs[4]);
     assert!((x - 55.0).abs() < 1e-9 && (y - 11.0).abs() < 1e-9, "P6 = {x}, {y}");
-    assert_eq!(reason(&outputs[4]), Some(Reason::DownCrossing));
+    assert_eq!(reason(&outputs[4]), Some(SelectionReason::DownCrossing));
     // P7 = P6 + (S6 − X_down)·T/(t6 − t_down) = P6 + ((56, 9) − (48, 7))·10/4.
     let [x, y] = place(&outputs[5]);
     assert!((x - 75.0).abs() < 1e-9 && (y - 16.0).abs() < 1e-9, "P7 = {x}, {y}");
-    assert_eq!(reason(&outputs[5]), Some(Reason::IntervalOver));
+    assert_eq!(reason(&outputs[5]), Some(SelectionReason::IntervalOver));
 }
 
 #[test]
@@ -211,9 +211,9 @@ fn option_b_falls_back_to_option_a_and_to_the_plain_rule() {
         ],
     );
     let held = [&outputs[1], &outputs[5]].map(reason);
-    assert_eq!(held, [Some(Reason::HeldAbove); 2]);
+    assert_eq!(held, [Some(SelectionReason::HeldAbove); 2]);
     assert_eq!([place(&outputs[5]), place(&outputs[6])], [[50.0, 8.0], [60.0, 11.0]]);
-    assert_eq!(reason(&outputs[6]), Some(Reason::IntervalOver));
+    assert_eq!(reason(&outputs[6]), Some(SelectionReason::IntervalOver));
     // P8 = P7 + (S7 − P6).
     assert_eq!(place(&outputs[7]), [76.0, 23.0]);
 }
@@ -236,20 +236,25 @@ fn minima_are_selected_with_the_output_of_their_time() {
     );
     let stages = outputs.iter().map(|output| output.stage);
     let expected = [
-        Stage::Passing,
-        Stage::Passing,
-        Stage::First,
-        Stage::First,
-        Stage::Minimum,
-        Stage::Minimum,
-        Stage::Minimum,
-        Stage::Minimum,
+        SelectionStage::Passing,
+        SelectionStage::Passing,
+        SelectionStage::First,
+        SelectionStage::First,
+        SelectionStage::Minimum,
+        SelectionStage::Minimum,
+        SelectionStage::Minimum,
+        SelectionStage::Minimum,
     ];
     assert!(stages.eq(expected));
     let reasons = [&outputs[2], &outputs[4], &outputs[6]].map(reason);
     assert_eq!(
         reasons,
-        [Reason::FirstMinimum, Reason::Second, Reason::AtMinimum].map(Some)
+        [
+            SelectionReason::FirstMinimum,
+            SelectionReason::Second,
+            SelectionReason::AtMinimum
+        ]
+        .map(Some)
     );
     assert_eq!(place(&outputs[4]), [6.0, 5.0], "passed on until the line begins");
     assert_eq!(outputs[4].velocity_mps, [2.0, 0.0, 0.0]);
@@ -273,7 +278,7 @@ fn a_minimum_above_the_threshold_changes_nothing() {
     let outputs = run(&mut selector, &begin);
     assert_eq!(
         [4, 6].map(|row| reason(&outputs[row])),
-        [Reason::SecondWaits, Reason::Second].map(Some)
+        [SelectionReason::SecondWaits, SelectionReason::Second].map(Some)
     );
     let outputs = run(
         &mut selector,
@@ -283,7 +288,7 @@ fn a_minimum_above_the_threshold_changes_nothing() {
             (10.0, [0.0, 0.0], 260.0),
         ],
     );
-    assert_eq!(reason(&outputs[1]), Some(Reason::HeldAbove));
+    assert_eq!(reason(&outputs[1]), Some(SelectionReason::HeldAbove));
     assert!(outputs.iter().all(|output| output.velocity_mps == [2.0, 1.0, 0.0]));
 }
 
@@ -313,7 +318,7 @@ fn small_ripples_and_early_minima_do_not_count_if_so_configured() {
     let outputs = run(&mut selector, &rows);
     assert_eq!(
         outputs[6].stage,
-        Stage::First,
+        SelectionStage::First,
         "minima at 1, 3 and 5 s; 4 s are not enough"
     );
 }
@@ -333,14 +338,14 @@ fn staged_selection_goes_to_minima_and_back() {
         .collect();
     let outputs = run(&mut selector, &rows);
     let stage_at = |time: usize| outputs[time].stage;
-    assert_eq!([stage_at(0), stage_at(5)], [Stage::First; 2]);
-    assert_eq!(stage_at(10), Stage::Interval);
+    assert_eq!([stage_at(0), stage_at(5)], [SelectionStage::First; 2]);
+    assert_eq!(stage_at(10), SelectionStage::Interval);
     let settled = outputs
         .iter()
-        .position(|output| reason(output) == Some(Reason::Settled))
+        .position(|output| reason(output) == Some(SelectionReason::Settled))
         .unwrap();
     assert!(settled > 10 && settled < 40, "at {settled}");
-    assert_eq!(stage_at(59), Stage::Minimum);
+    assert_eq!(stage_at(59), SelectionStage::Minimum);
     // Then the variance only falls.
     let rows: Vec<_> = (60..140)
         .map(|time| {
@@ -354,18 +359,18 @@ fn staged_selection_goes_to_minima_and_back() {
     let outputs = run(&mut selector, &rows);
     let rare = outputs
         .iter()
-        .position(|output| reason(output) == Some(Reason::MinimaRare))
+        .position(|output| reason(output) == Some(SelectionReason::MinimaRare))
         .unwrap();
-    assert_eq!(outputs[rare].stage, Stage::Interval);
+    assert_eq!(outputs[rare].stage, SelectionStage::Interval);
     let Some((_, silent_s, limit_s)) = outputs[rare].decision else {
         panic!()
     };
     assert!(silent_s > 30.0 && limit_s == 30.0);
-    assert_eq!(outputs.last().unwrap().stage, Stage::Interval);
+    assert_eq!(outputs.last().unwrap().stage, SelectionStage::Interval);
     assert!(
         outputs[rare + 1..]
             .iter()
-            .any(|output| reason(output) == Some(Reason::IntervalOver))
+            .any(|output| reason(output) == Some(SelectionReason::IntervalOver))
     );
     assert!((outputs.last().unwrap().position_m[0] - 278.0).abs() < 1e-9);
 }
@@ -374,8 +379,11 @@ fn staged_selection_goes_to_minima_and_back() {
 fn steering_meets_the_filter_without_a_jump() {
     let mut selector = Selector::new(settings(Select::Auto, AboveThreshold::Continue));
     let outputs = run(&mut selector, &[(0.0, [0.0, 0.0], ABOVE), (1.0, [3.0, 4.0], BELOW)]);
-    assert_eq!([outputs[0].stage, outputs[1].stage], [Stage::Passing, Stage::Steered]);
-    assert_eq!(reason(&outputs[1]), Some(Reason::FirstBelow));
+    assert_eq!(
+        [outputs[0].stage, outputs[1].stage],
+        [SelectionStage::Passing, SelectionStage::Steered]
+    );
+    assert_eq!(reason(&outputs[1]), Some(SelectionReason::FirstBelow));
     // The filter says 0.5 and 0.25 m/s, and jumps by 100 m.
     let rows: Vec<_> = (2..200)
         .map(|time| {
@@ -414,7 +422,7 @@ fn none_passes_everything_on() {
     assert!(
         outputs
             .iter()
-            .all(|output| !output.is_selected && output.stage == Stage::Passing)
+            .all(|output| !output.is_selected && output.stage == SelectionStage::Passing)
     );
 }
 
@@ -439,14 +447,14 @@ fn late_and_impossible_fixes_change_nothing_and_gaps_are_bridged() {
             (80.0, [0.0; 2], BELOW),
         ],
     );
-    assert_eq!(reason(&outputs[0]), Some(Reason::IntervalOver));
+    assert_eq!(reason(&outputs[0]), Some(SelectionReason::IntervalOver));
     assert_eq!(
         outputs[0].velocity_mps,
         [(63.0 - 30.0) / 33.0, (10.0 - 2.0) / 33.0, 0.0]
     );
     assert_eq!(
         [reason(&outputs[1]), reason(&outputs[2])],
-        [None, Some(Reason::IntervalOver)]
+        [None, Some(SelectionReason::IntervalOver)]
     );
     // The same time twice is no error.
     assert!(selector.fix(&fix(80.0, [0.0; 2], BELOW)).is_some());

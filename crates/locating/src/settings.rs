@@ -11,18 +11,18 @@ settings::settings! {
         /// Greatest number of emitters at a time; each needs 20 kB.
         emitters_max: usize = 1024, in [1, 100_000];
         /// How emitters may move (EL-2).
-        motion: MotionSettings = MotionSettings::default();
+        motion: EmitterMotionSettings = EmitterMotionSettings::default();
         /// Consistency of bearings: bearings that contradict the others are set aside.
         consistency: ConsistencySettings = ConsistencySettings::default();
         /// Which fixes are used for the output (EL-4 … EL-10).
         selection: SelectionSettings = SelectionSettings::default();
         /// How bearings without emitter id find their emitter (EL-12).
-        association: AssociationSettings = AssociationSettings::default();
+        association: BearingAssociationSettings = BearingAssociationSettings::default();
     }
 
     /// How emitters may move (EL-2).
     #[derive(Copy)]
-    pub struct MotionSettings {
+    pub struct EmitterMotionSettings {
         /// Competing models: `auto`, a fixed point, straight motion and manoeuvring, chosen by the data; `fixed`, a
         /// fixed and a wandering point; `straight`, straight motion and manoeuvring.
         filter: FilterChoice = FilterChoice::Auto;
@@ -59,7 +59,7 @@ settings::settings! {
 
     /// Association of bearings without emitter id with emitters.
     #[derive(Copy)]
-    pub struct AssociationSettings {
+    pub struct BearingAssociationSettings {
         /// Greatest difference between two frequencies of the same emitter.
         frequency_tolerance_hz: f64 = 10e3, in [from 0];
         /// Gate: greatest difference between an emitter's bearing and the expected bearing, in standard deviations.

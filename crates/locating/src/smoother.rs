@@ -31,7 +31,7 @@
 
 use nalgebra::{Matrix4, SMatrix, SVector};
 
-use crate::gauss_newton::{DEVIATION_MAX, Prior, Problem};
+use crate::gauss_newton::{DEVIATION_MAX, LeastSquaresProblem, StatePrior};
 use crate::kinematics::{add_process_noise, longest_half_axis, position, sensitivity, transition};
 use crate::line_of_bearing::LineOfBearing;
 use crate::linear::Factor;
@@ -91,7 +91,7 @@ pub(crate) struct Bounds {
 
 /// Treatment of a bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Taken {
+pub(crate) enum BearingTreatment {
     /// Used.
     Used,
     /// Not used: the bearing or its predecessors disagree.
@@ -102,7 +102,7 @@ pub(crate) enum Taken {
     Trusted,
 }
 
-impl Taken {
+impl BearingTreatment {
     /// Whether the bearing counts.
     pub(crate) fn is_used(self) -> bool {
         matches!(self, Self::Used | Self::Trusted)
@@ -115,7 +115,7 @@ pub(crate) struct Smoother<const D: usize> {
     model: Model,
     /// Time of prior and estimate.
     reference_ns: i64,
-    prior: Prior<D>,
+    prior: StatePrior<D>,
     window: Window,
     estimate: SVector<f64, D>,
     covariance: SMatrix<f64, D, D>,
@@ -124,7 +124,7 @@ pub(crate) struct Smoother<const D: usize> {
     since_linearised: u64,
     /// For how many bearings it has been settled.
     settled_for: u64,
-    stage: Stage,
+    stage: FilterStage,
     /// Whether the lines of a search have no place in common.
     is_misfit: bool,
     /// By how much a velocity explains the window better than rest at the fixed point's fix.
@@ -135,7 +135,7 @@ pub(crate) struct Smoother<const D: usize> {
 
 /// Degree of knowledge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
+enum FilterStage {
     /// Nothing yet.
     Empty,
     /// Lines without a consistent position.
@@ -154,14 +154,14 @@ impl<const D: usize> Smoother<D> {
         Self {
             model,
             reference_ns: 0,
-            prior: Prior::default(),
+            prior: StatePrior::default(),
             window: Window::EMPTY,
             estimate: SVector::zeros(),
             covariance: SMatrix::zeros(),
             bearings: 0,
             since_linearised: 0,
             settled_for: 0,
-            stage: Stage::Empty,
+            stage: FilterStage::Empty,
             is_misfit: false,
             lead_over_rest: None,
             sum: 0.0,
@@ -171,12 +171,12 @@ impl<const D: usize> Smoother<D> {
 
     /// Whether there is a fix.
     pub(crate) fn is_located(&self) -> bool {
-        self.stage >= Stage::Located
+        self.stage >= FilterStage::Located
     }
 
     /// Whether bearings are judged by the fix.
     pub(crate) fn is_settled(&self) -> bool {
-        self.stage == Stage::Settled
+        self.stage == FilterStage::Settled
     }
 
     /// Whether bearings are set aside.
@@ -199,13 +199,13 @@ impl<const D: usize> Smoother<D> {
 
     /// Returns whether the search continues without contrary evidence.
     pub(crate) fn is_open(&self) -> bool {
-        self.stage < Stage::Located && !self.is_misfit
+        self.stage < FilterStage::Located && !self.is_misfit
     }
 
     /// Evidence for the velocity against rest: 2 ln of the Bayes factor (Savage and Dickey: how
     /// much the bearings have lowered the probability density of rest); `None` for a model without velocity.
     pub(crate) fn evidence_of_motion(&self) -> Option<f64> {
-        if D != 4 || self.stage != Stage::Settled {
+        if D != 4 || self.stage != FilterStage::Settled {
             return None;
         }
         let covariance = self.covariance.fixed_view::<2, 2>(2, 2).into_owned();
@@ -238,21 +238,21 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// Processes the next line. A model with process noise takes no line before its start state is set.
-    pub(crate) fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
+    pub(crate) fn add(&mut self, line: &LineOfBearing, bounds: Bounds) -> BearingTreatment {
         if self.is_recursive() {
             return self.add_recursively(line);
         }
-        if self.stage == Stage::Empty {
+        if self.stage == FilterStage::Empty {
             self.begin(line);
         }
         self.bearings += 1;
         self.since_linearised += 1;
         let taken = match self.stage {
-            Stage::Settled => self.judge(line, bounds),
-            _ => Taken::Used,
+            FilterStage::Settled => self.judge(line, bounds),
+            _ => BearingTreatment::Used,
         };
         self.settled_for = match self.stage {
-            Stage::Settled => self.settled_for + 1,
+            FilterStage::Settled => self.settled_for + 1,
             _ => 0,
         };
         let is_used = taken.is_used();
@@ -260,7 +260,7 @@ impl<const D: usize> Smoother<D> {
             self.improve(line);
         }
         self.keep(LineOfBearing { is_used, ..*line });
-        let is_distrusted = matches!(taken, Taken::Distrusted(_));
+        let is_distrusted = matches!(taken, BearingTreatment::Distrusted(_));
         if is_distrusted || self.is_due() {
             self.linearise();
         }
@@ -278,11 +278,11 @@ impl<const D: usize> Smoother<D> {
         if self.is_recursive() {
             // Lines already folded in cannot be removed.
             if since_ns.is_some() {
-                self.stage = Stage::Empty;
+                self.stage = FilterStage::Empty;
             }
             return;
         }
-        if self.stage == Stage::Empty {
+        if self.stage == FilterStage::Empty {
             self.begin(line);
         }
         if since_ns.is_some() {
@@ -296,20 +296,20 @@ impl<const D: usize> Smoother<D> {
     }
 
     /// The extended Kalman filter.
-    fn add_recursively(&mut self, line: &LineOfBearing) -> Taken {
-        if self.stage != Stage::Settled {
-            return Taken::Used;
+    fn add_recursively(&mut self, line: &LineOfBearing) -> BearingTreatment {
+        if self.stage != FilterStage::Settled {
+            return BearingTreatment::Used;
         }
         // With process noise the state is always at fault, and the bearings correct it.
         self.advance(line.time_ns);
         self.improve(line);
-        Taken::Used
+        BearingTreatment::Used
     }
 
     /// Whether the window is to be linearised anew: at every bearing at first, then less often.
     fn is_due(&self) -> bool {
         let wait = match self.stage {
-            Stage::Settled => RELINEARISED_EVERY,
+            FilterStage::Settled => RELINEARISED_EVERY,
             _ => (self.bearings / SEARCHED_EVERY).min(RELINEARISED_EVERY),
         };
         self.since_linearised >= wait.max(1)
@@ -318,12 +318,12 @@ impl<const D: usize> Smoother<D> {
     /// Restarts with the lines of the window alone.
     pub(crate) fn restart(&mut self) {
         let Some(first) = self.window.all().first().copied() else {
-            self.stage = Stage::Empty;
+            self.stage = FilterStage::Empty;
             return;
         };
         self.begin(&first);
         self.window.use_all();
-        self.stage = Stage::Searching;
+        self.stage = FilterStage::Searching;
         self.linearise();
     }
 
@@ -338,7 +338,7 @@ impl<const D: usize> Smoother<D> {
         self.prior.mean = other.estimate;
         self.prior.information = factor.inverse();
         self.window.clear();
-        self.stage = Stage::Settled;
+        self.stage = FilterStage::Settled;
         (self.sum, self.is_distrusting) = (0.0, false);
         self.lead_over_rest = None;
         true
@@ -347,7 +347,7 @@ impl<const D: usize> Smoother<D> {
     /// Tests rest at a fixed point, and continues from there if it explains prior and window better: a search that
     /// began with few bearings may have ended at a false position.
     pub(crate) fn reconsider(&mut self, position_m: Option<[f64; 2]>, latest: &LineOfBearing) {
-        if self.is_recursive() || self.since_linearised > 0 || self.stage < Stage::Vague {
+        if self.is_recursive() || self.since_linearised > 0 || self.stage < FilterStage::Vague {
             return;
         }
         self.lead_over_rest = None;
@@ -360,7 +360,7 @@ impl<const D: usize> Smoother<D> {
         self.lead_over_rest = Some(lead);
         if lead < 0.0 {
             self.estimate = at;
-            self.stage = Stage::Vague;
+            self.stage = FilterStage::Vague;
             self.linearise();
             self.look_at_geometry(latest);
         }
@@ -372,7 +372,7 @@ impl<const D: usize> Smoother<D> {
 
     fn begin(&mut self, first: &LineOfBearing) {
         self.reference_ns = first.time_ns;
-        self.prior = Prior::default();
+        self.prior = StatePrior::default();
         for axis in 0..D {
             let sigma = match axis {
                 0 | 1 => self.model.range_sigma_m,
@@ -382,14 +382,14 @@ impl<const D: usize> Smoother<D> {
         }
         self.prior.mean[0] = first.platform_m[0];
         self.prior.mean[1] = first.platform_m[1];
-        self.stage = Stage::Searching;
+        self.stage = FilterStage::Searching;
         (self.sum, self.is_distrusting) = (0.0, false);
     }
 
     /// Judges a line by the prediction of the settled filter.
-    fn judge(&mut self, line: &LineOfBearing, bounds: Bounds) -> Taken {
+    fn judge(&mut self, line: &LineOfBearing, bounds: Bounds) -> BearingTreatment {
         let Some((squared, _)) = self.compare(line) else {
-            return Taken::SetAside;
+            return BearingTreatment::SetAside;
         };
         let residual = line.residual(self.position_at(line.time_ns));
         let sign = residual.map_or(0.0, |residual| residual.innovation_rad.signum());
@@ -399,24 +399,24 @@ impl<const D: usize> Smoother<D> {
         if self.is_distrusting {
             if sum.abs() < AGREE_SUM && deviation.abs() < AGREE_ONE {
                 self.is_distrusting = false;
-                return Taken::Trusted;
+                return BearingTreatment::Trusted;
             }
-            return Taken::SetAside;
+            return BearingTreatment::SetAside;
         }
         if sum.abs() > bounds.limit {
             self.is_distrusting = true;
             self.window.take_back(TAKEN_BACK, bounds.turning_since_ns);
-            return Taken::Distrusted(sum);
+            return BearingTreatment::Distrusted(sum);
         }
         match deviation.abs() > DEVIATION_MAX {
-            true => Taken::SetAside,
-            false => Taken::Used,
+            true => BearingTreatment::SetAside,
+            false => BearingTreatment::Used,
         }
     }
 
     /// Update of the extended Kalman filter; valid until the next linearisation.
     fn improve(&mut self, line: &LineOfBearing) {
-        if self.stage < Stage::Vague {
+        if self.stage < FilterStage::Vague {
             return;
         }
         let after_s = line.after_s(self.reference_ns);
@@ -439,10 +439,10 @@ impl<const D: usize> Smoother<D> {
     /// Puts a line into the window, making room as lossless as can be.
     fn keep(&mut self, line: LineOfBearing) {
         if self.window.is_full() && !self.window.forget_unused() {
-            let place = (self.stage >= Stage::Vague).then(|| self.position_at(line.time_ns));
+            let place = (self.stage >= FilterStage::Vague).then(|| self.position_at(line.time_ns));
             if self.is_settled() && self.may_fold(FOLDED_AT_ONCE) {
                 self.fold(FOLDED_AT_ONCE);
-            } else if self.stage == Stage::Searching && self.is_misfit {
+            } else if self.stage == FilterStage::Searching && self.is_misfit {
                 self.window.forget_first(FOLDED_AT_ONCE);
             } else if self.window.merge(place) == 0 {
                 match self.is_located() {
@@ -489,7 +489,7 @@ impl<const D: usize> Smoother<D> {
     /// Searches the state that explains prior and window best, with all lines linearised there.
     fn linearise(&mut self) {
         self.since_linearised = 0;
-        let is_first = self.stage == Stage::Searching;
+        let is_first = self.stage == FilterStage::Searching;
         let Some(start) = self.start() else { return };
         let rounds = if is_first { ROUNDS_FIRST } else { ROUNDS };
         let Some(found) = self.problem(self.window.all()).search(start, rounds) else {
@@ -499,21 +499,21 @@ impl<const D: usize> Smoother<D> {
         if !at.iter().all(|value| value.is_finite()) || (is_first && !found.has_converged) {
             return;
         }
-        self.is_misfit = self.stage < Stage::Settled && !found.is_plausible;
+        self.is_misfit = self.stage < FilterStage::Settled && !found.is_plausible;
         if self.is_misfit {
             // The position fitted a few bearings, but does not fit all.
-            self.stage = Stage::Searching;
+            self.stage = FilterStage::Searching;
             return;
         }
         self.estimate = at;
         self.covariance = found.covariance;
         if is_first {
-            self.stage = Stage::Vague;
+            self.stage = FilterStage::Vague;
         }
     }
 
-    fn problem<'a>(&'a self, lines: &'a [LineOfBearing]) -> Problem<'a, D> {
-        Problem {
+    fn problem<'a>(&'a self, lines: &'a [LineOfBearing]) -> LeastSquaresProblem<'a, D> {
+        LeastSquaresProblem {
             reference_ns: self.reference_ns,
             prior: &self.prior,
             lines,
@@ -522,7 +522,7 @@ impl<const D: usize> Smoother<D> {
 
     /// Starting point of the search.
     fn start(&self) -> Option<SVector<f64, D>> {
-        if self.stage != Stage::Searching {
+        if self.stage != FilterStage::Searching {
             return Some(self.estimate);
         }
         if self.window.all().iter().filter(|line| line.is_used).count() < LINES_MIN {
@@ -537,17 +537,17 @@ impl<const D: usize> Smoother<D> {
 
     /// Judges whether the geometry allows a fix.
     fn look_at_geometry(&mut self, latest: &LineOfBearing) {
-        if self.stage < Stage::Vague {
+        if self.stage < FilterStage::Vague {
             return;
         }
         let share = self.share(latest);
         if share > LOST_SHARE {
-            self.stage = Stage::Vague;
+            self.stage = FilterStage::Vague;
         } else if share < LOCATED_SHARE {
-            self.stage = self.stage.max(Stage::Located);
+            self.stage = self.stage.max(FilterStage::Located);
         }
         if share < SETTLED_SHARE {
-            self.stage = Stage::Settled;
+            self.stage = FilterStage::Settled;
         }
     }
 

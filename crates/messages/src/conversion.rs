@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::layout::{ALL, Field, Layout};
+use crate::layout::{ALL, Layout, SampleField};
 
 /// Maximum size of a recorded sample, bytes.
 const SIZE_MAX: usize = 1 << 16;
@@ -26,13 +26,13 @@ const PACKAGE: &str = "koseki/";
 pub struct Conversion {
     recorded_size: usize,
     size: usize,
-    copies: Vec<Copied>,
+    copies: Vec<ByteCopy>,
     missing: Vec<Range<usize>>,
 }
 
 /// Bytes that a conversion copies: offsets in the recorded and in the present sample, and their number.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Copied {
+struct ByteCopy {
     from: usize,
     to: usize,
     bytes: usize,
@@ -40,7 +40,7 @@ struct Copied {
 
 /// Place of one field of numbers in a recorded sample.
 #[derive(Clone, Debug, PartialEq)]
-struct Place {
+struct NumberField {
     kind: String,
     offset: usize,
     size: usize,
@@ -84,7 +84,7 @@ impl Conversion {
         true
     }
 
-    fn visit(&mut self, layout: &Layout, path: &str, base: usize, recorded: &BTreeMap<String, Place>) {
+    fn visit(&mut self, layout: &Layout, path: &str, base: usize, recorded: &BTreeMap<String, NumberField>) {
         for field in layout.fields {
             let (kind, count) = field.element();
             let path = format!("{path}{}", field.name);
@@ -101,7 +101,7 @@ impl Conversion {
         }
     }
 
-    fn number(&mut self, field: &Field, path: &str, offset: usize, place: Option<&Place>) {
+    fn number(&mut self, field: &SampleField, path: &str, offset: usize, place: Option<&NumberField>) {
         let (kind, _) = field.element();
         let known = place.filter(|place| place.kind == kind);
         let bytes = known.map_or(0, |place| place.size.min(field.size));
@@ -110,7 +110,7 @@ impl Conversion {
                 Some(last) if last.from + last.bytes == place.offset && last.to + last.bytes == offset => {
                     last.bytes += bytes;
                 }
-                _ => self.copies.push(Copied {
+                _ => self.copies.push(ByteCopy {
                     from: place.offset,
                     to: offset,
                     bytes,
@@ -162,7 +162,7 @@ impl<'a> Definitions<'a> {
         path: &str,
         start: usize,
         depth: usize,
-        places: &mut BTreeMap<String, Place>,
+        places: &mut BTreeMap<String, NumberField>,
     ) -> Option<usize> {
         let mut end = start;
         for line in self.0.get(name).filter(|_| depth < DEPTH_MAX)? {
@@ -180,7 +180,7 @@ impl<'a> Definitions<'a> {
             match number_type(kind) {
                 Some((kind, size)) => {
                     let size = size.checked_mul(count.unwrap_or(1))?;
-                    let place = Place {
+                    let place = NumberField {
                         kind,
                         offset: end,
                         size,

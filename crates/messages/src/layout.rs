@@ -12,7 +12,7 @@ use crate::Constant;
 
 /// Field of a sample.
 #[derive(Clone, Copy, Debug)]
-pub struct Field {
+pub struct SampleField {
     /// Name, the same in every language.
     pub name: &'static str,
     /// Rust type as written in the declaration: a number type, another sample, or `[T; N]` of those.
@@ -35,7 +35,7 @@ pub struct Layout {
     /// Alignment in bytes.
     pub align: usize,
     /// Fields in memory order; together they cover every byte (padding is a field too).
-    pub fields: &'static [Field],
+    pub fields: &'static [SampleField],
 }
 
 /// Type declared as a sample.
@@ -92,7 +92,7 @@ macro_rules! sample {
                 name: stringify!($name),
                 size: size_of::<$name>(),
                 align: align_of::<$name>(),
-                fields: &[ $( $crate::layout::Field {
+                fields: &[ $( $crate::layout::SampleField {
                     name: stringify!($field),
                     kind: stringify!($kind),
                     offset: std::mem::offset_of!($name, $field),
@@ -215,7 +215,7 @@ impl Layout {
 
     /// Returns the name of the field at this offset, as in `contributions[2].weight`.
     pub fn name_at(&self, offset: usize) -> String {
-        let holds = |field: &&Field| (field.offset..field.offset + field.size).contains(&offset);
+        let holds = |field: &&SampleField| (field.offset..field.offset + field.size).contains(&offset);
         let Some(field) = self.fields.iter().find(holds) else {
             return String::new();
         };
@@ -238,7 +238,7 @@ impl Layout {
 
     /// Returns the sample types contained in this sample's fields, directly or as arrays.
     pub fn contained(&self) -> impl Iterator<Item = &'static Self> {
-        let of = |field: &Field| ALL.iter().find(|layout| names(field.kind, layout.name));
+        let of = |field: &SampleField| ALL.iter().find(|layout| names(field.kind, layout.name));
         self.fields.iter().filter_map(of)
     }
 }
@@ -314,7 +314,7 @@ const fn names(kind: &str, name: &str) -> bool {
     end == kind.len() || kind[end] == b';'
 }
 
-impl Field {
+impl SampleField {
     /// Returns the type of the field, split into element and count: `[f64; 3]` is (`f64`, 3).
     pub fn element(&self) -> (&'static str, Option<usize>) {
         let Some(inner) = self.kind.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) else {

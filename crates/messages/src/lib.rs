@@ -78,7 +78,7 @@ pub use stages::StageTimes;
 pub use system_track::{CONTRIBUTIONS_MAX, Contribution, MotionMode, SystemTrack, contribution_bits};
 pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
-    Capacity, Outgoing, Stream, StreamId, Streamed, Topic, TopicName, Visitor, alarms, cues, decisions, event_log,
+    Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
     frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_bearings,
     sensor_detections, sensor_tracks, system_tracks, visit, wide_area,
 };

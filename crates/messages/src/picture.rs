@@ -9,7 +9,7 @@
 use std::fmt::Write as _;
 
 use crate::codes::bits;
-use crate::layout::{Field, Layout, Sample as _, sample};
+use crate::layout::{Layout, Sample as _, SampleField, sample};
 use crate::{Constant, NO_SOURCE, codes};
 
 bits! {
@@ -359,7 +359,7 @@ fn record(layout: &Layout, out: &mut String) {
     out.push_str("  };\n}\n");
 }
 
-fn used(layout: &Layout) -> impl Iterator<Item = &Field> {
+fn used(layout: &Layout) -> impl Iterator<Item = &SampleField> {
     layout.fields.iter().filter(|field| field.name != "reserved")
 }
 

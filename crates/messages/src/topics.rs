@@ -33,7 +33,7 @@ impl fmt::Display for TopicName {
 
 /// Capacity of a topic. Memory is about `subscribers × depth` slices of `slice_len` samples per publisher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Capacity {
+pub struct TopicCapacity {
     /// Number of waiting slices per subscriber before the oldest is dropped (and counted by the subscriber).
     pub depth: usize,
     /// Maximum number of samples in a slice.
@@ -116,12 +116,12 @@ pub struct Topic<T> {
     /// Name in shared memory.
     pub name: TopicName,
     /// Sizes.
-    pub capacity: Capacity,
+    pub capacity: TopicCapacity,
     sample: PhantomData<fn() -> T>,
 }
 
 impl<T> Topic<T> {
-    fn new(name: String, capacity: Capacity) -> Self {
+    fn new(name: String, capacity: TopicCapacity) -> Self {
         Self {
             name: TopicName(name),
             capacity,
@@ -248,7 +248,7 @@ macro_rules! topics {
     )+) => { $(
         $(#[doc = $doc])+
         pub fn $topic($($of: &str)?) -> Topic<$sample> {
-            let capacity = Capacity {
+            let capacity = TopicCapacity {
                 depth: $depth,
                 slice_len: $slice_len,
                 publishers: $publishers,

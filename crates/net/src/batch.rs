@@ -37,12 +37,12 @@ pub(crate) struct Batch {
     octets_each: usize,
     names: Box<[[u8; NAME_OCTETS]; BATCH_MAX]>,
     controls: Box<[[u8; CONTROL_OCTETS]; BATCH_MAX]>,
-    taken: [Taken; BATCH_MAX],
+    taken: [BufferUse; BATCH_MAX],
 }
 
 /// How much of its buffers a datagram fills.
 #[derive(Clone, Copy, Debug, Default)]
-struct Taken {
+struct BufferUse {
     octets: usize,
     name_octets: usize,
     control_octets: usize,
@@ -75,7 +75,7 @@ impl Batch {
             octets_each,
             names: Box::new([[0; NAME_OCTETS]; BATCH_MAX]),
             controls: Box::new([[0; CONTROL_OCTETS]; BATCH_MAX]),
-            taken: [Taken::default(); BATCH_MAX],
+            taken: [BufferUse::default(); BATCH_MAX],
         }
     }
 
@@ -121,7 +121,7 @@ impl Batch {
         // Lengths are of other types in other C libraries.
         #[allow(clippy::unnecessary_cast)]
         for (taken, header) in self.taken.iter_mut().zip(&headers[..count]) {
-            *taken = Taken {
+            *taken = BufferUse {
                 octets: (header.msg_len as usize).min(self.octets_each),
                 name_octets: (header.msg_hdr.msg_namelen as usize).min(NAME_OCTETS),
                 control_octets: (header.msg_hdr.msg_controllen as usize).min(CONTROL_OCTETS),

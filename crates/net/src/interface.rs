@@ -29,7 +29,7 @@ pub enum Interface {
 
 /// Identity of an interface in the form of the kernel's socket options.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Found {
+pub(crate) struct InterfaceIdentity {
     /// Its number.
     pub(crate) index: u32,
     /// IPv4 source address: the configured address, else the first address of the interface.
@@ -41,7 +41,7 @@ impl Interface {
     ///
     /// # Errors
     /// If the machine has no such interface.
-    pub(crate) fn find(&self, socket: impl AsFd) -> Result<Found, NetError> {
+    pub(crate) fn find(&self, socket: impl AsFd) -> Result<InterfaceIdentity, NetError> {
         let interfaces = interfaces()?;
         let found = interfaces.iter().find(|(name, addresses)| match self {
             Self::Name(wanted) => wanted == *name,
@@ -57,7 +57,7 @@ impl Interface {
             Self::Address(IpAddr::V4(address)) => Some(*address),
             _ => None,
         };
-        Ok(Found {
+        Ok(InterfaceIdentity {
             index: name_to_index(socket, name).map_err(NetError::refused(format!("using interface {name}")))?,
             ipv4: named.or_else(|| addresses.iter().find_map(ipv4)),
         })

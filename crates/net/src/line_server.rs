@@ -31,14 +31,14 @@ pub struct LineServerCounters {
 #[derive(Debug)]
 pub struct LineServer {
     listener: Listener,
-    readers: Vec<Box<dyn Reader>>,
+    readers: Vec<Box<dyn ClientConnection>>,
     counters: LineServerCounters,
 }
 
 /// Connection to a client.
-trait Reader: Write + Debug + Send {}
+trait ClientConnection: Write + Debug + Send {}
 
-impl<T: Write + Debug + Send> Reader for T {}
+impl<T: Write + Debug + Send> ClientConnection for T {}
 
 #[derive(Debug)]
 enum Listener {
@@ -47,7 +47,7 @@ enum Listener {
 }
 
 impl Listener {
-    fn accept(&self) -> io::Result<Box<dyn Reader>> {
+    fn accept(&self) -> io::Result<Box<dyn ClientConnection>> {
         match self {
             Self::Tcp(listener) => {
                 let (reader, _) = listener.accept()?;

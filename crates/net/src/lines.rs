@@ -120,7 +120,7 @@ pub struct LinesCounters {
 #[derive(Debug)]
 pub struct TcpLines {
     settings: LinesSettings,
-    state: State,
+    state: ConnectionState,
     /// Time of the first call in the present state, or of the last received bytes; `None` until the next call.
     since_ns: Option<i64>,
     /// Attempts in a row that brought no line.
@@ -130,7 +130,7 @@ pub struct TcpLines {
 }
 
 #[derive(Debug)]
-enum State {
+enum ConnectionState {
     Pausing(Duration),
     Connecting(Socket),
     Connected(Socket),
@@ -145,7 +145,7 @@ impl TcpLines {
         settings.check()?;
         Ok(Self {
             settings,
-            state: State::Pausing(Duration::ZERO),
+            state: ConnectionState::Pausing(Duration::ZERO),
             since_ns: None,
             fruitless: 0,
             splitter: Splitter::new(settings.line_octets_max),
@@ -160,24 +160,24 @@ impl TcpLines {
     /// Faults of the server are no errors: they are counted, and the attempt is repeated later.
     pub fn poll(&mut self, now_ns: i64, timeout: Duration, mut visit: impl FnMut(&[u8])) -> usize {
         let limit = match self.state {
-            State::Pausing(pause) => pause,
-            State::Connecting(_) => self.settings.connect_max,
-            State::Connected(_) => self.settings.silence_max,
+            ConnectionState::Pausing(pause) => pause,
+            ConnectionState::Connecting(_) => self.settings.connect_max,
+            ConnectionState::Connected(_) => self.settings.silence_max,
         };
         let since_ns = *self.since_ns.get_or_insert(now_ns);
         let passed_ns = now_ns.saturating_sub(since_ns).max(0).cast_unsigned();
         let rest = limit.saturating_sub(Duration::from_nanos(passed_ns));
         match self.state {
-            State::Pausing(_) => self.go_on_pausing(rest, timeout),
-            State::Connecting(_) => self.go_on_connecting(rest, timeout),
-            State::Connected(_) => return self.go_on_reading(rest, timeout, &mut visit),
+            ConnectionState::Pausing(_) => self.go_on_pausing(rest, timeout),
+            ConnectionState::Connecting(_) => self.go_on_connecting(rest, timeout),
+            ConnectionState::Connected(_) => return self.go_on_reading(rest, timeout, &mut visit),
         }
         0
     }
 
     /// Whether there is a connection now.
     pub fn is_connected(&self) -> bool {
-        matches!(self.state, State::Connected(_))
+        matches!(self.state, ConnectionState::Connected(_))
     }
 
     /// Returns the counts since the start.
@@ -188,7 +188,7 @@ impl TcpLines {
         }
     }
 
-    fn enter(&mut self, state: State) {
+    fn enter(&mut self, state: ConnectionState) {
         self.state = state;
         self.since_ns = None;
     }
@@ -200,13 +200,13 @@ impl TcpLines {
             return;
         }
         match open(self.settings.server) {
-            Ok(socket) => self.enter(State::Connecting(socket)),
+            Ok(socket) => self.enter(ConnectionState::Connecting(socket)),
             Err(_) => self.attempt_failed(),
         }
     }
 
     fn go_on_connecting(&mut self, rest: Duration, timeout: Duration) {
-        let State::Connecting(socket) = &self.state else {
+        let ConnectionState::Connecting(socket) = &self.state else {
             return;
         };
         match connected(socket, rest.min(timeout)) {
@@ -217,9 +217,11 @@ impl TcpLines {
     }
 
     fn begin_reading(&mut self) {
-        if let State::Connecting(socket) = std::mem::replace(&mut self.state, State::Pausing(Duration::ZERO)) {
+        if let ConnectionState::Connecting(socket) =
+            std::mem::replace(&mut self.state, ConnectionState::Pausing(Duration::ZERO))
+        {
             self.counters.connections += 1;
-            self.enter(State::Connected(socket));
+            self.enter(ConnectionState::Connected(socket));
         }
     }
 
@@ -232,7 +234,7 @@ impl TcpLines {
             self.disconnect();
             return 0;
         }
-        let State::Connected(socket) = &self.state else {
+        let ConnectionState::Connected(socket) = &self.state else {
             return 0;
         };
         match wait::ready(socket.as_fd(), PollFlags::IN, timeout.min(rest)) {
@@ -244,7 +246,7 @@ impl TcpLines {
 
     /// One read; `None` if nothing is there, but may still come.
     fn read(&mut self, visit: &mut impl FnMut(&[u8])) -> Option<usize> {
-        let State::Connected(socket) = &mut self.state else {
+        let ConnectionState::Connected(socket) = &mut self.state else {
             return Some(0);
         };
         match socket.read(self.splitter.free()) {
@@ -281,7 +283,7 @@ impl TcpLines {
         let doublings = self.fruitless.min(DOUBLINGS_MAX);
         let pause = self.settings.pause_min.saturating_mul(1 << doublings);
         self.fruitless = self.fruitless.saturating_add(1);
-        self.enter(State::Pausing(pause.min(self.settings.pause_max)));
+        self.enter(ConnectionState::Pausing(pause.min(self.settings.pause_max)));
     }
 }
 

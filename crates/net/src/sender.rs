@@ -16,7 +16,7 @@ use std::net::{Ipv4Addr, SocketAddr};
 use rustix::net::sockopt::set_ip_multicast_if_with_ifindex;
 use socket2::{Domain, Protocol, Socket, Type};
 
-use crate::interface::Found;
+use crate::interface::InterfaceIdentity;
 use crate::{Interface, NetError};
 
 /// Where to send to, and how.
@@ -149,7 +149,7 @@ impl UdpSender {
     }
 }
 
-fn prepare_multicast(socket: &Socket, settings: &SenderSettings, interface: Found) -> io::Result<()> {
+fn prepare_multicast(socket: &Socket, settings: &SenderSettings, interface: InterfaceIdentity) -> io::Result<()> {
     let time_to_live = u32::from(settings.time_to_live.unwrap_or(1));
     if settings.destination.is_ipv4() {
         // The number selects the outgoing interface, the address the source address: otherwise the kernel may use the

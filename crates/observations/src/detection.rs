@@ -36,12 +36,12 @@ pub struct Detection {
     /// Position of the sensor, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
     /// Truth, if known: for scoring, never for tracking.
-    pub truth: Option<Truth>,
+    pub truth: Option<DetectionTruth>,
 }
 
 /// Truth of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Truth {
+pub enum DetectionTruth {
     /// The target with this number.
     Target(u32),
     /// No target: clutter or noise.

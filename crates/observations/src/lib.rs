@@ -16,9 +16,9 @@ mod observation;
 mod wide_area;
 
 pub use bearing::Bearing;
-pub use detection::{Detection, QUANTITIES_MAX, Truth};
+pub use detection::{Detection, DetectionTruth, QUANTITIES_MAX};
 pub use messages::{DetectionKind, Quantity};
-pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, Service, TRUNCATION_NS};
+pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;

@@ -147,7 +147,7 @@ impl Observation {
 
 /// Record about the sensor itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Service {
+pub struct ServiceMessage {
     /// System area code and system identification code of the sensor, if the message has them.
     pub sac_sic: Option<(u8, u8)>,
     /// Time of the message, nanoseconds since midnight UTC.

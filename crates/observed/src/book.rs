@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use messages::{Counter, Counters, Health, HealthName, LifeState, NO_SOURCE, NS_PER_S, ProcessKind, Registration};
 
-use crate::process::{Process, State};
+use crate::process::{ObservedProcess, ProcessState};
 
 /// Silence after which a process is silent, nanoseconds: five health messages are missing then.
 const SILENT_AFTER_NS: i64 = 1_000_000_000;
@@ -34,32 +34,32 @@ pub struct HealthBook {
     sources: usize,
     /// Start of the reader, monotonic, nanoseconds.
     begun_ns: i64,
-    entries: BTreeMap<(ProcessKind, HealthName, u16), Entry>,
-    children: BTreeMap<HealthName, Child>,
+    entries: BTreeMap<(ProcessKind, HealthName, u16), BookEntry>,
+    children: BTreeMap<HealthName, ChildRecord>,
     rejected: u64,
 }
 
 /// Messages of one process about itself as a whole, or about one source.
 #[derive(Clone, Debug)]
-struct Entry {
+struct BookEntry {
     latest: Health,
     /// Counts of earlier epochs.
     earlier: Counters,
     epochs: u32,
     /// State at the begin and at the end of the last closed interval.
-    interval: [Mark; 2],
+    interval: [CountMark; 2],
 }
 
 /// Counts at the time of a message, monotonic, nanoseconds.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct CountMark {
     time_ns: i64,
     counters: Counters,
 }
 
 /// Launcher's facts about one process.
 #[derive(Clone, Copy, Debug)]
-struct Child {
+struct ChildRecord {
     /// Place in the launcher's list.
     place: usize,
     life: LifeState,
@@ -108,7 +108,7 @@ impl HealthBook {
             self.rejected += 1;
             return;
         }
-        let child = self.children.entry(health.name).or_insert(Child {
+        let child = self.children.entry(health.name).or_insert(ChildRecord {
             place,
             life,
             restarts: 0,
@@ -140,18 +140,18 @@ impl HealthBook {
             entry.latest = *health;
         } else if self.entries.len() < ENTRIES_MAX {
             let begin = match is_seen_from_start(health, self.begun_ns) {
-                true => Mark {
+                true => CountMark {
                     time_ns: health.incarnation as i64,
                     counters: Counters::default(),
                 },
-                false => Mark {
+                false => CountMark {
                     time_ns: health.said_ns,
                     counters: health.counters,
                 },
             };
             self.entries.insert(
                 key,
-                Entry {
+                BookEntry {
                     latest: *health,
                     earlier: Counters::default(),
                     epochs: 1,
@@ -166,7 +166,7 @@ impl HealthBook {
     /// Closes the interval of the rates and begins the next.
     pub fn close_interval(&mut self) {
         for entry in self.entries.values_mut() {
-            let end = Mark {
+            let end = CountMark {
                 time_ns: entry.latest.said_ns,
                 counters: entry.counters(),
             };
@@ -181,7 +181,7 @@ impl HealthBook {
             let is_expected = expected
                 .iter()
                 .any(|(kind, name)| (Some(*kind), name) == (process.kind, &process.name));
-            let is_silent = matches!(process.state, State::Silent { .. });
+            let is_silent = matches!(process.state, ProcessState::Silent { .. });
             is_silent && !is_expected && process.pid.is_some_and(&is_gone)
         });
         for guest in guests.collect::<Vec<_>>() {
@@ -199,26 +199,26 @@ impl HealthBook {
     }
 
     /// Returns the messages of process `name` about itself as a whole.
-    pub fn whole(&self, kind: ProcessKind, name: &str) -> Option<Latest<'_>> {
+    pub fn whole(&self, kind: ProcessKind, name: &str) -> Option<LatestHealth<'_>> {
         self.about(kind, name, NO_SOURCE)
     }
 
     /// Returns the messages of process `name` about a source.
-    pub fn about(&self, kind: ProcessKind, name: &str, source: u16) -> Option<Latest<'_>> {
+    pub fn about(&self, kind: ProcessKind, name: &str, source: u16) -> Option<LatestHealth<'_>> {
         let entry = self.entries.get(&(kind, padded(name), source));
         entry.map(|entry| self.latest(entry))
     }
 
     /// Returns the messages of process `name` about its sources or peers, in the latest round of the process.
-    pub fn parts(&self, kind: ProcessKind, name: &str) -> impl Iterator<Item = Latest<'_>> {
+    pub fn parts(&self, kind: ProcessKind, name: &str) -> impl Iterator<Item = LatestHealth<'_>> {
         let round_ns = self.whole(kind, name).map(|whole| whole.time_ns());
         let parts = self.entries.range(of_sources(kind, padded(name)));
         let parts = parts.filter(move |(_, entry)| Some(entry.latest.said_ns) == round_ns);
         parts.map(|(_, entry)| self.latest(entry))
     }
 
-    fn latest<'a>(&self, entry: &'a Entry) -> Latest<'a> {
-        Latest {
+    fn latest<'a>(&self, entry: &'a BookEntry) -> LatestHealth<'a> {
+        LatestHealth {
             entry,
             is_seen_from_start: is_seen_from_start(&entry.latest, self.begun_ns),
         }
@@ -266,13 +266,13 @@ impl HealthBook {
     }
 
     /// Returns all latest messages, each with its process and source (or [`NO_SOURCE`]).
-    pub fn all(&self) -> impl Iterator<Item = (ProcessKind, u16, Latest<'_>)> + '_ {
+    pub fn all(&self) -> impl Iterator<Item = (ProcessKind, u16, LatestHealth<'_>)> + '_ {
         let entries = self.entries.iter();
         entries.map(|((kind, _, source), entry)| (*kind, *source, self.latest(entry)))
     }
 
     /// Returns the messages of adapters about a source.
-    fn of_adapters(&self, source: u16) -> impl Iterator<Item = Latest<'_>> {
+    fn of_adapters(&self, source: u16) -> impl Iterator<Item = LatestHealth<'_>> {
         let of_source = self
             .all()
             .filter(move |(kind, of, _)| *kind == ProcessKind::Adapter && *of == source);
@@ -304,7 +304,7 @@ impl HealthBook {
 
     /// Returns the children of the launcher, by the launcher's facts and in the order of the launcher's list.
     pub fn children(&self) -> impl Iterator<Item = ChildState<'_>> + '_ {
-        let mut children: Vec<&Child> = self.children.values().collect();
+        let mut children: Vec<&ChildRecord> = self.children.values().collect();
         children.sort_by_key(|child| child.place);
         children.into_iter().map(|child| ChildState {
             name: child.last_end.name(),
@@ -341,7 +341,7 @@ impl HealthBook {
     }
 
     /// Returns the `expected` processes, other processes with health messages, and other children of the launcher.
-    pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<Process> {
+    pub fn processes(&self, expected: &[(ProcessKind, String)], now_ns: i64) -> Vec<ObservedProcess> {
         let mut names: Vec<(ProcessKind, HealthName)> =
             expected.iter().map(|(kind, name)| (*kind, padded(name))).collect();
         for (kind, name, _) in self.entries.keys() {
@@ -353,10 +353,10 @@ impl HealthBook {
             let name = padded(child.name);
             names.iter().all(|(_, other)| *other != name)
         });
-        let silent = silent.map(|child| Process {
+        let silent = silent.map(|child| ObservedProcess {
             kind: None,
             name: child.name.to_owned(),
-            state: State::Life(child.life),
+            state: ProcessState::Life(child.life),
             restarts: child.restarts,
             last_end: child.last_end.to_owned(),
             note: NO_MESSAGE.to_owned(),
@@ -366,10 +366,10 @@ impl HealthBook {
         named.chain(silent).collect()
     }
 
-    fn process(&self, kind: ProcessKind, name: HealthName, now_ns: i64) -> Process {
+    fn process(&self, kind: ProcessKind, name: HealthName, now_ns: i64) -> ObservedProcess {
         let child = self.children.get(&name).filter(|_| kind != ProcessKind::Launcher);
         let entries = self.entries.range((kind, name, 0)..=(kind, name, NO_SOURCE));
-        let mut entries: Vec<&Entry> = entries.map(|(_, entry)| entry).collect();
+        let mut entries: Vec<&BookEntry> = entries.map(|(_, entry)| entry).collect();
         entries.sort_by_key(|entry| (entry.latest.said_ns, entry.latest.source));
         let latest = entries.last().map(|entry| entry.latest);
         let seen = entries.iter().map(|entry| entry.epochs).max().unwrap_or(1) - 1;
@@ -382,7 +382,7 @@ impl HealthBook {
         let is_a_child = |pid: &u32| self.children.values().any(|child| child.process_id == *pid);
         let of_child = child.map(|child| child.process_id);
         let pid = own_pid.filter(is_a_child).or(of_child).or(own_pid);
-        Process {
+        ObservedProcess {
             kind: Some(kind),
             name: named.name().to_owned(),
             state: state(latest.as_ref(), child, now_ns),
@@ -410,14 +410,16 @@ pub struct ChildState<'a> {
     pub last_end: &'a str,
 }
 
-fn state(latest: Option<&Health>, child: Option<&Child>, now_ns: i64) -> State {
+fn state(latest: Option<&Health>, child: Option<&ChildRecord>, now_ns: i64) -> ProcessState {
     let Some((health, life)) = latest.and_then(|health| health.life().map(|life| (health, life))) else {
-        return child.map_or(State::NotHeard, |child| State::Life(child.life));
+        return child.map_or(ProcessState::NotHeard, |child| ProcessState::Life(child.life));
     };
     let silent_ns = now_ns - health.said_ns;
     match life {
-        LifeState::Starting | LifeState::Running if silent_ns > SILENT_AFTER_NS => State::Silent { for_ns: silent_ns },
-        life => State::Life(life),
+        LifeState::Starting | LifeState::Running if silent_ns > SILENT_AFTER_NS => {
+            ProcessState::Silent { for_ns: silent_ns }
+        }
+        life => ProcessState::Life(life),
     }
 }
 
@@ -431,7 +433,7 @@ fn of_sources(kind: ProcessKind, name: HealthName) -> std::ops::Range<(ProcessKi
     (kind, name, 0)..(kind, name, NO_SOURCE)
 }
 
-impl Entry {
+impl BookEntry {
     fn counters(&self) -> Counters {
         self.earlier.followed_by(&self.latest.counters)
     }
@@ -439,12 +441,12 @@ impl Entry {
 
 /// Latest message, with the counts of earlier epochs added.
 #[derive(Clone, Copy, Debug)]
-pub struct Latest<'a> {
-    entry: &'a Entry,
+pub struct LatestHealth<'a> {
+    entry: &'a BookEntry,
     is_seen_from_start: bool,
 }
 
-impl<'a> Latest<'a> {
+impl<'a> LatestHealth<'a> {
     /// Returns the name of the process.
     pub fn name(&self) -> &'a str {
         self.entry.latest.name()

@@ -21,7 +21,7 @@ fn counting(mut health: Health, taken: u64) -> Health {
     health
 }
 
-fn only(book: &HealthBook, now_ns: i64) -> Process {
+fn only(book: &HealthBook, now_ns: i64) -> ObservedProcess {
     let mut processes = book.processes(&[], now_ns);
     assert_eq!(processes.len(), 1);
     processes.remove(0)
@@ -56,7 +56,7 @@ fn a_process_that_takes_over_the_name_of_a_younger_one_is_heard_and_is_no_restar
         let processes = book.processes(&[], now_s * S);
         processes.into_iter().find(|process| process.name == "standby").unwrap()
     };
-    assert_eq!(standby(&book, 4).state, State::Life(LifeState::Running));
+    assert_eq!(standby(&book, 4).state, ProcessState::Life(LifeState::Running));
     assert_eq!(standby(&book, 4).restarts, 0);
     // Take-over.
     for second in 5..9 {
@@ -66,7 +66,7 @@ fn a_process_that_takes_over_the_name_of_a_younger_one_is_heard_and_is_no_restar
         .processes(&[], 8 * S)
         .into_iter()
         .find(|process| process.name == "fusion");
-    assert_eq!(fusion.unwrap().state, State::Life(LifeState::Running));
+    assert_eq!(fusion.unwrap().state, ProcessState::Life(LifeState::Running));
 }
 
 #[test]
@@ -90,20 +90,20 @@ fn the_launchers_count_of_restarts_is_shown_with_the_reason() {
 fn silence_is_shown_unless_the_process_has_ended() {
     let mut book = HealthBook::new(0, i64::MAX);
     book.take(&health(ProcessKind::Fusion, "fusion", 10, S));
-    assert_eq!(only(&book, 2 * S).state, State::Life(LifeState::Running));
-    assert_eq!(only(&book, 3 * S).state, State::Silent { for_ns: 2 * S });
+    assert_eq!(only(&book, 2 * S).state, ProcessState::Life(LifeState::Running));
+    assert_eq!(only(&book, 3 * S).state, ProcessState::Silent { for_ns: 2 * S });
     book.take(&Health {
         life: LifeState::Finished as u8,
         ..health(ProcessKind::Fusion, "fusion", 10, S)
     });
-    assert_eq!(only(&book, 30 * S).state, State::Life(LifeState::Finished));
+    assert_eq!(only(&book, 30 * S).state, ProcessState::Life(LifeState::Finished));
 }
 
 #[test]
 fn expected_processes_are_listed_before_they_speak() {
     let book = HealthBook::new(0, i64::MAX);
     let processes = book.processes(&[(ProcessKind::Fusion, "fusion".to_owned())], S);
-    assert_eq!(processes[0].state, State::NotHeard);
+    assert_eq!(processes[0].state, ProcessState::NotHeard);
 }
 
 #[test]

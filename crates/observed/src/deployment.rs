@@ -11,7 +11,7 @@ use telemetry::{DataOffset, Journey, JourneyEnd, Stages};
 
 use crate::book::HealthBook;
 use crate::present::PresentAlarms;
-use crate::source::{self, Delivery, Source, SourceState};
+use crate::source::{self, Delivery, SourceFacts, SourceState};
 use crate::track_counts::TrackCounts;
 
 /// Silence after which a process counts as absent, nanoseconds: ten health messages are missing then.
@@ -21,7 +21,7 @@ const ABSENT_AFTER_NS: i64 = 2_000_000_000;
 #[derive(Clone, Debug)]
 pub struct Deployment {
     /// Configured sources; `None` for a reader without the configuration.
-    sources: Option<Vec<Source>>,
+    sources: Option<Vec<SourceFacts>>,
     deliveries: Vec<Delivery>,
     book: HealthBook,
     stages: Stages,
@@ -47,12 +47,12 @@ impl Default for Deployment {
 
 impl Deployment {
     /// Creates the state of a deployment with these `sources`, before any message.
-    pub fn new(sources: Vec<Source>) -> Self {
+    pub fn new(sources: Vec<SourceFacts>) -> Self {
         let book = HealthBook::new(sources.len(), i64::MAX);
         Self::with_book(Some(sources), book)
     }
 
-    fn with_book(sources: Option<Vec<Source>>, book: HealthBook) -> Self {
+    fn with_book(sources: Option<Vec<SourceFacts>>, book: HealthBook) -> Self {
         Self {
             deliveries: vec![Delivery::default(); sources.as_ref().map_or(0, Vec::len)],
             sources,
@@ -295,11 +295,11 @@ impl Deployment {
     }
 
     /// Returns the configured sources; empty for a reader without the configuration.
-    pub fn configured_sources(&self) -> &[Source] {
+    pub fn configured_sources(&self) -> &[SourceFacts] {
         self.sources.as_deref().unwrap_or_default()
     }
 
-    fn configured(&self, number: u16) -> Option<&Source> {
+    fn configured(&self, number: u16) -> Option<&SourceFacts> {
         self.configured_sources().iter().find(|source| source.number == number)
     }
 
@@ -343,7 +343,7 @@ impl Deployment {
         })
     }
 
-    fn delivery(&self, number: u16) -> Option<(&Source, &Delivery)> {
+    fn delivery(&self, number: u16) -> Option<(&SourceFacts, &Delivery)> {
         let mut sources = self.configured_sources().iter().zip(&self.deliveries);
         sources.find(|(source, _)| source.number == number)
     }

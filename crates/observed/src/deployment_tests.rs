@@ -20,8 +20,8 @@ fn health(kind: ProcessKind, name: &str, source: u16, said_s: i64, counters: &[(
     health.with_name(name)
 }
 
-fn source(number: u16, name: &str, is_external: bool) -> Source {
-    Source {
+fn source(number: u16, name: &str, is_external: bool) -> SourceFacts {
+    SourceFacts {
         number,
         name: name.to_owned(),
         adapter: name.to_owned(),

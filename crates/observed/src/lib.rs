@@ -7,8 +7,8 @@
 //!
 //! - [`Deployment`] takes the samples and returns the states;
 //! - [`HealthBook`] holds the latest counters and the state of every process;
-//! - [`Process`], [`SourceState`], [`TrackCounts`] and [`AlarmRow`] are the states of processes, sources, system
-//!   tracks and alarms.
+//! - [`ObservedProcess`], [`SourceState`], [`TrackCounts`] and [`StandingAlarm`] are the states of processes, sources,
+//!   system tracks and alarms.
 //!
 //! A reader with the configuration gives the configured sources; without, sources are those with messages.
 //!
@@ -26,9 +26,9 @@ mod process;
 mod source;
 mod track_counts;
 
-pub use book::{ChildState, HealthBook, Latest, NO_MESSAGE};
+pub use book::{ChildState, HealthBook, LatestHealth, NO_MESSAGE};
 pub use deployment::Deployment;
-pub use present::AlarmRow;
-pub use process::{Process, State, process_title, remark};
-pub use source::{Source, SourceState};
+pub use present::StandingAlarm;
+pub use process::{ObservedProcess, ProcessState, process_title, remark};
+pub use source::{SourceFacts, SourceState};
 pub use track_counts::TrackCounts;

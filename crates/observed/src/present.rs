@@ -43,7 +43,7 @@ impl PresentAlarms {
 
 /// Standing alarm in words.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct AlarmRow {
+pub struct StandingAlarm {
     /// Word for the severity; `?` for an unknown one.
     pub severity: &'static str,
     /// Word for the kind; `?` for a kind of another version: its sentence is complete all the same.
@@ -56,7 +56,7 @@ pub struct AlarmRow {
     pub remedy: &'static str,
 }
 
-impl From<&Alarm> for AlarmRow {
+impl From<&Alarm> for StandingAlarm {
     fn from(alarm: &Alarm) -> Self {
         let kind = AlarmKind::from_code(alarm.code);
         Self {

@@ -7,14 +7,14 @@ use serde::{Serialize, Serializer};
 
 /// One process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Process {
+pub struct ObservedProcess {
     /// Kind; `None` for a child of the launcher without any health message.
     #[serde(serialize_with = "as_word")]
     pub kind: Option<ProcessKind>,
     /// Name.
     pub name: String,
     /// State.
-    pub state: State,
+    pub state: ProcessState,
     /// Number of restarts.
     pub restarts: u32,
     /// Last unexpected end.
@@ -25,7 +25,7 @@ pub struct Process {
     pub pid: Option<u32>,
 }
 
-impl Process {
+impl ObservedProcess {
     /// Returns the name as text.
     pub fn title(&self) -> String {
         match self.kind {
@@ -60,7 +60,7 @@ pub fn remark(last_end: &str, note: &str) -> String {
 
 /// State of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum ProcessState {
     /// Without any health message.
     NotHeard,
     /// Without recent health messages, though the process has not ended.
@@ -72,7 +72,7 @@ pub enum State {
     Life(LifeState),
 }
 
-impl State {
+impl ProcessState {
     /// Whether the state needs attention.
     pub fn is_troubled(self) -> bool {
         match self {
@@ -82,7 +82,7 @@ impl State {
     }
 }
 
-impl fmt::Display for State {
+impl fmt::Display for ProcessState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotHeard => f.write_str("not heard from"),
@@ -92,7 +92,7 @@ impl fmt::Display for State {
     }
 }
 
-impl Serialize for State {
+impl Serialize for ProcessState {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }

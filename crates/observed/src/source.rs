@@ -6,7 +6,7 @@ use crate::book::HealthBook;
 
 /// Configured facts about a source.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Source {
+pub struct SourceFacts {
     /// Number.
     pub number: u16,
     /// Name.
@@ -111,7 +111,7 @@ impl Delivery {
 
 /// Returns the number of samples that a source has delivered: by its adapter; by fusion for a source without an
 /// adapter.
-pub(crate) fn delivered(book: &HealthBook, source: &Source) -> u64 {
+pub(crate) fn delivered(book: &HealthBook, source: &SourceFacts) -> u64 {
     if source.is_external {
         return book.service(ProcessKind::Fusion, source.number)[Counter::Taken];
     }
@@ -122,7 +122,7 @@ pub(crate) fn delivered(book: &HealthBook, source: &Source) -> u64 {
 
 /// Whether a message of the process (`kind`, `name`) about the source `number` may change the samples delivered by
 /// `source`.
-pub(crate) fn concerns(source: &Source, kind: ProcessKind, name: &str, number: u16) -> bool {
+pub(crate) fn concerns(source: &SourceFacts, kind: ProcessKind, name: &str, number: u16) -> bool {
     match source.is_external {
         true => kind == ProcessKind::Fusion && number == source.number,
         false => kind == ProcessKind::Adapter && name == source.adapter && [source.number, NO_SOURCE].contains(&number),

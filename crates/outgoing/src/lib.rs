@@ -145,12 +145,12 @@ enum Unsent {
 
 /// The block of one category that is being filled, and the counters.
 #[derive(Debug)]
-struct Outbox {
+struct BlockOutbox {
     blocks: BlockWriter,
     counts: OutgoingCounts,
 }
 
-impl Outbox {
+impl BlockOutbox {
     fn new(category: u8, block_octets_max: usize) -> Result<Self, OutgoingError> {
         if !(BLOCK_OCTETS_LEAST..=BLOCK_OCTETS_MOST).contains(&block_octets_max) {
             return Err(OutgoingError::BlockSize {

@@ -21,14 +21,14 @@ pub(super) type Axis = [f64; 3];
 
 /// A target's place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct TargetPlace {
     /// Latitude, longitude and height above the ellipsoid.
     pub(super) geodetic: Geodetic,
     /// East, north and up at the target.
     axes: [Axis; 3],
 }
 
-impl Place {
+impl TargetPlace {
     /// The place of a system position, metres; `None` for one that no target has.
     pub(super) fn new(system: &SystemFrame, position_m: [f64; 3]) -> Option<Self> {
         // Written so that NaN fails.
@@ -117,13 +117,13 @@ mod tests {
             [0.0, f64::INFINITY, 0.0],
             [0.0, 0.0, 2e5],
         ] {
-            assert!(Place::new(&system(), position).is_none(), "{position:?}");
+            assert!(TargetPlace::new(&system(), position).is_none(), "{position:?}");
         }
     }
 
     #[test]
     fn far_from_the_origin_the_vertical_leans() {
-        let place = Place::new(&system(), [400e3, 0.0, 0.0]).unwrap();
+        let place = TargetPlace::new(&system(), [400e3, 0.0, 0.0]).unwrap();
         let lean = place.up()[0].asin().to_degrees();
         assert!((lean - 3.6).abs() < 0.05, "{lean}");
         // A level flight towards the east sinks below the system's plane, and so is a little faster than in the plane.
@@ -141,7 +141,7 @@ mod tests {
             position in [-400e3..400e3f64, -400e3..400e3f64, -20e3..20e3f64],
             velocity in prop::array::uniform3(-300.0..300.0f64),
         ) {
-            let place = Place::new(&system(), position).unwrap();
+            let place = TargetPlace::new(&system(), position).unwrap();
             let local = SystemFrame::at(place.geodetic);
             let later = [0, 1, 2].map(|axis| position[axis] + velocity[axis]);
             let moved = local.to_local(system().to_geodetic(later));

@@ -6,7 +6,7 @@
 //! 0.
 
 use super::quantity::nearest;
-use super::{Outbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
+use super::{BlockOutbox, OutgoingCounts, OutgoingError, SendBlock, check_category, items};
 use asterix::categories::{CAT063, CAT065};
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Category, Frn, RecordWriter};
@@ -135,8 +135,8 @@ pub struct SensorBiases {
 pub struct StatusReports {
     source: [u8; 2],
     service: Option<u8>,
-    of_system: (RecordWriter, Outbox),
-    of_sensors: (RecordWriter, Outbox),
+    of_system: (RecordWriter, BlockOutbox),
+    of_sensors: (RecordWriter, BlockOutbox),
 }
 
 impl StatusReports {
@@ -159,11 +159,11 @@ impl StatusReports {
             service: None,
             of_system: (
                 RecordWriter::new(of_system),
-                Outbox::new(of_system.number, block_octets_max)?,
+                BlockOutbox::new(of_system.number, block_octets_max)?,
             ),
             of_sensors: (
                 RecordWriter::new(of_sensors),
-                Outbox::new(of_sensors.number, block_octets_max)?,
+                BlockOutbox::new(of_sensors.number, block_octets_max)?,
             ),
         })
     }

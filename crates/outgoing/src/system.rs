@@ -41,10 +41,10 @@ use messages::{
 };
 
 use super::items;
-use super::place::{self, Place};
+use super::place::{self, TargetPlace};
 use super::quantity;
 use super::track_numbers::TrackNumbers;
-use super::{HeightReference, Outbox, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
+use super::{BlockOutbox, HeightReference, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category};
 use asterix::categories::CAT062;
 use asterix::field::{Elements, Field, added, elements, field, item, subitem, whole};
 use asterix::{Category, Frn, RecordWriter};
@@ -157,7 +157,7 @@ pub struct SystemSource {
 
 /// Memory of a track between its states.
 #[derive(Clone, Copy, Debug)]
-struct Support {
+struct SystemTrackMemory {
     /// Time of the last update by each kind of source, nanoseconds; `i64::MIN` for never.
     last_ns: [i64; KINDS],
     /// Kinds that supported it when last any source did.
@@ -168,7 +168,7 @@ struct Support {
     sources: u16,
 }
 
-impl Default for Support {
+impl Default for SystemTrackMemory {
     fn default() -> Self {
         Self {
             last_ns: [i64::MIN; KINDS],
@@ -182,16 +182,16 @@ impl Default for Support {
 /// Sends system tracks as CAT062.
 #[derive(Debug)]
 pub struct SystemReports {
-    outbox: Outbox,
+    outbox: BlockOutbox,
     record: RecordWriter,
-    numbers: TrackNumbers<Support>,
-    form: Form,
+    numbers: TrackNumbers<SystemTrackMemory>,
+    form: RecordForm,
     with_tentative: bool,
 }
 
 /// Settings that are the same for all records.
 #[derive(Debug)]
-struct Form {
+struct RecordForm {
     source: [u8; 2],
     service: Option<u8>,
     frame: SystemFrame,
@@ -208,13 +208,13 @@ struct Form {
 }
 
 /// Report of a track, with the values needed by its record.
-struct Report<'t> {
+struct SystemReport<'t> {
     track: &'t SystemTrack,
-    place: Place,
+    place: TargetPlace,
     number: u16,
     is_first: bool,
     is_last: bool,
-    support: Support,
+    support: SystemTrackMemory,
     /// Kinds of sources that support it now.
     fresh: u8,
 }
@@ -241,10 +241,10 @@ impl SystemReports {
             technologies[usize::from(source.number)] = source.technology;
         }
         Ok(Self {
-            outbox: Outbox::new(table.number, block_octets_max)?,
+            outbox: BlockOutbox::new(table.number, block_octets_max)?,
             record: RecordWriter::new(table),
             numbers: TrackNumbers::new(u16::MAX, TRACKS_MAX),
-            form: Form {
+            form: RecordForm {
                 source: [sac, sic],
                 service: None,
                 frame: system,
@@ -321,7 +321,7 @@ impl SystemReports {
         if state == TrackState::Tentative && !self.with_tentative {
             return Err(Unsent::Withheld);
         }
-        let place = Place::new(&self.form.frame, track.position_m).ok_or(Unsent::Position)?;
+        let place = TargetPlace::new(&self.form.frame, track.position_m).ok_or(Unsent::Position)?;
         let is_last = state == TrackState::Terminated;
         let entry = if is_last {
             let entry = self.numbers.end(track.track_number, track.reference_time_ns);
@@ -333,7 +333,7 @@ impl SystemReports {
             *entry
         };
         self.form.write(
-            &Report {
+            &SystemReport {
                 track,
                 place,
                 number: entry.number,
@@ -348,14 +348,14 @@ impl SystemReports {
     }
 }
 
-impl Form {
+impl RecordForm {
     fn technology(&self, source: u16) -> Technology {
         let known = self.technologies.get(usize::from(source));
         known.copied().unwrap_or(Technology::Other)
     }
 
     /// Stores the present support of a track.
-    fn remember(&self, support: &mut Support, track: &SystemTrack) {
+    fn remember(&self, support: &mut SystemTrackMemory, track: &SystemTrack) {
         let contributions = track.contributions();
         if contributions.is_empty() {
             return;
@@ -382,7 +382,7 @@ impl Form {
             })
     }
 
-    fn write(&self, report: &Report<'_>, record: &mut RecordWriter) {
+    fn write(&self, report: &SystemReport<'_>, record: &mut RecordWriter) {
         let track = report.track;
         items::source(record, &SOURCE, self.source);
         items::number(record, &SERVICE, self.service.map(i64::from));
@@ -415,7 +415,7 @@ impl Form {
     }
 
     /// Writes I062/080.
-    fn status(&self, report: &Report<'_>, record: &mut RecordWriter) {
+    fn status(&self, report: &SystemReport<'_>, record: &mut RecordWriter) {
         let track = report.track;
         let state = TrackState::from_code(track.state);
         let geometric = track.height_valid != 0 && self.height == HeightReference::Geometric;
@@ -443,7 +443,7 @@ impl Form {
             );
     }
 
-    fn vertical(&self, report: &Report<'_>, record: &mut RecordWriter) {
+    fn vertical(&self, report: &SystemReport<'_>, record: &mut RecordWriter) {
         let height_m = report.place.geodetic.height_m();
         match self.height {
             HeightReference::Geometric => items::height(record, &GEOMETRIC_ALTITUDE, Some(height_m)),
@@ -454,13 +454,13 @@ impl Form {
     }
 
     /// Writes I062/500, where the greatest numbers mean "or more".
-    fn accuracies(&self, report: &Report<'_>, record: &mut RecordWriter) {
-        let Accuracies {
+    fn accuracies(&self, report: &SystemReport<'_>, record: &mut RecordWriter) {
+        let StandardDeviations {
             position,
             height,
             velocity,
             climb,
-        } = Accuracies::new(report);
+        } = StandardDeviations::new(report);
         if let Some([x, y, root]) = position {
             record
                 .subitem(ACCURACIES, APC)
@@ -536,7 +536,7 @@ fn identification(track: &SystemTrack, record: &mut RecordWriter) {
 }
 
 /// Standard deviations of a track, if its covariance is valid.
-struct Accuracies {
+struct StandardDeviations {
     /// Deviations of x and y in the system's plane, and the signed root of their covariance, metres.
     position: Option<[f64; 3]>,
     /// Deviation of height, metres.
@@ -547,8 +547,8 @@ struct Accuracies {
     climb: Option<f64>,
 }
 
-impl Accuracies {
-    fn new(report: &Report<'_>) -> Self {
+impl StandardDeviations {
+    fn new(report: &SystemReport<'_>) -> Self {
         let covariance = &report.track.covariance;
         let has_height = report.track.height_valid != 0;
         let [east, north] = report.place.horizontal(has_height);
@@ -569,7 +569,7 @@ impl Accuracies {
     }
 }
 
-impl Support {
+impl SystemTrackMemory {
     /// SDS: 0 co-operative and primary, 1 co-operative, 2 primary, 3 not known.
     fn data_source(&self) -> u8 {
         let primary = self.kinds & Technology::Primary.bit() != 0;
@@ -584,7 +584,7 @@ impl Support {
 }
 
 /// Writes I062/290: how long ago each kind of source last updated the track.
-fn ages(report: &Report<'_>, record: &mut RecordWriter) {
+fn ages(report: &SystemReport<'_>, record: &mut RecordWriter) {
     for (last_ns, (position, field)) in report.support.last_ns.iter().zip(AGES_BY_KIND) {
         if *last_ns != i64::MIN {
             let age_ns = report.track.reference_time_ns.saturating_sub(*last_ns);

@@ -21,7 +21,7 @@ const SILENCE_NS: i64 = 600_000_000_000;
 /// Table of short numbers, with data `T` of each track.
 #[derive(Debug)]
 pub(super) struct TrackNumbers<T> {
-    tracks: FxHashMap<u32, Track<T>>,
+    tracks: FxHashMap<u32, NumberedTrack<T>>,
     tracks_max: usize,
     /// Bit n for the number n.
     taken: Vec<u64>,
@@ -33,7 +33,7 @@ pub(super) struct TrackNumbers<T> {
 
 /// A track in the table.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Track<T> {
+pub(super) struct NumberedTrack<T> {
     /// Short number.
     pub(super) number: u16,
     /// True for its first report.
@@ -60,16 +60,16 @@ impl<T: Default> TrackNumbers<T> {
 
     /// Returns the entry of a track with a report at `now_ns`, a new entry at the first report; `None` if the table
     /// is full. A terminated track restarts with its number.
-    pub(super) fn report(&mut self, track: u32, now_ns: i64) -> Option<&mut Track<T>> {
+    pub(super) fn report(&mut self, track: u32, now_ns: i64) -> Option<&mut NumberedTrack<T>> {
         if !self.tracks.contains_key(&track) {
             let number = self.free_number(track, now_ns)?;
             self.taken[usize::from(number) / 64] |= 1 << (number % 64);
-            self.tracks.insert(track, Track::new(number, now_ns));
+            self.tracks.insert(track, NumberedTrack::new(number, now_ns));
             return self.tracks.get_mut(&track);
         }
         let entry = self.tracks.get_mut(&track)?;
         if entry.ended {
-            *entry = Track::new(entry.number, now_ns);
+            *entry = NumberedTrack::new(entry.number, now_ns);
         } else {
             entry.is_first = false;
             entry.last_ns = now_ns;
@@ -78,7 +78,7 @@ impl<T: Default> TrackNumbers<T> {
     }
 
     /// The entry of a track that ends; `None` if it never reported or has ended before.
-    pub(super) fn end(&mut self, track: u32, now_ns: i64) -> Option<&Track<T>> {
+    pub(super) fn end(&mut self, track: u32, now_ns: i64) -> Option<&NumberedTrack<T>> {
         let entry = self.tracks.get_mut(&track).filter(|entry| !entry.ended)?;
         entry.ended = true;
         entry.is_first = false;
@@ -118,7 +118,7 @@ impl<T: Default> TrackNumbers<T> {
     }
 }
 
-impl<T: Default> Track<T> {
+impl<T: Default> NumberedTrack<T> {
     fn new(number: u16, now_ns: i64) -> Self {
         Self {
             number,
@@ -130,7 +130,7 @@ impl<T: Default> Track<T> {
     }
 }
 
-impl<T> Track<T> {
+impl<T> NumberedTrack<T> {
     /// Time at which it may leave the table, nanoseconds.
     fn leaves_ns(&self) -> i64 {
         self.last_ns

@@ -7,9 +7,9 @@
 use frames::{SensorFrame, polar_covariance};
 use messages::{Counter, Covariance};
 
-use super::placing::Placed;
+use super::placing::SystemPosition;
 use super::velocity::Slope;
-use super::{CovarianceFrom, PoorQuality, SourceModel};
+use super::{ConversionModel, CovarianceFrom, PoorQuality};
 use observations::RADIUS95_SIGMAS;
 use observations::{Observation, Position, Quality};
 
@@ -57,7 +57,7 @@ impl Velocity {
 
 /// Returns the report's own horizontal covariance of the used position, if stated and permitted by the configuration.
 pub(crate) fn own_position(
-    model: &SourceModel,
+    model: &ConversionModel,
     observation: &Observation,
     used: Position,
 ) -> Result<Option<Horizontal>, Counter> {
@@ -88,7 +88,11 @@ pub(crate) fn own_position(
 }
 
 /// Returns the report's own covariance of the velocity in the system frame, in the axes of `axes`.
-pub(crate) fn own_velocity(model: &SourceModel, observation: &Observation, axes: &SensorFrame) -> Option<Horizontal> {
+pub(crate) fn own_velocity(
+    model: &ConversionModel,
+    observation: &Observation,
+    axes: &SensorFrame,
+) -> Option<Horizontal> {
     let stated = observation
         .velocity_covariance
         .filter(|_| model.covariance.from == CovarianceFrom::Report)?;
@@ -97,8 +101,8 @@ pub(crate) fn own_velocity(model: &SourceModel, observation: &Observation, axes:
 
 /// The covariance of a whole report.
 pub(crate) fn covariance(
-    model: &SourceModel,
-    placed: &Placed,
+    model: &ConversionModel,
+    placed: &SystemPosition,
     own: Option<Horizontal>,
     height_known: bool,
     velocity: Velocity,
@@ -129,7 +133,7 @@ pub(crate) fn covariance(
 }
 
 /// Covariance of a position as configured: of range and azimuth, else of the plane.
-fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
+fn sensor_position(model: &ConversionModel, placed: &SystemPosition) -> Horizontal {
     let plane = model.covariance.position_sigma_m;
     let Some(sigma) = model.covariance.polar() else {
         return [plane * plane, 0.0, plane * plane];
@@ -145,7 +149,7 @@ fn sensor_position(model: &SourceModel, placed: &Placed) -> Horizontal {
 }
 
 /// Adds the error along the line of sight caused by an assumed height.
-fn wider([xx, xy, yy]: Horizontal, model: &SourceModel, placed: &Placed) -> Horizontal {
+fn wider([xx, xy, yy]: Horizontal, model: &ConversionModel, placed: &SystemPosition) -> Horizontal {
     let along_m2 = placed.slant.map_or(0.0, |slant| slant.height_error_m2());
     let [more_xx, more_xy, more_yy] = along_and_across(from_sensor(model, placed), along_m2, 0.0);
     [xx + more_xx, xy + more_xy, yy + more_yy]
@@ -162,7 +166,7 @@ fn of_slope([xx, xy, yy]: Horizontal, slope: Slope) -> Horizontal {
     ]
 }
 
-fn from_sensor(model: &SourceModel, placed: &Placed) -> [f64; 2] {
+fn from_sensor(model: &ConversionModel, placed: &SystemPosition) -> [f64; 2] {
     let [x0, y0] = model.frame.place();
     [placed.position_m[0] - x0, placed.position_m[1] - y0]
 }

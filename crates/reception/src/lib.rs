@@ -27,7 +27,7 @@ use settings::{Degrees, Seconds, SettingsError};
 
 /// Model of a source for the converter.
 #[derive(Clone, Copy, Debug)]
-pub struct SourceModel {
+pub struct ConversionModel {
     /// Number of the source.
     pub number: u16,
     /// Only reports of this SAC/SIC are taken, where given.
@@ -50,7 +50,7 @@ pub struct SourceModel {
     /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
     pub qnh_hpa: f64,
     /// Limits of the sensor's reports.
-    pub limits: Limits,
+    pub limits: PlausibilityLimits,
     /// How accurate they are.
     pub covariance: CovarianceModel,
 }
@@ -69,8 +69,8 @@ impl Method {
 settings::settings! {
     /// Limits of a source's reports; anything else is rejected and counted.
     #[derive(Copy)]
-    pub struct Limits {
-        check Limits::check;
+    pub struct PlausibilityLimits {
+        check PlausibilityLimits::check;
         /// Largest distance from the sensor.
         range_m: f64 = 400e3, in [1, 2e6];
         /// Lowest height.
@@ -153,7 +153,7 @@ settings::words! {
     }
 }
 
-impl Limits {
+impl PlausibilityLimits {
     /// Distance of a time from that of receipt beyond which it is not believed: well below the time after which tracks
     /// end.
     pub fn clock_step(&self) -> Seconds {

@@ -23,7 +23,7 @@
 use frames::Geodetic;
 use messages::Counter;
 
-use super::SourceModel;
+use super::ConversionModel;
 use observations::{Plane, Position};
 
 /// Height that hardly any target without a transponder exceeds, metres.
@@ -66,7 +66,7 @@ impl Height {
 
 /// A position in the system frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct SystemPosition {
     pub(crate) position_m: [f64; 3],
     /// Slant range of the measurement, if any.
     pub(crate) slant: Option<Slant>,
@@ -84,12 +84,12 @@ pub(crate) struct Slant {
 }
 
 /// Places a position.
-pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> Result<Placed, Counter> {
+pub(crate) fn place(model: &ConversionModel, position: Position, height: Height) -> Result<SystemPosition, Counter> {
     if !is_possible(model, position) {
         return Err(Counter::RejectedPosition);
     }
     let height_m = height.value_m().unwrap_or(model.height_m);
-    let above = |offset: [f64; 2]| Placed {
+    let above = |offset: [f64; 2]| SystemPosition {
         position_m: model.frame.above(offset, height_m),
         slant: None,
     };
@@ -101,7 +101,7 @@ pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> 
         Position::Slant(polar) => slant(model, polar, height),
         Position::Geodetic([latitude, longitude]) => {
             let place = Geodetic::from_degrees(latitude.to_degrees(), longitude.to_degrees(), height_m);
-            Placed {
+            SystemPosition {
                 position_m: model.system.to_local(place.map_err(|_| Counter::RejectedPosition)?),
                 slant: None,
             }
@@ -121,7 +121,7 @@ pub(crate) fn place(model: &SourceModel, position: Position, height: Height) -> 
 
 /// Whether there is any sense in converting a position: numbers that are none, or that no antenna measures, must not
 /// get into the geometry.
-fn is_possible(model: &SourceModel, position: Position) -> bool {
+fn is_possible(model: &ConversionModel, position: Position) -> bool {
     let (distance_m, angle_rad) = match position {
         Position::Cartesian([x, y], _) => (x.hypot(y), 0.0),
         Position::Polar([range, azimuth]) | Position::Slant([range, azimuth]) => (range, azimuth),
@@ -130,14 +130,14 @@ fn is_possible(model: &SourceModel, position: Position) -> bool {
     (0.0..=model.limits.range_m + HEIGHT_MAX_M).contains(&distance_m) && angle_rad.is_finite()
 }
 
-fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) -> Placed {
+fn slant(model: &ConversionModel, [range_m, azimuth_rad]: [f64; 2], height: Height) -> SystemPosition {
     let half_m = 0.5 * range_m;
     let assumed_m = model
         .assumed_height_m
         .min(model.height_m + half_m)
         .max(model.height_m - half_m);
     let height_m = height.value_m().unwrap_or(assumed_m);
-    Placed {
+    SystemPosition {
         position_m: model.frame.slant(range_m, azimuth_rad, height_m),
         slant: Some(Slant {
             range_m,
@@ -150,12 +150,12 @@ fn slant(model: &SourceModel, [range_m, azimuth_rad]: [f64; 2], height: Height) 
 
 /// On a sphere of radius R, a point at distance d on the map is at the angle c = 2·atan(d/2R) from the centre. The
 /// angle gives the slant distance to a target above the point, and thereby the place on the ellipsoid.
-fn stereographic(model: &SourceModel, [x, y]: [f64; 2], height_m: f64) -> Placed {
+fn stereographic(model: &ConversionModel, [x, y]: [f64; 2], height_m: f64) -> SystemPosition {
     let (near, far) = (EARTH_RADIUS_M + model.height_m, EARTH_RADIUS_M + height_m);
     let tangent = x.hypot(y) / (2.0 * EARTH_RADIUS_M);
     let sine_squared = tangent * tangent / (1.0 + tangent * tangent);
     let range_m = ((far - near).powi(2) + 4.0 * near * far * sine_squared).sqrt();
-    Placed {
+    SystemPosition {
         position_m: model.frame.slant(range_m, x.atan2(y), height_m),
         slant: None,
     }

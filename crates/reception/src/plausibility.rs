@@ -8,7 +8,7 @@
 
 use messages::Counter;
 
-use super::Limits;
+use super::PlausibilityLimits;
 use super::velocity::Positions;
 
 /// Refused reports in a row that agree with each other before they are believed.
@@ -29,7 +29,7 @@ pub(crate) struct TrackMemory {
 
 impl TrackMemory {
     /// Whether the track may have got to `position` at `time_ns`; remembers it if so.
-    pub(crate) fn accepts(&mut self, limits: &Limits, time_ns: i64, position: [f64; 2]) -> bool {
+    pub(crate) fn accepts(&mut self, limits: &PlausibilityLimits, time_ns: i64, position: [f64; 2]) -> bool {
         if reachable(limits, self.positions.newest(), time_ns, position) {
             self.refused = None;
             self.agreeing = 0;
@@ -50,7 +50,7 @@ impl TrackMemory {
     }
 }
 
-fn reachable(limits: &Limits, from: Option<(i64, [f64; 2])>, time_ns: i64, to: [f64; 2]) -> bool {
+fn reachable(limits: &PlausibilityLimits, from: Option<(i64, [f64; 2])>, time_ns: i64, to: [f64; 2]) -> bool {
     let Some((from_ns, from)) = from else { return true };
     let seconds = (time_ns - from_ns).abs() as f64 / messages::NS_PER_S;
     (to[0] - from[0]).hypot(to[1] - from[1]) <= limits.speed_mps * seconds + limits.jump_m
@@ -69,7 +69,7 @@ impl TimeCheck {
 
     /// Checks `time_ns` against the running time. Two stamps in a row that agree with each other are believed: there
     /// was a gap.
-    pub(crate) fn check(&mut self, limits: &Limits, running_ns: i64, time_ns: i64) -> Result<(), Counter> {
+    pub(crate) fn check(&mut self, limits: &PlausibilityLimits, running_ns: i64, time_ns: i64) -> Result<(), Counter> {
         let near = |other: i64| (time_ns - other).abs() <= limits.running_step().ns();
         let insists = time_ns > running_ns && self.refused_ns.is_some_and(near);
         if near(running_ns) || insists {
@@ -86,8 +86,8 @@ mod tests {
     use super::*;
     use test_support::S;
 
-    fn limits() -> Limits {
-        Limits {
+    fn limits() -> PlausibilityLimits {
+        PlausibilityLimits {
             range_m: 1e5,
             height_min_m: -500.0,
             height_max_m: 2e4,

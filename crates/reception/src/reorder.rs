@@ -16,14 +16,14 @@ use messages::SensorTrack;
 /// Reports held back until no earlier one can follow.
 #[derive(Debug)]
 pub struct Reorder {
-    held: BinaryHeap<Held>,
+    held: BinaryHeap<HeldReport>,
     window_ns: i64,
     newest_ns: i64,
     next_place: u64,
 }
 
 #[derive(Debug)]
-struct Held {
+struct HeldReport {
     time_ns: i64,
     place: u64,
     report: SensorTrack,
@@ -57,7 +57,7 @@ impl Reorder {
             return false;
         }
         self.advance(time_ns);
-        self.held.push(Held {
+        self.held.push(HeldReport {
             time_ns,
             place: self.next_place,
             report,
@@ -81,26 +81,26 @@ impl Reorder {
     }
 }
 
-impl Ord for Held {
+impl Ord for HeldReport {
     fn cmp(&self, other: &Self) -> Ordering {
         // The heap's greatest is the earliest.
         (other.time_ns, other.place).cmp(&(self.time_ns, self.place))
     }
 }
 
-impl PartialOrd for Held {
+impl PartialOrd for HeldReport {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Held {
+impl PartialEq for HeldReport {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Held {}
+impl Eq for HeldReport {}
 
 #[cfg(test)]
 mod tests {

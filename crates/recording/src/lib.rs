@@ -25,11 +25,11 @@ mod tally;
 mod whole;
 mod writer;
 
-pub use part::{Part, copy};
+pub use part::{RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
-pub use whole::{Whole, closing, whole};
+pub use whole::{ReadablePart, closing, whole};
 pub use writer::{Channel, Writer};
 
 /// Name of the metadata with the origin of a file.

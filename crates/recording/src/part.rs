@@ -13,7 +13,7 @@ use crate::writer::{Channel, Writer};
 
 /// Part of a recording.
 #[derive(Clone, Debug, Default)]
-pub struct Part {
+pub struct RecordingPart {
     /// Time at which the first slice was taken, UTC, nanoseconds; `None` for the beginning.
     pub from_ns: Option<u64>,
     /// Time at which the last slice was taken, UTC, nanoseconds; `None` for the end.
@@ -22,7 +22,7 @@ pub struct Part {
     pub topics: Vec<String>,
 }
 
-impl Part {
+impl RecordingPart {
     fn has_topic(&self, name: &str) -> bool {
         let is_in = |wanted: &String| {
             let rest = name.strip_prefix(wanted.as_str());
@@ -50,16 +50,16 @@ impl Part {
 /// If a file cannot be read, or `out` cannot be written.
 pub fn copy<R: Read + Seek, W: Write + Seek>(
     files: impl IntoIterator<Item = R>,
-    part: &Part,
+    part: &RecordingPart,
     out: W,
 ) -> Result<u64, RecordingError> {
-    let mut copying = Copying {
+    let mut copying = PartCopier {
         part,
         before: Survey::default(),
         topics: BTreeMap::new(),
         out: Some(out),
         writer: None,
-        place: Place::Outside,
+        place: SlicePlace::Outside,
         samples: 0,
     };
     for mut file in files {
@@ -71,26 +71,26 @@ pub fn copy<R: Read + Seek, W: Write + Seek>(
     Ok(copying.samples)
 }
 
-struct Copying<'a, W: Write + Seek> {
-    part: &'a Part,
+struct PartCopier<'a, W: Write + Seek> {
+    part: &'a RecordingPart,
     /// Contents before the part.
     before: Survey,
-    topics: BTreeMap<String, Topic>,
+    topics: BTreeMap<String, CopiedTopic>,
     out: Option<W>,
     /// Copy, once the part has begun.
     writer: Option<Writer<W>>,
-    place: Place,
+    place: SlicePlace,
     samples: u64,
 }
 
 /// Place of the present slice.
-enum Place {
+enum SlicePlace {
     Before,
-    In(Slice),
+    In(CopiedSlice),
     Outside,
 }
 
-struct Topic {
+struct CopiedTopic {
     schema: String,
     definition: Vec<u8>,
     fingerprint: String,
@@ -98,7 +98,7 @@ struct Topic {
 }
 
 /// Slice in progress.
-struct Slice {
+struct CopiedSlice {
     topic: String,
     header: BatchHeader,
     taken_ns: u64,
@@ -107,7 +107,7 @@ struct Slice {
     sample_size: usize,
 }
 
-impl<W: Write + Seek> Copying<'_, W> {
+impl<W: Write + Seek> PartCopier<'_, W> {
     fn item(&mut self, item: Item<'_>) -> Result<(), RecordingError> {
         match item {
             Item::Facts(_) => self.before.item(item),
@@ -118,7 +118,7 @@ impl<W: Write + Seek> Copying<'_, W> {
                 fingerprint,
                 ..
             } if self.part.has_topic(name) && !self.topics.contains_key(name) => {
-                let topic = Topic {
+                let topic = CopiedTopic {
                     schema: schema.to_owned(),
                     definition: definition.to_owned(),
                     fingerprint: fingerprint.to_owned(),
@@ -135,10 +135,10 @@ impl<W: Write + Seek> Copying<'_, W> {
             } => {
                 self.end_slice()?;
                 if self.writer.is_none() && self.part.is_before(taken_ns) {
-                    self.place = Place::Before;
+                    self.place = SlicePlace::Before;
                     self.before.item(item);
                 } else if self.part.has_topic(topic) && !self.part.is_after(taken_ns) {
-                    self.place = Place::In(Slice {
+                    self.place = SlicePlace::In(CopiedSlice {
                         topic: topic.to_owned(),
                         header,
                         taken_ns,
@@ -149,19 +149,19 @@ impl<W: Write + Seek> Copying<'_, W> {
                 }
             }
             Item::Sample { octets, .. } => match &mut self.place {
-                Place::Before => self.before.item(item),
-                Place::In(slice) => {
+                SlicePlace::Before => self.before.item(item),
+                SlicePlace::In(slice) => {
                     slice.octets.extend_from_slice(octets);
                     slice.sample_size = octets.len();
                 }
-                Place::Outside => {}
+                SlicePlace::Outside => {}
             },
         }
         Ok(())
     }
 
     fn end_slice(&mut self) -> Result<(), RecordingError> {
-        let Place::In(slice) = std::mem::replace(&mut self.place, Place::Outside) else {
+        let SlicePlace::In(slice) = std::mem::replace(&mut self.place, SlicePlace::Outside) else {
             return Ok(());
         };
         self.writer()?;

@@ -9,7 +9,7 @@ use messages::layout::{ALL, Sample as _};
 use messages::{BatchHeader, Conversion};
 
 use crate::record::{Fields, HEAD, head_of, is_needed};
-use crate::whole::{Whole, whole};
+use crate::whole::{ReadablePart, whole};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Item of a file, in the file's order.
@@ -89,7 +89,7 @@ pub struct Chunks<R> {
     next: u64,
     /// Position of `file`; `None` if unknown.
     at: Option<u64>,
-    names: Names,
+    names: ChannelNames,
     record: Vec<u8>,
 }
 
@@ -99,14 +99,14 @@ impl<R: Read + Seek> Chunks<R> {
     /// # Errors
     /// If the file cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
-        let Whole { bytes, is_ended } = whole(&mut file)?;
+        let ReadablePart { bytes, is_ended } = whole(&mut file)?;
         Ok(Self {
             file,
             end: bytes,
             is_ended,
             next: mcap::MAGIC.len() as u64,
             at: None,
-            names: Names::default(),
+            names: ChannelNames::default(),
             record: Vec::new(),
         })
     }
@@ -186,23 +186,23 @@ impl<R: Read + Seek> Chunks<R> {
 /// # Errors
 /// If the file cannot be read.
 pub fn facts<R: Read + Seek>(file: &mut R) -> Result<Option<Facts>, RecordingError> {
-    enum Stop {
+    enum ReadStop {
         Found(Facts),
         Failed(RecordingError),
     }
-    impl From<RecordingError> for Stop {
+    impl From<RecordingError> for ReadStop {
         fn from(error: RecordingError) -> Self {
             Self::Failed(error)
         }
     }
     let found = read(file, |item| match item {
-        Item::Facts(facts) => Err(Stop::Found(facts)),
+        Item::Facts(facts) => Err(ReadStop::Found(facts)),
         _ => Ok(()),
     });
     match found {
         Ok(_) => Ok(None),
-        Err(Stop::Found(facts)) => Ok(Some(facts)),
-        Err(Stop::Failed(error)) => Err(error),
+        Err(ReadStop::Found(facts)) => Ok(Some(facts)),
+        Err(ReadStop::Failed(error)) => Err(error),
     }
 }
 
@@ -212,9 +212,9 @@ const DESCRIPTION_BYTES: usize = 4 << 20;
 
 /// Channels and schemas of one file.
 #[derive(Debug, Default)]
-struct Names {
+struct ChannelNames {
     schemas: BTreeMap<u16, (String, Vec<u8>)>,
-    topics: BTreeMap<u16, Topic>,
+    topics: BTreeMap<u16, ChannelTopic>,
     /// Whether samples of other layouts are passed without conversion.
     as_recorded: bool,
     /// Latest converted sample.
@@ -223,7 +223,7 @@ struct Names {
 
 /// Topic of one channel.
 #[derive(Debug)]
-struct Topic {
+struct ChannelTopic {
     name: String,
     /// Conversion of the samples, if another build recorded them with another layout.
     conversion: Option<Conversion>,
@@ -240,7 +240,7 @@ fn conversion_of(schema: &str, definition: &[u8], fingerprint: Option<&String>) 
     Conversion::of_schema(name, std::str::from_utf8(definition).ok()?)
 }
 
-impl Names {
+impl ChannelNames {
     /// Passes the item of a record to `visit`.
     fn show<E: From<RecordingError>>(
         &mut self,
@@ -279,7 +279,7 @@ impl Names {
         let metadata = fields.map()?;
         let (fingerprint, schema) = (metadata.get(FINGERPRINT), self.schemas.get(&schema));
         let is_converted = !self.as_recorded;
-        let topic = self.topics.entry(id).or_insert_with(|| Topic {
+        let topic = self.topics.entry(id).or_insert_with(|| ChannelTopic {
             name: name.to_owned(),
             conversion: schema
                 .filter(|_| is_converted)
@@ -307,7 +307,7 @@ impl Names {
     ) -> Result<(), E> {
         let (channel, _sequence) = (fields.u16()?, fields.u32()?);
         let (taken_ns, sent_ns) = (fields.u64()?, fields.u64()?);
-        let Some(Topic { name, conversion }) = self.topics.get(&channel) else {
+        let Some(ChannelTopic { name, conversion }) = self.topics.get(&channel) else {
             return Ok(());
         };
         let recorded = fields.rest().strip_prefix(&CDR).unwrap_or_default();

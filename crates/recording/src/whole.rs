@@ -12,7 +12,7 @@ const DATA_END: u8 = 0x0f;
 
 /// Usable beginning of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Whole {
+pub struct ReadablePart {
     /// Length of whole data records from the beginning, bytes; 0 for a file of another kind.
     pub bytes: u64,
     /// Whether the file has its end.
@@ -23,10 +23,10 @@ pub struct Whole {
 ///
 /// # Errors
 /// If the file cannot be read at all.
-pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<Whole> {
+pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<ReadablePart> {
     let file_bytes = file.seek(SeekFrom::End(0))?;
     file.rewind()?;
-    let mut at = Whole {
+    let mut at = ReadablePart {
         bytes: 0,
         is_ended: false,
     };

@@ -6,7 +6,7 @@ use std::io::Cursor;
 
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Cue};
-use recording::{Chunks, Facts, Part, RecordingError, Survey, Writer, copy, facts};
+use recording::{Chunks, Facts, RecordingError, RecordingPart, Survey, Writer, copy, facts};
 
 /// Memory of the system, counted for each thread.
 struct Counting;
@@ -72,7 +72,7 @@ fn read(file: &[u8]) -> (Result<(), RecordingError>, usize) {
     });
     let copying = most_memory(|| {
         let out = Cursor::new(Vec::new());
-        let _ = copy([Cursor::new(file)], &Part::default(), out);
+        let _ = copy([Cursor::new(file)], &RecordingPart::default(), out);
     });
     // The copy itself is in memory here, and a second one while its vector grows.
     (first, most.max(copying.saturating_sub(2 * file.len())))

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use messages::layout::Sample as _;
 use messages::{BatchHeader, Cue, Health};
 use proptest::prelude::*;
-use recording::{Chunks, Facts, Item, Part, RecordingError, Survey, Tally, Writer, closing, copy, whole};
+use recording::{Chunks, Facts, Item, RecordingError, RecordingPart, Survey, Tally, Writer, closing, copy, whole};
 
 const TOPIC: &str = "sensor/a/cues";
 
@@ -153,7 +153,7 @@ fn samples_of(file: &[u8]) -> Vec<(String, Vec<u8>)> {
         .collect()
 }
 
-fn copied(files: &[&[u8]], part: &Part) -> Vec<u8> {
+fn copied(files: &[&[u8]], part: &RecordingPart) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
     let samples = copy(files.iter().map(Cursor::new), part, &mut out).unwrap();
     let out = out.into_inner();
@@ -165,8 +165,11 @@ fn copied(files: &[&[u8]], part: &Part) -> Vec<u8> {
 #[test]
 fn a_part_has_the_same_messages_and_counts_what_it_lacks_but_not_what_was_left_out() {
     let (whole, _) = file(&[2, 0, 3, 1, 4], true);
-    assert_eq!(samples_of(&copied(&[&whole], &Part::default())), samples_of(&whole));
-    let part = Part {
+    assert_eq!(
+        samples_of(&copied(&[&whole], &RecordingPart::default())),
+        samples_of(&whole)
+    );
+    let part = RecordingPart {
         from_ns: Some(1_002),
         to_ns: Some(1_003),
         topics: vec!["sensor/a".to_owned()],
@@ -180,9 +183,9 @@ fn a_part_has_the_same_messages_and_counts_what_it_lacks_but_not_what_was_left_o
     assert_eq!((topic.samples, topic.tally.lost, topic.first_ns), (4, 0, Some(1_002)));
     for (topics, samples) in [(&["sensor/b"][..], 0), (&["sensor/a/cue"], 0), (&["health", TOPIC], 10)] {
         let topics = topics.iter().map(|name| (*name).to_owned()).collect();
-        let part = Part {
+        let part = RecordingPart {
             topics,
-            ..Part::default()
+            ..RecordingPart::default()
         };
         assert_eq!(
             survey(&[&copied(&[&whole], &part)])
@@ -213,7 +216,7 @@ fn one_file_of_several_counts_what_was_lost_between_them() {
         .unwrap();
     writer.finish().unwrap();
     let files = [&first[..], &bytes.bytes()];
-    let merged = copied(&files, &Part::default());
+    let merged = copied(&files, &RecordingPart::default());
     let (one, several) = (survey(&[&merged]), survey(&files));
     let lost = |survey: &Survey| (survey.topics[TOPIC].samples, survey.topics[TOPIC].tally.lost);
     assert_eq!((lost(&one), lost(&several)), ((4, 5), (4, 5)));

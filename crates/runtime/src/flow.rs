@@ -2,9 +2,9 @@
 //!
 //! On a live system a publisher never waits: a slow reader loses and counts its oldest samples. The replay of a
 //! recording can wait, and its users want every report. Each consumer therefore publishes its progress on each topic
-//! ([`Reached`]), and a producer ([`Flow`]) sends only while no consumer is more than a window behind. The window is
-//! a fraction of the topic's depth: a consumer that restarts cannot be overrun, even if the producer's count of its
-//! progress is slightly wrong.
+//! ([`ConsumerProgress`]), and a producer ([`Flow`]) sends only while no consumer is more than a window behind. The
+//! window is a fraction of the topic's depth: a consumer that restarts cannot be overrun, even if the producer's count
+//! of its progress is slightly wrong.
 
 use bus::{Bus, Mark, Publisher, Subscriber, Transport};
 use messages::{BatchHeader, ProcessKind, Progress, StreamId};
@@ -133,14 +133,14 @@ impl Consumer {
 
 /// Consumer's side: own progress on each of its topics.
 #[derive(Debug)]
-pub struct Reached<S: Transport> {
+pub struct ConsumerProgress<S: Transport> {
     publisher: Publisher<S, Progress>,
     topics: Vec<Progress>,
     changed: bool,
     said_ns: i64,
 }
 
-impl<S: Transport> Reached<S> {
+impl<S: Transport> ConsumerProgress<S> {
     /// Publishes progress as `kind` on `streams`, with the number of the first unfinished sample of each.
     ///
     /// # Errors
@@ -214,7 +214,7 @@ mod tests {
     struct Bench {
         _folder: tempfile::TempDir,
         bus: Bus<InProcess>,
-        _held: bus::Held,
+        _held: bus::TopicHold,
     }
 
     impl Bench {
@@ -233,8 +233,8 @@ mod tests {
             Flow::new(&self.bus, 7, stream(3), 40, consumers).unwrap()
         }
 
-        fn reached(&self, incarnation: u64, kind: ProcessKind) -> Reached<InProcess> {
-            Reached::new(&self.bus, incarnation, kind, &[(stream(2), 0), (stream(3), 0)]).unwrap()
+        fn reached(&self, incarnation: u64, kind: ProcessKind) -> ConsumerProgress<InProcess> {
+            ConsumerProgress::new(&self.bus, incarnation, kind, &[(stream(2), 0), (stream(3), 0)]).unwrap()
         }
     }
 
@@ -320,7 +320,7 @@ mod tests {
         };
         let mut flow = Flow::new(&bench.bus, 7, detections, 40, &[ProcessKind::Fusion]).unwrap();
         let streams = [(stream(3), 0), (detections, 0)];
-        let mut fusion = Reached::new(&bench.bus, 100, ProcessKind::Fusion, &streams).unwrap();
+        let mut fusion = ConsumerProgress::new(&bench.bus, 100, ProcessKind::Fusion, &streams).unwrap();
         fusion.say(NOW).unwrap();
         flow.update(0).unwrap();
         fusion.done(0, &slice(7), 640);

@@ -39,10 +39,10 @@ use crate::agent::Agent;
 use crate::clock::{Now, mono_ns};
 use crate::cores;
 use crate::health::{HealthEntry, Reporter};
-use crate::instance::{Deployment, QUARANTINED};
+use crate::instance::{DeploymentParts, QUARANTINED};
 use crate::order_desk::OrderDesk;
-use crate::process::Process;
-pub use crate::queues::{Queues, Whole};
+use crate::process::DeploymentProcess;
+pub use crate::queues::{Queues, SnapshotParts};
 
 /// Number of buffers for health entries.
 const BUFFERS: usize = 2;
@@ -63,7 +63,7 @@ pub struct Housekeeper {
 #[derive(Debug)]
 struct Desk {
     spare: ArrayQueue<Vec<HealthEntry>>,
-    said: ArrayQueue<Said>,
+    said: ArrayQueue<LoopHealth>,
     queues: Arc<Queues>,
     closing: AtomicBool,
     /// Fault that health messages state.
@@ -72,7 +72,7 @@ struct Desk {
 
 /// Health of the loop at one moment.
 #[derive(Debug)]
-struct Said {
+struct LoopHealth {
     now: Now,
     life: LifeState,
     entries: Vec<HealthEntry>,
@@ -86,7 +86,7 @@ impl Housekeeper {
     /// # Errors
     /// If a topic cannot be opened.
     pub fn start(
-        process: &Process<impl Deployment>,
+        process: &DeploymentProcess<impl DeploymentParts>,
         core: Option<usize>,
         entries_max: usize,
         queues: Arc<Queues>,
@@ -151,7 +151,7 @@ impl Housekeeper {
             agent.health(&mut entries);
             let life = LifeState::Running;
             // The queue has as many places as there are buffers.
-            let _ = self.desk.said.push(Said { now, life, entries });
+            let _ = self.desk.said.push(LoopHealth { now, life, entries });
         }
         Ok(())
     }
@@ -161,7 +161,7 @@ impl Housekeeper {
         let mut entries = Vec::new();
         agent.health(&mut entries);
         // The last state replaces a state that is not published yet.
-        self.desk.said.force_push(Said { now, life, entries });
+        self.desk.said.force_push(LoopHealth { now, life, entries });
         self.join()
     }
 
@@ -202,7 +202,7 @@ impl House {
             bus: &bus,
             incarnation: self.incarnation,
             publisher: None,
-            whole: Whole::default(),
+            whole: SnapshotParts::default(),
             said: 0,
         };
         // The starter of this thread waits for the signal.
@@ -218,13 +218,13 @@ struct WholeSaid<'a> {
     /// The publisher stays open: a reader loses samples of a publisher that opens and closes between two of its
     /// turns.
     publisher: Option<Publisher<SharedMemory, Restored>>,
-    whole: Whole,
+    whole: SnapshotParts,
     said: usize,
 }
 
 impl WholeSaid<'_> {
     /// Publishes the next parts.
-    fn go_on(&mut self, queue: &ArrayQueue<Whole>) -> anyhow::Result<()> {
+    fn go_on(&mut self, queue: &ArrayQueue<SnapshotParts>) -> anyhow::Result<()> {
         if self.said == self.whole.parts() {
             (self.whole, self.said) = (queue.pop().unwrap_or_default(), 0);
         }

@@ -11,7 +11,7 @@ use std::os::unix::fs::MetadataExt as _;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use bus::{Bus, BusError, Claim, Held, Payload, Root, SharedMemory};
+use bus::{Bus, BusError, Claim, Payload, Root, SharedMemory, TopicHold};
 use messages::Topic;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
@@ -69,7 +69,7 @@ impl Instance {
     /// # Errors
     /// If the instance runs already, is still in use, or the machine lacks memory or permissions.
     pub fn claim(
-        deployment: &impl Deployment,
+        deployment: &impl DeploymentParts,
         instance: &str,
         processes: usize,
         stop: &Stop,
@@ -147,7 +147,7 @@ impl Instance {
     }
 }
 
-fn list(processes: &[bus::Process]) -> String {
+fn list(processes: &[bus::MemberProcess]) -> String {
     let users: Vec<String> = processes.iter().map(|p| format!("{} ({})", p.pid, p.name)).collect();
     users.join(", ")
 }
@@ -156,7 +156,7 @@ fn list(processes: &[bus::Process]) -> String {
 ///
 /// # Errors
 /// If the machine refuses a topic.
-pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Result<Vec<Held>, BusError> {
+pub fn hold_topics(deployment: &impl DeploymentParts, bus: &Bus<SharedMemory>) -> Result<Vec<TopicHold>, BusError> {
     let mut hold = Hold { bus, held: Vec::new() };
     // Only the required space depends on the number of processes.
     each_topic(deployment, 0, &mut hold)?;
@@ -165,7 +165,7 @@ pub fn hold_topics(deployment: &impl Deployment, bus: &Bus<SharedMemory>) -> Res
 }
 
 /// Returns the maximum size in shared memory of a deployment of `processes` processes, bytes.
-pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
+pub fn needed_bytes(deployment: &impl DeploymentParts, processes: usize) -> u64 {
     let mut need = Need(bus::needed_log_bytes(&messages::event_log()));
     // The sum cannot fail.
     let _ = each_topic(deployment, processes, &mut need);
@@ -173,7 +173,7 @@ pub fn needed_bytes(deployment: &impl Deployment, processes: usize) -> u64 {
 }
 
 /// Parts of a deployment's configuration that every process needs.
-pub trait Deployment {
+pub trait DeploymentParts {
     /// Core of fusion alone; `None` if fusion shares a core.
     fn fusion_core(&self) -> Option<usize>;
 
@@ -200,7 +200,7 @@ pub trait Visit {
 }
 
 /// Visits every topic of a deployment, with the number of its publishers at a time.
-fn each_topic(deployment: &impl Deployment, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
+fn each_topic(deployment: &impl DeploymentParts, processes: usize, visit: &mut impl Visit) -> Result<(), BusError> {
     deployment.each_stream(ONE_AND_ITS_SUCCESSOR, visit)?;
     visit.visit(&messages::frame_origin(), ONE_AND_ITS_SUCCESSOR)?;
     visit.visit(&messages::health(), processes + FURTHER_HEALTH)?;
@@ -221,7 +221,7 @@ impl Visit for Need {
 
 struct Hold<'a> {
     bus: &'a Bus<SharedMemory>,
-    held: Vec<Held>,
+    held: Vec<TopicHold>,
 }
 
 impl Visit for Hold<'_> {

@@ -1,7 +1,7 @@
 //! Access of Koseki's processes to the machine.
 //!
 //! Algorithms use no clock, file or core. This crate alone reads clocks, catches signals and pins threads. It
-//! contains no algorithm and no configuration of one: the crate `configuration` implements [`Deployment`], and the
+//! contains no algorithm and no configuration of one: the crate `configuration` implements [`DeploymentParts`], and the
 //! services use both crates.
 
 #![forbid(unsafe_code)]
@@ -25,8 +25,8 @@ pub mod signals;
 pub use agent::{Agent, Turn};
 pub use clock::Now;
 pub use health::HealthEntry;
-pub use instance::Deployment;
+pub use instance::DeploymentParts;
 pub use notice::notice;
 pub use numbered_files::NumberedFiles;
-pub use process::{Options, Process, Speed};
+pub use process::{DeploymentProcess, Options, Speed};
 pub use service::Rest;

@@ -24,14 +24,14 @@ const ENDED_FOR_NS: i64 = 60_000_000_000;
 pub(crate) struct OrderDesk {
     orders: Subscriber<SharedMemory, Order>,
     states: Publisher<SharedMemory, OrderState>,
-    senders: Vec<Sender>,
+    senders: Vec<SenderAllowance>,
     /// Listed orders with the monotonic time of their latest change.
     list: Vec<(OrderState, i64)>,
     published_ns: i64,
 }
 
 /// Allowance of a sender.
-struct Sender {
+struct SenderAllowance {
     incarnation: u64,
     /// Monotonic time up to which the allowance is used, nanoseconds.
     used_until_ns: i64,
@@ -136,14 +136,14 @@ fn is_in_force(state: &OrderState) -> bool {
 }
 
 /// Returns whether a sender may give an order now.
-fn admit(senders: &mut Vec<Sender>, incarnation: u64, now_ns: i64) -> bool {
+fn admit(senders: &mut Vec<SenderAllowance>, incarnation: u64, now_ns: i64) -> bool {
     let known = senders.iter().position(|sender| sender.incarnation == incarnation);
     let place = known.unwrap_or_else(|| {
         if senders.len() == SENDERS_MAX {
             let silent = (0..SENDERS_MAX).min_by_key(|place| senders[*place].used_until_ns);
             senders.swap_remove(silent.unwrap_or(0));
         }
-        senders.push(Sender {
+        senders.push(SenderAllowance {
             incarnation,
             used_until_ns: i64::MIN,
         });

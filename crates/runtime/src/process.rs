@@ -10,7 +10,7 @@ use messages::{Health, ProcessKind};
 use crate::clock::mono_ns;
 use crate::cores;
 use crate::health::Reporter;
-use crate::instance::Deployment;
+use crate::instance::DeploymentParts;
 use crate::loopback::loopback_of;
 use crate::signals::{self, Stop};
 
@@ -46,7 +46,7 @@ pub struct Options {
 
 /// Process of a deployment, connected and ready.
 #[derive(Debug)]
-pub struct Process<D> {
+pub struct DeploymentProcess<D> {
     /// Deployment.
     pub config: D,
     /// Arguments.
@@ -64,7 +64,7 @@ pub struct Process<D> {
     pub(crate) stop: Stop,
 }
 
-impl<D: Deployment> Process<D> {
+impl<D: DeploymentParts> DeploymentProcess<D> {
     /// Connects a process to its deployment. From now on, the process ends with its launcher.
     ///
     /// # Errors

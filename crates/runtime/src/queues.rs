@@ -31,7 +31,7 @@ pub struct Queues {
     /// Decisions of the loop, for publication; `None` without a request.
     pub decisions: Option<ArrayQueue<Decision>>,
     /// Snapshots of the engine.
-    pub restored: ArrayQueue<Whole>,
+    pub restored: ArrayQueue<SnapshotParts>,
     /// Reports in quarantine, for a file.
     pub quarantined: ArrayQueue<SensorTrack>,
     /// Names of the process after changes of its role.
@@ -40,7 +40,7 @@ pub struct Queues {
 
 /// Snapshot in parts on `system/restored`.
 #[derive(Clone, Debug, Default)]
-pub struct Whole {
+pub struct SnapshotParts {
     /// Epoch of the loop.
     pub epoch: u64,
     /// UTC, nanoseconds since 1970: see [`Restored::time_ns`].
@@ -54,7 +54,7 @@ pub struct Whole {
 /// Bytes of a part.
 const PART: usize = RESTORED_WORDS * size_of::<u64>();
 
-impl Whole {
+impl SnapshotParts {
     pub(crate) fn parts(&self) -> usize {
         self.octets.len().div_ceil(PART)
     }

@@ -13,8 +13,8 @@ use crate::agent::{Agent, Turn};
 use crate::clock::{Now, mono_ns};
 use crate::health::Reporter;
 use crate::housekeeping::Housekeeper;
-use crate::instance::Deployment;
-use crate::process::Process;
+use crate::instance::DeploymentParts;
+use crate::process::DeploymentProcess;
 use crate::signals::Stop;
 
 /// Time between two health messages, nanoseconds.
@@ -36,7 +36,7 @@ pub struct Rest {
 ///
 /// # Errors
 /// Errors of the agent.
-pub fn run<D: Deployment>(process: &Process<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
+pub fn run<D: DeploymentParts>(process: &DeploymentProcess<D>, agent: &mut dyn Agent) -> anyhow::Result<()> {
     run_reporting(&process.stop, process.reporter()?, agent)
 }
 
@@ -59,8 +59,8 @@ fn run_reporting(stop: &Stop, mut reporter: Reporter, agent: &mut dyn Agent) -> 
 ///
 /// # Errors
 /// Errors of the agent or of the housekeeper.
-pub fn run_apart<D: Deployment>(
-    process: &Process<D>,
+pub fn run_apart<D: DeploymentParts>(
+    process: &DeploymentProcess<D>,
     agent: &mut dyn Agent,
     rest: Option<Rest>,
     housekeeper: Housekeeper,

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Poisson, StandardNormal};
 
 use crate::random::{Purpose, stream};
-use crate::sensor_settings::Checked;
+use crate::sensor_settings::CheckedSensor;
 
 /// Detection probability of a false target while present.
 pub(crate) const DETECTION_PROBABILITY: f64 = 0.95;
@@ -33,7 +33,7 @@ pub(crate) struct FalseTarget {
 
 impl FalseTarget {
     /// Returns the number of false targets appearing in period number `period`.
-    pub(crate) fn count(settings: &Checked, seed: u64, source: u16, period: u64) -> u64 {
+    pub(crate) fn count(settings: &CheckedSensor, seed: u64, source: u16, period: u64) -> u64 {
         match Poisson::new(settings.false_tracks_per_period) {
             Ok(poisson) => poisson.sample(&mut stream(seed, Purpose::FalseCount, source, period, 0)) as u64,
             // A mean of zero.
@@ -42,7 +42,7 @@ impl FalseTarget {
     }
 
     /// Creates number `index` of the false targets appearing in period number `period`.
-    pub(crate) fn new(settings: &Checked, seed: u64, source: u16, period: u64, index: u64) -> Self {
+    pub(crate) fn new(settings: &CheckedSensor, seed: u64, source: u16, period: u64, index: u64) -> Self {
         let mut random = stream(seed, Purpose::FalseTarget, source, period, index);
         let coverage = &settings.coverage;
         let range = coverage.range_max_m * random.random_range(0.0..1.0f64).sqrt();

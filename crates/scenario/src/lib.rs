@@ -43,7 +43,7 @@ mod wide_area;
 
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use formation_settings::FormationSettings;
-pub use plot::Plot;
+pub use plot::RadarPlot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};
 pub use settings::{ScenarioSettings, TARGETS_MAX};

@@ -7,8 +7,8 @@
 use estimation::Gaussian;
 use messages::TrackState;
 
-use crate::measurement::Measurement;
-use crate::sensor_settings::Tracking;
+use crate::measurement::SimulatedMeasurement;
+use crate::sensor_settings::SensorTracker;
 
 /// Track in a sensor, see the module's documentation.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub(crate) struct LocalTrack {
 }
 
 impl LocalTrack {
-    pub(crate) fn new(number: u32, time_s: f64, first: &Measurement, tracking: &Tracking) -> Self {
+    pub(crate) fn new(number: u32, time_s: f64, first: &SimulatedMeasurement, tracking: &SensorTracker) -> Self {
         let velocity = tracking.first_velocity;
         let gaussian = if first.height {
             Gaussian::from_first_position::<3>(first.position_m, &first.covariance_m2, velocity)
@@ -46,7 +46,7 @@ impl LocalTrack {
     }
 
     /// Predicts the track to the time of a look and updates it with the result.
-    pub(crate) fn look(&mut self, time_s: f64, found: Option<&Measurement>, tracking: &Tracking) {
+    pub(crate) fn look(&mut self, time_s: f64, found: Option<&SimulatedMeasurement>, tracking: &SensorTracker) {
         self.gaussian = tracking.motion.predicted(&self.gaussian, time_s - self.time_s);
         self.time_s = time_s;
         match found {
@@ -73,7 +73,7 @@ impl LocalTrack {
         }
     }
 
-    fn update(&mut self, measurement: &Measurement, tracking: &Tracking) {
+    fn update(&mut self, measurement: &SimulatedMeasurement, tracking: &SensorTracker) {
         let (position_m, r) = (measurement.position_m, &measurement.covariance_m2);
         let updated = if measurement.height {
             self.gaussian.update_position::<3>(position_m, r).is_some()
@@ -129,8 +129,8 @@ mod tests {
     }
 
     /// Returns the states of a track after its first hit and after each further look; `x` is a hit.
-    fn states(looks: &str, tracking: &Tracking) -> Vec<TrackState> {
-        let measurement = Measurement {
+    fn states(looks: &str, tracking: &SensorTracker) -> Vec<TrackState> {
+        let measurement = SimulatedMeasurement {
             position_m: [0.0; 3],
             covariance_m2: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
             height: true,

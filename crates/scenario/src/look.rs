@@ -1,21 +1,21 @@
 //! Looks of a sensor at a target: times, detections, and effects on the track.
 
 use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
-use observations::Truth as Of;
+use observations::DetectionTruth as Of;
 use rand::RngExt as _;
 
 use crate::false_target::{self, FalseTarget};
 use crate::local_track::LocalTrack;
-use crate::measurement::Measurement;
-use crate::plot::Plot;
+use crate::measurement::SimulatedMeasurement;
+use crate::plot::RadarPlot;
 use crate::random::{Purpose, stream};
 use crate::schedule::{Aim, Slot};
-use crate::sensor_settings::{Checked, Dropouts, SensorIdentity, SensorKind};
+use crate::sensor_settings::{CheckedSensor, Dropouts, SensorIdentity, SensorKind};
 use crate::target::TargetState;
 
 /// State of one target in the sensor.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Watched {
+pub(crate) struct SensorTarget {
     /// Position of the target's look within a period, 0 to 1.
     phase: f64,
     /// Whether the target has the equipment that this sensor needs.
@@ -25,7 +25,7 @@ pub(crate) struct Watched {
 }
 
 /// Target as visible at the time of a look.
-pub(crate) struct Seen {
+pub(crate) struct VisibleTarget {
     position_m: [f64; 3],
     height_m: f64,
     identity: Identity,
@@ -34,8 +34,8 @@ pub(crate) struct Seen {
     detection_probability: f64,
 }
 
-impl Seen {
-    pub(crate) fn target(state: TargetState, looks: &Looks) -> Self {
+impl VisibleTarget {
+    pub(crate) fn target(state: TargetState, looks: &LookParameters) -> Self {
         Self {
             position_m: state.position_m,
             height_m: state.height_m,
@@ -69,17 +69,17 @@ pub(crate) struct Told<'a> {
 
 /// Constant parameters of all looks.
 #[derive(Clone, Debug)]
-pub(crate) struct Looks {
-    pub(crate) settings: Checked,
+pub(crate) struct LookParameters {
+    pub(crate) settings: CheckedSensor,
     pub(crate) seed: u64,
     pub(crate) source: u16,
     pub(crate) start_utc_ns: i64,
 }
 
-impl Looks {
-    pub(crate) fn watched(&self, thing: u64) -> Watched {
+impl LookParameters {
+    pub(crate) fn watched(&self, thing: u64) -> SensorTarget {
         let mut random = stream(self.seed, Purpose::Acquaintance, self.source, thing, 0);
-        Watched {
+        SensorTarget {
             phase: random.random_range(0.0..1.0),
             equipped: random.random_bool(self.settings.equipped_share),
             latest_look_s: f64::NEG_INFINITY,
@@ -93,10 +93,10 @@ impl Looks {
         &self,
         slot: &Slot,
         thing: u64,
-        watched: &mut Watched,
-        see: impl Fn(f64) -> Seen,
+        watched: &mut SensorTarget,
+        see: impl Fn(f64) -> VisibleTarget,
         told: &mut Told<'_>,
-    ) -> Option<(f64, Option<Measurement>)> {
+    ) -> Option<(f64, Option<SimulatedMeasurement>)> {
         let aim = Aim {
             seed: self.seed,
             source: self.source,
@@ -129,10 +129,10 @@ impl Looks {
         Some((time_s, found))
     }
 
-    pub(crate) fn plot(&self, slot: &Slot, time_s: f64, of: Of, found: &Measurement) -> Plot {
+    pub(crate) fn plot(&self, slot: &Slot, time_s: f64, of: Of, found: &SimulatedMeasurement) -> RadarPlot {
         let (settings, scan) = (&self.settings, slot.period(&self.settings).0);
         let site_m = settings.coverage.position_m;
-        Plot::new((self.utc_ns(time_s), scan), of, found, site_m, &settings.errors)
+        RadarPlot::new((self.utc_ns(time_s), scan), of, found, site_m, &settings.errors)
     }
 
     fn utc_ns(&self, time_s: f64) -> i64 {
@@ -156,8 +156,8 @@ impl Looks {
         thing: u64,
         equipped: bool,
         time_s: f64,
-        seen: &Seen,
-    ) -> Option<Measurement> {
+        seen: &VisibleTarget,
+    ) -> Option<SimulatedMeasurement> {
         if !self.may_find(thing, equipped, time_s, (seen.position_m, seen.height_m)) {
             return None;
         }
@@ -195,7 +195,13 @@ impl Looks {
         }
     }
 
-    fn report(&self, track: &LocalTrack, time_s: f64, seen: &Seen, found: Option<&Measurement>) -> SensorTrack {
+    fn report(
+        &self,
+        track: &LocalTrack,
+        time_s: f64,
+        seen: &VisibleTarget,
+        found: Option<&SimulatedMeasurement>,
+    ) -> SensorTrack {
         use sensor_track_bits::*;
         let height = self.settings.errors.height_sigma_m.is_some();
         let mut valid = OWN_COVARIANCE | TRACE;

@@ -9,7 +9,7 @@ use crate::sensor_settings::{MeasurementErrors, PlaneErrors};
 
 /// Measured position from the sensor's point of view: the covariance excludes biases.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Measurement {
+pub(crate) struct SimulatedMeasurement {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; 3],
     pub(crate) covariance_m2: Symmetric3,
@@ -19,7 +19,12 @@ pub(crate) struct Measurement {
 
 impl MeasurementErrors {
     /// Measures an object at `true_position_m` from `site_m`; always draws three random numbers.
-    pub(crate) fn measure(&self, site_m: [f64; 3], true_position_m: [f64; 3], random: &mut ChaCha8Rng) -> Measurement {
+    pub(crate) fn measure(
+        &self,
+        site_m: [f64; 3],
+        true_position_m: [f64; 3],
+        random: &mut ChaCha8Rng,
+    ) -> SimulatedMeasurement {
         let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(random));
         let offset = [0, 1].map(|axis| true_position_m[axis] - site_m[axis]);
         let (plane, r) = self.plane.measure(offset, [errors[0], errors[1]]);
@@ -29,7 +34,7 @@ impl MeasurementErrors {
         } else {
             0.0
         };
-        Measurement {
+        SimulatedMeasurement {
             position_m: [
                 site_m[0] + plane[0] + self.bias_m[0],
                 site_m[1] + plane[1] + self.bias_m[1],

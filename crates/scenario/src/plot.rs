@@ -3,18 +3,18 @@
 //! Plots replace a sensor's tracks as input of a tracker under test. A plot carries no information about earlier
 //! looks; only the truth identifies the target.
 
-use observations::Truth as Of;
+use observations::DetectionTruth as Of;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, Poisson};
 
-use crate::measurement::Measurement;
+use crate::measurement::SimulatedMeasurement;
 use crate::random::{Purpose, stream};
 use crate::schedule::Slot;
-use crate::sensor_settings::{Checked, MeasurementErrors, PlaneErrors};
+use crate::sensor_settings::{CheckedSensor, MeasurementErrors, PlaneErrors};
 
 /// One detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plot {
+pub struct RadarPlot {
     /// Time of measurement, UTC, nanoseconds since 1970.
     pub time_of_measurement_ns: i64,
     /// Number of the sensor's period (a radar's turn), from 0.
@@ -33,11 +33,11 @@ pub struct Plot {
     pub polar_sigma: Option<[f64; 2]>,
 }
 
-impl Plot {
+impl RadarPlot {
     pub(crate) fn new(
         (time_of_measurement_ns, scan): (i64, u64),
         of: Of,
-        found: &Measurement,
+        found: &SimulatedMeasurement,
         site_m: [f64; 3],
         errors: &MeasurementErrors,
     ) -> Self {
@@ -63,10 +63,10 @@ impl Plot {
     /// Draws the false plots of a radar in one delivery: anywhere in its coverage, without a reply and so without a
     /// height.
     pub(crate) fn false_ones(
-        settings: &Checked,
+        settings: &CheckedSensor,
         (seed, source): (u64, u16),
         slot: &Slot,
-        mut each: impl FnMut(f64, Measurement),
+        mut each: impl FnMut(f64, SimulatedMeasurement),
     ) {
         let (schedule, coverage) = (&settings.schedule, &settings.coverage);
         let mean = settings.false_plots_per_period / f64::from(schedule.deliveries);

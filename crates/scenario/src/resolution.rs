@@ -11,12 +11,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use observations::Truth as Of;
+use observations::DetectionTruth as Of;
 use rand::RngExt as _;
 
 use crate::grouping::groups;
-use crate::look::{Looks, Seen, Watched};
-use crate::measurement::Measurement;
+use crate::look::{LookParameters, SensorTarget, VisibleTarget};
+use crate::measurement::SimulatedMeasurement;
 use crate::random::{Purpose, stream};
 use crate::schedule::Slot;
 use crate::sensor_settings::ResolutionCell;
@@ -32,7 +32,13 @@ pub(crate) struct Company {
 }
 
 impl Company {
-    pub(crate) fn find(cell: &ResolutionCell, looks: &Looks, slot: &Slot, truth: &Truth, watched: &[Watched]) -> Self {
+    pub(crate) fn find(
+        cell: &ResolutionCell,
+        looks: &LookParameters,
+        slot: &Slot,
+        truth: &Truth,
+        watched: &[SensorTarget],
+    ) -> Self {
         let (time_s, turn) = (slot.time_within_s(0.5), slot.period(&looks.settings).0);
         let [site_east, site_north, _] = looks.settings.coverage.position_m;
         let (mut ids, mut places, mut polar) = (Vec::new(), Vec::new(), Vec::new());
@@ -72,12 +78,12 @@ impl Company {
     /// `None` if there is no detection.
     pub(crate) fn echo(
         &self,
-        looks: &Looks,
+        looks: &LookParameters,
         slot: &Slot,
         (truth, time_s): (&Truth, f64),
-        watched: &[Watched],
-        (index, alone): (usize, Option<Measurement>),
-    ) -> Option<(Of, Measurement)> {
+        watched: &[SensorTarget],
+        (index, alone): (usize, Option<SimulatedMeasurement>),
+    ) -> Option<(Of, SimulatedMeasurement)> {
         if self.firsts[index] != index {
             return None;
         }
@@ -93,7 +99,7 @@ impl Company {
             for (sum, coordinate) in middle_m.iter_mut().zip(state.position_m) {
                 *sum += coordinate / all.len() as f64;
             }
-            let seen = Seen::target(state, looks);
+            let seen = VisibleTarget::target(state, looks);
             let other = || looks.find(slot, member as u64, watched[member].equipped, time_s, &seen);
             is_detected = is_detected || other().is_some();
         }

@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 use rand::RngExt as _;
 
 use crate::random::{Purpose, stream};
-use crate::sensor_settings::{Checked, SensorKind};
+use crate::sensor_settings::{CheckedSensor, SensorKind};
 
 /// Iterations to find the time at which a radar's antenna points at a moving target.
 const AIMING_STEPS: usize = 4;
@@ -32,7 +32,7 @@ pub(crate) struct Slot {
 }
 
 impl Slot {
-    pub(crate) fn new(number: u64, settings: &Checked) -> Self {
+    pub(crate) fn new(number: u64, settings: &CheckedSensor) -> Self {
         let schedule = &settings.schedule;
         let deliveries = f64::from(schedule.deliveries);
         let at = |number: u64| schedule.phase_s + number as f64 * schedule.period_s / deliveries;
@@ -44,7 +44,7 @@ impl Slot {
     }
 
     /// Returns the first slot whose delivery is not before `time_s`.
-    pub(crate) fn first_delivered_from(time_s: f64, settings: &Checked) -> Self {
+    pub(crate) fn first_delivered_from(time_s: f64, settings: &CheckedSensor) -> Self {
         let schedule = &settings.schedule;
         let length_s = schedule.period_s / f64::from(schedule.deliveries);
         let estimate = (time_s - schedule.phase_s - schedule.delay_s) / length_s - 2.0;
@@ -56,7 +56,7 @@ impl Slot {
     }
 
     /// Returns the delivery time of the observations in this slot, seconds.
-    pub(crate) fn delivered_s(&self, settings: &Checked) -> f64 {
+    pub(crate) fn delivered_s(&self, settings: &CheckedSensor) -> f64 {
         let seen_s = match settings.kind {
             SensorKind::Multilateration => self.begin_s,
             SensorKind::Radar | SensorKind::AdsB => self.end_s,
@@ -75,7 +75,7 @@ impl Slot {
     }
 
     /// Returns the number of the period, and of the slot within it.
-    pub(crate) fn period(&self, settings: &Checked) -> (u64, u64) {
+    pub(crate) fn period(&self, settings: &CheckedSensor) -> (u64, u64) {
         let deliveries = u64::from(settings.schedule.deliveries);
         (self.number / deliveries, self.number % deliveries)
     }
@@ -83,7 +83,12 @@ impl Slot {
     /// Returns the time of the sensor's look at a thing in this slot, seconds; `None` without a look. `position_at`
     /// gives the position of the thing at a time. `phase` (0 to 1) gives the position of the look within each
     /// period, unless the sensor determines that position.
-    pub(crate) fn look_s(&self, settings: &Checked, aim: &Aim, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
+    pub(crate) fn look_s(
+        &self,
+        settings: &CheckedSensor,
+        aim: &Aim,
+        position_at: impl Fn(f64) -> [f64; 3],
+    ) -> Option<f64> {
         match settings.kind {
             SensorKind::Radar => self.antenna_passes_s(settings, position_at),
             SensorKind::Multilateration => {
@@ -95,7 +100,7 @@ impl Slot {
         }
     }
 
-    fn antenna_passes_s(&self, settings: &Checked, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
+    fn antenna_passes_s(&self, settings: &CheckedSensor, position_at: impl Fn(f64) -> [f64; 3]) -> Option<f64> {
         let schedule = &settings.schedule;
         let site = settings.coverage.position_m;
         // Lag of the antenna behind the target at a time, in seconds of turning.
@@ -121,7 +126,7 @@ impl Slot {
         (self.begin_s..self.end_s).contains(&time_s).then_some(time_s)
     }
 
-    fn broadcast_s(&self, settings: &Checked, aim: &Aim) -> Option<f64> {
+    fn broadcast_s(&self, settings: &CheckedSensor, aim: &Aim) -> Option<f64> {
         let schedule = &settings.schedule;
         // The jitter is less than a period, so only the nearest three broadcasts can fall into this slot.
         let nearest = ((self.begin_s - schedule.phase_s) / schedule.period_s - aim.phase).round();

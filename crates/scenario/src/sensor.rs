@@ -5,12 +5,12 @@
 //! new number).
 
 use messages::SensorTrack;
-use observations::Truth as Of;
+use observations::DetectionTruth as Of;
 use settings::SettingsError;
 
 use crate::false_target::FalseTarget;
-use crate::look::{Looks, Seen, Told, Watched};
-use crate::plot::Plot;
+use crate::look::{LookParameters, SensorTarget, Told, VisibleTarget};
+use crate::plot::RadarPlot;
 use crate::resolution::Company;
 use crate::schedule::Slot;
 use crate::sensor_settings::SensorSettings;
@@ -26,12 +26,12 @@ const NUMBERS_PER_SLOT: u64 = 64;
 /// Simulated sensor, see the module's documentation.
 #[derive(Clone, Debug)]
 pub struct SimulatedSensor {
-    looks: Looks,
+    looks: LookParameters,
     slot: Slot,
     next_number: u32,
     /// By number of the target.
-    targets: Vec<Watched>,
-    false_targets: Vec<(FalseTarget, Watched)>,
+    targets: Vec<SensorTarget>,
+    false_targets: Vec<(FalseTarget, SensorTarget)>,
 }
 
 impl SimulatedSensor {
@@ -44,7 +44,7 @@ impl SimulatedSensor {
         let settings = settings.checked()?;
         Ok(Self {
             slot: Slot::new(0, &settings),
-            looks: Looks {
+            looks: LookParameters {
                 settings,
                 seed,
                 source,
@@ -105,20 +105,20 @@ impl SimulatedSensor {
     }
 
     /// Scans as [`SimulatedSensor::scan`], and appends the sensor's detections to `plots`, also in order of time.
-    pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<Plot>) {
+    pub fn scan_with_plots(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, plots: &mut Vec<RadarPlot>) {
         let first = plots.len();
         let slot = self.slot;
         self.scan_for(truth, out, Some(plots));
         let looks = &self.looks;
         let settings = &looks.settings;
-        Plot::false_ones(settings, (looks.seed, looks.source), &slot, |time_s, found| {
+        RadarPlot::false_ones(settings, (looks.seed, looks.source), &slot, |time_s, found| {
             plots.push(looks.plot(&slot, time_s, Of::FalseAlarm, &found));
         });
         // At equal times, targets are in the order of their numbers, followed by false targets: the sort is stable.
         plots[first..].sort_by_key(|plot| plot.time_of_measurement_ns);
     }
 
-    fn scan_for(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, mut plots: Option<&mut Vec<Plot>>) {
+    fn scan_for(&mut self, truth: &Truth, out: &mut Vec<SensorTrack>, mut plots: Option<&mut Vec<RadarPlot>>) {
         let first = out.len();
         let looks = &self.looks;
         let mut told = Told {
@@ -131,7 +131,7 @@ impl SimulatedSensor {
         let cell = looks.settings.resolution.as_ref().filter(|_| plots.is_some());
         let company = cell.map(|cell| Company::find(cell, looks, &self.slot, truth, &self.targets));
         for index in 0..truth.len() {
-            let see = |time_s| Seen::target(truth.target_at(index, time_s), looks);
+            let see = |time_s| VisibleTarget::target(truth.target_at(index, time_s), looks);
             let look = looks.look(&self.slot, index as u64, &mut self.targets[index], see, &mut told);
             let (Some((time_s, found)), Some(plots)) = (look, &mut plots) else {
                 continue;
@@ -155,7 +155,7 @@ impl SimulatedSensor {
             }
         }
         for (target, watched) in &mut self.false_targets {
-            let see = |time_s| Seen::false_target(target, time_s);
+            let see = |time_s| VisibleTarget::false_target(target, time_s);
             let look = looks.look(&self.slot, target.thing, watched, see, &mut told);
             if let (Some((time_s, Some(found))), Some(plots)) = (look, &mut plots) {
                 plots.push(looks.plot(&self.slot, time_s, Of::FalseAlarm, &found));

@@ -1,7 +1,7 @@
 //! Settings of a simulated sensor.
 //!
 //! One flat table of settings serves all kinds; omitted values default to the values of the kind.
-//! [`SensorSettings`] holds the values as written; [`Checked`] holds the complete values used by the sensor.
+//! [`SensorSettings`] holds the values as written; [`CheckedSensor`] holds the complete values used by the sensor.
 
 use estimation::{FirstVelocity, NearlyConstantVelocity};
 use settings::{SettingsError, within};
@@ -244,10 +244,10 @@ impl SensorSettings {
     ///
     /// # Errors
     /// The first invalid setting.
-    pub(crate) fn checked(&self) -> Result<Checked, SettingsError> {
+    pub(crate) fn checked(&self) -> Result<CheckedSensor, SettingsError> {
         settings::check(self)?;
         let detection_probability = self.of_kind(self.detection_probability, [0.95, 0.98, 0.97]);
-        Ok(Checked {
+        Ok(CheckedSensor {
             kind: self.kind,
             schedule: self.schedule(),
             coverage: self.coverage(),
@@ -282,8 +282,8 @@ impl SensorSettings {
         }
     }
 
-    fn coverage(&self) -> Coverage {
-        Coverage {
+    fn coverage(&self) -> SensorCoverage {
+        SensorCoverage {
             position_m: self.position_m.unwrap_or([0.0; 3]),
             range_max_m: self.of_kind(self.range_max_m, [250_000.0, 200_000.0, 300_000.0]),
             height_min_m: self.of_kind(self.height_min_m, [300.0, -100.0, -100.0]),
@@ -331,10 +331,10 @@ impl SensorSettings {
         })
     }
 
-    fn tracking(&self) -> Tracking {
+    fn tracking(&self) -> SensorTracker {
         let density = self.acceleration_density_m2ps3.unwrap_or(20.0);
         let sigma = self.first_speed_sigma_mps.unwrap_or(150.0);
-        Tracking {
+        SensorTracker {
             motion: NearlyConstantVelocity::new(density, density / 10.0),
             first_velocity: FirstVelocity {
                 horizontal_sigma_mps: sigma,
@@ -349,10 +349,10 @@ impl SensorSettings {
 
 /// Complete settings that passed every check.
 #[derive(Clone, Debug)]
-pub(crate) struct Checked {
+pub(crate) struct CheckedSensor {
     pub(crate) kind: SensorKind,
     pub(crate) schedule: ScheduleSettings,
-    pub(crate) coverage: Coverage,
+    pub(crate) coverage: SensorCoverage,
     pub(crate) errors: MeasurementErrors,
     pub(crate) detection_probability: f64,
     pub(crate) equipped_share: f64,
@@ -362,7 +362,7 @@ pub(crate) struct Checked {
     pub(crate) resolution: Option<ResolutionCell>,
     pub(crate) identity: SensorIdentity,
     pub(crate) dropouts: Option<Dropouts>,
-    pub(crate) tracking: Tracking,
+    pub(crate) tracking: SensorTracker,
 }
 
 /// Schedule of the sensor's looks and deliveries.
@@ -376,14 +376,14 @@ pub(crate) struct ScheduleSettings {
 
 /// Region in which the sensor observes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Coverage {
+pub(crate) struct SensorCoverage {
     pub(crate) position_m: [f64; 3],
     pub(crate) range_max_m: f64,
     pub(crate) height_min_m: f64,
     pub(crate) height_max_m: f64,
 }
 
-impl Coverage {
+impl SensorCoverage {
     /// Whether an object at a position, and at a height above the ellipsoid, is within coverage.
     pub(crate) fn contains(&self, position_m: [f64; 3], height_m: f64) -> bool {
         let [dx, dy] = [0, 1].map(|axis| position_m[axis] - self.position_m[axis]);
@@ -432,7 +432,7 @@ pub(crate) struct Dropouts {
 
 /// Parameters of the sensor's own tracker.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tracking {
+pub(crate) struct SensorTracker {
     pub(crate) motion: NearlyConstantVelocity,
     pub(crate) first_velocity: FirstVelocity,
     pub(crate) confirming_hits: u32,

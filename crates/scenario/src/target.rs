@@ -63,7 +63,7 @@ pub struct TargetState {
 
 /// One target for all time.
 #[derive(Clone, Debug)]
-pub(crate) struct Target {
+pub(crate) struct SimulatedTarget {
     pub(crate) kind: TargetKind,
     pub(crate) route: Route,
     pub(crate) address: u32,

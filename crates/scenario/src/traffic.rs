@@ -13,7 +13,7 @@ use rand_distr::{Distribution as _, StandardNormal};
 use crate::path::{ClosedPath, Waypoint};
 use crate::random::{Purpose, stream};
 use crate::settings::ScenarioSettings;
-use crate::target::{Route, Target, TargetKind};
+use crate::target::{Route, SimulatedTarget, TargetKind};
 
 /// Lateral acceleration at 25° of bank, m/s².
 const TURN_ACCELERATION_MPS2: f64 = 4.57;
@@ -31,7 +31,7 @@ const SHIP_TURN_RADIUS_M: f64 = 600.0;
 const HOLDING_LEVELS: usize = 8;
 
 /// Returns the targets of a scenario, in the order of numbers.
-pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
+pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<SimulatedTarget> {
     let count = settings.targets as usize;
     let share = |share: f64| ((share * count as f64).round() as usize).min(count);
     let surface = share(settings.surface_share);
@@ -42,7 +42,7 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     // Each pair takes two numbers; pairs come first.
     let crossing = (settings.crossing_share * en_route as f64 / 2.0).round() as usize * 2;
 
-    let mut targets: Vec<Target> = Vec::with_capacity(count);
+    let mut targets: Vec<SimulatedTarget> = Vec::with_capacity(count);
     for index in 0..count {
         let mut random = stream(seed, Purpose::Target, 0, index as u64, 0);
         let target = if index < en_route {
@@ -76,7 +76,7 @@ pub(crate) fn targets(settings: &ScenarioSettings, seed: u64) -> Vec<Target> {
     targets
 }
 
-fn en_route_target(random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
+fn en_route_target(random: &mut ChaCha8Rng, half_width_m: f64) -> SimulatedTarget {
     let plan = EnRoutePlan::draw(random, half_width_m);
     let path = ClosedPath::new(&plan.waypoints(0.0, [0.0, 0.0]));
     unnamed(TargetKind::EnRoute, alone(path, plan.lead))
@@ -84,7 +84,7 @@ fn en_route_target(random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
 
 /// Returns the plan of another target, rotated about a point of its path: both pass that point at the same time,
 /// one level apart and a little beside each other.
-fn crossing_target(partner: &mut ChaCha8Rng, random: &mut ChaCha8Rng, half_width_m: f64) -> Target {
+fn crossing_target(partner: &mut ChaCha8Rng, random: &mut ChaCha8Rng, half_width_m: f64) -> SimulatedTarget {
     let plan = EnRoutePlan::draw(partner, half_width_m);
     let path = ClosedPath::new(&plan.waypoints(0.0, [0.0, 0.0]));
     let meeting = path.at(random.random_range(0.0..path.lap_s())).position_m;
@@ -170,7 +170,7 @@ impl EnRoutePlan {
 
 /// Returns a target that takes off, climbs, flies a wide circuit to one side, descends, lands on the same runway,
 /// and takes off again.
-fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> Target {
+fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> SimulatedTarget {
     let out = random.random_range(15_000.0..25_000.0);
     let back = -random.random_range(30_000.0..45_000.0);
     let side = if random.random_bool(0.5) { 1.0 } else { -1.0 };
@@ -197,7 +197,7 @@ fn terminal_target(random: &mut ChaCha8Rng, lead: f64) -> Target {
 }
 
 /// Returns a target with minute-long legs joined by half circles; targets of one stack differ by a level.
-fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> Target {
+fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> SimulatedTarget {
     let fix = HOLDING_FIXES[place % HOLDING_FIXES.len()].map(|part| part * half_width_m);
     let level = (place / HOLDING_FIXES.len()) % HOLDING_LEVELS;
     let speed_mps = random.random_range(105.0..125.0);
@@ -221,7 +221,7 @@ fn holding_target(random: &mut ChaCha8Rng, place: usize, half_width_m: f64) -> T
 }
 
 /// Returns a target on a round along taxiways beside the runway, with a stop.
-fn surface_target(random: &mut ChaCha8Rng) -> Target {
+fn surface_target(random: &mut ChaCha8Rng) -> SimulatedTarget {
     let begin = random.random_range(0.0..1200.0);
     let length = random.random_range(500.0..1300.0);
     let near = random.random_range(180.0..300.0);
@@ -249,7 +249,7 @@ fn surface_target(random: &mut ChaCha8Rng) -> Target {
 }
 
 /// Returns a ship on a round trip of hours between four places at sea, at constant speed.
-fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> Target {
+fn ship_target(random: &mut ChaCha8Rng, settings: &ScenarioSettings) -> SimulatedTarget {
     let half_width_m = settings.half_width_m;
     let speed_mps = random.random_range(1.0 / 3.0..1.0) * settings.ship_speed_max_mps;
     let centre_m = [0; 2].map(|_| random.random_range(-0.5..0.5) * half_width_m);
@@ -279,8 +279,8 @@ fn alone(path: ClosedPath, lead: f64) -> Route {
     }
 }
 
-fn unnamed(kind: TargetKind, route: Route) -> Target {
-    Target {
+fn unnamed(kind: TargetKind, route: Route) -> SimulatedTarget {
+    SimulatedTarget {
         kind,
         route,
         address: 0,
@@ -291,7 +291,7 @@ fn unnamed(kind: TargetKind, route: Route) -> Target {
 
 /// Assigns identities. Multiplication by a number prime to the modulus visits every residue once, so identities are
 /// unique.
-fn with_identity(target: Target, index: usize, seed: u64) -> Target {
+fn with_identity(target: SimulatedTarget, index: usize, seed: u64) -> SimulatedTarget {
     const ADDRESSES_FROM: u32 = 0x84_0000;
     const ADDRESSES: u64 = 1 << 18;
     // Codes above 7400 (octal) include the emergency codes.
@@ -300,7 +300,7 @@ fn with_identity(target: Target, index: usize, seed: u64) -> Target {
     let base = stream(seed, Purpose::Target, 0, u64::MAX, 0).random_range(0..ADDRESSES);
     let kind = target.kind;
     let without_transponder = matches!(kind, TargetKind::Surface | TargetKind::Ship);
-    Target {
+    SimulatedTarget {
         address: ADDRESSES_FROM + ((index * 7919 + base) % ADDRESSES) as u32,
         mode_3a: (!without_transponder).then(|| 1 + ((index * 1009 + base) % CODES) as u16),
         callsign: callsign(index, kind),

@@ -5,7 +5,7 @@ use settings::SettingsError;
 
 use crate::path::Kinematics;
 use crate::settings::ScenarioSettings;
-use crate::target::{Target, TargetState};
+use crate::target::{SimulatedTarget, TargetState};
 use crate::traffic;
 
 /// Heights below this count as on the ground, metres.
@@ -14,7 +14,7 @@ const GROUND_HEIGHT_M: f64 = 0.5;
 /// Simulated truth: a function of time.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    targets: Vec<Target>,
+    targets: Vec<SimulatedTarget>,
     /// Frame of the positions; `None`: the Earth is flat.
     frame: Option<SystemFrame>,
 }

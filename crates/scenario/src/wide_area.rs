@@ -85,12 +85,12 @@ pub struct SimulatedWideAreaSensor {
     /// Number of the next period.
     period: u64,
     /// By number of the target.
-    sightings: Vec<Option<Sighting>>,
+    sightings: Vec<Option<GroupReport>>,
 }
 
 /// Latest report of a target.
 #[derive(Clone, Copy, Debug)]
-struct Sighting {
+struct GroupReport {
     time_s: f64,
     /// First member of the group.
     first: u32,
@@ -101,7 +101,7 @@ struct Sighting {
     origin_m: [f64; 2],
 }
 
-impl Sighting {
+impl GroupReport {
     fn place_at(&self, time_s: f64) -> [f64; 3] {
         let age_s = time_s - self.time_s;
         std::array::from_fn(|axis| self.position_m[axis] + age_s * self.velocity_mps[axis])
@@ -204,7 +204,7 @@ impl SimulatedWideAreaSensor {
         for target in members() {
             let known = &mut self.sightings[target.id as usize];
             let before = known.filter(|before| time_s - before.time_s <= FORGOTTEN_AFTER_S);
-            *known = Some(Sighting {
+            *known = Some(GroupReport {
                 time_s,
                 first,
                 position_m,

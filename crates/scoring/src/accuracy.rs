@@ -62,7 +62,7 @@ impl PictureTrack {
 
 /// Sums over the pictures so far.
 #[derive(Clone, Debug)]
-pub struct Accuracy {
+pub struct AccuracySums {
     gate_m: f64,
     sums: Sums,
     error_sum_m: f64,
@@ -82,7 +82,7 @@ struct Sums {
     identity_errors: u64,
 }
 
-/// Figures of an [`Accuracy`].
+/// Figures of an [`AccuracySums`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AccuracyReport {
     /// Pictures compared.
@@ -111,13 +111,13 @@ pub struct AccuracyReport {
     pub max_m: f64,
 }
 
-impl Default for Accuracy {
+impl Default for AccuracySums {
     fn default() -> Self {
         Self::new(GATE_M)
     }
 }
 
-impl Accuracy {
+impl AccuracySums {
     /// Creates an empty accuracy; tracks and targets more than `gate_m` metres apart in the plane (at most 1,000
     /// km) never match.
     ///
@@ -185,7 +185,9 @@ impl Accuracy {
                 .map(|place| scratch.by_address[place].1);
             match target {
                 Ok(target) if distance_m(track, &targets[target]) <= self.gate_m => {
-                    scratch.pairs.push(Pair::new(track, index, &targets[target], target));
+                    scratch
+                        .pairs
+                        .push(MatchPair::new(track, index, &targets[target], target));
                 }
                 _ => {
                     let near = scratch.nearest(track, targets, self.gate_m).is_some();
@@ -214,7 +216,9 @@ impl Accuracy {
                 let target = scratch.by_east[place].1;
                 let free = scratch.held[target].error_m.is_none();
                 if free && distance_m(track, &targets[target]) <= self.gate_m {
-                    scratch.pairs.push(Pair::new(track, index, &targets[target], target));
+                    scratch
+                        .pairs
+                        .push(MatchPair::new(track, index, &targets[target], target));
                 }
             }
         }
@@ -259,7 +263,7 @@ impl Accuracy {
 
 /// Target in the current picture.
 #[derive(Clone, Copy, Debug, Default)]
-struct Held {
+struct MatchedTarget {
     /// Error of the holding track, if any.
     error_m: Option<f64>,
     duplicates: u32,
@@ -267,7 +271,7 @@ struct Held {
 
 /// Candidate pair of a track and a target, by their places in the picture.
 #[derive(Clone, Copy, Debug)]
-struct Pair {
+struct MatchPair {
     distance_m: f64,
     track_number: u32,
     target_id: u32,
@@ -275,7 +279,7 @@ struct Pair {
     target: usize,
 }
 
-impl Pair {
+impl MatchPair {
     fn new(track: &PictureTrack, index: usize, target: &PictureTarget, target_index: usize) -> Self {
         Self {
             distance_m: distance_m(track, target),
@@ -294,9 +298,9 @@ struct Scratch {
     by_address: Vec<(u32, usize)>,
     /// Targets sorted by their position east, for a search of neighbours.
     by_east: Vec<(f64, usize)>,
-    pairs: Vec<Pair>,
+    pairs: Vec<MatchPair>,
     /// By target.
-    held: Vec<Held>,
+    held: Vec<MatchedTarget>,
     /// By track: whether it is matched or counted.
     used: Vec<bool>,
 }
@@ -313,7 +317,7 @@ impl Scratch {
         self.by_east
             .sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         self.held.clear();
-        self.held.resize(targets.len(), Held::default());
+        self.held.resize(targets.len(), MatchedTarget::default());
         self.used.clear();
         self.used.resize(tracks, false);
         self.pairs.clear();
@@ -329,7 +333,7 @@ impl Scratch {
         });
     }
 
-    fn hold(&mut self, pair: &Pair) {
+    fn hold(&mut self, pair: &MatchPair) {
         self.held[pair.target].error_m = Some(pair.distance_m);
     }
 
@@ -375,7 +379,7 @@ mod tests {
     }
 
     fn report(targets: &[PictureTarget], tracks: &[PictureTrack]) -> AccuracyReport {
-        let mut accuracy = Accuracy::default();
+        let mut accuracy = AccuracySums::default();
         accuracy.add_picture(targets, tracks);
         accuracy.report()
     }
@@ -464,7 +468,7 @@ mod tests {
 
     #[test]
     fn nothing_to_divide_by() {
-        let report = Accuracy::default().report();
+        let report = AccuracySums::default().report();
         assert_eq!((report.errors, report.mean_m, report.held_once_share), (0, 0.0, 0.0));
     }
 

@@ -14,7 +14,7 @@ use association::augmenting::{AugmentingPaths, Choice, NONE, Problem};
 
 /// Candidate pair.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub struct CandidatePair {
     /// Place of the row, from 0.
     pub row: usize,
     /// Place of the column, from 0.
@@ -27,8 +27,8 @@ pub struct Candidate {
 ///
 /// # Panics
 /// If a candidate's row or column is not below `rows` or `columns`.
-pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<Option<usize>> {
-    let known = |candidate: &Candidate| candidate.row < rows && candidate.column < columns;
+pub fn best_pairs(rows: usize, columns: usize, candidates: &[CandidatePair]) -> Vec<Option<usize>> {
+    let known = |candidate: &CandidatePair| candidate.row < rows && candidate.column < columns;
     assert!(candidates.iter().all(known), "rows and columns are numbered from 0");
     let wishes = Wishes::new(rows, candidates);
     let (mut paths, mut steps) = (AugmentingPaths::new(rows, columns), usize::MAX);
@@ -45,13 +45,13 @@ pub fn best_pairs(rows: usize, columns: usize, candidates: &[Candidate]) -> Vec<
 /// Candidates of each row. A candidate's label is its place.
 struct Wishes {
     /// Row after row.
-    wishes: Vec<Candidate>,
+    wishes: Vec<CandidatePair>,
     /// Start of each row's candidates; the length is the number of rows plus 1.
     begins: Vec<usize>,
 }
 
 impl Wishes {
-    fn new(rows: usize, candidates: &[Candidate]) -> Self {
+    fn new(rows: usize, candidates: &[CandidatePair]) -> Self {
         let mut wishes = candidates.to_vec();
         wishes.sort_by_key(|candidate| candidate.row);
         let begin = |row: usize| wishes.partition_point(|candidate| candidate.row < row);
@@ -90,12 +90,12 @@ mod tests {
 
     use super::*;
 
-    fn candidates(gains: &[(usize, usize, f64)]) -> Vec<Candidate> {
-        let candidate = |&(row, column, gain)| Candidate { row, column, gain };
+    fn candidates(gains: &[(usize, usize, f64)]) -> Vec<CandidatePair> {
+        let candidate = |&(row, column, gain)| CandidatePair { row, column, gain };
         gains.iter().map(candidate).collect()
     }
 
-    fn total(candidates: &[Candidate], pairs: &[Option<usize>]) -> f64 {
+    fn total(candidates: &[CandidatePair], pairs: &[Option<usize>]) -> f64 {
         let gain = |(row, column): (usize, &Option<usize>)| {
             let column = (*column)?;
             let listed = candidates
@@ -107,7 +107,7 @@ mod tests {
     }
 
     /// Returns the greatest sum, by exhaustive search.
-    fn greatest(candidates: &[Candidate], row: usize, rows: usize, taken: &mut Vec<usize>) -> f64 {
+    fn greatest(candidates: &[CandidatePair], row: usize, rows: usize, taken: &mut Vec<usize>) -> f64 {
         if row == rows {
             return 0.0;
         }
@@ -161,7 +161,7 @@ mod tests {
                 let along = (row / side).abs_diff(column / side) as f64 * 10.0;
                 let gain = 60.0 * 60.0 - across * across - along * along;
                 if gain > 0.0 {
-                    gains.push(Candidate { row, column, gain });
+                    gains.push(CandidatePair { row, column, gain });
                 }
             }
         }
@@ -169,12 +169,12 @@ mod tests {
         assert!(pairs.iter().enumerate().all(|(row, column)| *column == Some(row)));
     }
 
-    fn case() -> impl Strategy<Value = (usize, usize, Vec<Candidate>)> {
+    fn case() -> impl Strategy<Value = (usize, usize, Vec<CandidatePair>)> {
         (1usize..6, 1usize..6).prop_flat_map(|(rows, columns)| {
             // Whole numbers make ties, fractions make near misses.
             let gain = prop_oneof![(-2i32..9).prop_map(f64::from), -1.0..9.0f64];
             let candidate = (0..rows, 0..columns, gain);
-            let candidate = candidate.prop_map(|(row, column, gain)| Candidate { row, column, gain });
+            let candidate = candidate.prop_map(|(row, column, gain)| CandidatePair { row, column, gain });
             (Just(rows), Just(columns), prop::collection::vec(candidate, 0..20))
         })
     }
@@ -193,10 +193,10 @@ mod tests {
 
         #[test]
         fn rows_and_columns_may_change_places((rows, columns, candidates) in case()) {
-            let turned: Vec<Candidate> = candidates
+            let turned: Vec<CandidatePair> = candidates
                 .iter()
                 .rev()
-                .map(|each| Candidate { row: each.column, column: each.row, gain: each.gain })
+                .map(|each| CandidatePair { row: each.column, column: each.row, gain: each.gain })
                 .collect();
             let one = total(&candidates, &best_pairs(rows, columns, &candidates));
             let other = total(&turned, &best_pairs(columns, rows, &turned));

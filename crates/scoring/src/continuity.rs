@@ -17,8 +17,8 @@ use std::f64::consts::{PI, TAU};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use crate::gospa::Metric;
-use crate::near::{Pair, distance};
-use crate::states::{State, positions};
+use crate::near::{PointPair, distance};
+use crate::states::{KinematicState, positions};
 
 /// Continuity of the tracks of targets, from picture to picture.
 #[derive(Debug)]
@@ -26,17 +26,17 @@ pub(crate) struct Continuity {
     gate_m: f64,
     moving_mps: f64,
     /// By target.
-    followed: FxHashMap<i64, Followed>,
+    followed: FxHashMap<i64, TargetContinuity>,
     /// By track.
-    shown: FxHashMap<i64, Seconds>,
+    shown: FxHashMap<i64, TrackSeconds>,
     /// Error in the plane of each pair of the previous second.
     errors_m: FxHashMap<(i64, i64), [f64; 2]>,
-    pub(crate) found: Found,
+    pub(crate) found: ContinuityFigures,
 }
 
 /// Figures found so far.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct ContinuityFigures {
     pub(crate) switches: u64,
     pub(crate) breaks: u64,
     /// Target-seconds with a track, and in total.
@@ -48,7 +48,7 @@ pub(crate) struct Found {
 
 /// State of one target.
 #[derive(Clone, Copy, Debug, Default)]
-struct Followed {
+struct TargetContinuity {
     /// Present or last track of the target.
     track: Option<i64>,
     /// Whether the target had a track in its latest second.
@@ -57,7 +57,7 @@ struct Followed {
 
 /// Seconds of one track.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seconds {
+struct TrackSeconds {
     shown: u64,
     paired: u64,
 }
@@ -72,12 +72,12 @@ impl Continuity {
             followed: FxHashMap::default(),
             shown: FxHashMap::default(),
             errors_m: FxHashMap::default(),
-            found: Found::default(),
+            found: ContinuityFigures::default(),
         }
     }
 
     /// Adds the next second: the targets and the displayed tracks, each with its own number.
-    pub(crate) fn add(&mut self, targets: &[State<3>], tracks: &[State<3>]) {
+    pub(crate) fn add(&mut self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
         let mut pairs = self.pairs_that_stay(targets, tracks);
         pairs.extend(self.new_pairs(targets, tracks, &pairs));
         for track in tracks {
@@ -100,7 +100,7 @@ impl Continuity {
 
     /// Returns the number of tracks paired with a target in less than half of their displayed seconds.
     pub(crate) fn spurious(&self) -> u64 {
-        let spurious = |seconds: &&Seconds| 2 * seconds.paired < seconds.shown;
+        let spurious = |seconds: &&TrackSeconds| 2 * seconds.paired < seconds.shown;
         self.shown.values().filter(spurious).count() as u64
     }
 
@@ -110,7 +110,7 @@ impl Continuity {
     }
 
     /// Returns the pairs of the previous second that are near enough to stay, as places of target and track.
-    fn pairs_that_stay(&self, targets: &[State<3>], tracks: &[State<3>]) -> Vec<(usize, usize)> {
+    fn pairs_that_stay(&self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) -> Vec<(usize, usize)> {
         let place: FxHashMap<i64, usize> = tracks.iter().map(|track| track.id).zip(0..).collect();
         let mut taken = FxHashSet::default();
         let mut pairs = Vec::new();
@@ -129,7 +129,12 @@ impl Continuity {
     }
 
     /// Pairs the targets and tracks that are not in `pairs`.
-    fn new_pairs(&self, targets: &[State<3>], tracks: &[State<3>], pairs: &[(usize, usize)]) -> Vec<(usize, usize)> {
+    fn new_pairs(
+        &self,
+        targets: &[KinematicState<3>],
+        tracks: &[KinematicState<3>],
+        pairs: &[(usize, usize)],
+    ) -> Vec<(usize, usize)> {
         let mut free = (vec![true; targets.len()], vec![true; tracks.len()]);
         for &(target, track) in pairs {
             free.0[target] = false;
@@ -141,12 +146,12 @@ impl Continuity {
             cut_off_m: self.gate_m,
             power: 2,
         };
-        let of = |states: &[State<3>], left: &[usize]| -> Vec<[f64; 3]> {
+        let of = |states: &[KinematicState<3>], left: &[usize]| -> Vec<[f64; 3]> {
             let all = positions(states);
             left.iter().map(|place| all[*place]).collect()
         };
         let compared = metric.compare(&of(targets, &targets_left), &of(tracks, &tracks_left));
-        let places = |pair: &Pair| (targets_left[pair.target], tracks_left[pair.track]);
+        let places = |pair: &PointPair| (targets_left[pair.target], tracks_left[pair.track]);
         compared.pairs.iter().map(places).collect()
     }
 
@@ -165,8 +170,8 @@ impl Continuity {
         followed.now = track.is_some();
     }
 
-    fn measure_wander(&mut self, pairs: &[(&State<3>, &State<3>)]) {
-        let error = |(target, track): &(&State<3>, &State<3>)| {
+    fn measure_wander(&mut self, pairs: &[(&KinematicState<3>, &KinematicState<3>)]) {
+        let error = |(target, track): &(&KinematicState<3>, &KinematicState<3>)| {
             let error = [0, 1].map(|axis| track.position_m[axis] - target.position_m[axis]);
             ((target.id, track.id), error)
         };
@@ -179,8 +184,8 @@ impl Continuity {
         self.errors_m = now;
     }
 
-    fn measure_direction(&mut self, pairs: &[(&State<3>, &State<3>)]) {
-        let course = |state: &State<3>| state.velocity_mps[0].atan2(state.velocity_mps[1]);
+    fn measure_direction(&mut self, pairs: &[(&KinematicState<3>, &KinematicState<3>)]) {
+        let course = |state: &KinematicState<3>| state.velocity_mps[0].atan2(state.velocity_mps[1]);
         for (target, track) in pairs {
             if target.velocity_mps[0].hypot(target.velocity_mps[1]) > self.moving_mps {
                 let angle = course(track) - course(target);

@@ -107,12 +107,12 @@ pub enum FixError {
 #[derive(Clone, Debug)]
 pub struct FixRuns {
     settings: CaseSettings,
-    runs: Vec<Vec<Fix>>,
+    runs: Vec<Vec<ScoredFix>>,
 }
 
 /// Row of fixes, with the truth of its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Fix {
+struct ScoredFix {
     time_s: f64,
     truth_m: [f64; 2],
     output_m: [f64; 2],
@@ -120,7 +120,7 @@ struct Fix {
     velocity_mps: [f64; 2],
 }
 
-impl Fix {
+impl ScoredFix {
     fn values(&self) -> [f64; 9] {
         let ([a, b], [c, d], [e, f], [g, h]) = (self.truth_m, self.output_m, self.raw_m, self.velocity_mps);
         [self.time_s, a, b, c, d, e, f, g, h]
@@ -267,7 +267,7 @@ impl FixRuns {
                 expected: self.settings,
             });
         }
-        let truth = Truth::read(truth).map_err(FixInputError::Truth)?;
+        let truth = EmitterTruth::read(truth).map_err(FixInputError::Truth)?;
         let runs = truth.runs(fixes).map_err(FixInputError::Fixes)?;
         self.settings.runs += settings.runs;
         self.runs.extend(runs);
@@ -305,7 +305,7 @@ impl FixRuns {
             .ok_or(FixError::NoBound { baseline_m, sigma_deg })?;
         let last = self.runs.iter().filter_map(|run| run.last());
         let squares = |axis: usize| -> Vec<f64> {
-            let square = |fix: &Fix| (fix.raw_m[axis] - fix.truth_m[axis]).powi(2);
+            let square = |fix: &ScoredFix| (fix.raw_m[axis] - fix.truth_m[axis]).powi(2);
             last.clone().map(square).collect()
         };
         let rmse = |axis: usize| root_mean(&squares(axis)).ok_or(FixError::NoFix);
@@ -327,21 +327,24 @@ impl FixRuns {
             FixCase::Turn => TURN_SINCE_S,
             FixCase::Fixed | FixCase::Drop => ends_s.fold(f64::NEG_INFINITY, f64::max) / 2.0,
         };
-        let late = |run: &Vec<Fix>| run.partition_point(|fix| fix.time_s < since_s);
-        let late: Vec<&[Fix]> = self
+        let late = |run: &Vec<ScoredFix>| run.partition_point(|fix| fix.time_s < since_s);
+        let late: Vec<&[ScoredFix]> = self
             .runs
             .iter()
             .map(|run| &run[late(run)..])
             .filter(|run| run.len() > 1)
             .collect();
         let nothing = FixError::NoLateFix { since_s };
-        let rms = |runs: &[&[Fix]], of: Of| {
+        let rms = |runs: &[&[ScoredFix]], of: Of| {
             let fixes = runs.iter().copied().flatten();
             root_mean(&fixes.map(|fix| error_square_m2(fix, of)).collect::<Vec<_>>()).ok_or(nothing.clone())
         };
-        let ends: Vec<&[Fix]> = late.iter().map(|run| &run[run.len() - 1..]).collect();
+        let ends: Vec<&[ScoredFix]> = late.iter().map(|run| &run[run.len() - 1..]).collect();
         let steps = late.iter().flat_map(|run| run.windows(2));
-        let (output, raw) = (Spread::new(&late, Of::Output), Spread::new(&late, Of::Raw));
+        let (output, raw) = (
+            MotionUnsteadiness::new(&late, Of::Output),
+            MotionUnsteadiness::new(&late, Of::Raw),
+        );
         let figures = CourseFigures {
             rmse: rms(&late, Of::Output)?,
             raw_rmse: rms(&late, Of::Raw)?,
@@ -365,33 +368,33 @@ enum Of {
     Raw,
 }
 
-fn place_m(fix: &Fix, of: Of) -> [f64; 2] {
+fn place_m(fix: &ScoredFix, of: Of) -> [f64; 2] {
     match of {
         Of::Output => fix.output_m,
         Of::Raw => fix.raw_m,
     }
 }
 
-fn error_square_m2(fix: &Fix, of: Of) -> f64 {
+fn error_square_m2(fix: &ScoredFix, of: Of) -> f64 {
     let error_m = distance(&place_m(fix, of), &fix.truth_m);
     error_m * error_m
 }
 
 /// Returns the distance of the output from the position predicted with its previous velocity.
-fn jump_m(before: &Fix, after: &Fix) -> f64 {
+fn jump_m(before: &ScoredFix, after: &ScoredFix) -> f64 {
     let seconds = after.time_s - before.time_s;
     let expected = [0, 1].map(|axis| before.output_m[axis] + before.velocity_mps[axis] * seconds);
     distance(&after.output_m, &expected)
 }
 
 /// Unsteadiness of the motion of fixes, averaged over runs.
-struct Spread {
+struct MotionUnsteadiness {
     speed_mps: Option<f64>,
     direction_deg: Option<f64>,
 }
 
-impl Spread {
-    fn new(runs: &[&[Fix]], of: Of) -> Self {
+impl MotionUnsteadiness {
+    fn new(runs: &[&[ScoredFix]], of: Of) -> Self {
         let (mut speeds, mut directions) = (Vec::new(), Vec::new());
         for run in runs {
             let motion = motion_mps(run, of);
@@ -411,8 +414,8 @@ impl Spread {
 }
 
 /// Returns the velocities between every tenth fix and the next such fix.
-fn motion_mps(run: &[Fix], of: Of) -> Vec<[f64; 2]> {
-    let sampled: Vec<&Fix> = run.iter().step_by(MOTION_ROWS).collect();
+fn motion_mps(run: &[ScoredFix], of: Of) -> Vec<[f64; 2]> {
+    let sampled: Vec<&ScoredFix> = run.iter().step_by(MOTION_ROWS).collect();
     let steps = sampled.windows(2).filter(|step| step[1].time_s > step[0].time_s);
     let motion = steps.map(|step| {
         let seconds = step[1].time_s - step[0].time_s;
@@ -441,12 +444,12 @@ pub enum FixInputError {
 }
 
 /// Positions of emitters by time. The text in the column names an emitter, numeric or not.
-struct Truth {
+struct EmitterTruth {
     emitters: FxHashMap<String, u32>,
     places_m: FxHashMap<(u32, u64), [f64; 2]>,
 }
 
-impl Truth {
+impl EmitterTruth {
     fn read(input: impl Read) -> Result<Self, CsvError> {
         let mut table = Table::new(input)?;
         let (time, emitter) = (table.required("time_s")?, table.required("emitter_id")?);
@@ -473,11 +476,11 @@ impl Truth {
     }
 
     /// Returns the fixes by emitter, each run in the order of time.
-    fn runs(&self, fixes: impl Read) -> Result<Vec<Vec<Fix>>, CsvError> {
+    fn runs(&self, fixes: impl Read) -> Result<Vec<Vec<ScoredFix>>, CsvError> {
         let mut table = Table::new(fixes)?;
         let (time, emitter) = (table.required("time_s")?, table.required("emitter_id")?);
         let columns = table.all(["x", "y", "raw_x", "raw_y", "vx", "vy"])?;
-        let mut runs: BTreeMap<u32, Vec<Fix>> = BTreeMap::new();
+        let mut runs: BTreeMap<u32, Vec<ScoredFix>> = BTreeMap::new();
         while let Some(row) = table.next_row() {
             let row = row?;
             let time_s = row.time_s(time)?;
@@ -492,7 +495,7 @@ impl Truth {
                 *value = row.number(column)?;
             }
             let [x, y, raw_x, raw_y, vx, vy] = values;
-            runs.entry(number).or_default().push(Fix {
+            runs.entry(number).or_default().push(ScoredFix {
                 time_s,
                 truth_m,
                 output_m: [x, y],
@@ -500,7 +503,7 @@ impl Truth {
                 velocity_mps: [vx, vy],
             });
         }
-        let mut runs: Vec<Vec<Fix>> = runs.into_values().collect();
+        let mut runs: Vec<Vec<ScoredFix>> = runs.into_values().collect();
         for run in &mut runs {
             // Values order two fixes at one time, so that the order in the file does not matter.
             run.sort_by(|one, other| {

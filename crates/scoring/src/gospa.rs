@@ -11,8 +11,8 @@
 //! OSPA (Schuhmacher, Vo and Vo, *A consistent metric for performance evaluation of multi-object filters*, 2008)
 //! divides by the size of the larger set, and so gives an error per target. The same pairs minimise both.
 
-use crate::assignment::{Candidate, best_pairs};
-use crate::near::{Pair, near_pairs};
+use crate::assignment::{CandidatePair, best_pairs};
+use crate::near::{PointPair, near_pairs};
 
 /// Parameters of the metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub struct Metric {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetDistance {
     /// Targets and their tracks, all nearer than the cut-off.
-    pub pairs: Vec<Pair>,
+    pub pairs: Vec<PointPair>,
     /// Targets without a track.
     pub missed: usize,
     /// Tracks without a target.
@@ -40,9 +40,9 @@ impl Metric {
     pub fn compare<const D: usize>(&self, targets: &[[f64; D]], tracks: &[[f64; D]]) -> SetDistance {
         let near = near_pairs(targets, tracks, self.cut_off_m);
         let alone = self.of(self.cut_off_m);
-        let candidates: Vec<Candidate> = near
+        let candidates: Vec<CandidatePair> = near
             .iter()
-            .map(|pair| Candidate {
+            .map(|pair| CandidatePair {
                 row: pair.target,
                 column: pair.track,
                 gain: alone - self.of(pair.distance_m),

@@ -7,7 +7,7 @@
 //! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]),
 //!   errors, identity switches, breaks, completeness, spurious tracks;
 //! - [`ResolutionScore`]: the resolution of targets that fly close to each other, and its delay;
-//! - [`Accuracy`]: running figures of a picture, available at any time;
+//! - [`AccuracySums`]: running figures of a picture, available at any time;
 //! - [`NumberTally`]: the stability of track numbers through failures;
 //! - [`FixRuns`]: the fixes of a bearings-only locator, compared with the best possible.
 //!
@@ -31,12 +31,12 @@ mod states;
 mod statistics;
 mod words;
 
-pub use accuracy::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
+pub use accuracy::{AccuracyReport, AccuracySums, PictureTarget, PictureTrack};
 pub use fixes::{
     BroadsideFigures, CaseSettings, CourseFigures, FIX_WORDS, FixCase, FixError, FixFigures, FixInputError, FixRuns,
     FixScore,
 };
-pub use near::Pair;
+pub use near::PointPair;
 pub use numbers::NumberTally;
 pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, ShownState, Timeline, score_picture};
 pub use resolution::{

@@ -4,7 +4,7 @@
 
 /// Point of each set, and their distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct PointPair {
     /// Place in the first set: of the target.
     pub target: usize,
     /// Place in the second set: of the track.
@@ -14,7 +14,7 @@ pub struct Pair {
 }
 
 /// Returns every pair nearer than `reach_m` metres, in the order of the targets.
-pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D]], reach_m: f64) -> Vec<Pair> {
+pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D]], reach_m: f64) -> Vec<PointPair> {
     let mut sorted: Vec<(f64, usize)> = tracks.iter().map(|track| track[0]).zip(0..).collect();
     sorted.sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
     let mut pairs = Vec::new();
@@ -26,7 +26,7 @@ pub(crate) fn near_pairs<const D: usize>(targets: &[[f64; D]], tracks: &[[f64; D
         for &(_, track) in strip {
             let distance_m = distance(place, &tracks[track]);
             if distance_m < reach_m {
-                pairs.push(Pair {
+                pairs.push(PointPair {
                     target,
                     track,
                     distance_m,

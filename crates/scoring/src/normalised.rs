@@ -10,10 +10,10 @@ use messages::{AXES, Covariance};
 use nalgebra::{Matrix3, Vector3};
 
 /// Covariance of a position, m².
-pub(crate) type Spread = Matrix3<f64>;
+pub(crate) type PositionCovariance = Matrix3<f64>;
 
 /// Returns the covariance of the position some seconds after the time of `covariance`, under constant velocity.
-pub(crate) fn spread_after(covariance: &Covariance, seconds: f64) -> Spread {
+pub(crate) fn spread_after(covariance: &Covariance, seconds: f64) -> PositionCovariance {
     Matrix3::from_fn(|row, column| {
         let cross = covariance.get(row, column + AXES) + covariance.get(column, row + AXES);
         let velocity = covariance.get(row + AXES, column + AXES);
@@ -22,7 +22,7 @@ pub(crate) fn spread_after(covariance: &Covariance, seconds: f64) -> Spread {
 }
 
 /// Returns d²/3; `None` if the covariance is not positive definite.
-pub(crate) fn normalised_square(error_m: [f64; AXES], spread_m2: &Spread) -> Option<f64> {
+pub(crate) fn normalised_square(error_m: [f64; AXES], spread_m2: &PositionCovariance) -> Option<f64> {
     let error_m = Vector3::from(error_m);
     let solved = spread_m2.cholesky()?.solve(&error_m);
     Some(error_m.dot(&solved) / AXES as f64).filter(|square| square.is_finite())
@@ -38,7 +38,7 @@ mod tests {
         let spread = spread_after(&covariance, 0.0);
         assert_eq!(normalised_square([3.0, -4.0, 12.0], &spread), Some(1.0));
         assert_eq!(normalised_square([6.0, 0.0, 0.0], &spread), Some(4.0 / 3.0));
-        assert_eq!(normalised_square([1.0; 3], &Spread::zeros()), None);
+        assert_eq!(normalised_square([1.0; 3], &PositionCovariance::zeros()), None);
     }
 
     #[test]

@@ -20,7 +20,7 @@ use crate::continuity::Continuity;
 use crate::gospa::Metric;
 use crate::near::distance;
 use crate::normalised::{normalised_square, spread_after};
-use crate::states::{Counted, Instant, Pictures, State, StateRows, Walk, positions};
+use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, Walk, positions};
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
 use crate::words::Word;
 
@@ -65,7 +65,7 @@ impl Default for PictureSettings {
 #[derive(Clone, Debug)]
 pub struct Timeline {
     age_max_s: f64,
-    pictures: Pictures<3>,
+    pictures: PictureSeries<3>,
     /// Latest time of any row.
     end_s: Option<f64>,
     /// Latest time of each track, for the rate of updates.
@@ -95,7 +95,7 @@ impl Timeline {
     }
 
     fn read(input: impl Read, usual_id: &'static str, age_max_s: f64) -> Result<Self, CsvError> {
-        let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, Counted::NotUnconfirmed)?;
+        let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, StateFilter::NotUnconfirmed)?;
         let mut timeline = Self::empty(age_max_s);
         while let Some((state, covariance)) = rows.next()? {
             timeline.keep(state, covariance.as_ref());
@@ -118,7 +118,7 @@ impl Timeline {
         Self {
             age_max_s,
             // Of two rows at one time, the later row counts.
-            pictures: Pictures::new(|state, kept| state.time_s >= kept.time_s),
+            pictures: PictureSeries::new(|state, kept| state.time_s >= kept.time_s),
             end_s: None,
             updated_s: FxHashMap::default(),
             updates: 0,
@@ -135,7 +135,7 @@ impl Timeline {
 
     /// Adds a state, like a row of a file.
     pub fn add(&mut self, state: &ShownState) {
-        let counted = State {
+        let counted = KinematicState {
             id: state.number,
             time_s: state.time_s,
             position_m: state.position_m,
@@ -145,7 +145,7 @@ impl Timeline {
         self.keep(counted, Some(&state.covariance));
     }
 
-    fn keep(&mut self, state: State<3>, covariance: Option<&Covariance>) {
+    fn keep(&mut self, state: KinematicState<3>, covariance: Option<&Covariance>) {
         if let Some(before_s) = self.updated_s.insert(state.id, state.time_s) {
             let period_s = state.time_s - before_s;
             self.updates += 1;
@@ -156,7 +156,7 @@ impl Timeline {
         let second = first_whole_second(state.time_s);
         if is_fresh(state.time_s, second, self.age_max_s) {
             let spread_m2 = covariance.map(|stated| spread_after(stated, second as f64 - state.time_s));
-            self.pictures.keep(second, State { spread_m2, ..state });
+            self.pictures.keep(second, KinematicState { spread_m2, ..state });
         }
         self.end_s = Some(self.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
     }
@@ -293,7 +293,7 @@ pub fn score_picture(
         return Err(PictureError::NoSecond { first_s, last_s });
     }
     let (mut truth, mut tracks) = (Pass::new(truth), Pass::new(tracks));
-    let mut sums = Sums::new(settings);
+    let mut sums = PictureSums::new(settings);
     for second in first_s..=last_s {
         sums.add(&truth.at(second), &tracks.at(second));
     }
@@ -314,7 +314,7 @@ impl<'a> Pass<'a> {
         }
     }
 
-    fn at(&mut self, second: Instant) -> Vec<State<3>> {
+    fn at(&mut self, second: Instant) -> Vec<KinematicState<3>> {
         let age_max_s = self.age_max_s;
         self.walk
             .at(second, second as f64, |time_s| is_fresh(time_s, second, age_max_s))
@@ -322,7 +322,7 @@ impl<'a> Pass<'a> {
 }
 
 /// Sums over the seconds so far.
-struct Sums {
+struct PictureSums {
     metric: Metric,
     /// By second: GOSPA, its three parts, and OSPA.
     distances_m: [Vec<f64>; 5],
@@ -334,7 +334,7 @@ struct Sums {
     continuity: Continuity,
 }
 
-impl Sums {
+impl PictureSums {
     fn new(settings: &PictureSettings) -> Self {
         Self {
             metric: Metric {
@@ -351,7 +351,7 @@ impl Sums {
         }
     }
 
-    fn add(&mut self, targets: &[State<3>], tracks: &[State<3>]) {
+    fn add(&mut self, targets: &[KinematicState<3>], tracks: &[KinematicState<3>]) {
         let found = self.metric.compare(&positions(targets), &positions(tracks));
         let distances = [
             found.gospa_m(),

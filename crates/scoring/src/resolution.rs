@@ -19,9 +19,9 @@ use csv_table::{CsvError, Table};
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::assignment::{Candidate, best_pairs};
+use crate::assignment::{CandidatePair, best_pairs};
 use crate::near::near_pairs;
-use crate::states::{Counted, Instant, Pictures, State, StateRows, positions};
+use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, positions};
 use crate::statistics::mean;
 use crate::words::Word;
 
@@ -84,7 +84,7 @@ impl TargetsByTime {
 /// Displayed tracks of a tracker, at the times of a truth.
 #[derive(Clone, Debug)]
 pub struct ConfirmedTracks {
-    pictures: Pictures<2>,
+    pictures: PictureSeries<2>,
     /// Tracks confirmed at any time.
     ids: BTreeSet<i64>,
 }
@@ -97,9 +97,9 @@ impl ConfirmedTracks {
     /// As [`TargetsByTime::read`].
     pub fn read(input: impl Read, truth: &TargetsByTime) -> Result<Self, CsvError> {
         let ids = ["sensor_track_id", "system_track_id"];
-        let mut rows = StateRows::<_, 2>::new(input, &ids, ids[0], Counted::Confirmed)?;
+        let mut rows = StateRows::<_, 2>::new(input, &ids, ids[0], StateFilter::Confirmed)?;
         let mut tracks = Self {
-            pictures: Pictures::new(supersedes),
+            pictures: PictureSeries::new(supersedes),
             ids: BTreeSet::new(),
         };
         let times_s = &truth.times_s;
@@ -114,8 +114,8 @@ impl ConfirmedTracks {
 
 /// Whether a row replaces a stored row: the newer row wins. Of two rows at one time, greater values win, so that
 /// the order in the file does not matter.
-fn supersedes(state: &State<2>, kept: &State<2>) -> bool {
-    let values = |state: &State<2>| {
+fn supersedes(state: &KinematicState<2>, kept: &KinematicState<2>) -> bool {
+    let values = |state: &KinematicState<2>| {
         let ([x, y], [vx, vy]) = (state.position_m, state.velocity_mps);
         [state.time_s, x, y, vx, vy]
     };
@@ -202,7 +202,7 @@ impl ResolutionScore {
         let Some(last_s) = truth.times_s[first..].last() else {
             return Err(NoTruthSince { since_s });
         };
-        let mut found = Found::default();
+        let mut found = ResolutionSums::default();
         let (mut walk, mut ever_near) = (tracks.pictures.walk(), BTreeSet::new());
         for (place, (&time_s, targets)) in truth.times_s.iter().zip(&truth.targets_m).enumerate() {
             let shown = walk.at(place as Instant, time_s, |of_s| time_s - of_s <= AGE_MAX_S);
@@ -252,7 +252,7 @@ impl ResolutionScore {
 
 /// Sums over the times of one run so far.
 #[derive(Clone, Copy, Debug, Default)]
-struct Found {
+struct ResolutionSums {
     /// Times with resolvable targets.
     times: u64,
     right: u64,
@@ -268,7 +268,7 @@ struct Found {
     covered_before_s: Option<f64>,
 }
 
-impl Found {
+impl ResolutionSums {
     fn add_early(&mut self, near: &Nearness) {
         self.early += 1;
         self.early_several += u64::from(near.tracks.len() > 1);
@@ -295,10 +295,10 @@ struct Nearness {
 }
 
 impl Nearness {
-    fn new(targets: &[[f64; 2]], shown: &[State<2>], gate_m: f64) -> Self {
+    fn new(targets: &[[f64; 2]], shown: &[KinematicState<2>], gate_m: f64) -> Self {
         let near = near_pairs(targets, &positions(shown), gate_m);
         // All pairs have equal gain, so the best sum has the most pairs.
-        let candidates = near.iter().map(|pair| Candidate {
+        let candidates = near.iter().map(|pair| CandidatePair {
             row: pair.target,
             column: pair.track,
             gain: 1.0,

@@ -13,7 +13,7 @@ use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
 
-use crate::normalised::Spread;
+use crate::normalised::PositionCovariance;
 
 /// Columns of positions and velocities, by dimension.
 const POSITION: [&str; 3] = ["x", "y", "z"];
@@ -24,16 +24,16 @@ pub(crate) type Instant = i64;
 
 /// Position and velocity of one target or track, in `D` dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct State<const D: usize> {
+pub(crate) struct KinematicState<const D: usize> {
     pub(crate) id: i64,
     pub(crate) time_s: f64,
     pub(crate) position_m: [f64; D],
     pub(crate) velocity_mps: [f64; D],
     /// Covariance of the position at the first instant of visibility, if stated.
-    pub(crate) spread_m2: Option<Spread>,
+    pub(crate) spread_m2: Option<PositionCovariance>,
 }
 
-impl<const D: usize> State<D> {
+impl<const D: usize> KinematicState<D> {
     /// Returns the state moved to another time, under constant velocity.
     pub(crate) fn moved_to(&self, time_s: f64) -> Self {
         let seconds = time_s - self.time_s;
@@ -46,7 +46,7 @@ impl<const D: usize> State<D> {
 
 /// Counted rows, by the word in the column `state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Counted {
+pub(crate) enum StateFilter {
     /// All rows except `tentative` or `terminated`; in files without the column, all rows.
     NotUnconfirmed,
     /// Only rows with `confirmed` or `coasted`.
@@ -57,7 +57,7 @@ pub(crate) enum Counted {
 #[derive(Debug)]
 pub(crate) struct StateRows<R, const D: usize> {
     table: Table<R>,
-    counted: Counted,
+    counted: StateFilter,
     time: Column,
     id: Column,
     position: [Column; D],
@@ -72,7 +72,12 @@ impl<R: Read, const D: usize> StateRows<R, D> {
     ///
     /// # Errors
     /// If a column is missing or the input fails.
-    pub(crate) fn new(input: R, ids: &[&'static str], usual: &'static str, counted: Counted) -> Result<Self, CsvError> {
+    pub(crate) fn new(
+        input: R,
+        ids: &[&'static str],
+        usual: &'static str,
+        counted: StateFilter,
+    ) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
         let mut id = None;
         for name in ids {
@@ -89,8 +94,8 @@ impl<R: Read, const D: usize> StateRows<R, D> {
             position: columns(&table, POSITION)?,
             velocity: columns(&table, VELOCITY)?,
             state: match counted {
-                Counted::NotUnconfirmed => table.optional("state")?,
-                Counted::Confirmed => Some(table.required("state")?),
+                StateFilter::NotUnconfirmed => table.optional("state")?,
+                StateFilter::Confirmed => Some(table.required("state")?),
             },
             covariance: covariance(&table)?,
             table,
@@ -102,15 +107,15 @@ impl<R: Read, const D: usize> StateRows<R, D> {
     ///
     /// # Errors
     /// If the row cannot be read.
-    pub(crate) fn next(&mut self) -> Result<Option<(State<D>, Option<Covariance>)>, CsvError> {
+    pub(crate) fn next(&mut self) -> Result<Option<(KinematicState<D>, Option<Covariance>)>, CsvError> {
         while let Some(row) = self.table.next_row() {
             let row = row?;
             let counts = match (self.counted, row.text(self.state)?) {
-                (Counted::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "terminated")),
-                (Counted::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
+                (StateFilter::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "terminated")),
+                (StateFilter::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
             };
             if counts {
-                let state = State {
+                let state = KinematicState {
                     id: row.whole(self.id)?,
                     time_s: row.time_s(self.time)?,
                     position_m: numbers(row, self.position)?,
@@ -158,18 +163,18 @@ fn numbers<const D: usize>(row: Cells<'_>, columns: [Column; D]) -> Result<[f64;
 }
 
 /// Decides whether a state replaces a stored state.
-pub(crate) type Supersedes<const D: usize> = fn(state: &State<D>, kept: &State<D>) -> bool;
+pub(crate) type Supersedes<const D: usize> = fn(state: &KinematicState<D>, kept: &KinematicState<D>) -> bool;
 
 /// Newest state of each target or track per instant.
 #[derive(Clone, Debug)]
-pub(crate) struct Pictures<const D: usize> {
-    by_instant: BTreeMap<Instant, Vec<State<D>>>,
+pub(crate) struct PictureSeries<const D: usize> {
+    by_instant: BTreeMap<Instant, Vec<KinematicState<D>>>,
     /// Places of the latest stored states.
     latest: FxHashMap<i64, (Instant, usize)>,
     supersedes: Supersedes<D>,
 }
 
-impl<const D: usize> Pictures<D> {
+impl<const D: usize> PictureSeries<D> {
     pub(crate) fn new(supersedes: Supersedes<D>) -> Self {
         Self {
             by_instant: BTreeMap::new(),
@@ -179,7 +184,7 @@ impl<const D: usize> Pictures<D> {
     }
 
     /// Stores a state visible from `instant` on, unless a newer state is.
-    pub(crate) fn keep(&mut self, instant: Instant, state: State<D>) {
+    pub(crate) fn keep(&mut self, instant: Instant, state: KinematicState<D>) {
         let states = self.by_instant.entry(instant).or_default();
         match self.latest.get(&state.id) {
             Some((of, place)) if *of == instant => {
@@ -212,8 +217,8 @@ impl<const D: usize> Pictures<D> {
 /// Iteration over pictures.
 #[derive(Debug)]
 pub(crate) struct Walk<'a, const D: usize> {
-    rest: std::iter::Peekable<btree_map::Iter<'a, Instant, Vec<State<D>>>>,
-    visible: BTreeMap<i64, State<D>>,
+    rest: std::iter::Peekable<btree_map::Iter<'a, Instant, Vec<KinematicState<D>>>>,
+    visible: BTreeMap<i64, KinematicState<D>>,
     supersedes: Supersedes<D>,
 }
 
@@ -221,7 +226,7 @@ impl<const D: usize> Walk<'_, D> {
     /// Returns the states displayed at `instant`, which is at `time_s`: every state that is `fresh` then, moved to
     /// that time, in the order of their numbers. Calls must be in the order of instants; outdated states are
     /// dropped permanently.
-    pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<State<D>> {
+    pub(crate) fn at(&mut self, instant: Instant, time_s: f64, fresh: impl Fn(f64) -> bool) -> Vec<KinematicState<D>> {
         while let Some((_, states)) = self.rest.next_if(|(of, _)| **of <= instant) {
             for state in states {
                 let newest = self.visible.entry(state.id).or_insert(*state);
@@ -236,7 +241,7 @@ impl<const D: usize> Walk<'_, D> {
 }
 
 /// Returns the positions of states.
-pub(crate) fn positions<const D: usize>(states: &[State<D>]) -> Vec<[f64; D]> {
+pub(crate) fn positions<const D: usize>(states: &[KinematicState<D>]) -> Vec<[f64; D]> {
     states.iter().map(|state| state.position_m).collect()
 }
 
@@ -244,8 +249,8 @@ pub(crate) fn positions<const D: usize>(states: &[State<D>]) -> Vec<[f64; D]> {
 mod tests {
     use super::*;
 
-    fn state(id: i64, time_s: f64, x: f64) -> State<2> {
-        State {
+    fn state(id: i64, time_s: f64, x: f64) -> KinematicState<2> {
+        KinematicState {
             id,
             time_s,
             position_m: [x, 0.0],
@@ -256,7 +261,7 @@ mod tests {
 
     #[test]
     fn of_each_track_the_newest_state_shows_moved_and_not_too_old() {
-        let mut pictures = Pictures::new(|state, kept| state.time_s >= kept.time_s);
+        let mut pictures = PictureSeries::new(|state, kept| state.time_s >= kept.time_s);
         for (instant, state) in [
             (2, state(7, 1.5, 1.0)),
             (1, state(7, 0.5, 2.0)),
@@ -287,15 +292,15 @@ mod tests {
             let mut rows = StateRows::<_, 2>::new(text.as_bytes(), &ids, "system_track_id", counted).unwrap();
             std::iter::from_fn(|| rows.next().unwrap().map(|(state, _)| state)).collect::<Vec<_>>()
         };
-        let first = State {
+        let first = KinematicState {
             id: 4,
             time_s: 0.25,
             position_m: [1.0, 2.0],
             velocity_mps: [-1.0, 0.5],
             spread_m2: None,
         };
-        assert_eq!(read(Counted::Confirmed), [first]);
-        let all = read(Counted::NotUnconfirmed);
+        assert_eq!(read(StateFilter::Confirmed), [first]);
+        let all = read(StateFilter::NotUnconfirmed);
         assert_eq!(all.iter().map(|state| state.id).collect::<Vec<_>>(), [4, 6]);
     }
 
@@ -306,7 +311,7 @@ mod tests {
                 text.as_bytes(),
                 &["target_id", "track_id"],
                 "track_id",
-                Counted::NotUnconfirmed,
+                StateFilter::NotUnconfirmed,
             );
             let outcome = rows.and_then(|mut rows| rows.next().map(drop));
             outcome.unwrap_err().to_string()

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use toml::de::DeValue;
 
 use crate::leaves::wrong_type;
-use crate::{Node, Place, Range, SettingsError, Table, Value};
+use crate::{KeyTable, KeyValue, Node, Place, Range, SettingsError};
 
 /// The word that stands for `None`.
 const OFF: &str = "off";
 
-impl<T: Value + Default> Value for Option<T> {
+impl<T: KeyValue + Default> KeyValue for Option<T> {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         if node.get_ref().as_str() == Some(OFF) {
             *self = None;
@@ -35,15 +35,15 @@ impl<T: Value + Default> Value for Option<T> {
     }
 
     fn text(&self) -> String {
-        self.as_ref().map_or_else(|| format!("\"{OFF}\""), Value::text)
+        self.as_ref().map_or_else(|| format!("\"{OFF}\""), KeyValue::text)
     }
 
-    fn table(&self) -> Option<Box<dyn Table>> {
-        self.as_ref().map_or_else(|| T::default().table(), Value::table)
+    fn table(&self) -> Option<Box<dyn KeyTable>> {
+        self.as_ref().map_or_else(|| T::default().table(), KeyValue::table)
     }
 }
 
-impl<T: Value + Default> Value for Vec<T> {
+impl<T: KeyValue + Default> KeyValue for Vec<T> {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         let DeValue::Array(items) = node.get_ref() else {
             return Err(wrong_type(node, &self.kind(), at));
@@ -70,12 +70,12 @@ impl<T: Value + Default> Value for Vec<T> {
         list(self)
     }
 
-    fn table(&self) -> Option<Box<dyn Table>> {
+    fn table(&self) -> Option<Box<dyn KeyTable>> {
         T::default().table()
     }
 }
 
-impl<T: Value + Default, const N: usize> Value for [T; N] {
+impl<T: KeyValue + Default, const N: usize> KeyValue for [T; N] {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         match node.get_ref() {
             DeValue::Array(items) if items.len() == N => {
@@ -103,7 +103,7 @@ impl<T: Value + Default, const N: usize> Value for [T; N] {
     }
 }
 
-impl<T: Value + Default> Value for BTreeMap<String, T> {
+impl<T: KeyValue + Default> KeyValue for BTreeMap<String, T> {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         let DeValue::Table(table) = node.get_ref() else {
             return Err(wrong_type(node, &self.kind(), at));
@@ -136,14 +136,14 @@ impl<T: Value + Default> Value for BTreeMap<String, T> {
 }
 
 /// An item that is a table has its own place; a number has the place of its list.
-fn at_item<'a>(value: &impl Value, at: &Place<'a>, index: usize) -> Place<'a> {
+fn at_item<'a>(value: &impl KeyValue, at: &Place<'a>, index: usize) -> Place<'a> {
     match value.table() {
         Some(_) => at.item(index),
         None => *at,
     }
 }
 
-fn list<T: Value>(items: &[T]) -> String {
-    let items: Vec<String> = items.iter().map(Value::text).collect();
+fn list<T: KeyValue>(items: &[T]) -> String {
+    let items: Vec<String> = items.iter().map(KeyValue::text).collect();
     format!("[{}]", items.join(", "))
 }

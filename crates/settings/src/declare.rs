@@ -39,7 +39,7 @@ macro_rules! settings {
             }
         }
 
-        impl $crate::Table for $name {
+        impl $crate::KeyTable for $name {
             fn name(&self) -> &'static str {
                 concat!(module_path!(), "::", stringify!($name))
             }
@@ -59,19 +59,19 @@ macro_rules! settings {
                 KEYS.iter().collect()
             }
 
-            fn values(&self) -> Vec<&dyn $crate::Value> {
+            fn values(&self) -> Vec<&dyn $crate::KeyValue> {
                 vec![ $( &self.$field ),* ]
             }
 
-            fn values_mut(&mut self) -> Vec<&mut dyn $crate::Value> {
+            fn values_mut(&mut self) -> Vec<&mut dyn $crate::KeyValue> {
                 vec![ $( &mut self.$field ),* ]
             }
 
-            fn bases(&self) -> Vec<&dyn $crate::Table> {
+            fn bases(&self) -> Vec<&dyn $crate::KeyTable> {
                 vec![ $( $( &self.$base ),+ )? ]
             }
 
-            fn bases_mut(&mut self) -> Vec<&mut dyn $crate::Table> {
+            fn bases_mut(&mut self) -> Vec<&mut dyn $crate::KeyTable> {
                 vec![ $( $( &mut self.$base ),+ )? ]
             }
 
@@ -81,7 +81,7 @@ macro_rules! settings {
             }
         }
 
-        impl $crate::Value for $name {
+        impl $crate::KeyValue for $name {
             fn read(
                 &mut self,
                 node: &$crate::Node<'_>,
@@ -103,7 +103,7 @@ macro_rules! settings {
                 String::new()
             }
 
-            fn table(&self) -> Option<Box<dyn $crate::Table>> {
+            fn table(&self) -> Option<Box<dyn $crate::KeyTable>> {
                 Some(Box::new(self.clone()))
             }
         }

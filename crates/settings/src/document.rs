@@ -3,7 +3,7 @@
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::{Node, Place, SettingsError, Table, Value, read_table};
+use crate::{KeyTable, KeyValue, Node, Place, SettingsError, read_table};
 
 /// Offset that a value has which is not in the text.
 const NOT_IN_TEXT: usize = usize::MAX;
@@ -44,7 +44,7 @@ impl<'a> Document<'a> {
     ///
     /// # Errors
     /// The first mistake, with its line.
-    pub fn read<T: Table + Value + Default>(&self) -> Result<T, SettingsError> {
+    pub fn read<T: KeyTable + KeyValue + Default>(&self) -> Result<T, SettingsError> {
         let mut table = T::default();
         self.read_into(&mut table).map(|()| table)
     }
@@ -53,7 +53,7 @@ impl<'a> Document<'a> {
     ///
     /// # Errors
     /// The first mistake, with its line.
-    pub fn read_into(&self, table: &mut dyn Table) -> Result<(), SettingsError> {
+    pub fn read_into(&self, table: &mut dyn KeyTable) -> Result<(), SettingsError> {
         read_table(table, &self.root, &Place::ROOT).map_err(|error| self.located(error))
     }
 

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde::de::IntoDeserializer as _;
 
-use crate::{Node, Place, Range, SettingsError, Value};
+use crate::{KeyValue, Node, Place, Range, SettingsError};
 
 /// Reads a value that is no table.
 fn leaf<T: for<'de> Deserialize<'de>>(node: &Node<'_>, at: &Place<'_>) -> Result<T, SettingsError> {
@@ -20,7 +20,7 @@ pub(crate) fn wrong_type(node: &Node<'_>, expected: &str, at: &Place<'_>) -> Set
 
 macro_rules! leaves {
     ($( $type:ty, $kind:literal, $number:expr, $text:literal; )*) => { $(
-        impl Value for $type {
+        impl KeyValue for $type {
             fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
                 *self = leaf(node, at)?;
                 self.check(range, at)

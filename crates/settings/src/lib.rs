@@ -25,8 +25,8 @@
 //! file; type; `= default` (without a default the key is mandatory); `, in [low, high]`, `, in [above low]` or `, in
 //! [from low]`; and `, usually "…"`, the default in words if the value alone is not clear. The end of the name is the
 //! unit (`_s`, `_mps`; see [`unit_of`]). The first line of a table may be `check path;`: a function that checks
-//! several keys together. After the name of a table, `with field: Table` includes the keys of another table (`= path`
-//! names the function for its defaults), and `beside [field: Type]` adds a field without a key.
+//! several keys together. After the name of a table, `with field: KeyTable` includes the keys of another table (`=
+//! path` names the function for its defaults), and `beside [field: Type]` adds a field without a key.
 //!
 //! The input is a [`Document`]: TOML text, parsed once, with single values replaced (`--set`). Unknown keys are
 //! errors, because a misspelt key would otherwise be a setting without effect. Every error is a [`SettingsError`]
@@ -35,8 +35,8 @@
 //!
 //! A file may have tables of several crates, each declared by the crate that uses it: see [`Shared`].
 //!
-//! Reading is not generic: a table gives its keys and its values as `dyn Value`, so that a new key costs a line of code
-//! and next to no time to compile. Leaves are read by `serde`.
+//! Reading is not generic: a table gives its keys and its values as `dyn KeyValue`, so that a new key costs a line of
+//! code and next to no time to compile. Leaves are read by `serde`.
 
 #![forbid(unsafe_code)]
 
@@ -63,7 +63,7 @@ pub use quantities::{Degrees, Seconds};
 pub use reference::{help, reference};
 pub use shared::{Shared, Unread};
 pub use table::{check, check_table, nearest, read_table};
-pub use value::{Node, Table, Value};
+pub use value::{KeyTable, KeyValue, Node};
 pub use words::not_known;
 
 #[cfg(test)]

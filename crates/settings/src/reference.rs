@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::{Key, Table, Value, unit_of};
+use crate::{Key, KeyTable, KeyValue, unit_of};
 
 /// Text of an option that is `None`.
 const OFF: &str = "\"off\"";
 
 /// A document in Markdown with a section for each table of `files`, which are (title, sentence, table): name, type,
 /// unit, range, default and text of every key. A table that stands at several places is written once.
-pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
+pub fn reference(files: &[(&str, &str, &dyn KeyTable)]) -> String {
     let mut out = String::new();
     let mut written = BTreeMap::new();
     for (title, text, table) in files {
@@ -20,7 +20,7 @@ pub fn reference(files: &[(&str, &str, &dyn Table)]) -> String {
     out
 }
 
-fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str, path: &str, table: &dyn Table) {
+fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str, path: &str, table: &dyn KeyTable) {
     if !path.is_empty() {
         let _ = writeln!(out, "\n### `{path}`\n\n{}", joined(table.doc()));
     }
@@ -52,7 +52,7 @@ fn section(out: &mut String, written: &mut BTreeMap<String, String>, file: &str,
 }
 
 /// Writes the keys of a table, or a reference to their first place; returns whether the keys were written.
-fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &str, table: &dyn Table) -> bool {
+fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &str, table: &dyn KeyTable) -> bool {
     let rows = rows(table);
     match written.get(&rows) {
         Some(before) => {
@@ -67,7 +67,7 @@ fn table_once(out: &mut String, written: &mut BTreeMap<String, String>, place: &
     }
 }
 
-fn rows(table: &dyn Table) -> String {
+fn rows(table: &dyn KeyTable) -> String {
     let mut out = String::new();
     let own: Vec<_> = table.keys().into_iter().zip(table.values()).collect();
     if own.is_empty() {
@@ -96,20 +96,20 @@ fn rows(table: &dyn Table) -> String {
 }
 
 /// The keys of a table and of its bases.
-fn all(table: &dyn Table) -> Vec<(&'static Key, &dyn Value)> {
+fn all(table: &dyn KeyTable) -> Vec<(&'static Key, &dyn KeyValue)> {
     let own = table.keys().into_iter().zip(table.values());
     own.chain(table.bases().into_iter().flat_map(all)).collect()
 }
 
 /// Returns a line per key with its default and the first sentence of its documentation, in the form of a file, each
 /// line after `indent`. Tables follow the keys of their parent.
-pub fn help(table: &dyn Table, indent: &str) -> String {
+pub fn help(table: &dyn KeyTable, indent: &str) -> String {
     let mut out = String::new();
     help_table(&mut out, table, indent, "");
     out
 }
 
-fn help_table(out: &mut String, table: &dyn Table, indent: &str, path: &str) {
+fn help_table(out: &mut String, table: &dyn KeyTable, indent: &str, path: &str) {
     let (tables, leaves): (Vec<_>, Vec<_>) = all(table).into_iter().partition(|(_, value)| value.table().is_some());
     for (key, value) in leaves {
         let default = match (key.usually, key.is_required) {

@@ -4,13 +4,13 @@
 //! value of a key is [`Unread`] if another crate declares the table: a program without that crate ignores the table.
 //! A program with the crate puts the crate's own declaration of the key in its place ([`Shared`]).
 
-use crate::{Key, Node, Place, Range, SettingsError, Table, Value};
+use crate::{Key, KeyTable, KeyValue, Node, Place, Range, SettingsError};
 
 /// A value that this program does not read: a crate that is no part of the program declares its keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Unread;
 
-impl Value for Unread {
+impl KeyValue for Unread {
     fn read(&mut self, _: &Node<'_>, _: Range, _: &Place<'_>) -> Result<(), SettingsError> {
         Ok(())
     }
@@ -30,8 +30,8 @@ impl Value for Unread {
 
 /// A file's table, in which some keys have the values of other tables.
 pub struct Shared<'f, 'p> {
-    file: &'f mut dyn Table,
-    parts: Vec<&'p mut dyn Table>,
+    file: &'f mut dyn KeyTable,
+    parts: Vec<&'p mut dyn KeyTable>,
     /// For each key of the file: the part with the key and the place there; `None` if the file itself has the value.
     owners: Vec<Option<(usize, usize)>>,
 }
@@ -41,7 +41,7 @@ impl<'f, 'p> Shared<'f, 'p> {
     ///
     /// # Panics
     /// If the file has no such key, which is a mistake in the declarations.
-    pub fn new(file: &'f mut dyn Table, parts: Vec<&'p mut dyn Table>) -> Self {
+    pub fn new(file: &'f mut dyn KeyTable, parts: Vec<&'p mut dyn KeyTable>) -> Self {
         let mut owners = vec![None; file.keys().len()];
         for (part, table) in parts.iter().enumerate() {
             for (index, key) in table.keys().into_iter().enumerate() {
@@ -54,7 +54,7 @@ impl<'f, 'p> Shared<'f, 'p> {
     }
 }
 
-impl Table for Shared<'_, '_> {
+impl KeyTable for Shared<'_, '_> {
     fn name(&self) -> &'static str {
         self.file.name()
     }
@@ -69,15 +69,15 @@ impl Table for Shared<'_, '_> {
             .collect()
     }
 
-    fn values(&self) -> Vec<&dyn Value> {
+    fn values(&self) -> Vec<&dyn KeyValue> {
         let own = self.file.values().into_iter().zip(&self.owners);
         own.map(|(value, owner)| owner.map_or(value, |(part, index)| self.parts[part].values()[index]))
             .collect()
     }
 
-    fn values_mut(&mut self) -> Vec<&mut dyn Value> {
+    fn values_mut(&mut self) -> Vec<&mut dyn KeyValue> {
         let parts = self.parts.iter_mut().map(|part| part.values_mut());
-        let mut parts: Vec<Vec<Option<&mut dyn Value>>> =
+        let mut parts: Vec<Vec<Option<&mut dyn KeyValue>>> =
             parts.map(|values| values.into_iter().map(Some).collect()).collect();
         let own = self.file.values_mut().into_iter().zip(&self.owners);
         own.map(|(value, owner)| {
@@ -87,11 +87,11 @@ impl Table for Shared<'_, '_> {
         .collect()
     }
 
-    fn bases(&self) -> Vec<&dyn Table> {
+    fn bases(&self) -> Vec<&dyn KeyTable> {
         self.file.bases()
     }
 
-    fn bases_mut(&mut self) -> Vec<&mut dyn Table> {
+    fn bases_mut(&mut self) -> Vec<&mut dyn KeyTable> {
         self.file.bases_mut()
     }
 

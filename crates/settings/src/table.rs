@@ -3,13 +3,13 @@
 use toml::de::DeValue;
 
 use crate::leaves::wrong_type;
-use crate::{Key, Node, Place, SettingsError, Table};
+use crate::{Key, KeyTable, Node, Place, SettingsError};
 
 /// Reads the table at `at`; keys missing in the file keep their values.
 ///
 /// # Errors
 /// If the node is no table, has unknown keys, lacks a mandatory key, or has invalid values.
-pub fn read_table(table: &mut dyn Table, node: &Node<'_>, at: &Place<'_>) -> Result<(), SettingsError> {
+pub fn read_table(table: &mut dyn KeyTable, node: &Node<'_>, at: &Place<'_>) -> Result<(), SettingsError> {
     let DeValue::Table(given) = node.get_ref() else {
         return Err(wrong_type(node, "a table", at));
     };
@@ -41,7 +41,7 @@ pub fn nearest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
 }
 
 /// Reads a key of a table or of a base of the table; returns whether the key exists.
-fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) -> Result<bool, SettingsError> {
+fn read_key(table: &mut dyn KeyTable, name: &str, node: &Node<'_>, at: &Place<'_>) -> Result<bool, SettingsError> {
     let own = table.keys();
     if let Some(index) = own.iter().position(|key| key.name == name) {
         let range = own[index].range;
@@ -56,12 +56,12 @@ fn read_key(table: &mut dyn Table, name: &str, node: &Node<'_>, at: &Place<'_>) 
 }
 
 /// Returns the table's own keys and the keys of its bases.
-fn keys(table: &dyn Table) -> Vec<&'static Key> {
+fn keys(table: &dyn KeyTable) -> Vec<&'static Key> {
     let own = table.keys().into_iter();
     own.chain(table.bases().into_iter().flat_map(keys)).collect()
 }
 
-fn check_all_together(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsError> {
+fn check_all_together(table: &dyn KeyTable, at: &Place<'_>) -> Result<(), SettingsError> {
     table
         .bases()
         .into_iter()
@@ -73,7 +73,7 @@ fn check_all_together(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsE
 ///
 /// # Errors
 /// The first value that cannot be used.
-pub fn check_table(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsError> {
+pub fn check_table(table: &dyn KeyTable, at: &Place<'_>) -> Result<(), SettingsError> {
     table.bases().into_iter().try_for_each(|base| check_table(base, at))?;
     let mut all = table.keys().into_iter().zip(table.values());
     all.try_for_each(|(key, value)| value.check(key.range, &at.key(key.name)))?;
@@ -84,6 +84,6 @@ pub fn check_table(table: &dyn Table, at: &Place<'_>) -> Result<(), SettingsErro
 ///
 /// # Errors
 /// The first value that cannot be used.
-pub fn check(table: &dyn Table) -> Result<(), SettingsError> {
+pub fn check(table: &dyn KeyTable) -> Result<(), SettingsError> {
     check_table(table, &Place::ROOT)
 }

@@ -226,7 +226,7 @@ fn keys_are_printed_for_people() {
 }
 
 mod shared {
-    use crate::{Document, Shared, Table as _, Unread};
+    use crate::{Document, KeyTable as _, Shared, Unread};
 
     crate::settings! {
         /// A file.

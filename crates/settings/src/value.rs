@@ -10,7 +10,7 @@ use crate::{Key, Range, SettingsError};
 pub type Node<'a> = Spanned<DeValue<'a>>;
 
 /// Something that a key can stand for.
-pub trait Value {
+pub trait KeyValue {
     /// Checks the value in the file, and stores it.
     ///
     /// # Errors
@@ -30,13 +30,13 @@ pub trait Value {
     fn text(&self) -> String;
 
     /// Returns the table of this value with its defaults, if the value is a table, or a list or option of tables.
-    fn table(&self) -> Option<Box<dyn Table>> {
+    fn table(&self) -> Option<Box<dyn KeyTable>> {
         None
     }
 }
 
 /// A table that was declared by [`settings!`](crate::settings!).
-pub trait Table {
+pub trait KeyTable {
     /// Name of the type.
     fn name(&self) -> &'static str;
 
@@ -47,16 +47,16 @@ pub trait Table {
     fn keys(&self) -> Vec<&'static Key>;
 
     /// The values of its own keys, in the same order.
-    fn values(&self) -> Vec<&dyn Value>;
+    fn values(&self) -> Vec<&dyn KeyValue>;
 
-    /// As [`Table::values`], to be changed.
-    fn values_mut(&mut self) -> Vec<&mut dyn Value>;
+    /// As [`KeyTable::values`], to be changed.
+    fn values_mut(&mut self) -> Vec<&mut dyn KeyValue>;
 
     /// Returns the included tables.
-    fn bases(&self) -> Vec<&dyn Table>;
+    fn bases(&self) -> Vec<&dyn KeyTable>;
 
-    /// As [`Table::bases`], to be changed.
-    fn bases_mut(&mut self) -> Vec<&mut dyn Table>;
+    /// As [`KeyTable::bases`], to be changed.
+    fn bases_mut(&mut self) -> Vec<&mut dyn KeyTable>;
 
     /// Checks conditions on several keys together.
     ///

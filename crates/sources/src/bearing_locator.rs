@@ -7,12 +7,12 @@
 use std::sync::atomic::AtomicU64;
 
 use estimation::SourceClock;
-use kept::{Memory, Refused};
+use kept::{Memory, MemoryRefusal};
 use locating::settings::Settings;
 use locating::{EmitterMemory, LeftEmitters, Locator};
 use messages::{Counter, Counters, SensorTrack};
 use observations::{Bearing, Sampled};
-use reception::Limits;
+use reception::PlausibilityLimits;
 use settings::SettingsError;
 
 use crate::detection_tracker::ingested;
@@ -23,13 +23,13 @@ use crate::samples::Samples;
 #[derive(Debug)]
 pub struct BearingLocator {
     source: u16,
-    limits: Limits,
+    limits: PlausibilityLimits,
     locator: Locator,
     /// Time of receipt (UTC) of the latest bearings, nanoseconds; `None` for recordings.
     received_ns: Option<i64>,
     /// The finder's clock against that.
     clock: SourceClock,
-    rejected: Rejected,
+    rejected: RejectionCounts,
     newest_ns: i64,
     /// Time of the latest state of the platform.
     platform_ns: i64,
@@ -39,7 +39,7 @@ pub struct BearingLocator {
 
 /// Counts of rejected bearings, and of rejected tracks, by reason.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rejected {
+struct RejectionCounts {
     time: u64,
     position: u64,
     speed: u64,
@@ -50,14 +50,14 @@ impl BearingLocator {
     ///
     /// # Errors
     /// The first unusable setting.
-    pub fn new(source: u16, limits: Limits, settings: &Settings) -> Result<Self, SettingsError> {
+    pub fn new(source: u16, limits: PlausibilityLimits, settings: &Settings) -> Result<Self, SettingsError> {
         Ok(Self {
             source,
             limits,
             locator: Locator::new(*settings)?,
             received_ns: None,
             clock: SourceClock::new(limits.clock_step().s()),
-            rejected: Rejected::default(),
+            rejected: RejectionCounts::default(),
             newest_ns: i64::MIN,
             platform_ns: i64::MIN,
             memory: None,
@@ -124,7 +124,7 @@ impl BearingLocator {
     ///
     /// # Errors
     /// If the memory is not whole, or not this locator's.
-    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), MemoryRefusal> {
         if let Some(mut left) = LeftEmitters::read(memory, owner, self.locator.settings())? {
             if left.kept_ns() < since_ns {
                 left.end();

@@ -22,21 +22,21 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kept::{Memory, Refused};
+use kept::{Memory, MemoryRefusal};
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
 use observations::{Bearing, Detection, Sampled, WideAreaReport};
 use settings::SettingsError;
-use tracking::cutting::{CutScan, Cutter, CutterSettings, Taken};
+use tracking::cutting::{CutScan, Cutter, CutterSettings, DetectionTreatment};
 use tracking::scans::silent_scans;
-use tracking::turn_time::Turn;
+use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::Cue;
-use tracking::{LeftTracks, TrackMemory, TrackReport};
+use tracking::{LeftTracks, TrackReport, TrackerMemory};
 
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
-use crate::scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
+use crate::scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
 
 /// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +68,7 @@ pub struct DetectionTracker {
     reports_dropped: u64,
     /// Emissions without a frequency.
     emissions_rejected: u64,
-    memory: Option<TrackMemory>,
+    memory: Option<TrackerMemory>,
     kept: LastKept,
 }
 
@@ -116,9 +116,9 @@ impl DetectionTracker {
         self.ingested_ns = ingested_ns;
         let time_ns = detection.time_of_measurement_ns;
         match self.cutter.take(detection, ingested_ns) {
-            Taken::Waits => self.come_to(time_ns, samples),
-            Taken::TooLate => self.late += 1,
-            Taken::Refused => self.dropped += 1,
+            DetectionTreatment::Waits => self.come_to(time_ns, samples),
+            DetectionTreatment::TooLate => self.late += 1,
+            DetectionTreatment::Refused => self.dropped += 1,
         }
     }
 
@@ -157,7 +157,7 @@ impl DetectionTracker {
     }
 
     /// Turn time estimated so far from the sensor's data.
-    pub fn turn(&self) -> Option<Turn> {
+    pub fn turn(&self) -> Option<TurnEstimate> {
         self.cutter.turn()
     }
 
@@ -170,7 +170,7 @@ impl DetectionTracker {
 
     /// Size in words of the memory for its tracks.
     pub fn kept_words(&self) -> usize {
-        TrackMemory::words(self.tracker.tracker().settings())
+        TrackerMemory::words(self.tracker.tracker().settings())
     }
 
     /// Resumes from another tracker's tracks in `memory`, if they are later than `since_ns` (UTC, nanoseconds);
@@ -178,7 +178,7 @@ impl DetectionTracker {
     ///
     /// # Errors
     /// If the memory is not whole, or not this tracker's.
-    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), MemoryRefusal> {
         if let Some(mut left) = LeftTracks::read(memory, owner, self.tracker.tracker().settings())? {
             if left.kept_ns() < since_ns {
                 left.end();
@@ -190,7 +190,7 @@ impl DetectionTracker {
 
     /// Saves its tracks in `memory` from now on; the memory is blank and has [this size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
-        self.memory = Some(TrackMemory::begin(memory, owner, self.tracker.tracker().settings()));
+        self.memory = Some(TrackerMemory::begin(memory, owner, self.tracker.tracker().settings()));
     }
 
     /// Saves the tracks, if that is due at `now_ns` (UTC, nanoseconds): before they are published.
@@ -258,7 +258,7 @@ impl DetectionTracker {
             samples,
         };
         let now = (scan.number, scan.time_ns);
-        let of_sensor = |(number, time_ns), detections| Scan {
+        let of_sensor = |(number, time_ns), detections| SensorScan {
             sensor_id: self.sensor_id,
             number,
             time_ns,

@@ -25,4 +25,4 @@ pub use bearing_locator::BearingLocator;
 pub use detection_tracker::{DetectionTracker, TrackerSettings};
 pub use pipeline::{Pipeline, Processing};
 pub use samples::Samples;
-pub use scan_tracker::{Outputs, Scan, ScanTracker, TrackSink};
+pub use scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};

@@ -6,12 +6,12 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kept::{Memory, Refused};
+use kept::{Memory, MemoryRefusal};
 use messages::{Counters, SensorBearing, sensor_track_bits};
-use observations::{Bearing, Observation, Service, WideAreaReport};
-use reception::{Converter, SourceModel};
+use observations::{Bearing, Observation, ServiceMessage, WideAreaReport};
+use reception::{ConversionModel, Converter};
 use settings::SettingsError;
-use tracking::turn_time::Turn;
+use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::bearing_locator::BearingLocator;
@@ -72,7 +72,7 @@ impl Pipeline {
     /// # Errors
     /// The first unusable setting.
     pub fn new(
-        model: SourceModel,
+        model: ConversionModel,
         processing: &Processing,
         first_day_ns: i64,
         reports: Arrivals,
@@ -138,7 +138,7 @@ impl Pipeline {
     }
 
     /// Takes a record about the sensor, received at `ingested_ns`. Records of other sensors are ignored.
-    pub fn service(&mut self, service: &Service, ingested_ns: i64, samples: &mut Samples) {
+    pub fn service(&mut self, service: &ServiceMessage, ingested_ns: i64, samples: &mut Samples) {
         let is_of_another = |own| service.sac_sic.is_some_and(|sender| sender != own);
         if self.sac_sic.is_some_and(is_of_another) {
             return;
@@ -198,7 +198,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// If the memory is not whole, or not of this source.
-    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), Refused> {
+    pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), MemoryRefusal> {
         match &mut self.maker {
             Maker::None => Ok(()),
             Maker::Tracker(tracker) => tracker.resume(memory, owner, since_ns),
@@ -241,7 +241,7 @@ impl Pipeline {
     }
 
     /// Turn time estimated so far from the data of a sensor whose tracks are made here.
-    pub fn turn(&self) -> Option<Turn> {
+    pub fn turn(&self) -> Option<TurnEstimate> {
         match &self.maker {
             Maker::Tracker(tracker) => tracker.turn(),
             Maker::None | Maker::Locator(_) => None,

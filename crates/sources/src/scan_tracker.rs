@@ -14,10 +14,10 @@ use observations::{Detection, WideAreaReport};
 use settings::SettingsError;
 use tracking::explanation::Observer;
 use tracking::wide_area::arrivals::Arrivals;
-use tracking::wide_area::cue::{Cue, Looks, sigma_m};
-use tracking::wide_area::schedule::Schedule;
+use tracking::wide_area::cue::{Cue, LookTimes, sigma_m};
+use tracking::wide_area::schedule::OutputSchedule;
 use tracking::wide_area::{Emission, EmissionRejection, ReportRejection};
-use tracking::{LeftTracks, Rejection, Settings, TrackReport, Tracker};
+use tracking::{LeftTracks, ScanRejection, Settings, TrackReport, Tracker};
 
 /// Requested outputs of a tracker.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub struct Outputs {
 
 /// Scan of a sensor.
 #[derive(Clone, Copy, Debug)]
-pub struct Scan<'a> {
+pub struct SensorScan<'a> {
     /// The sensor.
     pub sensor_id: u32,
     /// Number of the scan; a gap is as many scans without detections.
@@ -47,7 +47,7 @@ pub trait TrackSink {
     fn begins(&mut self) {}
 
     /// A scan has been worked off, or rejected.
-    fn done(&mut self, _scan: &Scan<'_>, _taken: Result<(), Rejection>, _tracker: &Tracker) {}
+    fn done(&mut self, _scan: &SensorScan<'_>, _taken: Result<(), ScanRejection>, _tracker: &Tracker) {}
 
     /// Confirmed tracks, in the order of their times and numbers. `extrapolated`: no scan has come since the last ones.
     fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool);
@@ -70,7 +70,7 @@ pub struct ScanTracker {
     reports: Arrivals,
     /// Emissions waiting for the scans to reach their time, the latest first.
     emissions: Vec<Emission>,
-    pictures: Option<Pictures>,
+    pictures: Option<PictureOutput>,
     cueing: Option<Cueing>,
     shown: Vec<TrackReport>,
     scans: u64,
@@ -78,8 +78,8 @@ pub struct ScanTracker {
 }
 
 #[derive(Debug)]
-struct Pictures {
-    schedule: Schedule,
+struct PictureOutput {
+    schedule: OutputSchedule,
     /// Time of the latest picture.
     shown_ns: i64,
     /// Scans that had been worked off by then.
@@ -88,7 +88,7 @@ struct Pictures {
 
 #[derive(Debug)]
 struct Cueing {
-    looks: Looks,
+    looks: LookTimes,
     sensors: Vec<CuedSensor>,
     cues: Vec<Cue>,
 }
@@ -114,13 +114,13 @@ impl ScanTracker {
         mut emissions: Vec<Emission>,
     ) -> Result<Self, SettingsError> {
         let tracks_max = settings.capacity.tracks();
-        let pictures = |period_ns| Pictures {
-            schedule: Schedule::new(period_ns),
+        let pictures = |period_ns| PictureOutput {
+            schedule: OutputSchedule::new(period_ns),
             shown_ns: i64::MIN,
             scans: 0,
         };
         let cueing = || Cueing {
-            looks: Looks::of(settings.sensors.iter().map(|sensor| sensor.sensor_id)),
+            looks: LookTimes::of(settings.sensors.iter().map(|sensor| sensor.sensor_id)),
             sensors: settings.sensors.iter().map(CuedSensor::of).collect(),
             cues: Vec::with_capacity(tracks_max),
         };
@@ -152,7 +152,7 @@ impl ScanTracker {
     }
 
     /// Processes a scan; an `observer` receives the records of the decisions.
-    pub fn scan(&mut self, scan: &Scan<'_>, observer: Option<&dyn Observer>, sink: &mut impl TrackSink) {
+    pub fn scan(&mut self, scan: &SensorScan<'_>, observer: Option<&dyn Observer>, sink: &mut impl TrackSink) {
         if !self.begun {
             self.begun = true;
             self.tracker.number_from(scan.number);
@@ -237,7 +237,7 @@ impl ScanTracker {
 }
 
 impl Cueing {
-    fn after(&mut self, scan: &Scan<'_>, tracker: &Tracker, sink: &mut impl TrackSink) {
+    fn after(&mut self, scan: &SensorScan<'_>, tracker: &Tracker, sink: &mut impl TrackSink) {
         let Self { looks, sensors, cues } = self;
         let own = sensors.iter_mut().find(|sensor| sensor.sensor_id == scan.sensor_id);
         if let Some(sensor) = own {
@@ -253,7 +253,7 @@ impl Cueing {
 }
 
 impl CuedSensor {
-    fn of(sensor: &tracking::settings::SensorSettings) -> Self {
+    fn of(sensor: &tracking::settings::SensorFacts) -> Self {
         Self {
             sensor_id: sensor.sensor_id,
             sigmas: sensor.default_sigmas(),

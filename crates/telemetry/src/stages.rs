@@ -70,7 +70,7 @@ impl Default for Journey {
 pub struct Stages {
     journey: Journey,
     /// Sources in the order of their numbers.
-    sources: Vec<Source>,
+    sources: Vec<SourceStages>,
     all: [Closed; 6],
     irregularities: [Irregularities; 6],
     recorded: u64,
@@ -80,7 +80,7 @@ pub struct Stages {
 }
 
 #[derive(Clone, Debug)]
-struct Source {
+struct SourceStages {
     number: u16,
     /// Open interval.
     current: [Histogram<u64>; 6],
@@ -89,7 +89,7 @@ struct Source {
     closed: [Closed; 6],
 }
 
-impl Source {
+impl SourceStages {
     /// Closes the interval and adds it to the interval of `all` sources.
     fn close_interval(&mut self, all: &mut [Closed; 6]) {
         for (index, closed) in self.closed.iter_mut().enumerate() {
@@ -211,7 +211,7 @@ impl Stages {
         }
         // By number, not by place: a new source may have appeared.
         let end = self.sources.last().map_or(0, |source| u32::from(source.number) + 1);
-        let waiting = |source: &&mut Source| u32::from(source.number) >= self.next_to_close;
+        let waiting = |source: &&mut SourceStages| u32::from(source.number) >= self.next_to_close;
         if let Some(source) = self.sources.iter_mut().find(waiting) {
             self.next_to_close = u32::from(source.number) + 1;
             source.close_interval(&mut self.all);
@@ -285,7 +285,8 @@ impl Stages {
     }
 
     fn place_for(&mut self, number: u16) -> usize {
-        let find = |sources: &[Source], number: u16| sources.binary_search_by_key(&number, |source| source.number);
+        let find =
+            |sources: &[SourceStages], number: u16| sources.binary_search_by_key(&number, |source| source.number);
         match find(&self.sources, number) {
             Ok(place) => place,
             Err(place) if self.sources.len() < self.journey.sources_max => self.insert(place, number),
@@ -297,7 +298,7 @@ impl Stages {
     }
 
     fn insert(&mut self, place: usize, number: u16) -> usize {
-        let source = Source {
+        let source = SourceStages {
             number,
             current: std::array::from_fn(|_| empty()),
             current_misses: [0; 6],

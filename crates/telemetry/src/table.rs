@@ -19,11 +19,11 @@ pub enum Align {
 
 /// Small table: a line of headings and rows below it. [`fmt::Display`] renders one line per row.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct TextTable {
     table: comfy_table::Table,
 }
 
-impl Table {
+impl TextTable {
     /// Creates a table without rows; `columns` are headings and contents.
     pub fn new(columns: &[(&str, Align)]) -> Self {
         let mut table = comfy_table::Table::new();
@@ -51,7 +51,7 @@ impl Table {
     }
 }
 
-impl fmt::Display for Table {
+impl fmt::Display for TextTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for line in self.table.lines() {
             writeln!(f, "{}", line.trim_end())?;
@@ -65,11 +65,11 @@ impl fmt::Display for Table {
 pub fn latencies<N: Into<String>, S: Into<Option<Summary>>>(
     heading: &str,
     rows: impl IntoIterator<Item = (N, S)>,
-) -> Table {
+) -> TextTable {
     let figures = ["count", "p50", "p90", "p99", "p99.9", "max", "mean"];
     let mut columns = vec![(heading, Align::Left)];
     columns.extend(figures.map(|figure| (figure, Align::Right)));
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     for (name, summary) in rows {
         let Some(summary) = summary.into() else {
             table.row([name.into()].into_iter().chain(figures.map(|_| "-".to_owned())));

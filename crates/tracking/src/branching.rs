@@ -8,10 +8,10 @@ use crate::counts::TrackerCounts;
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
 use crate::hypothesis_store::HypothesisStore;
-use crate::joined::Joined;
+use crate::joined::JoinedClusters;
 use crate::life::Deletion;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
-use crate::motion::Motion;
+use crate::motion::TargetMotion;
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
@@ -48,7 +48,7 @@ impl Branches {
     }
 
     /// Forgets the tracks made of these clusters.
-    pub(crate) fn clear(&mut self, joined: &Joined<'_>) {
+    pub(crate) fn clear(&mut self, joined: &JoinedClusters<'_>) {
         self.begun = [UNMADE; ROWS_MAX];
         for track in joined.tracks() {
             self.missed[track as usize] = UNMADE;
@@ -59,7 +59,7 @@ impl Branches {
     /// The track `number` with a pair, or, for [`NONE`], as the memory track, unless it has been silent for too long.
     pub(crate) fn continued(
         &mut self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         number: u32,
         pair: u32,
         store: &mut HypothesisStore,
@@ -92,7 +92,7 @@ impl Branches {
     /// The new track that begins at a row's detection.
     pub(crate) fn begun(
         &mut self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         row: usize,
         store: &mut HypothesisStore,
         next: &mut Population,
@@ -114,7 +114,7 @@ impl Branches {
     }
 
     /// SP-2: the motion of the most reliable confirmed track in whose gate the row's detection lies.
-    fn parents_motion(&mut self, joined: &Joined<'_>, row: usize) -> Option<Motion> {
+    fn parents_motion(&mut self, joined: &JoinedClusters<'_>, row: usize) -> Option<TargetMotion> {
         let scan = joined.scan;
         let branches_max = scan.settings.splitting.parents_motion?;
         let plot = joined.plots[row].1;
@@ -155,7 +155,7 @@ fn kept(store: &mut HypothesisStore, track: Track) -> u32 {
 }
 
 /// `None` if it is given up.
-fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) -> Option<Track> {
+fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let mut track = scan.before.tracks[number as usize];
     let log_miss = scan.gating.log_misses[number as usize];
@@ -185,7 +185,7 @@ fn missed_track(joined: &Joined<'_>, number: u32, counts: &mut TrackerCounts) ->
 }
 
 /// `None` if it is given up.
-fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut TrackerCounts) -> Option<Track> {
+fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &mut TrackerCounts) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.gating.pairs[pair as usize];
     let plot = &scan.plots[found.plot as usize];
@@ -209,11 +209,11 @@ fn updated_track(joined: &Joined<'_>, number: u32, pair: u32, counts: &mut Track
 }
 
 /// Begins a track with an inherited motion, or with the state of a first detection. `None` for a direction alone.
-pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>, root: u32) -> Option<Track> {
+pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<TargetMotion>, root: u32) -> Option<Track> {
     let found = &scan.plots[plot as usize];
     let settings = scan.settings;
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
-    let motion = updated.or_else(|| Motion::first(&found.measurement, &settings.initiation, &settings.motion))?;
+    let motion = updated.or_else(|| TargetMotion::first(&found.measurement, &settings.initiation, &settings.motion))?;
     let serial = scan.first_serial.wrapping_add(plot);
     Some(Track {
         log_likelihood_ratio: settings.initiation.new_target_share.ln(),
@@ -222,7 +222,7 @@ pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<Motion>
 }
 
 /// SP-7.
-fn lacks_company(joined: &Joined<'_>, track: &Track) -> bool {
+fn lacks_company(joined: &JoinedClusters<'_>, track: &Track) -> bool {
     let judged = joined.confirmed > 0 && !track.is_confirmed() && track.detections > 1;
     let least = joined.scan.settings.splitting.company_min.filter(|_| judged);
     least.is_some_and(|least| track.company() < least)

@@ -3,11 +3,11 @@
 use crate::counts::TrackerCounts;
 use crate::explanation::{ClusterRecord, Explanation, Observer, TrackEvent, TrackRecord};
 use crate::hypothesis_store::HypothesisStore;
-use crate::joined::Joined;
+use crate::joined::JoinedClusters;
 
 /// Records confirmed tracks: numbers from `first_number` on; numbers from `first_early` on were confirmed early.
 pub(crate) fn explain_confirmations(
-    joined: &Joined<'_>,
+    joined: &JoinedClusters<'_>,
     store: &HypothesisStore,
     [first_number, first_early]: [u32; 2],
 ) {
@@ -31,7 +31,7 @@ pub(crate) fn explain_confirmations(
 }
 
 /// Records tracks without any branch in the remaining hypotheses.
-pub(crate) fn explain_ends(joined: &Joined<'_>, store: &HypothesisStore) {
+pub(crate) fn explain_ends(joined: &JoinedClusters<'_>, store: &HypothesisStore) {
     let before = &joined.scan.before.tracks;
     for (place, number) in joined.tracks().enumerate() {
         let track = &before[number as usize];
@@ -48,7 +48,7 @@ pub(crate) fn explain_ends(joined: &Joined<'_>, store: &HypothesisStore) {
 
 /// Records the cluster as a whole, from the counts before and after.
 pub(crate) fn explain_cluster(
-    joined: &Joined<'_>,
+    joined: &JoinedClusters<'_>,
     observer: &dyn Observer,
     [before, after]: [&TrackerCounts; 2],
     dropped_probability: f64,
@@ -68,7 +68,7 @@ pub(crate) fn explain_cluster(
 }
 
 /// Records the remaining hypotheses with their tracks, the most reliable first.
-pub(crate) fn explain_hypotheses(joined: &Joined<'_>, observer: &dyn Observer, store: &HypothesisStore) {
+pub(crate) fn explain_hypotheses(joined: &JoinedClusters<'_>, observer: &dyn Observer, store: &HypothesisStore) {
     let scan = joined.scan;
     for (reliability, tracks) in store.hypotheses() {
         observer.explain(&Explanation::Hypothesis { reliability });

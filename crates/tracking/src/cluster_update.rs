@@ -13,14 +13,14 @@ use crate::explanation::TrackEvent;
 use crate::gating::NONE;
 use crate::hypothesis_store::HypothesisStore;
 use crate::interpretations::{Interpretation, Interpretations};
-use crate::joined::{Joined, Rows};
+use crate::joined::{DetectionRows, JoinedClusters};
 use crate::limits::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 use crate::parents::Parents;
 use crate::population::{Cluster, Population};
 use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
 use crate::separation::Separation;
-use crate::splitting::{DetectionCounts, Limits};
+use crate::splitting::{DetectionCounts, SplitLimits};
 use crate::wide_area::children::ChildCorrection;
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
@@ -31,14 +31,14 @@ const CHILDREN_MAX: usize = 2 * HYPOTHESES_MAX;
 /// Working memory for one cluster after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct ClusterUpdate {
-    rows: Rows,
-    children: Children,
+    rows: DetectionRows,
+    children: ChildHypotheses,
     separation: Separation,
 }
 
 /// The children of one cluster's hypotheses.
 #[derive(Clone, Debug)]
-struct Children {
+struct ChildHypotheses {
     parents: Parents,
     interpretations: Interpretations,
     branches: Branches,
@@ -53,8 +53,8 @@ impl ClusterUpdate {
         let stored_tracks = CLUSTER_TRACKS_MAX * (PAIRS_MAX + 1) + ROWS_MAX;
         let members = CHILDREN_MAX * (CLUSTER_TRACKS_MAX + ROWS_MAX);
         Self {
-            rows: Rows::new(CLUSTER_TRACKS_MAX, plots_max),
-            children: Children {
+            rows: DetectionRows::new(CLUSTER_TRACKS_MAX, plots_max),
+            children: ChildHypotheses {
                 parents: Parents::new(HYPOTHESES_MAX, CLUSTER_TRACKS_MAX),
                 interpretations: Interpretations::new(),
                 branches: Branches::new(tracks_max),
@@ -76,7 +76,7 @@ impl ClusterUpdate {
         counts: &mut TrackerCounts,
     ) {
         let before = *counts;
-        let joined = Joined::of(scan, clusters, plots, &mut self.rows, counts);
+        let joined = JoinedClusters::of(scan, clusters, plots, &mut self.rows, counts);
         let mut dropped = self.children.make(&joined, next, counts);
         let (reduction, store) = (&scan.settings.reduction, &mut self.children.store);
         dropped += store.reduce(reduction, counts);
@@ -107,7 +107,7 @@ impl ClusterUpdate {
         counts: &mut TrackerCounts,
     ) {
         let (directions, deletion) = (Directions::of(scan), &scan.settings.deletion.limits);
-        let Children { branches, store, .. } = &mut self.children;
+        let ChildHypotheses { branches, store, .. } = &mut self.children;
         store.clear();
         for number in cluster.tracks.clone() {
             let mut track = scan.before.tracks[number as usize];
@@ -133,10 +133,10 @@ impl ClusterUpdate {
     }
 }
 
-impl Children {
+impl ChildHypotheses {
     /// Makes the likeliest children, with corrected reliabilities. Returns a bound on the share of the probability that
     /// was left behind.
-    fn make(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
+    fn make(&mut self, joined: &JoinedClusters<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
         self.store.clear();
         self.correction.clear();
         self.branches.clear(joined);
@@ -150,7 +150,7 @@ impl Children {
 
     /// Draws children, likeliest first, until there are enough or the rest cannot matter. Returns a bound on the share
     /// of the probability that was left behind.
-    fn draw(&mut self, joined: &Joined<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
+    fn draw(&mut self, joined: &JoinedClusters<'_>, next: &mut Population, counts: &mut TrackerCounts) -> f64 {
         let reduction = &joined.scan.settings.reduction;
         let Some(best) = self.interpretations.next_cost() else {
             return 0.0;
@@ -178,7 +178,7 @@ impl Children {
         }
         counts.hypotheses_drawn += drawn as u64;
         if let Some(interpretation) = fallback.filter(|_| self.store.children.is_empty()) {
-            self.make_child(joined, &interpretation, Limits::NONE, next, counts);
+            self.make_child(joined, &interpretation, SplitLimits::NONE, next, counts);
         }
         let left = (self.interpretations.log_left() + best).exp();
         left / (left + taken)
@@ -187,9 +187,9 @@ impl Children {
     /// `false` if the child breaks the limits or finds no room.
     fn make_child(
         &mut self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         interpretation: &Interpretation,
-        limits: Limits,
+        limits: SplitLimits,
         next: &mut Population,
         counts: &mut TrackerCounts,
     ) -> bool {

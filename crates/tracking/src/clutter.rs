@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_PI_2;
 use observations::DetectionKind;
 
 use crate::initiation::Initiation;
-use crate::measurement::Measurement;
+use crate::measurement::DetectionMeasurement;
 
 /// Scans over which numbers are averaged.
 const SCANS: f64 = 20.0;
@@ -22,7 +22,7 @@ const COUNT_MIN: f64 = 0.1;
 
 /// Area that a sensor covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Extent {
+pub(crate) struct SensorArea {
     /// Width of all bearings, radians.
     pub(crate) width_rad: f64,
     /// Area in the plane, square metres, if it is known and has an end.
@@ -31,7 +31,7 @@ pub(crate) struct Extent {
 
 /// Estimate of one sensor's false detections.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Estimate {
+pub(crate) struct ClutterEstimate {
     /// Mean number per scan.
     count: f64,
     scans: f64,
@@ -39,7 +39,7 @@ pub(crate) struct Estimate {
     box_m: [f64; 4],
 }
 
-impl Estimate {
+impl ClutterEstimate {
     pub(crate) const NONE: Self = Self {
         count: 0.0,
         scans: 0.0,
@@ -47,7 +47,7 @@ impl Estimate {
     };
 
     /// Takes the places of a scan's detections into the rectangle.
-    pub(crate) fn see(&mut self, measurement: &Measurement) {
+    pub(crate) fn see(&mut self, measurement: &DetectionMeasurement) {
         if let Some(([east, north], _)) = measurement.place() {
             let [w, s, e, n] = self.box_m;
             self.box_m = [w.min(east), s.min(north), e.max(east), n.max(north)];
@@ -62,7 +62,7 @@ impl Estimate {
 
     /// False detections per scan and square metre, or radian, of a sensor that sees so much; `present` are in the scan
     /// at hand.
-    pub(crate) fn density(&self, present: usize, extent: Extent) -> f64 {
+    pub(crate) fn density(&self, present: usize, extent: SensorArea) -> f64 {
         let count = if self.scans > 0.0 { self.count } else { present as f64 };
         let [w, s, e, n] = self.box_m;
         // A metre more on every side: a single detection has a place, too.
@@ -81,7 +81,7 @@ impl Estimate {
 ///
 /// In the plane, the area of a ring of range r is proportional to r. Heights, elevations and range rates of false
 /// detections are assumed anywhere within the limits assumed of targets.
-pub(crate) fn log_density(measurement: &Measurement, density: f64, guess: &Initiation) -> f64 {
+pub(crate) fn log_density(measurement: &DetectionMeasurement, density: f64, guess: &Initiation) -> f64 {
     let range = measurement.values[0].max(1.0);
     let per_height = 0.5 / guess.height_sigma_m;
     let per_unit = match measurement.kind {
@@ -105,18 +105,18 @@ mod tests {
 
     #[test]
     fn what_is_seen_is_the_field_of_view_or_where_detections_were() {
-        let everywhere = Extent {
+        let everywhere = SensorArea {
             width_rad: 2.0,
             area_m2: None,
         };
-        let ring = |area_m2| Extent {
+        let ring = |area_m2| SensorArea {
             area_m2: Some(area_m2),
             ..everywhere
         };
-        let mut estimate = Estimate::NONE;
+        let mut estimate = ClutterEstimate::NONE;
         assert_eq!(estimate.density(4, everywhere), 2.0, "directions: per radian");
         for place in [[0.0, 0.0], [98.0, 48.0]] {
-            estimate.see(&Measurement::of(&position(0, place[0], place[1]), None).unwrap());
+            estimate.see(&DetectionMeasurement::of(&position(0, place[0], place[1]), None).unwrap());
         }
         estimate.count(2);
         assert!((estimate.density(9, everywhere) - 2.0 / (100.0 * 50.0)).abs() < 1e-12);

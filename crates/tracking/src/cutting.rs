@@ -24,7 +24,7 @@ use std::collections::VecDeque;
 
 use observations::Detection;
 
-use crate::turn_time::{Turn, TurnTime};
+use crate::turn_time::{TurnEstimate, TurnTime};
 
 /// Numbers set aside for each second.
 pub const NUMBERS_PER_S: i64 = 16;
@@ -75,7 +75,7 @@ pub struct CutScan {
 
 /// Treatment of a detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Taken {
+pub enum DetectionTreatment {
     /// The detection waits for its scan to be complete.
     Waits,
     /// The scan of the detection is complete already.
@@ -93,7 +93,7 @@ struct Rhythm {
 
 /// The scan at hand.
 #[derive(Clone, Copy, Debug)]
-struct Scan {
+struct OpenScan {
     number: u32,
     begin_ns: i64,
     /// Set if the scan begins at a boundary reported by the sensor.
@@ -101,7 +101,7 @@ struct Scan {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Pending<T> {
+struct PendingDetection<T> {
     detection: Detection,
     with_it: T,
     /// Number of detections that came before.
@@ -115,9 +115,9 @@ pub struct Cutter<T> {
     /// `None` until the period is known.
     rhythm: Option<Rhythm>,
     turn_time: TurnTime,
-    scan: Option<Scan>,
+    scan: Option<OpenScan>,
     boundaries: VecDeque<i64>,
-    waiting: Vec<Pending<T>>,
+    waiting: Vec<PendingDetection<T>>,
     /// Time of the earliest of them; `i64::MAX` if there are none.
     first_ns: i64,
     /// Number of detections that have come.
@@ -147,15 +147,15 @@ impl<T: Copy> Cutter<T> {
     }
 
     /// Takes a detection together with the data attached to it.
-    pub fn take(&mut self, detection: Detection, with_it: T) -> Taken {
+    pub fn take(&mut self, detection: Detection, with_it: T) -> DetectionTreatment {
         let time_ns = detection.time_of_measurement_ns;
         if self.scan.is_some_and(|scan| time_ns < scan.begin_ns) {
-            return Taken::TooLate;
+            return DetectionTreatment::TooLate;
         }
         if self.waiting.len() == self.settings.waiting_max {
-            return Taken::Refused;
+            return DetectionTreatment::Refused;
         }
-        self.waiting.push(Pending {
+        self.waiting.push(PendingDetection {
             detection,
             with_it,
             place: self.came,
@@ -164,7 +164,7 @@ impl<T: Copy> Cutter<T> {
         self.first_ns = self.first_ns.min(time_ns);
         self.turn_time.detected(&detection);
         self.passed(time_ns);
-        Taken::Waits
+        DetectionTreatment::Waits
     }
 
     /// Takes the sensor's report that a turn begins at `time_ns`.
@@ -186,7 +186,7 @@ impl<T: Copy> Cutter<T> {
     }
 
     /// Turn that the data have shown so far, whether or not scans are cut by it.
-    pub fn turn(&self) -> Option<Turn> {
+    pub fn turn(&self) -> Option<TurnEstimate> {
         self.turn_time.turn()
     }
 
@@ -232,7 +232,7 @@ impl<T: Copy> Cutter<T> {
             }
             self.boundaries.retain(|boundary_ns| *boundary_ns > end_ns);
             self.collect(end_ns, scan.number);
-            self.scan = Some(Scan {
+            self.scan = Some(OpenScan {
                 number: scan
                     .number
                     .saturating_add(rhythm.periods(end_ns.saturating_sub(scan.begin_ns))),
@@ -262,9 +262,9 @@ impl<T: Copy> Cutter<T> {
     }
 
     /// Returns the current scan; after a silence, the scan of the next detection.
-    fn scan_at_hand(&mut self, rhythm: Rhythm) -> Scan {
+    fn scan_at_hand(&mut self, rhythm: Rhythm) -> OpenScan {
         let period_ns = rhythm.period_ns;
-        let is_silence = |scan: &Scan| self.first_ns.saturating_sub(scan.begin_ns) >= 2 * period_ns;
+        let is_silence = |scan: &OpenScan| self.first_ns.saturating_sub(scan.begin_ns) >= 2 * period_ns;
         if let Some(scan) = self.scan.filter(|scan| !is_silence(scan)) {
             return scan;
         }
@@ -273,11 +273,11 @@ impl<T: Copy> Cutter<T> {
             true => self.first_ns.div_euclid(period_ns).saturating_mul(period_ns),
             false => self.first_ns,
         };
-        let after = |scan: Scan| {
+        let after = |scan: OpenScan| {
             let periods = rhythm.periods(begin_ns.saturating_sub(scan.begin_ns));
             scan.number.saturating_add(periods)
         };
-        let scan = Scan {
+        let scan = OpenScan {
             number: self.scan.map_or_else(|| self.first_number(begin_ns), after),
             begin_ns,
             at_boundary: by_period,
@@ -288,7 +288,7 @@ impl<T: Copy> Cutter<T> {
     }
 
     /// End of the scan, nanoseconds, and whether the sensor reported it; `None` while a report is still possible.
-    fn end(&self, scan: Scan, rhythm: Rhythm, running_ns: i64) -> Option<(i64, bool)> {
+    fn end(&self, scan: OpenScan, rhythm: Rhythm, running_ns: i64) -> Option<(i64, bool)> {
         let Rhythm { period_ns, wait_ns } = rhythm;
         // No turn is shorter than half a period, unless its beginning was not seen.
         let shortest_ns = if scan.at_boundary { period_ns / 2 } else { 0 };
@@ -387,7 +387,7 @@ mod tests {
             match *event {
                 Plot(time) => {
                     let taken = cutter.take(position(time * (S / 10), 0.0, 0.0), place);
-                    late += usize::from(taken == Taken::TooLate);
+                    late += usize::from(taken == DetectionTreatment::TooLate);
                 }
                 North(time) => cutter.turn_begins(time * (S / 10)),
             }
@@ -526,7 +526,11 @@ mod tests {
         let mut take = |time_ns| cutter.take(position(time_ns, 0.0, 0.0), ());
         assert_eq!(
             [take(0), take(1), take(2)],
-            [Taken::Waits, Taken::Waits, Taken::Refused]
+            [
+                DetectionTreatment::Waits,
+                DetectionTreatment::Waits,
+                DetectionTreatment::Refused
+            ]
         );
     }
 
@@ -548,7 +552,7 @@ mod tests {
                     cutter.turn_begins(time_ns);
                 } else {
                     given += 1;
-                    refused += usize::from(cutter.take(position(time_ns, 0.0, 0.0), ()) != Taken::Waits);
+                    refused += usize::from(cutter.take(position(time_ns, 0.0, 0.0), ()) != DetectionTreatment::Waits);
                 }
                 while let Some(scan) = cutter.next_scan() {
                     found += cutter.detections().len();

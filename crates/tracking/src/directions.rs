@@ -33,7 +33,7 @@ use association::distance;
 use messages::NS_PER_S;
 
 use crate::limits::COMPARISONS_MAX;
-use crate::motion::Motion;
+use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
@@ -92,9 +92,9 @@ impl Claims {
 }
 
 /// A direction in a track's gate.
-struct Candidate {
+struct DirectionCandidate {
     place: usize,
-    at_its_time: Motion,
+    at_its_time: TargetMotion,
     /// Relative to a false one.
     likelihood: f64,
 }
@@ -140,7 +140,7 @@ impl<'a> Directions<'a> {
             }
             let likelihood = candidate.likelihood / (1.0 + claims[candidate.place].of_others(track.number));
             sum += likelihood;
-            mean = Motion::mixture(&mean, &updated, likelihood / sum);
+            mean = TargetMotion::mixture(&mean, &updated, likelihood / sum);
         }
         let evidence = sensor.scan_weight * sum.ln();
         if !evidence.is_finite() {
@@ -160,7 +160,7 @@ impl<'a> Directions<'a> {
 
     /// Returns a track at the time of the scan, and the probability that the track is in the field of view; `None`
     /// if directions cannot improve the track.
-    fn predicted(&self, track: &Track) -> Option<(Motion, f64)> {
+    fn predicted(&self, track: &Track) -> Option<(TargetMotion, f64)> {
         if track.detections < 2 {
             return None;
         }
@@ -169,7 +169,7 @@ impl<'a> Directions<'a> {
         self.are_good_for(&predicted).then_some((predicted, seen))
     }
 
-    fn candidates(&self, track: &Track, seen: f64) -> impl Iterator<Item = Candidate> {
+    fn candidates(&self, track: &Track, seen: f64) -> impl Iterator<Item = DirectionCandidate> {
         let sensor = self.sensor;
         let compared = self.plots.iter().zip(self.log_clutter).take(COMPARISONS_MAX);
         compared.enumerate().filter_map(move |(place, (plot, log_clutter))| {
@@ -177,7 +177,7 @@ impl<'a> Directions<'a> {
             let innovation = at_its_time.innovation(&plot.measurement)?;
             let inside = innovation.squared_distance <= sensor.gates[innovation.dimension - 1];
             let gain = sensor.log_detection + innovation.log_likelihood - log_clutter;
-            inside.then(|| Candidate {
+            inside.then(|| DirectionCandidate {
                 place,
                 at_its_time,
                 likelihood: seen * gain.exp(),
@@ -185,7 +185,7 @@ impl<'a> Directions<'a> {
         })
     }
 
-    fn are_good_for(&self, predicted: &Motion) -> bool {
+    fn are_good_for(&self, predicted: &TargetMotion) -> bool {
         let Some(first) = self.plots.first() else { return true };
         let state = predicted.widest();
         let [xx, xy, _, yy, ..] = state.position_covariance();

@@ -10,8 +10,8 @@ use crate::correlation_tests::{Interpretation, Row, applies, child, matrices};
 use crate::gate::gates;
 use crate::initiation::first_state;
 use crate::limits::{HISTORY_MAX, HYPOTHESES_MAX};
-use crate::measurement::Measurement;
-use crate::motion::Motion;
+use crate::measurement::DetectionMeasurement;
+use crate::motion::TargetMotion;
 use crate::population::{Cluster, Population};
 use crate::testing::{S, position, settings};
 use crate::track::{NO_DETECTION, Track};
@@ -45,14 +45,14 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
     let miss = (1.0 - detection_probability * settings.gate.probability).ln();
     let measured: Vec<_> = scan
         .iter()
-        .map(|detection| Measurement::of(detection, None).unwrap())
+        .map(|detection| DetectionMeasurement::of(detection, None).unwrap())
         .collect();
     let predicted: Vec<_> = whole
         .tracks
         .iter()
         .map(|track| track.motion_at(time_ns, &settings.motion))
         .collect();
-    let in_gate = |measurement: &Measurement| {
+    let in_gate = |measurement: &DetectionMeasurement| {
         let inside = |track: &usize| predicted[*track].innovation(measurement).unwrap().squared_distance <= gates[1];
         Row::of(&(0..predicted.len()).filter(inside).collect::<Vec<_>>())
     };
@@ -95,7 +95,7 @@ fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, 
         }
         for row in new {
             let state = first_state(&measured[row], &settings.initiation).unwrap();
-            let motion = Motion::begun(state, &settings.motion);
+            let motion = TargetMotion::begun(state, &settings.motion);
             let track = Track::begun(motion, time_ns, first_serial + row as u32, 0);
             next.tracks.push(track);
         }
@@ -260,7 +260,7 @@ proptest! {
         // One cluster, which every detection of the last scan belongs to.
         let reach = gates(settings.gate.probability)[1];
         let in_gate = |detection: &Detection| {
-            let measurement = Measurement::of(detection, None).unwrap();
+            let measurement = DetectionMeasurement::of(detection, None).unwrap();
             let tracks = &before.latest().tracks;
             let predicted = tracks.iter().map(|track| track.motion_at(2 * S, &settings.motion));
             predicted.into_iter().any(|motion| motion.innovation(&measurement).unwrap().squared_distance <= reach)

@@ -12,7 +12,7 @@ use association::{Grid, distance};
 
 use crate::counts::TrackerCounts;
 use crate::limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
-use crate::motion::Motion;
+use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
@@ -28,7 +28,7 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// A track and a detection in its gate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Pair {
+pub(crate) struct GatedPair {
     pub(crate) track: u32,
     pub(crate) plot: u32,
     /// Density of the detection if it is of the track.
@@ -39,7 +39,7 @@ pub(crate) struct Pair {
 #[derive(Clone, Debug)]
 pub(crate) struct Gating {
     /// Sorted by track.
-    pub(crate) pairs: Vec<Pair>,
+    pub(crate) pairs: Vec<GatedPair>,
     /// By track: index of its first pair; the last entry is the end.
     pub(crate) pairs_begin: Vec<u32>,
     /// By track: logarithm of the probability of no detection in its gate, times the weight of the scan.
@@ -135,7 +135,7 @@ impl Gating {
     }
 
     /// Finds the detections that may be in the gate of a track predicted here.
-    fn search(&mut self, predicted: &Motion, plots: usize, reach: &Reach, gate: f64) {
+    fn search(&mut self, predicted: &TargetMotion, plots: usize, reach: &Reach, gate: f64) {
         self.near.clear();
         let predicted = predicted.widest();
         let [xx, xy, _, yy, ..] = predicted.position_covariance();
@@ -160,7 +160,7 @@ impl Gating {
         &mut self,
         number: u32,
         track: &Track,
-        predicted: &Motion,
+        predicted: &TargetMotion,
         time_ns: i64,
         plots: &[Plot],
         sensor: &Sensor,
@@ -182,7 +182,7 @@ impl Gating {
             if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {
                 continue;
             }
-            let pair = Pair {
+            let pair = GatedPair {
                 track: number,
                 plot: item,
                 log_likelihood: innovation.log_likelihood,

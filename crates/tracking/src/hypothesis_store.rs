@@ -19,7 +19,7 @@ use crate::track::{TENTATIVE, Track};
 
 /// A child hypothesis.
 #[derive(Clone, Debug)]
-pub(crate) struct Child {
+pub(crate) struct ChildHypothesis {
     /// Logarithm; the reliabilities of all children sum to 1 after the reduction.
     pub(crate) log_reliability: f64,
     /// Places in the list of members.
@@ -34,7 +34,7 @@ pub(crate) struct HypothesisStore {
     /// Tracks that children may have.
     pub(crate) tracks: Vec<Track>,
     /// Most reliable first once they are reduced.
-    pub(crate) children: Vec<Child>,
+    pub(crate) children: Vec<ChildHypothesis>,
     members: Vec<u32>,
 }
 
@@ -91,7 +91,7 @@ impl HypothesisStore {
         self.members[begin..].sort_unstable();
         let room = self.children.len() < self.children.capacity();
         if room {
-            self.children.push(Child {
+            self.children.push(ChildHypothesis {
                 log_reliability,
                 members: begin as u32..self.members.len() as u32,
                 key: 0,
@@ -107,7 +107,7 @@ impl HypothesisStore {
     }
 
     /// Places of a child's tracks.
-    pub(crate) fn members_of(&self, child: &Child) -> &[u32] {
+    pub(crate) fn members_of(&self, child: &ChildHypothesis) -> &[u32] {
         &self.members[child.members.start as usize..child.members.end as usize]
     }
 

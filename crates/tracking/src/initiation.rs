@@ -14,7 +14,7 @@ use estimation::Gaussian;
 use messages::{Covariance, STATE_LEN};
 use observations::DetectionKind;
 
-use crate::measurement::Measurement;
+use crate::measurement::DetectionMeasurement;
 
 settings::settings! {
     /// Assumptions on a target before its first observation.
@@ -35,7 +35,7 @@ settings::settings! {
 }
 
 /// The state after a first measurement; `None` of a direction alone.
-pub(crate) fn first_state(measurement: &Measurement, guess: &Initiation) -> Option<Gaussian> {
+pub(crate) fn first_state(measurement: &DetectionMeasurement, guess: &Initiation) -> Option<Gaussian> {
     let [a, b, c] = measurement.values;
     let [sa, sb, sc, _] = measurement.sigmas;
     let mut state = Gaussian {
@@ -106,8 +106,8 @@ mod tests {
         height_sigma_m: 1000.0,
     };
 
-    fn measurement(kind: DetectionKind, values: [f64; 3], sigmas: [f64; 4]) -> Measurement {
-        Measurement {
+    fn measurement(kind: DetectionKind, values: [f64; 3], sigmas: [f64; 4]) -> DetectionMeasurement {
+        DetectionMeasurement {
             kind,
             values,
             range_rate_mps: None,

@@ -15,10 +15,10 @@
 //! costs are lowered until the best of them ranks beside the best of the others.
 
 use crate::counts::TrackerCounts;
-use crate::joined::Joined;
+use crate::joined::JoinedClusters;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
 use crate::parents::Parents;
-use crate::ranked::{COLUMNS_MAX, Choice, OWN, PROBLEMS_MAX, Ranked, Solution};
+use crate::ranked::{Alternative, COLUMNS_MAX, OWN, PROBLEMS_MAX, Ranked, Solution};
 
 /// Most ways to begin the tracks that a parent lacks.
 const WAYS_MAX: u64 = 64;
@@ -31,14 +31,14 @@ const NEW: u32 = u32::MAX - 1;
 pub(crate) struct Interpretations {
     ranked: Ranked,
     /// By problem: its parent.
-    problems: Vec<Problem>,
+    problems: Vec<InterpretationProblem>,
     /// (row, column, pair) of one hypothesis.
     entries: Vec<(u32, u32, u32)>,
 }
 
 /// A ranked problem: some of the children of a parent.
 #[derive(Clone, Copy, Debug)]
-struct Problem {
+struct InterpretationProblem {
     parent: usize,
     /// Only children with enough tracks.
     is_enough: bool,
@@ -59,7 +59,7 @@ pub(crate) struct Interpretation {
 
 /// Whether a row starts a new track.
 #[derive(Clone, Copy, PartialEq)]
-enum Start {
+enum TrackStart {
     May,
     Must,
     MayNot,
@@ -76,12 +76,12 @@ impl Interpretations {
 
     /// Poses the problem of each parent and, if the parent lacks tracks, the problem of its children with enough
     /// tracks.
-    pub(crate) fn pose(&mut self, joined: &Joined<'_>, parents: &Parents, counts: &mut TrackerCounts) {
+    pub(crate) fn pose(&mut self, joined: &JoinedClusters<'_>, parents: &Parents, counts: &mut TrackerCounts) {
         self.ranked.clear();
         self.problems.clear();
         for parent in 0..parents.list.len() {
             self.find_entries(joined, parents, parent, counts);
-            let posed = self.pose_problem(joined, parents, parent, |_| Start::May, counts);
+            let posed = self.pose_problem(joined, parents, parent, |_| TrackStart::May, counts);
             counts.hypotheses_dropped += u64::from(posed.is_none());
         }
         for plain in 0..self.problems.len() {
@@ -111,7 +111,7 @@ impl Interpretations {
         let problem = self.problems[solution.problem];
         let lacking = parents.list[problem.parent].lacking_due;
         let is_enough = (lacking > 0).then(|| self.new_tracks(solution) >= lacking);
-        let of_parent = |other: &Problem| other.parent == problem.parent && other.is_enough;
+        let of_parent = |other: &InterpretationProblem| other.parent == problem.parent && other.is_enough;
         let is_elsewhere = !problem.is_enough && is_enough == Some(true) && self.problems.iter().any(of_parent);
         Some((!is_elsewhere).then(|| Interpretation {
             solution,
@@ -145,7 +145,7 @@ impl Interpretations {
     /// track are fixed, and the rows between them begin none (WA-4).
     fn pose_enough(
         &mut self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         parents: &Parents,
         plain: usize,
         lacking: usize,
@@ -162,9 +162,9 @@ impl Interpretations {
         for _ in 0..ways {
             let last = 63 - starts.leading_zeros() as usize;
             let start = |row: usize| match starts >> row & 1 {
-                1 => Start::Must,
-                _ if row < last => Start::MayNot,
-                _ => Start::May,
+                1 => TrackStart::Must,
+                _ if row < last => TrackStart::MayNot,
+                _ => TrackStart::May,
             };
             self.pose_problem(joined, parents, parent, start, counts);
             starts = next_of_as_many_bits(starts);
@@ -186,10 +186,10 @@ impl Interpretations {
     /// Poses a problem of the parent with the entries found last. `None` if there is no room.
     fn pose_problem(
         &mut self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         parents: &Parents,
         parent: usize,
-        start: impl Fn(usize) -> Start,
+        start: impl Fn(usize) -> TrackStart,
         counts: &mut TrackerCounts,
     ) -> Option<()> {
         let (scan, sensor) = (joined.scan, joined.scan.sensor);
@@ -197,7 +197,7 @@ impl Interpretations {
         let misses: f64 = members.map(|track| scan.gating.log_misses[*track as usize]).sum();
         let base = -parents.list[parent].log_reliability - misses;
         self.ranked.begin_problem(base).then_some(())?;
-        self.problems.push(Problem {
+        self.problems.push(InterpretationProblem {
             parent,
             is_enough: false,
             lowered: 0.0,
@@ -210,20 +210,20 @@ impl Interpretations {
             let log_share = log_share_of_new(joined, lacking, row);
             self.ranked.begin_row();
             let mut add = |column, meaning, cost| {
-                let added = self.ranked.add(Choice { column, meaning, cost });
+                let added = self.ranked.add(Alternative { column, meaning, cost });
                 counts.dropped_pairs += u64::from(!added);
             };
             let start = start(row);
             let is_usable = log_weight > f64::NEG_INFINITY;
-            if start != Start::Must {
+            if start != TrackStart::Must {
                 add(OWN, FALSE, 0.0);
             }
-            if let Some(log_share) = log_share.filter(|_| start != Start::MayNot && is_usable) {
+            if let Some(log_share) = log_share.filter(|_| start != TrackStart::MayNot && is_usable) {
                 add(OWN, NEW, -log_share - log_weight);
             }
             while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
                 entry += 1;
-                if start == Start::Must || !is_usable {
+                if start == TrackStart::Must || !is_usable {
                     continue;
                 }
                 let found = scan.gating.pairs[pair as usize];
@@ -236,7 +236,13 @@ impl Interpretations {
     }
 
     /// The pairs of a parent by rows, with columns numbered in the order of its tracks.
-    fn find_entries(&mut self, joined: &Joined<'_>, parents: &Parents, parent: usize, counts: &mut TrackerCounts) {
+    fn find_entries(
+        &mut self,
+        joined: &JoinedClusters<'_>,
+        parents: &Parents,
+        parent: usize,
+        counts: &mut TrackerCounts,
+    ) {
         self.entries.clear();
         let mut column = 0;
         for &track in parents.members(parent) {
@@ -260,7 +266,7 @@ impl Interpretations {
 
 /// Logarithm of how many new targets a row's detection is expected to be, per false detection, for a parent that lacks
 /// so many tracks; `None` if it may not start a track.
-fn log_share_of_new(joined: &Joined<'_>, lacking: usize, row: usize) -> Option<f64> {
+fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> Option<f64> {
     let settings = joined.scan.settings;
     let plot = &joined.scan.plots[joined.plots[row].1 as usize];
     if plot.measurement.place().is_none() || joined.is_start_forbidden(row) {

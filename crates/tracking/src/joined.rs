@@ -7,13 +7,13 @@ use crate::gating::NONE;
 use crate::population::Cluster;
 use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
-use crate::splitting::{DetectionCounts, Limits};
+use crate::splitting::{DetectionCounts, SplitLimits};
 use crate::track::TENTATIVE;
 use crate::wide_area::support::ClusterSupport;
 
 /// Detections of the joined clusters as rows of their problem; working memory for one after the other.
 #[derive(Clone, Debug)]
-pub(crate) struct Rows {
+pub(crate) struct DetectionRows {
     /// By detection of the scan: its row.
     row_of: Vec<u32>,
     /// By row: whether it lies in a confirmed track's gate.
@@ -22,7 +22,7 @@ pub(crate) struct Rows {
     confirmed: Vec<u32>,
 }
 
-impl Rows {
+impl DetectionRows {
     pub(crate) fn new(tracks_max: usize, plots_max: usize) -> Self {
         Self {
             row_of: vec![NONE; plots_max],
@@ -34,26 +34,26 @@ impl Rows {
 
 /// Joined clusters and the inputs of their update.
 #[derive(Clone, Copy)]
-pub(crate) struct Joined<'a> {
+pub(crate) struct JoinedClusters<'a> {
     pub(crate) scan: &'a ScanContext<'a>,
     /// (cluster that represents all, cluster).
     clusters: &'a [(u32, u32)],
     /// (cluster that represents all, detection).
     pub(crate) plots: &'a [(u32, u32)],
-    rows: &'a Rows,
+    rows: &'a DetectionRows,
     pub(crate) detections: DetectionCounts,
     /// Number of confirmed tracks, branches not counted.
     pub(crate) confirmed: usize,
-    pub(crate) limits: Limits,
+    pub(crate) limits: SplitLimits,
     pub(crate) support: ClusterSupport<'a>,
 }
 
-impl<'a> Joined<'a> {
+impl<'a> JoinedClusters<'a> {
     pub(crate) fn of(
         scan: &'a ScanContext<'a>,
         clusters: &'a [(u32, u32)],
         plots: &'a [(u32, u32)],
-        rows: &'a mut Rows,
+        rows: &'a mut DetectionRows,
         counts: &mut TrackerCounts,
     ) -> Self {
         rows.in_confirmed_gate = [false; ROWS_MAX];
@@ -89,7 +89,7 @@ impl<'a> Joined<'a> {
             rows,
             detections,
             confirmed,
-            limits: Limits::of(splitting, confirmed, detections.mean()),
+            limits: SplitLimits::of(splitting, confirmed, detections.mean()),
             support: scan.support.of(clusters, confirmed, &scan.settings.wide_area),
         }
     }

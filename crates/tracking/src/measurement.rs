@@ -27,7 +27,7 @@ const AT_SENSOR_M2: f64 = 1e-6;
 
 /// The measured part of a detection, with standard deviations of every quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Measurement {
+pub(crate) struct DetectionMeasurement {
     pub(crate) kind: DetectionKind,
     pub(crate) values: [f64; QUANTITIES_MAX],
     pub(crate) range_rate_mps: Option<f64>,
@@ -38,7 +38,7 @@ pub(crate) struct Measurement {
 
 /// Innovation of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Innovation {
+pub(crate) struct MeasurementInnovation {
     /// Quantities compared.
     pub(crate) dimension: usize,
     /// Chi-square with as many degrees of freedom, if all is as modelled.
@@ -55,7 +55,7 @@ struct Tangent {
     variance: f64,
 }
 
-impl Measurement {
+impl DetectionMeasurement {
     /// The measured part of a detection; `None` if a value or standard deviation is missing or no fit number.
     pub(crate) fn of(detection: &Detection, default_sigmas: Option<[f64; DIMENSIONS_MAX]>) -> Option<Self> {
         let sigmas = detection.sigmas.or(default_sigmas)?;
@@ -105,14 +105,14 @@ impl Measurement {
     }
 
     /// Compares with a predicted state; `None` if that cannot be done in numbers.
-    pub(crate) fn innovation(&self, state: &Gaussian) -> Option<Innovation> {
+    pub(crate) fn innovation(&self, state: &Gaussian) -> Option<MeasurementInnovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         tangents.innovation()
     }
 
     /// Updates a predicted state; `None`, and no change, if that cannot be done in numbers.
-    pub(crate) fn update(&self, state: &mut Gaussian) -> Option<Innovation> {
+    pub(crate) fn update(&self, state: &mut Gaussian) -> Option<MeasurementInnovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         let innovation = tangents.innovation()?;
@@ -121,7 +121,7 @@ impl Measurement {
     }
 
     /// Updates a predicted state with its turn rate; `None`, and no change, if that cannot be done in numbers.
-    pub(crate) fn update_turning(&self, state: &mut Gaussian, turn: &mut TurnRate) -> Option<Innovation> {
+    pub(crate) fn update_turning(&self, state: &mut Gaussian, turn: &mut TurnRate) -> Option<MeasurementInnovation> {
         let mut tangents = Tangents::of(self, state)?;
         tangents.factorise(state)?;
         let innovation = tangents.innovation()?;
@@ -134,7 +134,9 @@ impl Measurement {
 
     /// Updates by the range rate alone, if there is one.
     pub(crate) fn update_range_rate(&self, state: &mut Gaussian) {
-        let Some(sight) = Sight::of(self, state) else { return };
+        let Some(sight) = LineOfSight::of(self, state) else {
+            return;
+        };
         let Some(tangent) = self.range_rate_tangent(&sight, state) else {
             return;
         };
@@ -145,7 +147,7 @@ impl Measurement {
         }
     }
 
-    fn range_rate_tangent(&self, sight: &Sight, state: &Gaussian) -> Option<Tangent> {
+    fn range_rate_tangent(&self, sight: &LineOfSight, state: &Gaussian) -> Option<Tangent> {
         let rate = self.range_rate_mps?;
         let velocity = state.velocity_mps();
         let along: f64 = (0..AXES).map(|axis| sight.direction(axis) * velocity[axis]).sum();
@@ -163,16 +165,16 @@ impl Measurement {
 }
 
 /// The line from sensor to state.
-struct Sight {
+struct LineOfSight {
     /// East, north, up, metres.
     line_m: [f64; AXES],
     range_m: f64,
     ground_m2: f64,
 }
 
-impl Sight {
+impl LineOfSight {
     /// `None` where the state is at the sensor.
-    fn of(measurement: &Measurement, state: &Gaussian) -> Option<Self> {
+    fn of(measurement: &DetectionMeasurement, state: &Gaussian) -> Option<Self> {
         let position = state.position_m();
         let line_m: [f64; AXES] = std::array::from_fn(|axis| position[axis] - measurement.platform_m[axis]);
         let [east, north, up] = line_m;
@@ -234,13 +236,13 @@ impl Tangents {
         self.count += 1;
     }
 
-    fn of(measurement: &Measurement, state: &Gaussian) -> Option<Self> {
+    fn of(measurement: &DetectionMeasurement, state: &Gaussian) -> Option<Self> {
         let mut tangents = Self::NONE;
         let is_position = matches!(measurement.kind, DetectionKind::Position2 | DetectionKind::Position3);
         let sight = if is_position && measurement.range_rate_mps.is_none() {
             None
         } else {
-            Some(Sight::of(measurement, state)?)
+            Some(LineOfSight::of(measurement, state)?)
         };
         for (place, quantity) in measurement.kind.quantities().iter().enumerate() {
             let mut derivative = [0.0; STATE_LEN];
@@ -322,11 +324,11 @@ impl Tangents {
         gain
     }
 
-    fn innovation(&self) -> Option<Innovation> {
+    fn innovation(&self) -> Option<MeasurementInnovation> {
         let squared_distance: f64 = self.whitened[..self.count].iter().map(|value| value * value).sum();
         let determinant: f64 = (0..self.count).map(|row| self.lower[row][row]).product();
         let log_likelihood = -0.5 * squared_distance - determinant.ln() - 0.5 * self.count as f64 * TAU.ln();
-        log_likelihood.is_finite().then_some(Innovation {
+        log_likelihood.is_finite().then_some(MeasurementInnovation {
             dimension: self.count,
             squared_distance,
             log_likelihood,
@@ -365,11 +367,11 @@ mod tests {
         Gaussian { mean, covariance }
     }
 
-    fn any_measurement() -> impl Strategy<Value = Measurement> {
+    fn any_measurement() -> impl Strategy<Value = DetectionMeasurement> {
         let kind = prop::sample::select(DetectionKind::ALL.to_vec());
         let rate = prop::option::of(-100.0..100.0f64);
         let platform = prop::array::uniform3(-100.0..100.0f64);
-        (kind, rate, platform).prop_map(|(kind, range_rate_mps, platform_m)| Measurement {
+        (kind, rate, platform).prop_map(|(kind, range_rate_mps, platform_m)| DetectionMeasurement {
             kind,
             values: [0.3, 0.2, 0.1],
             range_rate_mps,
@@ -419,7 +421,7 @@ mod tests {
         fn a_measured_position_updates_as_everywhere_else(at in any_state(), shift in prop::array::uniform3(-90.0..90.0f64)) {
             let sigmas = [20.0, 30.0, 40.0, 0.0];
             let values = std::array::from_fn(|axis| at.mean[axis] + shift[axis]);
-            let of = |kind| Measurement { kind, values, range_rate_mps: None, sigmas, platform_m: [0.0; 3] };
+            let of = |kind| DetectionMeasurement { kind, values, range_rate_mps: None, sigmas, platform_m: [0.0; 3] };
             let (mut plane, mut plane_expected, mut space, mut space_expected) = (at, at, at, at);
             let found = of(DetectionKind::Position2).update(&mut plane).unwrap();
             let expected = plane_expected.update_position::<2>(values, &[400.0, 0.0, 0.0, 900.0, 0.0, 1600.0]).unwrap();
@@ -455,7 +457,7 @@ mod tests {
     #[test]
     fn bearings_wrap() {
         let at = state([-1.0, -1000.0, 0.0, 0.0, 0.0, 0.0]);
-        let measurement = Measurement {
+        let measurement = DetectionMeasurement {
             kind: DetectionKind::Bearing,
             values: [PI, 0.0, 0.0],
             range_rate_mps: None,
@@ -468,7 +470,7 @@ mod tests {
     #[test]
     fn a_target_at_the_sensor_has_no_direction() {
         let mut at = state([0.0; 6]);
-        let measurement = Measurement {
+        let measurement = DetectionMeasurement {
             kind: DetectionKind::RangeBearing,
             values: [10.0, 0.0, 0.0],
             range_rate_mps: None,

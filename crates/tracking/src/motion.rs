@@ -18,8 +18,8 @@ use messages::STATE_LEN;
 
 use crate::initiation::{Initiation, first_state};
 use crate::log_sum::log_add;
-use crate::measurement::{Innovation, Measurement};
-use crate::turn::{Turn, TurnRate};
+use crate::measurement::{DetectionMeasurement, MeasurementInnovation};
+use crate::turn::{TurnRate, TurnSettings};
 
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-3;
@@ -31,12 +31,12 @@ settings::settings! {
         /// Spectral density of the accelerations in steady flight: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
         /// Second model, of manoeuvring targets.
-        manoeuvres: Manoeuvres = Manoeuvres::default();
+        manoeuvres: ManoeuvreSettings = ManoeuvreSettings::default();
     }
 
     /// Model of targets that manoeuvre.
     #[derive(Copy)]
-    pub struct Manoeuvres {
+    pub struct ManoeuvreSettings {
         /// Whether the tracker uses this model.
         enabled: bool = true;
         /// Spectral density of the accelerations: horizontal, vertical.
@@ -45,13 +45,13 @@ settings::settings! {
         durations_s: [f64; 2] = [60.0, 10.0], in [1e-3, 1e6];
         /// Model of coordinated turns in addition. Without this model, a manoeuvre is a random acceleration in any
         /// direction.
-        turn: Option<Turn> = None;
+        turn: Option<TurnSettings> = None;
     }
 }
 
 impl MotionSettings {
     /// The model of targets that manoeuvre; `None` if there is none.
-    pub(crate) fn manoeuvres(&self) -> Option<&Manoeuvres> {
+    pub(crate) fn manoeuvres(&self) -> Option<&ManoeuvreSettings> {
         Some(&self.manoeuvres).filter(|manoeuvres| manoeuvres.enabled)
     }
 }
@@ -59,7 +59,7 @@ impl MotionSettings {
 kept! {
     /// Position and velocity of a target by each model.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(crate) struct Motion {
+    pub(crate) struct TargetMotion {
         steady: Gaussian,
         /// Manoeuvring state; equal to the steady state without a manoeuvring model.
         turning: Gaussian,
@@ -67,13 +67,13 @@ kept! {
         turn: TurnRate,
         /// Probability of a manoeuvre; 0 without a manoeuvring model.
         turning_probability: f64,
-        speed: Speed,
+        speed: SpeedKnowledge,
     }
 }
 
 /// Meaning of the two states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Speed {
+enum SpeedKnowledge {
     /// Steady flight and manoeuvre.
     Known,
     /// A slow target and a fast one, seen once.
@@ -82,7 +82,7 @@ enum Speed {
     Found,
 }
 
-impl Kept for Speed {
+impl Kept for SpeedKnowledge {
     const WORDS: usize = 1;
 
     fn put(&self, to: &mut Put<'_>) {
@@ -95,9 +95,13 @@ impl Kept for Speed {
     }
 }
 
-impl Motion {
+impl TargetMotion {
     /// After a first measurement; `None` of a direction alone.
-    pub(crate) fn first(measurement: &Measurement, guess: &Initiation, settings: &MotionSettings) -> Option<Self> {
+    pub(crate) fn first(
+        measurement: &DetectionMeasurement,
+        guess: &Initiation,
+        settings: &MotionSettings,
+    ) -> Option<Self> {
         let fast = first_state(measurement, guess)?;
         let begun = Self::begun(fast, settings);
         let Some(speed_sigma_mps) = guess.slow_sigma_mps.filter(|_| settings.manoeuvres.enabled) else {
@@ -110,14 +114,14 @@ impl Motion {
         Some(Self {
             steady: first_state(measurement, &slow)?,
             turning_probability: 0.5,
-            speed: Speed::Unknown,
+            speed: SpeedKnowledge::Unknown,
             ..begun
         })
     }
 
     /// Begins with the same state in both models.
     pub(crate) fn begun(state: Gaussian, settings: &MotionSettings) -> Self {
-        let prior = |manoeuvres: &Manoeuvres| {
+        let prior = |manoeuvres: &ManoeuvreSettings| {
             let [steady_s, turning_s] = manoeuvres.durations_s;
             turning_s / (steady_s + turning_s)
         };
@@ -129,7 +133,7 @@ impl Motion {
                 .and_then(|manoeuvres| manoeuvres.turn)
                 .map_or(TurnRate::NONE, |turn| TurnRate::begun(&turn)),
             turning_probability: settings.manoeuvres().map_or(0.0, prior),
-            speed: Speed::Known,
+            speed: SpeedKnowledge::Known,
         }
     }
 
@@ -140,9 +144,9 @@ impl Motion {
             return Self { steady, ..*self };
         };
         match self.speed {
-            Speed::Known => (),
+            SpeedKnowledge::Known => (),
             // A target does not become slow or fast.
-            Speed::Unknown => {
+            SpeedKnowledge::Unknown => {
                 let noise = noise(settings.process_noise_m2ps3, seconds);
                 return Self {
                     steady: self.steady.moved(seconds, noise),
@@ -150,7 +154,7 @@ impl Motion {
                     ..*self
                 };
             }
-            Speed::Found => return Self::begun(self.estimate(), settings).moved(seconds, settings),
+            SpeedKnowledge::Found => return Self::begun(self.estimate(), settings).moved(seconds, settings),
         }
         // Targets may have begun or ended to manoeuvre.
         let [steady_s, turning_s] = manoeuvres.durations_s;
@@ -172,7 +176,7 @@ impl Motion {
             turning: turned,
             turn,
             turning_probability: turning,
-            speed: Speed::Known,
+            speed: SpeedKnowledge::Known,
         }
     }
 
@@ -182,8 +186,8 @@ impl Motion {
         mut state: Gaussian,
         still: f64,
         seconds: f64,
-        manoeuvres: &Manoeuvres,
-        turn: &Turn,
+        manoeuvres: &ManoeuvreSettings,
+        turn: &TurnSettings,
     ) -> (Gaussian, TurnRate) {
         let begun = TurnRate::begun(turn);
         let mut rate = TurnRate::mixture((&begun, &self.steady), (&self.turn, &self.turning), still);
@@ -192,7 +196,7 @@ impl Motion {
     }
 
     /// Compares with a measurement: the smaller distance, and the density by both models.
-    pub(crate) fn innovation(&self, measurement: &Measurement) -> Option<Innovation> {
+    pub(crate) fn innovation(&self, measurement: &DetectionMeasurement) -> Option<MeasurementInnovation> {
         let steady = measurement.innovation(&self.steady);
         if self.turning_probability == 0.0 {
             return steady;
@@ -205,7 +209,7 @@ impl Motion {
     }
 
     /// Updates with a measurement; `None`, and no change, if that cannot be done in numbers.
-    pub(crate) fn update(&mut self, measurement: &Measurement) -> Option<Innovation> {
+    pub(crate) fn update(&mut self, measurement: &DetectionMeasurement) -> Option<MeasurementInnovation> {
         let mut updated = *self;
         let steady = measurement.update(&mut updated.steady)?;
         let innovation = if self.turning_probability == 0.0 {
@@ -218,8 +222,8 @@ impl Motion {
             };
             let innovation = both(steady, turning, self.turning_probability)?;
             let share = self.turning_probability.ln() + turning.log_likelihood - innovation.log_likelihood;
-            if updated.speed == Speed::Unknown {
-                updated.speed = Speed::Found;
+            if updated.speed == SpeedKnowledge::Unknown {
+                updated.speed = SpeedKnowledge::Found;
             }
             updated.turning_probability = share.exp().clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
             innovation
@@ -271,7 +275,11 @@ impl Motion {
                 TurnRate::mixture((&a.turn, &a.turning), (&b.turn, &b.turning), weight(p, q))
             },
             turning_probability: p * (1.0 - weight_of_b) + q * weight_of_b,
-            speed: if a.speed == b.speed { a.speed } else { Speed::Found },
+            speed: if a.speed == b.speed {
+                a.speed
+            } else {
+                SpeedKnowledge::Found
+            },
         }
     }
 }
@@ -281,10 +289,14 @@ pub(crate) fn noise(density_m2ps3: [f64; 2], seconds: f64) -> [AxisNoise; 3] {
     [horizontal, horizontal, vertical]
 }
 
-fn both(steady: Innovation, turning: Innovation, turning_probability: f64) -> Option<Innovation> {
+fn both(
+    steady: MeasurementInnovation,
+    turning: MeasurementInnovation,
+    turning_probability: f64,
+) -> Option<MeasurementInnovation> {
     let of_steady = (1.0 - turning_probability).ln() + steady.log_likelihood;
     let of_turning = turning_probability.ln() + turning.log_likelihood;
-    Some(Innovation {
+    Some(MeasurementInnovation {
         dimension: steady.dimension,
         squared_distance: steady.squared_distance.min(turning.squared_distance),
         log_likelihood: log_add(of_steady, of_turning),
@@ -298,7 +310,7 @@ mod tests {
 
     const TWO_MODELS: MotionSettings = MotionSettings {
         process_noise_m2ps3: [0.1, 0.1],
-        manoeuvres: Manoeuvres {
+        manoeuvres: ManoeuvreSettings {
             enabled: true,
             process_noise_m2ps3: [50.0, 1.0],
             durations_s: [60.0, 10.0],
@@ -306,7 +318,7 @@ mod tests {
         },
     };
     const ONE_MODEL: MotionSettings = MotionSettings {
-        manoeuvres: Manoeuvres {
+        manoeuvres: ManoeuvreSettings {
             enabled: false,
             ..TWO_MODELS.manoeuvres
         },
@@ -324,8 +336,8 @@ mod tests {
             height_sigma_m: 100.0,
         };
         let (mut place, mut course) = ([0.0, 0.0], 0.0f64);
-        let measured = |[east, north]: [f64; 2]| Measurement::of(&position(0, east, north), None).unwrap();
-        let mut motion = Motion::begun(first_state(&measured(place), &guess).unwrap(), settings);
+        let measured = |[east, north]: [f64; 2]| DetectionMeasurement::of(&position(0, east, north), None).unwrap();
+        let mut motion = TargetMotion::begun(first_state(&measured(place), &guess).unwrap(), settings);
         let (mut all_in_gate, mut before) = (true, 0.0);
         for second in 0..26 {
             if second >= 20 {
@@ -355,7 +367,7 @@ mod tests {
     }
 
     /// Mean squared prediction error in the last 15 s of a long circle.
-    fn circled(turn: Option<Turn>) -> f64 {
+    fn circled(turn: Option<TurnSettings>) -> f64 {
         let mut settings = TWO_MODELS;
         settings.manoeuvres.turn = turn;
         let guess = Initiation {
@@ -367,9 +379,9 @@ mod tests {
         };
         let at = |second: usize| {
             let (sin, cos) = (0.1 * second as f64).sin_cos();
-            Measurement::of(&position(0, 500.0 * cos, 500.0 * sin), None).unwrap()
+            DetectionMeasurement::of(&position(0, 500.0 * cos, 500.0 * sin), None).unwrap()
         };
-        let mut motion = Motion::begun(first_state(&at(0), &guess).unwrap(), &settings);
+        let mut motion = TargetMotion::begun(first_state(&at(0), &guess).unwrap(), &settings);
         let mut sum = 0.0;
         for second in 1..=30 {
             motion = motion.moved(1.0, &settings);
@@ -391,7 +403,7 @@ mod tests {
 
     #[test]
     fn a_coordinated_turn_is_followed_on_its_circle() {
-        let turn = Turn {
+        let turn = TurnSettings {
             rate_sigma_radps: 0.1,
             rate_noise_rad2ps3: 1e-4,
         };
@@ -408,13 +420,13 @@ mod tests {
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
         };
-        let seen = |second: f64, speed: f64| Measurement::of(&position(0, speed * second, 0.0), None).unwrap();
+        let seen = |second: f64, speed: f64| DetectionMeasurement::of(&position(0, speed * second, 0.0), None).unwrap();
         for (speed, fast_from, fast_to) in [(4.0, 0.0, 0.3), (80.0, 0.99, 1.0)] {
-            let first = Motion::first(&seen(0.0, speed), &guess, &TWO_MODELS).unwrap();
+            let first = TargetMotion::first(&seen(0.0, speed), &guess, &TWO_MODELS).unwrap();
             let mut motion = first.moved(2.0, &TWO_MODELS);
             assert_eq!(motion.turning_probability, 0.5);
             let compared = motion.innovation(&seen(2.0, speed)).unwrap();
-            let plain = Motion::first(
+            let plain = TargetMotion::first(
                 &seen(0.0, speed),
                 &Initiation {
                     new_target_share: 0.04,
@@ -449,14 +461,14 @@ mod tests {
             climb_sigma_mps: 1.0,
             height_sigma_m: 100.0,
         };
-        let measurement = Measurement::of(&position(0, 10.0, 20.0), None).unwrap();
+        let measurement = DetectionMeasurement::of(&position(0, 10.0, 20.0), None).unwrap();
         let state = first_state(&measurement, &guess).unwrap();
-        let mut motion = Motion::begun(state, &ONE_MODEL).moved(2.0, &ONE_MODEL);
+        let mut motion = TargetMotion::begun(state, &ONE_MODEL).moved(2.0, &ONE_MODEL);
         let mut plain = state.moved(2.0, noise([0.1, 0.1], 2.0));
         assert_eq!(motion.estimate(), plain);
         assert_eq!(motion.update(&measurement), measurement.update(&mut plain));
         assert_eq!(motion.estimate(), plain);
-        let same = Motion::mixture(&motion, &motion, 0.3);
+        let same = TargetMotion::mixture(&motion, &motion, 0.3);
         assert!((same.estimate().mean[0] - plain.mean[0]).abs() < 1e-12);
     }
 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::joined::Joined;
+use crate::joined::JoinedClusters;
 use crate::log_sum::log_sum;
 use crate::population::{Cluster, Population};
 use crate::wide_area::support::Demand;
@@ -56,7 +56,7 @@ impl Parents {
 
     /// Takes the hypotheses of joined clusters, at most `hypotheses_max` of all together. Returns the share of their
     /// probability that was dropped.
-    pub(crate) fn gather(&mut self, joined: &Joined<'_>, hypotheses_max: usize) -> f64 {
+    pub(crate) fn gather(&mut self, joined: &JoinedClusters<'_>, hypotheses_max: usize) -> f64 {
         self.list.clear();
         self.members.clear();
         self.corrected = false;

@@ -3,9 +3,9 @@
 use observations::Detection;
 
 use crate::counts::TrackerCounts;
-use crate::measurement::Measurement;
+use crate::measurement::DetectionMeasurement;
 use crate::selection::Selection;
-use crate::settings::SensorSettings;
+use crate::settings::SensorFacts;
 
 /// Largest difference of a detection's time from its scan's, nanoseconds.
 const SCAN_HALF_NS: u64 = 60_000_000_000;
@@ -15,7 +15,7 @@ const SCAN_HALF_NS: u64 = 60_000_000_000;
 pub(crate) struct Plot {
     pub(crate) time_ns: i64,
     pub(crate) detection_id: u32,
-    pub(crate) measurement: Measurement,
+    pub(crate) measurement: DetectionMeasurement,
     /// Logarithm of its weight (WA-1): 0 of nearly all.
     pub(crate) log_weight: f64,
 }
@@ -33,7 +33,7 @@ pub(crate) struct Scan {
 pub(crate) fn admit(
     detections: &[Detection],
     [time_ns, latest_ns]: [i64; 2],
-    sensor: &SensorSettings,
+    sensor: &SensorFacts,
     selection: &Selection,
     plots: &mut Vec<Plot>,
     counts: &mut TrackerCounts,
@@ -41,7 +41,7 @@ pub(crate) fn admit(
     plots.clear();
     for detection in detections {
         let near = detection.time_of_measurement_ns.abs_diff(time_ns) <= SCAN_HALF_NS;
-        let Some(measurement) = Measurement::of(detection, sensor.default_sigmas()).filter(|_| near) else {
+        let Some(measurement) = DetectionMeasurement::of(detection, sensor.default_sigmas()).filter(|_| near) else {
             counts.rejected_detections += 1;
             continue;
         };

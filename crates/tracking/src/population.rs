@@ -8,9 +8,9 @@
 use std::ops::Range;
 
 use crate::limits::{DETECTION_COUNTS, HYPOTHESES_MAX};
-use crate::sensor::Memory;
+use crate::sensor::SensorMemory;
 use crate::track::Track;
-use crate::wide_area::carried::Carried;
+use crate::wide_area::carried::SupportState;
 
 /// Consistent explanation of all detections in a cluster.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +43,8 @@ pub(crate) struct Population {
     pub(crate) members: Vec<u32>,
     pub(crate) clusters: Vec<Cluster>,
     /// By sensor.
-    pub(crate) sensors: Vec<Memory>,
-    pub(crate) support: Carried,
+    pub(crate) sensors: Vec<SensorMemory>,
+    pub(crate) support: SupportState,
     /// Serial number of the next detection, of the next track's root, of the next confirmed track.
     pub(crate) next_serial: u32,
     pub(crate) next_root: u32,
@@ -59,8 +59,8 @@ impl Population {
             hypotheses: Vec::with_capacity(2 * tracks_max + HYPOTHESES_MAX),
             members: Vec::with_capacity(8 * tracks_max + HYPOTHESES_MAX),
             clusters: Vec::with_capacity(tracks_max),
-            sensors: vec![Memory::NONE; sensors],
-            support: Carried::new(tracks_max, types),
+            sensors: vec![SensorMemory::NONE; sensors],
+            support: SupportState::new(tracks_max, types),
             next_serial: 1,
             next_root: 1,
             next_number: 1,

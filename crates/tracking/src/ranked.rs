@@ -45,7 +45,7 @@ pub(crate) const OWN: u16 = u16::MAX;
 
 /// Something that a row may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Choice {
+pub(crate) struct Alternative {
     /// Column of the choice, or [`OWN`].
     pub(crate) column: u16,
     /// Meaning of the choice, for the caller alone.
@@ -55,7 +55,7 @@ pub(crate) struct Choice {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Problem {
+struct RankedProblem {
     base_cost: f64,
     first_row: usize,
     rows: usize,
@@ -65,7 +65,7 @@ struct Problem {
 /// All solutions of a problem with the first `fixed` rows as `chosen` and the next row without the choices in
 /// `forbidden`; `chosen` is the best solution.
 #[derive(Clone, Copy, Debug)]
-struct Part {
+struct SolutionPart {
     problem: u16,
     fixed: u8,
     chosen: [u8; ROWS_MAX],
@@ -75,7 +75,7 @@ struct Part {
     log_bound: f64,
 }
 
-impl Part {
+impl SolutionPart {
     /// All solutions of a problem.
     fn whole(problem: usize) -> Self {
         Self {
@@ -111,8 +111,8 @@ impl PartialOrd for Queued {
 }
 
 /// The rows of a part with their open choices. The label of a choice is its row and its number in the row.
-struct Open<'a> {
-    choices: &'a [Choice],
+struct OpenRows<'a> {
+    choices: &'a [Alternative],
     /// Places of each row's choices.
     rows: &'a [Range<u32>],
     /// Row that may not take the choices of `forbidden`.
@@ -120,8 +120,8 @@ struct Open<'a> {
     forbidden: u64,
 }
 
-impl Open<'_> {
-    fn column(choice: &Choice) -> u32 {
+impl OpenRows<'_> {
+    fn column(choice: &Alternative) -> u32 {
         if choice.column == OWN {
             augmenting::NONE
         } else {
@@ -130,7 +130,7 @@ impl Open<'_> {
     }
 }
 
-impl augmenting::Problem for Open<'_> {
+impl augmenting::Problem for OpenRows<'_> {
     const OWN_FIRST: bool = true;
 
     #[inline]
@@ -159,14 +159,14 @@ impl augmenting::Problem for Open<'_> {
 /// Working memory for the ranked solutions of one cluster after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Ranked {
-    problems: Vec<Problem>,
+    problems: Vec<RankedProblem>,
     /// Places of each row's choices.
     rows: Vec<Range<u32>>,
     /// By row: logarithm of the product, over this row and all later rows, of the sums of their choices'
     /// likelihoods.
     log_rest: Vec<f64>,
-    choices: Vec<Choice>,
-    parts: Vec<Part>,
+    choices: Vec<Alternative>,
+    parts: Vec<SolutionPart>,
     heap: BinaryHeap<Reverse<Queued>>,
     paths: AugmentingPaths,
     /// Logarithm of the bound of the parts for which there was no room.
@@ -210,7 +210,7 @@ impl Ranked {
     pub(crate) fn begin_problem(&mut self, base_cost: f64) -> bool {
         let room = self.problems.len() < PROBLEMS_MAX;
         if room {
-            self.problems.push(Problem {
+            self.problems.push(RankedProblem {
                 base_cost,
                 first_row: self.rows.len(),
                 rows: 0,
@@ -235,7 +235,7 @@ impl Ranked {
     }
 
     /// Adds a choice to the row begun last. `false` if there is no room, or the cost is no number.
-    pub(crate) fn add(&mut self, choice: Choice) -> bool {
+    pub(crate) fn add(&mut self, choice: Alternative) -> bool {
         let room = self.choices.len() < CHOICES_TOTAL_MAX && choice.cost.is_finite();
         let (Some(problem), Some(row)) = (self.problems.last_mut(), self.rows.last_mut()) else {
             return false;
@@ -255,7 +255,7 @@ impl Ranked {
     /// Cost of a problem's cheapest solution; before [`Self::begin`].
     pub(crate) fn best_cost(&mut self, number: usize) -> Option<f64> {
         let problem = self.problems[number];
-        self.solve(&problem, &mut Part::whole(number))
+        self.solve(&problem, &mut SolutionPart::whole(number))
     }
 
     /// Lets all solutions of a problem cost less by so much; before [`Self::begin`].
@@ -273,7 +273,7 @@ impl Ranked {
                 rest += self.log_row(row, 0, |_| false);
                 self.log_rest[row] = rest;
             }
-            self.submit(Part::whole(number));
+            self.submit(SolutionPart::whole(number));
         }
     }
 
@@ -297,7 +297,7 @@ impl Ranked {
     }
 
     /// Logarithm of the bound of a part: each row takes its choices regardless of the others, but the fixed ones.
-    fn log_bound(&self, part: &Part) -> f64 {
+    fn log_bound(&self, part: &SolutionPart) -> f64 {
         let problem = self.problems[usize::from(part.problem)];
         let fixed = usize::from(part.fixed);
         let choice = |row: usize| self.choice(&problem, row as u8, part.chosen[row]);
@@ -331,7 +331,7 @@ impl Ranked {
             } else {
                 0
             };
-            self.submit(Part {
+            self.submit(SolutionPart {
                 fixed: row as u8,
                 forbidden: already | 1 << best.chosen[row],
                 ..best
@@ -352,7 +352,7 @@ impl Ranked {
     }
 
     /// Solves a part and adds it to the heap, if there is a solution.
-    fn submit(&mut self, mut part: Part) {
+    fn submit(&mut self, mut part: SolutionPart) {
         part.log_bound = self.log_bound(&part);
         if self.parts.len() >= PARTS_MAX {
             self.log_dropped = log_add(self.log_dropped, part.log_bound);
@@ -368,14 +368,14 @@ impl Ranked {
         self.heap.push(Reverse(Queued { cost, part: place }));
     }
 
-    fn choice(&self, problem: &Problem, row: u8, choice: u8) -> Choice {
+    fn choice(&self, problem: &RankedProblem, row: u8, choice: u8) -> Alternative {
         let range = &self.rows[problem.first_row + usize::from(row)];
         self.choices[range.start as usize + usize::from(choice)]
     }
 
     /// Returns the cost of the part's best solution, and writes the solution to its choices; `None` without a
     /// solution.
-    fn solve(&mut self, problem: &Problem, part: &mut Part) -> Option<f64> {
+    fn solve(&mut self, problem: &RankedProblem, part: &mut SolutionPart) -> Option<f64> {
         self.paths
             .forget_ranges(usize::from(part.fixed)..problem.rows, 0..problem.columns);
         for row in 0..part.fixed {
@@ -385,7 +385,7 @@ impl Ranked {
                 self.paths.bar(u32::from(column));
             }
         }
-        let open = Open {
+        let open = OpenRows {
             choices: &self.choices,
             rows: &self.rows[problem.first_row..problem.first_row + problem.rows],
             limited: u32::from(part.fixed),
@@ -419,7 +419,7 @@ mod tests {
             for row in rows {
                 assert!(ranked.begin_row());
                 for (meaning, (column, cost)) in (0..).zip(row) {
-                    assert!(ranked.add(Choice {
+                    assert!(ranked.add(Alternative {
                         column: *column,
                         meaning,
                         cost: *cost
@@ -524,7 +524,7 @@ mod tests {
     #[test]
     fn what_finds_no_room_is_refused() {
         let mut ranked = Ranked::new();
-        let choice = Choice {
+        let choice = Alternative {
             column: OWN,
             meaning: 0,
             cost: 0.0,
@@ -539,7 +539,7 @@ mod tests {
             assert!(!ranked.add(choice), "one choice too many");
         }
         assert!(!ranked.begin_row(), "one row too many");
-        assert!(!ranked.add(Choice {
+        assert!(!ranked.add(Alternative {
             cost: f64::NAN,
             ..choice
         }));

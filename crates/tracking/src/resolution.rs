@@ -93,7 +93,7 @@ fn take_in(mean: &mut Plot, plot: &Plot, share: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Measurement;
+    use crate::measurement::DetectionMeasurement;
     use crate::testing::position;
 
     fn plots(places: &[[f64; 2]]) -> Vec<Plot> {
@@ -101,7 +101,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
-            measurement: Measurement::of(&position(0, *east, *north), None).unwrap(),
+            measurement: DetectionMeasurement::of(&position(0, *east, *north), None).unwrap(),
         };
         places.iter().map(plot).collect()
     }
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn thousands_in_one_place_are_one_and_directions_stay() {
         assert_eq!(united(&vec![[5.0, 5.0]; 10_000]), [[5.0, 5.0]]);
-        let bearing = Measurement {
+        let bearing = DetectionMeasurement {
             kind: DetectionKind::Bearing,
             values: [0.5, 0.0, 0.0],
             range_rate_mps: None,
@@ -156,7 +156,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
-            measurement: Measurement {
+            measurement: DetectionMeasurement {
                 kind: DetectionKind::RangeBearing,
                 values: [100.0, bearing, 0.0],
                 range_rate_mps: Some(2.0),

@@ -7,7 +7,7 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kept::{Memory, Picture, Refused, kept};
+use kept::{Memory, MemoryRefusal, Picture, kept};
 
 use crate::limits::DETECTION_COUNTS;
 use crate::population::{Cluster, Hypothesis};
@@ -18,7 +18,7 @@ use crate::tracker::Tracker;
 kept! {
     /// Numbers and times of a tracker.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    struct Front {
+    struct TrackerHead {
         kept_ns: i64,
         time_ns: i64,
         next_serial: u32,
@@ -29,12 +29,12 @@ kept! {
 
 /// Memory for a tracker's confirmed tracks.
 #[derive(Debug)]
-pub struct TrackMemory(Picture<Front, Track>);
+pub struct TrackerMemory(Picture<TrackerHead, Track>);
 
-impl TrackMemory {
+impl TrackerMemory {
     /// Size in words of the memory for a tracker with these settings.
     pub fn words(settings: &Settings) -> usize {
-        Picture::<Front, Track>::words(settings.capacity.tracks())
+        Picture::<TrackerHead, Track>::words(settings.capacity.tracks())
     }
 
     /// Begins in `memory`, which is blank; `owner` identifies the tracker.
@@ -46,7 +46,7 @@ impl TrackMemory {
 /// Tracks that another tracker has left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftTracks {
-    front: Front,
+    front: TrackerHead,
     tracks: Vec<Track>,
 }
 
@@ -55,7 +55,7 @@ impl LeftTracks {
     ///
     /// # Errors
     /// If the memory is incomplete, or belongs to another tracker.
-    pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, Refused> {
+    pub fn read(memory: &[AtomicU64], owner: &str, settings: &Settings) -> Result<Option<Self>, MemoryRefusal> {
         let found = Picture::read(memory, owner, settings.capacity.tracks())?;
         Ok(found.map(|(front, tracks)| Self { front, tracks }))
     }
@@ -74,9 +74,9 @@ impl LeftTracks {
 
 impl Tracker {
     /// Keeps the confirmed tracks; it is `now_ns` (UTC, nanoseconds).
-    pub fn keep(&self, memory: &mut TrackMemory, now_ns: i64) {
+    pub fn keep(&self, memory: &mut TrackerMemory, now_ns: i64) {
         let population = self.latest();
-        let front = Front {
+        let front = TrackerHead {
             kept_ns: now_ns,
             time_ns: population.time_ns,
             next_serial: population.next_serial,
@@ -143,11 +143,11 @@ mod tests {
     fn a_successor_goes_on_with_the_same_tracks_under_the_same_numbers() {
         let settings = settings();
         let memory = Arc::new(
-            (0..TrackMemory::words(&settings))
+            (0..TrackerMemory::words(&settings))
                 .map(|_| AtomicU64::new(0))
                 .collect::<Vec<_>>(),
         );
-        let mut kept = TrackMemory::begin(Box::new(memory.clone()), "radar", &settings);
+        let mut kept = TrackerMemory::begin(Box::new(memory.clone()), "radar", &settings);
         let mut first = Tracker::new(settings.clone()).unwrap();
         for second in 0..10 {
             scan(&mut first, second);

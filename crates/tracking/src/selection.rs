@@ -9,7 +9,7 @@
 
 use settings::Seconds;
 
-use crate::measurement::Measurement;
+use crate::measurement::DetectionMeasurement;
 
 settings::settings! {
     /// Detections that are not used, all off by default (WA-1). Priorities are keys of the sensors.
@@ -30,7 +30,7 @@ settings::settings! {
 
 impl Selection {
     /// Whether a detection is rejected by age or accuracy.
-    pub(crate) fn rejects(&self, measurement: &Measurement, age_ns: i64) -> bool {
+    pub(crate) fn rejects(&self, measurement: &DetectionMeasurement, age_ns: i64) -> bool {
         let too_old = self.age_max_s.is_some_and(|age_max| age_ns > age_max.ns());
         let sigma_m = measurement.place().map(|(_, sigma_m)| sigma_m);
         let too_coarse = sigma_m

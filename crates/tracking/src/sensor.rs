@@ -19,12 +19,12 @@ use std::f64::consts::TAU;
 use estimation::Gaussian;
 use messages::NS_PER_S;
 
-use crate::clutter::{Estimate, Extent};
+use crate::clutter::{ClutterEstimate, SensorArea};
 use crate::field_of_view::FieldOfView;
 use crate::measurement::DIMENSIONS_MAX;
 use crate::motion::MotionSettings;
 use crate::plot::Plot;
-use crate::settings::{SensorSettings, Settings};
+use crate::settings::{SensorFacts, Settings};
 
 /// Smallest weight of a scan: several scans at one time must keep some weight.
 const WEIGHT_MIN: f64 = 1e-3;
@@ -48,8 +48,8 @@ pub(crate) struct Sensor {
 
 /// State of a sensor that is carried from scan to scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Memory {
-    pub(crate) clutter: Estimate,
+pub(crate) struct SensorMemory {
+    pub(crate) clutter: ClutterEstimate,
     /// Time of the previous scan, nanoseconds.
     time_ns: Option<i64>,
     /// Position of the sensor at its latest detection, east and north, metres.
@@ -58,9 +58,9 @@ pub(crate) struct Memory {
     directions_only: bool,
 }
 
-impl Memory {
+impl SensorMemory {
     pub(crate) const NONE: Self = Self {
-        clutter: Estimate::NONE,
+        clutter: ClutterEstimate::NONE,
         time_ns: None,
         platform_m: None,
         directions_only: false,
@@ -73,7 +73,7 @@ impl Memory {
 }
 
 impl Sensor {
-    pub(crate) fn new(sensor: &SensorSettings, settings: &Settings, gates: [f64; DIMENSIONS_MAX]) -> Self {
+    pub(crate) fn new(sensor: &SensorFacts, settings: &Settings, gates: [f64; DIMENSIONS_MAX]) -> Self {
         Self {
             gates,
             motion: settings.motion,
@@ -88,7 +88,7 @@ impl Sensor {
     }
 
     /// The sensor at a scan, which is remembered.
-    pub(crate) fn at(&self, time_ns: i64, plots: &[Plot], memory: &mut Memory) -> Self {
+    pub(crate) fn at(&self, time_ns: i64, plots: &[Plot], memory: &mut SensorMemory) -> Self {
         let since_s = memory
             .time_ns
             .map(|before| time_ns.saturating_sub(before) as f64 / NS_PER_S);
@@ -107,9 +107,9 @@ impl Sensor {
     }
 
     /// Area that the sensor covers.
-    pub(crate) fn extent(&self) -> Extent {
+    pub(crate) fn extent(&self) -> SensorArea {
         let view = self.field_of_view;
-        Extent {
+        SensorArea {
             width_rad: view.map_or(TAU, |view| view.width_rad()),
             area_m2: view.map(|view| view.area_m2()).filter(|area| area.is_finite()),
         }
@@ -135,7 +135,7 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Measurement;
+    use crate::measurement::DetectionMeasurement;
     use crate::testing::{S, position, settings};
 
     fn plot(platform_m: [f64; 3]) -> Plot {
@@ -145,7 +145,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
-            measurement: Measurement::of(&detection, None).unwrap(),
+            measurement: DetectionMeasurement::of(&detection, None).unwrap(),
         }
     }
 
@@ -153,7 +153,7 @@ mod tests {
     fn looks_are_worth_the_time_between_them() {
         let settings = settings();
         let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
-        let mut memory = Memory::NONE;
+        let mut memory = SensorMemory::NONE;
         let mut weight = |time_ns| sensor.at(time_ns, &[], &mut memory).scan_weight;
         assert_eq!(weight(0), 1.0, "the first look");
         assert_eq!(weight(4 * S), 1.0, "a slow one");
@@ -180,7 +180,7 @@ mod tests {
             position_m: None,
         });
         let sensor = Sensor::new(&settings.sensors[0], &settings, [9.21; 4]);
-        let mut memory = Memory::NONE;
+        let mut memory = SensorMemory::NONE;
         let near = Gaussian {
             mean: [1050.0, 0.0, 0.0, 0.0, 0.0, 0.0],
             covariance: messages::Covariance::diagonal([1.0; 3], [1.0; 3]),

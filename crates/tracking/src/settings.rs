@@ -1,20 +1,20 @@
 //! The tracker's settings.
 //!
-//! Only [`SensorSettings`] describe the world; everything else is the tracker's and is meant to be the same for all
+//! Only [`SensorFacts`] describe the world; everything else is the tracker's and is meant to be the same for all
 //! sensors and scenes. Densities are those of a single scan. The settings of a part stand beside it.
 
 use std::collections::BTreeSet;
 
-use settings::{Node, Place, Range, SettingsError, Value};
+use settings::{KeyValue, Node, Place, Range, SettingsError};
 
 use crate::field_of_view::FieldOfView;
 use crate::initiation::Initiation;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX};
-pub use crate::motion::{Manoeuvres, MotionSettings};
+pub use crate::motion::{ManoeuvreSettings, MotionSettings};
 use crate::selection::Selection;
-pub use crate::turn::Turn;
-use crate::wide_area::settings::WideArea;
+pub use crate::turn::TurnSettings;
+use crate::wide_area::settings::SupportSettings;
 
 /// Tracks, and detections in a scan, for which there is room where nobody says more.
 const ROOM: usize = 16_384;
@@ -26,7 +26,7 @@ settings::settings! {
     pub struct Settings {
         check Settings::check;
         /// Sensors with known facts; offline, other sensors have default settings.
-        sensors as "sensor": Vec<SensorSettings> = Vec::new();
+        sensors as "sensor": Vec<SensorFacts> = Vec::new();
         /// Gates around predicted measurements.
         gate: Gate = Gate::default();
         /// Models of motion (HT-13).
@@ -44,14 +44,14 @@ settings::settings! {
         /// Detections that are not used (WA-1).
         selection: Selection = Selection::default();
         /// Use of a wide-area sensor's reports (WA).
-        wide_area: WideArea = WideArea::default();
+        wide_area: SupportSettings = SupportSettings::default();
         /// Sizes of the tables.
-        capacity: Capacity = Capacity::default();
+        capacity: TrackerCapacity = TrackerCapacity::default();
     }
 
     /// Facts about a sensor.
-    pub struct SensorSettings with model: SensorModel {
-        check SensorSettings::check;
+    pub struct SensorFacts with model: SensorModel {
+        check SensorFacts::check;
         /// Number of the sensor in detections.
         sensor_id as "id": u32;
         /// Standard deviations for detections without their own, of the measured quantities in order: 1 to 3 values.
@@ -118,7 +118,7 @@ settings::settings! {
 
     /// Sizes of the tables, all allocated at the start.
     #[derive(Copy)]
-    pub struct Capacity {
+    pub struct TrackerCapacity {
         /// Largest number of tracks, with all branches.
         tracks: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
         /// Most detections in a scan.
@@ -141,7 +141,7 @@ pub enum Limit {
     Computed,
 }
 
-impl Value for Limit {
+impl KeyValue for Limit {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         *self = match node.get_ref().as_str() {
             Some("off") => Self::Off,
@@ -149,7 +149,7 @@ impl Value for Limit {
             Some(other) => return Err(at.error(settings::not_known(other, &["off", "computed", "a whole number"]))),
             None => {
                 let mut number = 0;
-                Value::read(&mut number, node, range, at)?;
+                KeyValue::read(&mut number, node, range, at)?;
                 Self::Fixed(number)
             }
         };
@@ -187,7 +187,7 @@ impl Settings {
     }
 }
 
-impl SensorSettings {
+impl SensorFacts {
     fn check(&self) -> Result<(), SettingsError> {
         match &self.sigmas {
             None if self.range_rate_sigma_mps.is_some() => {
@@ -215,7 +215,7 @@ impl SensorSettings {
     }
 }
 
-impl Capacity {
+impl TrackerCapacity {
     /// Most tracks.
     pub fn tracks(&self) -> usize {
         self.tracks.unwrap_or(ROOM)

@@ -12,20 +12,20 @@
 //! confirmed tracks, it takes the motion of the most reliable track.
 
 use crate::limits::DETECTION_COUNTS;
-use crate::motion::Motion;
+use crate::motion::TargetMotion;
 use crate::population::Cluster;
 use crate::settings::{Limit, Splitting};
 
 /// Numbers for one cluster in one scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Limits {
+pub(crate) struct SplitLimits {
     /// SP-3: most new tracks.
     pub(crate) new_tracks_max: usize,
     /// SP-5: hypotheses with so many tentative tracks are dropped.
     pub(crate) tentative_tracks: usize,
 }
 
-impl Limits {
+impl SplitLimits {
     pub(crate) const NONE: Self = Self {
         new_tracks_max: usize::MAX,
         tentative_tracks: usize::MAX,
@@ -98,11 +98,11 @@ impl DetectionCounts {
 }
 
 /// SP-2: weighted mean of several predictions, with the spread of their means in its covariance.
-pub(crate) fn mean_motion(branches: impl Iterator<Item = (Motion, f64)>) -> Option<Motion> {
+pub(crate) fn mean_motion(branches: impl Iterator<Item = (TargetMotion, f64)>) -> Option<TargetMotion> {
     let weighted = branches.filter(|(_, weight)| *weight > 0.0);
     let sum = weighted.reduce(|(mean, sum), (branch, weight)| {
         let sum_with = sum + weight;
-        (Motion::mixture(&mean, &branch, weight / sum_with), sum_with)
+        (TargetMotion::mixture(&mean, &branch, weight / sum_with), sum_with)
     });
     sum.map(|(mean, _)| mean)
 }
@@ -117,21 +117,21 @@ mod tests {
     #[test]
     fn limits_fixed_and_computed() {
         let mut splitting = Splitting::default();
-        assert_eq!(Limits::of(&splitting, 1, 9.0), Limits::NONE);
+        assert_eq!(SplitLimits::of(&splitting, 1, 9.0), SplitLimits::NONE);
         splitting.new_tracks_max = Limit::Fixed(2);
         splitting.tentative_tracks = Limit::Fixed(3);
         assert_eq!(
-            Limits::of(&splitting, 0, 9.0),
-            Limits::NONE,
+            SplitLimits::of(&splitting, 0, 9.0),
+            SplitLimits::NONE,
             "nothing is there to split"
         );
-        let fixed = Limits::of(&splitting, 1, 9.0);
+        let fixed = SplitLimits::of(&splitting, 1, 9.0);
         assert_eq!((fixed.new_tracks_max, fixed.tentative_tracks), (2, 3));
         assert!(fixed.forbids(3) && !fixed.forbids(2) && !fixed.forbids(0));
         splitting.new_tracks_max = Limit::Computed;
         splitting.tentative_tracks = Limit::Computed;
         for (confirmed, mean, new) in [(1, 0.8, 0), (1, 1.0, 0), (1, 1.2, 1), (1, 3.0, 2), (3, 2.0, 0)] {
-            let limits = Limits::of(&splitting, confirmed, mean);
+            let limits = SplitLimits::of(&splitting, confirmed, mean);
             assert_eq!(
                 (limits.new_tracks_max, limits.tentative_tracks),
                 (new, new + 1),
@@ -139,7 +139,7 @@ mod tests {
             );
         }
         assert!(
-            !Limits::of(&splitting, 1, 1.0).forbids(0),
+            !SplitLimits::of(&splitting, 1, 1.0).forbids(0),
             "without tentative tracks nothing is dropped"
         );
     }
@@ -178,7 +178,7 @@ mod tests {
                 mean: [east, 0.0, 0.0, 10.0, 0.0, 0.0],
                 covariance: Covariance::diagonal([variance.sqrt(); 3], [1.0; 3]),
             };
-            Motion::begun(state, &settings)
+            TargetMotion::begun(state, &settings)
         };
         let branches = [
             (branch(0.0, 4.0), 0.5),

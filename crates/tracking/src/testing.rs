@@ -3,7 +3,7 @@
 use observations::{Detection, DetectionKind};
 
 use crate::Settings;
-use crate::settings::{Capacity, SensorModel, SensorSettings};
+use crate::settings::{SensorFacts, SensorModel, TrackerCapacity};
 pub(crate) use test_support::S;
 
 /// A detection of a position by sensor 1, 10 m sigma.
@@ -25,15 +25,15 @@ pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {
 /// Sensor 1 detects nine in ten, with a false detection per square kilometre.
 pub(crate) fn settings() -> Settings {
     let mut settings = Settings {
-        sensors: vec![SensorSettings {
+        sensors: vec![SensorFacts {
             sensor_id: 1,
             model: SensorModel {
                 clutter_density: Some(1e-6),
                 ..SensorModel::default()
             },
-            ..SensorSettings::default()
+            ..SensorFacts::default()
         }],
-        capacity: Capacity {
+        capacity: TrackerCapacity {
             tracks: Some(1024),
             detections: Some(256),
             open_scans: 0,

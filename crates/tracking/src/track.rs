@@ -9,7 +9,7 @@ use kept::kept;
 use messages::NS_PER_S;
 
 use crate::limits::HISTORY_MAX;
-use crate::motion::{Motion, MotionSettings};
+use crate::motion::{MotionSettings, TargetMotion};
 
 /// A scan without a detection, in a history.
 pub(crate) const NO_DETECTION: u32 = 0;
@@ -21,7 +21,7 @@ kept! {
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub(crate) struct Track {
         /// Motion after the last detection or direction, and its time, nanoseconds.
-        pub(crate) motion: Motion,
+        pub(crate) motion: TargetMotion,
         pub(crate) time_ns: i64,
         /// Time of the last detection, or of the last scan of directions with a probable direction of its own,
         /// nanoseconds.
@@ -49,7 +49,7 @@ kept! {
 
 impl Track {
     /// Makes a tentative track of the detection with the number `serial` and its motion at `time_ns`.
-    pub(crate) fn begun(motion: Motion, time_ns: i64, serial: u32, root: u32) -> Self {
+    pub(crate) fn begun(motion: TargetMotion, time_ns: i64, serial: u32, root: u32) -> Self {
         let mut history = [NO_DETECTION; HISTORY_MAX];
         history[0] = serial;
         Self {
@@ -79,7 +79,7 @@ impl Track {
     }
 
     /// Motion predicted to `time_ns`.
-    pub(crate) fn motion_at(&self, time_ns: i64, settings: &MotionSettings) -> Motion {
+    pub(crate) fn motion_at(&self, time_ns: i64, settings: &MotionSettings) -> TargetMotion {
         if time_ns == self.time_ns {
             return self.motion;
         }
@@ -102,7 +102,7 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measurement::Measurement;
+    use crate::measurement::DetectionMeasurement;
     use crate::settings::Settings;
     use crate::testing::{position, settings};
 
@@ -110,9 +110,9 @@ mod tests {
     #[test]
     fn the_shares_of_the_worked_check() {
         let company = |in_company, detections| {
-            let measurement = Measurement::of(&position(0, 0.0, 0.0), None).unwrap();
+            let measurement = DetectionMeasurement::of(&position(0, 0.0, 0.0), None).unwrap();
             let Settings { initiation, motion, .. } = settings();
-            let motion = Motion::first(&measurement, &initiation, &motion).unwrap();
+            let motion = TargetMotion::first(&measurement, &initiation, &motion).unwrap();
             let begun = Track::begun(motion, 0, 1, 1);
             Track {
                 in_company,

@@ -24,14 +24,14 @@ use crate::wide_area::support::Support;
 
 /// Reason why a scan was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rejection {
+pub enum ScanRejection {
     /// No settings for a sensor of this number.
     UnknownSensor(u32),
     /// The scan is older than every open one.
     TooLate,
 }
 
-impl std::fmt::Display for Rejection {
+impl std::fmt::Display for ScanRejection {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::UnknownSensor(sensor) => write!(formatter, "sensor {sensor} is not configured"),
@@ -40,7 +40,7 @@ impl std::fmt::Display for Rejection {
     }
 }
 
-impl std::error::Error for Rejection {}
+impl std::error::Error for ScanRejection {}
 
 /// The multiple-hypothesis tracker. No clone can be made: it would lack the memory allocated beforehand.
 #[derive(Debug)]
@@ -104,9 +104,9 @@ impl Tracker {
     /// Processes a scan of the sensor `sensor_id` at `time_ns`. An empty scan is information, too.
     ///
     /// # Errors
-    /// [`Rejection`], counted, if the scan cannot be used; single detections that cannot be used are left out and
+    /// [`ScanRejection`], counted, if the scan cannot be used; single detections that cannot be used are left out and
     /// counted.
-    pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), Rejection> {
+    pub fn scan(&mut self, sensor_id: u32, time_ns: i64, detections: &[Detection]) -> Result<(), ScanRejection> {
         self.scan_explained(sensor_id, time_ns, detections, None)
     }
 
@@ -120,7 +120,7 @@ impl Tracker {
         time_ns: i64,
         detections: &[Detection],
         observer: Option<&dyn Observer>,
-    ) -> Result<(), Rejection> {
+    ) -> Result<(), ScanRejection> {
         let place = self
             .place(sensor_id, time_ns)
             .inspect_err(|_| self.counts.rejected_scans += 1)?;
@@ -256,17 +256,17 @@ impl Tracker {
     }
 
     /// The sensor's place in the settings, and the scan's among the open ones.
-    fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), Rejection> {
+    fn place(&self, sensor_id: u32, time_ns: i64) -> Result<(usize, usize), ScanRejection> {
         let mut sensors = self.settings.sensors.iter();
         let sensor = sensors.position(|sensor| sensor.sensor_id == sensor_id);
-        let sensor = sensor.ok_or(Rejection::UnknownSensor(sensor_id))?;
+        let sensor = sensor.ok_or(ScanRejection::UnknownSensor(sensor_id))?;
         let open = &self.scans[..self.open];
         let place = open.partition_point(|scan| (scan.time_ns, scan.sensor) <= (time_ns, sensor));
         let closed = self.open == self.scans.len() && place == 0;
         // The population before the first open scan may be later than this one, if others have been closed.
         let behind = place == 0 && time_ns < self.populations[0].time_ns;
         if closed || behind {
-            return Err(Rejection::TooLate);
+            return Err(ScanRejection::TooLate);
         }
         Ok((sensor, place))
     }

@@ -6,10 +6,10 @@ use messages::TrackState;
 use observations::{Detection, DetectionKind};
 use proptest::prelude::*;
 
-use crate::clutter::Extent;
-use crate::settings::{Limit, SensorModel, SensorSettings, Splitting};
+use crate::clutter::SensorArea;
+use crate::settings::{Limit, SensorFacts, SensorModel, Splitting};
 use crate::testing::{S, position, settings};
-use crate::{FieldOfView, Rejection, Settings, Tracker, TrackerCounts};
+use crate::{FieldOfView, ScanRejection, Settings, Tracker, TrackerCounts};
 
 /// A number that looks random, in [-1, 1], for each step.
 fn noise(step: u64) -> f64 {
@@ -119,7 +119,7 @@ fn what_several_branches_have_in_their_gates_is_left_out_of_the_clutter_once() {
     }
     assert_eq!(tracker.tracks().len(), 2, "{:?}", tracker.tracks());
     let area_m2 = 1e16;
-    let extent = Extent {
+    let extent = SensorArea {
         width_rad: TAU,
         area_m2: Some(area_m2),
     };
@@ -280,7 +280,7 @@ fn each_option_of_splitting_rejects_what_it_names() {
 fn late_scans_give_the_same_as_in_time() {
     let mut open = settings();
     open.capacity.open_scans = 4;
-    let second_sensor = SensorSettings {
+    let second_sensor = SensorFacts {
         sensor_id: 2,
         ..open.sensors[0].clone()
     };
@@ -301,8 +301,8 @@ fn late_scans_give_the_same_as_in_time() {
     assert_eq!(late.latest(), in_time.latest());
     assert_eq!(late.tracks(), in_time.tracks());
     assert_eq!((in_time.counts().late_scans, late.counts().late_scans), (0, 8));
-    assert_eq!(late.scan(1, 30 * S, &[]), Err(Rejection::TooLate));
-    assert_eq!(late.scan(3, 99 * S, &[]), Err(Rejection::UnknownSensor(3)));
+    assert_eq!(late.scan(1, 30 * S, &[]), Err(ScanRejection::TooLate));
+    assert_eq!(late.scan(3, 99 * S, &[]), Err(ScanRejection::UnknownSensor(3)));
     assert_eq!(late.counts().rejected_scans, 2);
     assert_eq!(late.latest(), in_time.latest(), "what is refused changes nothing");
 }
@@ -332,9 +332,9 @@ fn seen(kind: DetectionKind, time_ns: i64, at: [f64; 3], platform_m: [f64; 3]) -
 #[test]
 fn sensors_of_every_kind_feed_one_track() {
     let mut mixed = settings();
-    let sensor = |number: usize| SensorSettings {
+    let sensor = |number: usize| SensorFacts {
         sensor_id: number as u32,
-        ..SensorSettings::default()
+        ..SensorFacts::default()
     };
     mixed.sensors = (0..DetectionKind::ALL.len()).map(sensor).collect();
     let mut tracker = Tracker::new(mixed).unwrap();
@@ -367,23 +367,23 @@ fn sensors_of_every_kind_feed_one_track() {
     assert_eq!(tracker.counts().rejected_detections, 0);
 }
 
-fn modelled(model: SensorModel) -> SensorSettings {
-    SensorSettings {
+fn modelled(model: SensorModel) -> SensorFacts {
+    SensorFacts {
         model,
-        ..SensorSettings::default()
+        ..SensorFacts::default()
     }
 }
 
 /// Radar 1 every 4 s, and a second sensor whose scans come ten times a second and are given.
 fn with_a_quick_sensor(
     coherence_s: f64,
-    quick: SensorSettings,
+    quick: SensorFacts,
     seconds: i64,
     scan: impl Fn(i64) -> Vec<Detection>,
 ) -> Tracker {
     let mut both = settings();
     both.deletion.coherence_s = coherence_s;
-    both.sensors.push(SensorSettings { sensor_id: 2, ..quick });
+    both.sensors.push(SensorFacts { sensor_id: 2, ..quick });
     let mut tracker = Tracker::new(both).unwrap();
     for tenth in 0..10 * seconds {
         let time_ns = tenth * S / 10;
@@ -421,9 +421,9 @@ fn a_quick_sensor_that_sees_nothing_does_not_end_what_a_slow_one_sees() {
 #[test]
 fn a_quick_sensor_that_finds_nothing_leaves_open_choices_in_the_memory() {
     let mut both = settings();
-    both.sensors.push(SensorSettings {
+    both.sensors.push(SensorFacts {
         sensor_id: 2,
-        ..SensorSettings::default()
+        ..SensorFacts::default()
     });
     let mut tracker = Tracker::new(both).unwrap();
     for second in 0..4 {
@@ -556,9 +556,9 @@ fn directions_improve_a_track_and_do_no_harm() {
 fn directions_that_come_late_give_the_same() {
     let mut open = settings();
     open.capacity.open_scans = 4;
-    open.sensors.push(SensorSettings {
+    open.sensors.push(SensorFacts {
         sensor_id: 2,
-        ..SensorSettings::default()
+        ..SensorFacts::default()
     });
     let scans: Vec<_> = (0..60)
         .map(|k| {
@@ -642,7 +642,7 @@ fn unusable_detections_are_counted_and_left_out() {
     assert_eq!(tracker.branches(), 1);
     assert_eq!(
         tracker.scan(1, 0, &[good]),
-        Err(Rejection::TooLate),
+        Err(ScanRejection::TooLate),
         "times go backwards"
     );
 }

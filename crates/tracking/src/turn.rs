@@ -27,7 +27,7 @@ const WITH_TURN: usize = STATE_LEN + 1;
 settings::settings! {
     /// Assumptions on turn rates.
     #[derive(Copy)]
-    pub struct Turn {
+    pub struct TurnSettings {
         /// Standard deviation of the rate of a turn that begins.
         rate_sigma_radps: f64, in [1e-6, 10];
         /// Spectral density of the changes of the rate.
@@ -56,7 +56,7 @@ impl TurnRate {
     };
 
     /// Rate of a turn that has just begun.
-    pub(crate) fn begun(turn: &Turn) -> Self {
+    pub(crate) fn begun(turn: &TurnSettings) -> Self {
         Self {
             variance: turn.rate_sigma_radps.powi(2) as f32,
             ..Self::NONE
@@ -64,7 +64,7 @@ impl TurnRate {
     }
 
     /// Moves a state on its circle, without the noise of accelerations.
-    pub(crate) fn turn(&mut self, state: &mut Gaussian, seconds: f64, turn: &Turn) {
+    pub(crate) fn turn(&mut self, state: &mut Gaussian, seconds: f64, turn: &TurnSettings) {
         let (rate, t) = (f64::from(self.rate), seconds);
         let [vx, vy] = [state.mean[3], state.mean[4]];
         let [along, across, along_by_rate, across_by_rate] = arcs(rate, t);
@@ -169,7 +169,7 @@ mod tests {
 
     use super::*;
 
-    const TURN_SETTINGS: Turn = Turn {
+    const TURN_SETTINGS: TurnSettings = TurnSettings {
         rate_sigma_radps: 0.1,
         rate_noise_rad2ps3: 1e-4,
     };

@@ -37,7 +37,7 @@ const UNCLEAR_RETURNS: u32 = 1000;
 
 /// Time of a turn, and how it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
+pub struct TurnEstimate {
     /// Nanoseconds.
     pub ns: i64,
     /// Origin of the value.
@@ -66,7 +66,7 @@ pub struct TurnTime {
     first_ns: Option<i64>,
     returns: Vec<i64>,
     returns_in_all: u32,
-    turn: Option<Turn>,
+    turn: Option<TurnEstimate>,
 }
 
 impl Default for TurnTime {
@@ -85,7 +85,7 @@ impl Default for TurnTime {
 
 impl TurnTime {
     /// Turn time, once known; constant afterwards.
-    pub fn turn(&self) -> Option<Turn> {
+    pub fn turn(&self) -> Option<TurnEstimate> {
         self.turn
     }
 
@@ -166,7 +166,7 @@ impl TurnTime {
 
     fn is(&mut self, ns: i64, basis: Basis) {
         if self.turn.is_none() && (TURN_MIN_NS..=TURN_MAX_NS).contains(&ns) {
-            self.turn = Some(Turn { ns, basis });
+            self.turn = Some(TurnEstimate { ns, basis });
         }
     }
 }

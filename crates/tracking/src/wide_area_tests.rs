@@ -4,7 +4,7 @@ use observations::Detection;
 
 use settings::{Degrees, Seconds};
 
-use crate::settings::{Confirmation, Deletion, SensorSettings};
+use crate::settings::{Confirmation, Deletion, SensorFacts};
 use crate::testing::{S, position, settings};
 use crate::wide_area::correction::Rule;
 use crate::wide_area::group::Groups;
@@ -148,7 +148,7 @@ fn late_scans_see_the_same_reports() {
     let mut open = settings();
     open.capacity.open_scans = 4;
     open.wide_area.confirmation = Some(early_confirmation());
-    let second_sensor = SensorSettings {
+    let second_sensor = SensorFacts {
         sensor_id: 2,
         ..open.sensors[0].clone()
     };
@@ -498,7 +498,7 @@ fn detections_are_refused_by_age_and_accuracy() {
 fn two_sensors(chosen: Settings, order: [u32; 2]) -> Tracker {
     let mut chosen = chosen;
     chosen.capacity.open_scans = 4;
-    let second_sensor = SensorSettings {
+    let second_sensor = SensorFacts {
         sensor_id: 2,
         priority: chosen.sensors[0].priority / 2,
         ..chosen.sensors[0].clone()
@@ -542,7 +542,7 @@ fn of_scans_at_the_same_time_only_the_highest_priority_counts() {
 #[test]
 fn cues_and_pictures_are_predictions() {
     let mut tracker = Tracker::new(settings()).unwrap();
-    let mut looks = crate::wide_area::cue::Looks::of([1, 9].into_iter());
+    let mut looks = crate::wide_area::cue::LookTimes::of([1, 9].into_iter());
     for second in 0..20 {
         let seen = position(second * S, 15.0 * second as f64, 0.0);
         tracker.scan(1, second * S, &[seen]).unwrap();

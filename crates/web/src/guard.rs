@@ -24,7 +24,7 @@ const HEADERS: [(HeaderName, &str); 4] = [
 
 /// Reason for refusing a request or a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum RequestRefusal {
     /// Another host was asked for, or none.
     Host,
     /// The WebSocket was asked for by a page of another site.
@@ -43,16 +43,16 @@ pub enum Refusal {
 
 /// Counts of refused requests by reason. Shared among threads.
 #[derive(Debug, Default)]
-pub struct Counts([AtomicU64; 7]);
+pub struct RequestCounts([AtomicU64; 7]);
 
-impl Counts {
+impl RequestCounts {
     /// Counts a refused request.
-    pub fn add(&self, refusal: Refusal) {
+    pub fn add(&self, refusal: RequestRefusal) {
         self.0[refusal as usize].fetch_add(1, Ordering::Relaxed);
     }
 
     /// How many were refused for this reason.
-    pub fn of(&self, refusal: Refusal) -> u64 {
+    pub fn of(&self, refusal: RequestRefusal) -> u64 {
         self.0[refusal as usize].load(Ordering::Relaxed)
     }
 
@@ -70,12 +70,12 @@ pub struct Guard {
     /// Token required of every client; `None`: none.
     pub token: Option<String>,
     /// Clients that may write; `None`: no client.
-    pub writer: Option<Writer>,
+    pub writer: Option<WriteAccess>,
 }
 
 /// Clients that may write to one path.
 #[derive(Clone, Debug)]
-pub struct Writer {
+pub struct WriteAccess {
     /// Token that these clients show: in `Authorization: Bearer …`, or in a cookie after a login.
     pub token: String,
     /// Path of `POST` requests.
@@ -84,17 +84,17 @@ pub struct Writer {
     pub login: &'static str,
 }
 
-impl Writer {
+impl WriteAccess {
     /// Returns the answer to a request to one of the two paths that is not to be passed on: a refusal, or the cookie.
     ///
     /// A browser attaches the cookie to requests of other sites too, unless `SameSite` is obeyed; a request with the
     /// cookie therefore needs the `Origin` of this host. A page of another site cannot set `Authorization`.
-    fn stop<T>(&self, request: &Request<T>) -> Result<Option<Response<Body>>, Refusal> {
+    fn stop<T>(&self, request: &Request<T>) -> Result<Option<Response<Body>>, RequestRefusal> {
         let headers = request.headers();
         let bearer = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
         let shown = bearer.and_then(|value| value.strip_prefix("Bearer "));
         if !is_same_origin(headers) || (shown.is_none() && !headers.contains_key(header::ORIGIN)) {
-            return Err(Refusal::Origin);
+            return Err(RequestRefusal::Origin);
         }
         let is_shown = shown.is_some_and(|shown| is_equal(shown, &self.token));
         if request.uri().path() == self.login {
@@ -103,17 +103,22 @@ impl Writer {
                 self.token, self.path
             );
             let answer = with(plain(StatusCode::NO_CONTENT, ""), header::SET_COOKIE, &cookie);
-            return is_shown.then_some(Some(answer)).ok_or(Refusal::Token);
+            return is_shown.then_some(Some(answer)).ok_or(RequestRefusal::Token);
         }
         let has_cookie = shown.is_none() && has_cookie(headers, WRITER_COOKIE, &self.token);
-        (is_shown || has_cookie).then_some(None).ok_or(Refusal::Token)
+        (is_shown || has_cookie).then_some(None).ok_or(RequestRefusal::Token)
     }
 }
 
 impl Guard {
     /// Answer to a request that came to the address `local` and is not to be passed on: a refusal, which is counted, or
     /// the way on for a client that has shown its token.
-    pub(crate) fn stop<T>(&self, request: &Request<T>, local: IpAddr, counts: &Counts) -> Option<Response<Body>> {
+    pub(crate) fn stop<T>(
+        &self,
+        request: &Request<T>,
+        local: IpAddr,
+        counts: &RequestCounts,
+    ) -> Option<Response<Body>> {
         let refuse = |refusal, status, text| {
             counts.add(refusal);
             Some(plain(status, text))
@@ -123,34 +128,34 @@ impl Guard {
             (Some(host), None) if self.is_called(host.as_bytes(), local) => {}
             (Some(_), None) => {
                 let text = "This is not the host that was asked for.\n";
-                return refuse(Refusal::Host, StatusCode::MISDIRECTED_REQUEST, text);
+                return refuse(RequestRefusal::Host, StatusCode::MISDIRECTED_REQUEST, text);
             }
             // Clients of version 1.0 need not name it; browsers always do.
             (None, _) if request.version() == Version::HTTP_10 => {}
             _ => {
                 return refuse(
-                    Refusal::Malformed,
+                    RequestRefusal::Malformed,
                     StatusCode::BAD_REQUEST,
                     "Exactly one Host is required.\n",
                 );
             }
         }
-        let is_written = |writer: &&Writer| [writer.path, writer.login].contains(&request.uri().path());
+        let is_written = |writer: &&WriteAccess| [writer.path, writer.login].contains(&request.uri().path());
         if let Some(writer) = self.writer.as_ref().filter(is_written)
             && *request.method() == Method::POST
         {
             return match writer.stop(request) {
                 Ok(answer) => answer,
-                Err(Refusal::Origin) => {
+                Err(RequestRefusal::Origin) => {
                     let text = "A page of another site may not write.\n";
-                    refuse(Refusal::Origin, StatusCode::FORBIDDEN, text)
+                    refuse(RequestRefusal::Origin, StatusCode::FORBIDDEN, text)
                 }
                 Err(refusal) => refuse(refusal, StatusCode::FORBIDDEN, "The operator's token is needed.\n"),
             };
         }
         if !matches!(*request.method(), Method::GET | Method::HEAD) {
             let refused = refuse(
-                Refusal::Method,
+                RequestRefusal::Method,
                 StatusCode::METHOD_NOT_ALLOWED,
                 "This can only be read (GET).\n",
             );
@@ -158,13 +163,13 @@ impl Guard {
         }
         if request.headers().contains_key(header::UPGRADE) && !is_same_origin(request.headers()) {
             let text = "A page of another site has no access.\n";
-            return refuse(Refusal::Origin, StatusCode::FORBIDDEN, text);
+            return refuse(RequestRefusal::Origin, StatusCode::FORBIDDEN, text);
         }
         let token = self.token.as_deref()?;
         let query = request.uri().query().unwrap_or_default();
         if let Some(shown) = value_of(query, '&', "token") {
             if !is_equal(shown, token) {
-                return refuse(Refusal::Token, StatusCode::FORBIDDEN, "The token is wrong.\n");
+                return refuse(RequestRefusal::Token, StatusCode::FORBIDDEN, "The token is wrong.\n");
             }
             let cookie = format!("{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict");
             // The address that the browser shows and remembers no longer has it.
@@ -175,7 +180,7 @@ impl Guard {
             return None;
         }
         let text = "A token is needed: /?token=…, once.\n";
-        refuse(Refusal::Token, StatusCode::FORBIDDEN, text)
+        refuse(RequestRefusal::Token, StatusCode::FORBIDDEN, text)
     }
 
     /// Returns whether `host`, with or without a port, names this server, reached at the address `local`.
@@ -265,7 +270,7 @@ mod tests {
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
-        let counts = Counts::default();
+        let counts = RequestCounts::default();
         let answer = guard.stop(&request.body(()).unwrap(), LOCAL, &counts);
         let status = answer.map(|answer| answer.status());
         let refused = status.is_some_and(|status| !status.is_redirection());
@@ -309,7 +314,7 @@ mod tests {
     fn only_operators_write_and_no_page_of_another_site() {
         let guard = Guard {
             token: Some("viewer".to_owned()),
-            writer: Some(Writer {
+            writer: Some(WriteAccess {
                 token: "0perator".to_owned(),
                 path: "/api/order",
                 login: "/api/operator",
@@ -321,7 +326,7 @@ mod tests {
             let request = headers
                 .iter()
                 .fold(request, |request, (name, value)| request.header(*name, *value));
-            let answer = guard.stop(&request.body(()).unwrap(), LOCAL, &Counts::default());
+            let answer = guard.stop(&request.body(()).unwrap(), LOCAL, &RequestCounts::default());
             answer.map(|answer| (answer.status(), answer.headers().get(header::SET_COOKIE).cloned()))
         };
         let (own, other) = (("origin", "http://localhost"), ("origin", "http://evil.example"));
@@ -384,7 +389,7 @@ mod tests {
         assert_eq!(ask("/ws", Some("xkoseki_token=s3cret")), refused);
         let request = Request::builder().uri("/?token=s3cret").header("host", "localhost");
         let answer = guard
-            .stop(&request.body(()).unwrap(), LOCAL, &Counts::default())
+            .stop(&request.body(()).unwrap(), LOCAL, &RequestCounts::default())
             .unwrap();
         let cookie = answer.headers()[header::SET_COOKIE].to_str().unwrap();
         assert!(

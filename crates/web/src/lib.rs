@@ -1,5 +1,5 @@
-//! Serves pages and pictures to browsers and scripts on a thread of its own. Clients read; only those that a [`Writer`]
-//! names write, to one path.
+//! Serves pages and pictures to browsers and scripts on a thread of its own. Clients read; only those that a
+//! [`WriteAccess`] names write, to one path.
 //!
 //! HTTP and WebSockets are axum's, on a runtime of one thread. All services pass the same [`Guard`] and have the
 //! same limits, so that access is decided in a single place:
@@ -16,7 +16,7 @@
 //! active clients. These limits bound the memory that clients can use. A WebSocket leaves this count; the service
 //! that opens WebSockets limits their number.
 //!
-//! Refused requests are counted by reason ([`Counts`]).
+//! Refused requests are counted by reason ([`RequestCounts`]).
 
 #![forbid(unsafe_code)]
 
@@ -27,6 +27,6 @@ mod server;
 pub use axum;
 pub use tokio;
 
-pub use guard::{Counts, Guard, Refusal, Writer};
+pub use guard::{Guard, RequestCounts, RequestRefusal, WriteAccess};
 pub use host_name::HostName;
 pub use server::{CONNECTIONS_MAX, PATIENCE, Server, listen};

@@ -20,7 +20,7 @@ use tokio::sync::oneshot;
 use tokio::task::AbortHandle;
 use tokio::time::timeout;
 
-use crate::guard::{Counts, Guard, Refusal, sealed};
+use crate::guard::{Guard, RequestCounts, RequestRefusal, sealed};
 
 /// Time that a connection has, from its being accepted to the last byte of the answer.
 pub const PATIENCE: Duration = Duration::from_secs(10);
@@ -41,7 +41,7 @@ const LAST_LOOKS: usize = 20;
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
-    counts: Arc<Counts>,
+    counts: Arc<RequestCounts>,
     stop: Option<oneshot::Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -63,8 +63,8 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        let counts = Arc::new(Counts::default());
-        let desk = Desk {
+        let counts = Arc::new(RequestCounts::default());
+        let desk = ConnectionDesk {
             guard: Arc::new(guard),
             counts: Arc::clone(&counts),
             router,
@@ -92,7 +92,7 @@ impl Server {
     }
 
     /// Refusals so far.
-    pub fn counts(&self) -> &Arc<Counts> {
+    pub fn counts(&self) -> &Arc<RequestCounts> {
         &self.counts
     }
 }
@@ -123,15 +123,15 @@ pub fn listen(address: SocketAddr) -> io::Result<TcpListener> {
 }
 
 /// Desk at which connections arrive.
-struct Desk {
+struct ConnectionDesk {
     guard: Arc<Guard>,
-    counts: Arc<Counts>,
+    counts: Arc<RequestCounts>,
     router: Router,
     /// Connections in the order of acceptance.
     open: VecDeque<AbortHandle>,
 }
 
-impl Desk {
+impl ConnectionDesk {
     async fn serve(mut self, listener: tokio::net::TcpListener, mut stopped: oneshot::Receiver<()>) -> io::Result<()> {
         loop {
             tokio::select! {
@@ -166,16 +166,18 @@ impl Desk {
             && let Some(oldest) = self.open.pop_front()
         {
             oldest.abort();
-            self.counts.add(Refusal::Full);
+            self.counts.add(RequestRefusal::Full);
         }
         let (guard, counts, router) = (Arc::clone(&self.guard), Arc::clone(&self.counts), self.router.clone());
         let local = local.ip().to_canonical();
         let connection = tokio::spawn(async move {
             match timeout(PATIENCE, converse(stream, local, &guard, &counts, router)).await {
-                Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => counts.add(Refusal::Malformed),
+                Ok(Err(error)) if error.is_parse() || error.is_parse_too_large() => {
+                    counts.add(RequestRefusal::Malformed)
+                }
                 // A client that leaves early is no trouble.
                 Ok(_) => {}
-                Err(_) => counts.add(Refusal::Slow),
+                Err(_) => counts.add(RequestRefusal::Slow),
             }
         });
         self.open.push_back(connection.abort_handle());
@@ -187,7 +189,7 @@ async fn converse(
     stream: TcpStream,
     local: IpAddr,
     guard: &Guard,
-    counts: &Counts,
+    counts: &RequestCounts,
     router: Router,
 ) -> Result<(), hyper::Error> {
     let service = service_fn(|request: Request<Incoming>| {

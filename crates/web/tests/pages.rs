@@ -7,7 +7,7 @@ use test_support::page::{Served, check};
 use web::axum::Router;
 use web::axum::http::header::CONTENT_TYPE;
 use web::axum::routing::get;
-use web::{CONNECTIONS_MAX, Guard, Refusal, Server};
+use web::{CONNECTIONS_MAX, Guard, RequestRefusal, Server};
 
 fn server() -> Server {
     let page = get(|| async { ([(CONTENT_TYPE, Served::CONTENT_TYPE)], Served::TEXT) });
@@ -25,7 +25,12 @@ fn it_is_served_as_a_page_of_metrics_must_be() {
     check(&Served {
         address: server.address(),
     });
-    for refusal in [Refusal::Host, Refusal::Method, Refusal::Malformed, Refusal::Full] {
+    for refusal in [
+        RequestRefusal::Host,
+        RequestRefusal::Method,
+        RequestRefusal::Malformed,
+        RequestRefusal::Full,
+    ] {
         assert!(server.counts().of(refusal) > 0, "{refusal:?}");
     }
 }
@@ -74,7 +79,7 @@ fn a_browser_shows_the_token_once_and_is_sent_on() {
     for path in ["/", "/?token=", "/?token=0123456789abcdeg", "/nothing"] {
         assert!(ask(path, "").starts_with("HTTP/1.1 403"), "{path}");
     }
-    assert_eq!(server.counts().of(Refusal::Token), 4);
+    assert_eq!(server.counts().of(RequestRefusal::Token), 4);
     let sent_on = ask("/?token=0123456789abcdef", "");
     assert!(sent_on.starts_with("HTTP/1.1 303"), "{sent_on}");
     let line = |name: &str| sent_on.lines().find_map(|line| line.strip_prefix(name)).unwrap();
@@ -86,7 +91,7 @@ fn a_browser_shows_the_token_once_and_is_sent_on() {
         "{shown}"
     );
     assert!(ask("/", "Cookie: koseki_token=0123456789abcdeg\r\n").starts_with("HTTP/1.1 403"));
-    assert_eq!(server.counts().of(Refusal::Token), 5);
+    assert_eq!(server.counts().of(RequestRefusal::Token), 5);
 }
 
 #[test]
@@ -105,7 +110,7 @@ fn of_a_thousand_connections_that_say_nothing_the_oldest_give_way() {
     // All came before the one that was answered, and those that the client closed had to be found out.
     let mut gone = silent.pop_front().unwrap();
     assert!(!matches!(gone.read(&mut [0]), Ok(1..)), "the oldest is closed");
-    assert!(server.counts().of(Refusal::Full) > 0);
+    assert!(server.counts().of(RequestRefusal::Full) > 0);
 }
 
 #[test]

@@ -7,29 +7,29 @@ use messages::Counters;
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;
-use crate::channel::Channel;
-use crate::receiver::{Datagrams, Received};
-use crate::tables::{Tables, utc_ns};
+use crate::channel::SourceChannel;
+use crate::receiver::{DatagramReader, ReceiptTime};
+use crate::tables::{TableCounts, utc_ns};
 
 /// Reader of tables of bearings.
 #[derive(Debug)]
 pub(crate) struct Bearings {
-    channel: Channel,
-    tables: Tables,
+    channel: SourceChannel,
+    tables: TableCounts,
 }
 
 impl Bearings {
     pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
         let source = *sources.first().context("no source is behind this receiver")?;
         Ok(Self {
-            channel: Channel::open(process, source)?,
-            tables: Tables::default(),
+            channel: SourceChannel::open(process, source)?,
+            tables: TableCounts::default(),
         })
     }
 }
 
-impl Datagrams for Bearings {
-    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
+impl DatagramReader for Bearings {
+    fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         self.channel.received(received)?;
         for mut bearing in self.tables.rows(bytes, BearingReader::new) {
             bearing.time_of_measurement_ns = utc_ns(received.utc_ns, bearing.time_of_measurement_ns);

@@ -14,27 +14,27 @@ use reception::observation::{self, Reading};
 use runtime::{HealthEntry, Now};
 
 use crate::Processed;
-use crate::channel::Channel;
+use crate::channel::SourceChannel;
 use crate::counted::decoded;
 use crate::misfits::{Misfits, Strangers};
-use crate::receiver::{Datagrams, Received};
+use crate::receiver::{DatagramReader, ReceiptTime};
 
 /// Sources behind the socket, and counts of data without a source.
 #[derive(Debug)]
-pub(crate) struct Blocks {
+pub(crate) struct BlockSources {
     /// SAC and SIC of each source; `None` takes the blocks of all other sensors.
     senders: Vec<Option<(u8, u8)>>,
     /// Reports of each source's sender that the source takes.
     methods: Vec<Method>,
     decoders: Vec<Decoder>,
-    channels: Vec<Channel>,
+    channels: Vec<SourceChannel>,
     misfits: Vec<Misfits>,
     strangers: Strangers,
     blocks_rejected: u64,
     bytes_rejected: u64,
 }
 
-impl Blocks {
+impl BlockSources {
     pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
         let mut all = Self {
             senders: Vec::new(),
@@ -52,7 +52,7 @@ impl Blocks {
             all.methods.push(source.model.method);
             all.decoders.push(asterix.decoder());
             all.misfits.push(Misfits::new(asterix));
-            all.channels.push(Channel::open(process, (source, processing))?);
+            all.channels.push(SourceChannel::open(process, (source, processing))?);
         }
         Ok(all)
     }
@@ -78,8 +78,8 @@ fn asterix(source: &Source) -> Option<&Asterix> {
     }
 }
 
-impl Datagrams for Blocks {
-    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
+impl DatagramReader for BlockSources {
+    fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         for block in blocks(bytes) {
             let Ok(block) = block.inspect_err(|error| {
                 self.blocks_rejected += 1;
@@ -129,7 +129,7 @@ impl Datagrams for Blocks {
     }
 
     fn publish(&mut self, _count: usize, _now: Now) -> anyhow::Result<()> {
-        self.channels.iter_mut().try_for_each(Channel::publish)
+        self.channels.iter_mut().try_for_each(SourceChannel::publish)
     }
 
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {

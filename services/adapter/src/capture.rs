@@ -20,7 +20,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use crossbeam_queue::ArrayQueue;
 use deployment::{Process, Segments};
-use formats::containers::{Way, begin_capture, capture};
+use formats::containers::{DatagramRoute, begin_capture, capture};
 use messages::Counter;
 use runtime::{HealthEntry, Now, NumberedFiles};
 
@@ -38,24 +38,24 @@ const RETRY_NS: i64 = 1_000_000_000;
 #[derive(Debug)]
 pub(crate) struct Capture {
     to: SocketAddr,
-    filling: Batch,
-    shared: Arc<Shared>,
+    filling: CaptureBatch,
+    shared: Arc<CaptureData>,
     thread: Option<JoinHandle<()>>,
 }
 
 /// Received data, one piece after another.
 #[derive(Debug)]
-struct Batch {
+struct CaptureBatch {
     octets: Vec<u8>,
     /// Sender and length of each piece.
-    pieces: Vec<(Way, usize)>,
+    pieces: Vec<(DatagramRoute, usize)>,
 }
 
 /// Data of both threads.
 #[derive(Debug)]
-struct Shared {
-    full: ArrayQueue<Batch>,
-    empty: ArrayQueue<Batch>,
+struct CaptureData {
+    full: ArrayQueue<CaptureBatch>,
+    empty: ArrayQueue<CaptureBatch>,
     over: AtomicBool,
     written: AtomicU64,
     lost: AtomicU64,
@@ -76,7 +76,7 @@ impl Capture {
     }
 
     fn begin(settings: Segments, folder: &Path, name: &str, to: SocketAddr) -> anyhow::Result<Self> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(CaptureData {
             full: ArrayQueue::new(BATCHES),
             empty: ArrayQueue::new(BATCHES),
             over: AtomicBool::new(false),
@@ -86,7 +86,7 @@ impl Capture {
             deleted: AtomicU64::new(0),
         });
         for _ in 1..BATCHES {
-            let _ = shared.empty.push(Batch::new());
+            let _ = shared.empty.push(CaptureBatch::new());
         }
         let mut writing = Writing {
             folder: folder.to_owned(),
@@ -101,7 +101,7 @@ impl Capture {
         let thread = thread.spawn(move || writing.run());
         Ok(Self {
             to,
-            filling: Batch::new(),
+            filling: CaptureBatch::new(),
             shared,
             thread: Some(thread.context("starting the thread that writes the capture")?),
         })
@@ -115,7 +115,7 @@ impl Capture {
             return;
         }
         batch.octets.extend_from_slice(octets);
-        let way = Way {
+        let way = DatagramRoute {
             from,
             to: self.to,
             received_utc_ns,
@@ -154,7 +154,7 @@ impl Drop for Capture {
     fn drop(&mut self) {
         let last = std::mem::replace(
             &mut self.filling,
-            Batch {
+            CaptureBatch {
                 octets: Vec::new(),
                 pieces: Vec::new(),
             },
@@ -169,7 +169,7 @@ impl Drop for Capture {
     }
 }
 
-impl Batch {
+impl CaptureBatch {
     fn new() -> Self {
         Self {
             octets: Vec::with_capacity(BATCH_OCTETS),
@@ -177,7 +177,7 @@ impl Batch {
         }
     }
 
-    fn pieces(&self) -> impl Iterator<Item = (&Way, &[u8])> {
+    fn pieces(&self) -> impl Iterator<Item = (&DatagramRoute, &[u8])> {
         let mut rest = self.octets.as_slice();
         self.pieces.iter().map(move |(way, length)| {
             let (octets, behind) = rest.split_at(*length);
@@ -193,17 +193,17 @@ struct Writing {
     folder: PathBuf,
     files: NumberedFiles,
     settings: Segments,
-    open: Option<Open>,
+    open: Option<OpenCapture>,
     /// Time of the next attempt to write, monotonic, nanoseconds.
     retry_ns: i64,
     /// Packets of a batch.
     octets: Vec<u8>,
-    shared: Arc<Shared>,
+    shared: Arc<CaptureData>,
 }
 
 /// Present file.
 #[derive(Debug)]
-struct Open {
+struct OpenCapture {
     file: File,
     bytes: u64,
     begun_ns: i64,
@@ -227,7 +227,7 @@ impl Writing {
         }
     }
 
-    fn write(&mut self, batch: &Batch, now_ns: i64) {
+    fn write(&mut self, batch: &CaptureBatch, now_ns: i64) {
         self.octets.clear();
         let mut pieces = 0;
         for (way, octets) in batch.pieces() {
@@ -254,7 +254,7 @@ impl Writing {
     /// Writes the packets, after a file header if a new file is due.
     fn append(&mut self, now_ns: i64) -> io::Result<()> {
         let is_over =
-            |open: &Open| open.bytes >= self.settings.bytes || now_ns - open.begun_ns >= self.settings.length_ns;
+            |open: &OpenCapture| open.bytes >= self.settings.bytes || now_ns - open.begun_ns >= self.settings.length_ns;
         if self.open.as_ref().is_none_or(is_over) {
             self.open = None;
             self.open = Some(self.next(now_ns)?);
@@ -265,7 +265,7 @@ impl Writing {
         Ok(())
     }
 
-    fn next(&self, begun_ns: i64) -> io::Result<Open> {
+    fn next(&self, begun_ns: i64) -> io::Result<OpenCapture> {
         std::fs::create_dir_all(&self.folder)?;
         let latest = self.files.list()?.last().map_or(0, |(number, _)| *number);
         let path = self.files.path(latest + 1);
@@ -281,7 +281,7 @@ impl Writing {
                 self.shared.deleted.fetch_add(1, Ordering::Relaxed);
             }
         }
-        Ok(Open {
+        Ok(OpenCapture {
             file,
             bytes: begin.len() as u64,
             begun_ns,

@@ -5,7 +5,7 @@ use deployment::{Process, Source};
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
 };
-use observations::{Bearing, Observation, Sampled, Service, WideAreaReport};
+use observations::{Bearing, Observation, Sampled, ServiceMessage, WideAreaReport};
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now};
 use sources::{Pipeline, Samples};
@@ -13,8 +13,8 @@ use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
 use crate::continuity;
-use crate::outlet::Outlet;
-use crate::receiver::Received;
+use crate::outlet::TopicOutlet;
+use crate::receiver::ReceiptTime;
 
 /// Maximum number of reports collected before publication: those of one batch of datagrams.
 const GATHERED_MAX: usize = 4096;
@@ -23,7 +23,7 @@ const SLICES_PER_LOOK: usize = 64;
 
 /// Passes observations to the source's pipeline, and publishes the results in slices.
 #[derive(Debug)]
-pub(crate) struct Channel {
+pub(crate) struct SourceChannel {
     source: u16,
     name: String,
     pipeline: Pipeline,
@@ -40,11 +40,11 @@ pub(crate) struct Channel {
 /// Topics of a source.
 #[derive(Debug)]
 struct Outlets {
-    detections: Outlet<SensorDetection>,
-    platforms: Outlet<PlatformState>,
-    bearings: Outlet<SensorBearing>,
-    tracks: Outlet<SensorTrack>,
-    cues: Outlet<Cue>,
+    detections: TopicOutlet<SensorDetection>,
+    platforms: TopicOutlet<PlatformState>,
+    bearings: TopicOutlet<SensorBearing>,
+    tracks: TopicOutlet<SensorTrack>,
+    cues: TopicOutlet<Cue>,
 }
 
 impl Outlets {
@@ -52,11 +52,11 @@ impl Outlets {
         let (name, uid) = (source.name.as_str(), source.uid);
         let (has_detections, has_bearings) = (source.has_detections(), source.has_bearings());
         Ok(Self {
-            detections: Outlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
-            platforms: Outlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
-            bearings: Outlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
-            tracks: Outlet::open(process, &messages::sensor_tracks(name), uid, true)?,
-            cues: Outlet::open(process, &messages::cues(name), uid, source.has_cues())?,
+            detections: TopicOutlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
+            platforms: TopicOutlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
+            bearings: TopicOutlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
+            tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, true)?,
+            cues: TopicOutlet::open(process, &messages::cues(name), uid, source.has_cues())?,
         })
     }
 
@@ -70,7 +70,7 @@ impl Outlets {
     }
 }
 
-impl Channel {
+impl SourceChannel {
     pub(crate) fn open(process: &Process, (source, processing): Processed<'_>) -> anyhow::Result<Self> {
         let config = &process.config;
         let counts = source.links.wide_area_sensors.iter().map(|number| {
@@ -101,7 +101,7 @@ impl Channel {
 
     /// Prepares for data received at `received`. Called before each piece of data, so that a received wide-area
     /// report is used in the scan of its time and not in the next.
-    pub(crate) fn received(&mut self, received: Received) -> anyhow::Result<()> {
+    pub(crate) fn received(&mut self, received: ReceiptTime) -> anyhow::Result<()> {
         self.pipeline.received(received.utc_ns, received.steady_ns);
         self.steady = Some(SteadyClock::of(Now {
             mono_ns: received.mono_ns,
@@ -132,7 +132,7 @@ impl Channel {
     }
 
     /// Takes a record about the sensor.
-    pub(crate) fn service(&mut self, service: &Service, ingested_ns: i64) -> anyhow::Result<()> {
+    pub(crate) fn service(&mut self, service: &ServiceMessage, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.service(service, ingested_ns, &mut self.gathered);
         self.publish_many()
     }

@@ -7,7 +7,7 @@ use asterix::{Block, Decoder, Error, blocks};
 use csv_table::CsvError;
 use deployment::{Recorded, RecordedFormat};
 use formats::containers::{Container, TimeStamp, datagrams};
-use formats::sbs::{Merger, SbsSettings};
+use formats::sbs::{AircraftMerger, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use messages::{Counter, Counters};
 use reception::observation::{self, Reading};
@@ -17,27 +17,27 @@ use crate::intake::Intake;
 
 /// Recorded file, and the progress of its reader.
 #[derive(Debug)]
-pub(crate) enum Content {
+pub(crate) enum RecordedContent {
     /// ASTERIX data blocks, and their reader.
     Asterix(Packed, Box<Decoder>),
     /// Lines of SBS-1.
-    Lines(Lines),
+    Lines(RecordedLines),
     /// Table of sensor tracks.
-    Tracks(Tracks),
+    Tracks(RecordedTracks),
 }
 
-impl Content {
+impl RecordedContent {
     /// # Errors
     /// If the file is configured as a table and its header is not that of a table of sensor tracks.
     pub(crate) fn open(bytes: Vec<u8>, recorded: &Recorded, first_day_ns: i64) -> Result<Self, CsvError> {
         Ok(match recorded.format {
             RecordedFormat::Asterix => Self::Asterix(Packed::new(bytes), Box::new(recorded.asterix.decoder())),
-            RecordedFormat::Sbs => Self::Lines(Lines {
+            RecordedFormat::Sbs => Self::Lines(RecordedLines {
                 packed: Packed::new(bytes),
                 first_day_ns,
-                merger: Merger::new(SbsSettings::default()),
+                merger: AircraftMerger::new(SbsSettings::default()),
             }),
-            RecordedFormat::SensorTracks => Self::Tracks(Tracks::open(bytes, first_day_ns)?),
+            RecordedFormat::SensorTracks => Self::Tracks(RecordedTracks::open(bytes, first_day_ns)?),
         })
     }
 
@@ -83,13 +83,13 @@ impl Content {
 
 /// Lines of SBS-1 in a file, or in the datagrams of a capture.
 #[derive(Debug)]
-pub(crate) struct Lines {
+pub(crate) struct RecordedLines {
     packed: Packed,
     first_day_ns: i64,
-    merger: Merger,
+    merger: AircraftMerger,
 }
 
-impl Lines {
+impl RecordedLines {
     fn read_line(&mut self, intake: &mut Intake) {
         let (line, received_ns) = self.packed.next_piece(|rest| {
             let end = rest.iter().position(|octet| *octet == b'\n');
@@ -106,15 +106,15 @@ impl Lines {
 
 /// Rows of sensor tracks of any sensors; a file is one source.
 #[derive(Debug)]
-pub(crate) struct Tracks {
-    reader: Option<Box<Rows>>,
+pub(crate) struct RecordedTracks {
+    reader: Option<Box<SensorTrackRows>>,
     rows: u64,
     rejected: u64,
 }
 
-type Rows = SensorTrackReader<Cursor<Vec<u8>>, fn(u32) -> Option<u16>>;
+type SensorTrackRows = SensorTrackReader<Cursor<Vec<u8>>, fn(u32) -> Option<u16>>;
 
-impl Tracks {
+impl RecordedTracks {
     fn open(bytes: Vec<u8>, first_day_ns: i64) -> Result<Self, CsvError> {
         let any_sensor: fn(u32) -> Option<u16> = |_| Some(0);
         let reader = SensorTrackReader::new(Cursor::new(bytes), first_day_ns, any_sensor)?;

@@ -1,11 +1,11 @@
 //! Counts of decoders as counters.
 
-use asterix::Counts;
-use formats::sbs::{Merger, Rejection};
+use asterix::DecoderCounts;
+use formats::sbs::{AircraftMerger, LineRejection};
 use messages::{Counter, Counters};
 
 /// Counters of an ASTERIX decoder.
-pub(crate) fn decoded(counts: &Counts) -> Counters {
+pub(crate) fn decoded(counts: &DecoderCounts) -> Counters {
     let mut counters = Counters::default();
     counters[Counter::Records] = counts.records;
     counters[Counter::BytesRejected] = counts.octets_skipped;
@@ -14,9 +14,9 @@ pub(crate) fn decoded(counts: &Counts) -> Counters {
 }
 
 /// Counters of the merger of SBS-1 lines.
-pub(crate) fn merged(merger: &Merger) -> Counters {
+pub(crate) fn merged(merger: &AircraftMerger) -> Counters {
     let counted = merger.counters();
-    let rejected = Rejection::ALL.iter().map(|reason| counted.rejected(*reason));
+    let rejected = LineRejection::ALL.iter().map(|reason| counted.rejected(*reason));
     let mut counters = Counters::default();
     counters[Counter::Records] = counted.messages;
     counters[Counter::BlocksRejected] = rejected.sum();

@@ -1,7 +1,7 @@
 //! Data of a recording through the source's pipeline, in the order of their times.
 
 use messages::{Counter, Counters, SensorDetection, SensorTrack};
-use observations::{Observation, Service};
+use observations::{Observation, ServiceMessage};
 use reception::Reorder;
 use sources::{Pipeline, Samples};
 
@@ -36,7 +36,7 @@ impl Intake {
     }
 
     /// Takes a record about the sensor.
-    pub(crate) fn service(&mut self, service: &Service) {
+    pub(crate) fn service(&mut self, service: &ServiceMessage) {
         self.pipeline.service(service, 0, &mut self.samples);
         self.put_in_order();
     }

@@ -26,14 +26,14 @@ mod tables;
 mod wide_area;
 
 use anyhow::Context as _;
-use deployment::{Input, Process, Source, Transport};
+use deployment::{Input, Process, ReceiverTransport, Source};
 use runtime::Agent;
 use sources::Processing;
 
 use crate::bearings::Bearings;
-use crate::blocks::Blocks;
-use crate::lines::Lines;
-use crate::receiver::Receiver;
+use crate::blocks::BlockSources;
+use crate::lines::LineAgent;
+use crate::receiver::DatagramAgent;
 
 /// Source, and how its tracks come about.
 pub(crate) type Processed<'a> = (&'a Source, &'a Processing);
@@ -53,11 +53,19 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     if let Some(receiver) = config.receiver(name) {
         let has_bearings = sources.iter().any(|(source, _)| source.has_bearings());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
-            Transport::Sbs { server, settings } => Box::new(Lines::new(process, *server, *settings, &sources)?),
-            transport if has_bearings => {
-                Box::new(Receiver::open(process, transport, Bearings::new(process, &sources)?)?)
+            ReceiverTransport::Sbs { server, settings } => {
+                Box::new(LineAgent::new(process, *server, *settings, &sources)?)
             }
-            transport => Box::new(Receiver::open(process, transport, Blocks::new(process, &sources)?)?),
+            transport if has_bearings => Box::new(DatagramAgent::open(
+                process,
+                transport,
+                Bearings::new(process, &sources)?,
+            )?),
+            transport => Box::new(DatagramAgent::open(
+                process,
+                transport,
+                BlockSources::new(process, &sources)?,
+            )?),
         };
         return runtime::service::run(process, agent.as_mut());
     }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use deployment::Process;
-use formats::sbs::{Merger, SbsSettings};
+use formats::sbs::{AircraftMerger, SbsSettings};
 use messages::Counter;
 use net::{LinesSettings, TcpLines};
 use runtime::clock::SteadyClock;
@@ -16,25 +16,25 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::Processed;
 use crate::capture::Capture;
-use crate::channel::Channel;
+use crate::channel::SourceChannel;
 use crate::counted::merged;
-use crate::receiver::Received;
+use crate::receiver::ReceiptTime;
 
 /// Longest wait for a line in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Agent of a receiver of lines.
 #[derive(Debug)]
-pub(crate) struct Lines {
+pub(crate) struct LineAgent {
     client: TcpLines,
     capture: Option<Capture>,
-    merger: Merger,
-    channel: Channel,
+    merger: AircraftMerger,
+    channel: SourceChannel,
     server: SocketAddr,
     steady: SteadyClock,
 }
 
-impl Lines {
+impl LineAgent {
     pub(crate) fn new(
         process: &Process,
         server: SocketAddr,
@@ -55,22 +55,22 @@ impl Lines {
                     0,
                 ),
             )?,
-            merger: Merger::new(settings),
-            channel: Channel::open(process, source)?,
+            merger: AircraftMerger::new(settings),
+            channel: SourceChannel::open(process, source)?,
             server,
             steady: SteadyClock::of(Now::read()),
         })
     }
 }
 
-impl Agent for Lines {
+impl Agent for LineAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let (merger, channel) = (&mut self.merger, &mut self.channel);
         let (capture, server, steady) = (&mut self.capture, self.server, self.steady);
         let mut failed = Ok(());
         self.client.poll(now.mono_ns, PATIENCE, |line| {
             let read = Now::read();
-            let received = Received::of(read.utc_ns, read, steady);
+            let received = ReceiptTime::of(read.utc_ns, read, steady);
             if let Some(capture) = capture {
                 capture.take(server, read.utc_ns, line);
             }

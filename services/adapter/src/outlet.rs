@@ -7,9 +7,9 @@ use runtime::flow::Flow;
 
 /// Publisher of a topic that some sources have.
 #[derive(Debug)]
-pub(crate) struct Outlet<T: Payload>(Option<Publisher<SharedMemory, T>>);
+pub(crate) struct TopicOutlet<T: Payload>(Option<Publisher<SharedMemory, T>>);
 
-impl<T: Outgoing> Outlet<T> {
+impl<T: Outgoing> TopicOutlet<T> {
     /// Opens `topic` if the source has it; `sensor_uid` is the identity of the source's sensor.
     pub(crate) fn open(
         process: &Process,

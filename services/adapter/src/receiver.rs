@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use std::net::IpAddr;
 use std::time::Duration;
 
-use deployment::{Process, Transport};
+use deployment::{Process, ReceiverTransport};
 use messages::Counter;
 use net::{ReceiverSettings, UdpReceiver};
 use runtime::clock::SteadyClock;
@@ -24,9 +24,9 @@ const PATIENCE: Duration = Duration::from_millis(50);
 const WAITED_MAX_NS: i64 = 10_000_000_000;
 
 /// Reader of datagrams and publisher of their contents.
-pub(crate) trait Datagrams: Debug {
+pub(crate) trait DatagramReader: Debug {
     /// Takes a datagram.
-    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()>;
+    fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()>;
 
     /// Publishes the results of the `count` datagrams of a turn.
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()>;
@@ -37,7 +37,7 @@ pub(crate) trait Datagrams: Debug {
 
 /// Time of receipt of a datagram, nanoseconds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Received {
+pub(crate) struct ReceiptTime {
     /// UTC of the machine.
     pub(crate) utc_ns: i64,
     /// Monotonic.
@@ -46,7 +46,7 @@ pub(crate) struct Received {
     pub(crate) steady_ns: i64,
 }
 
-impl Received {
+impl ReceiptTime {
     /// Returns the time of receipt at `utc_ns` of the machine's clock, which shows `now`.
     pub(crate) fn of(utc_ns: i64, now: Now, steady: SteadyClock) -> Self {
         let waited_ns = now.utc_ns.saturating_sub(utc_ns);
@@ -62,20 +62,22 @@ impl Received {
 
 /// Agent of a receiver of datagrams.
 #[derive(Debug)]
-pub(crate) struct Receiver<D> {
+pub(crate) struct DatagramAgent<D> {
     socket: UdpReceiver,
     capture: Option<Capture>,
     reader: D,
     steady: SteadyClock,
 }
 
-impl<D: Datagrams> Receiver<D> {
-    pub(crate) fn open(process: &Process, transport: &Transport, reader: D) -> anyhow::Result<Self> {
+impl<D: DatagramReader> DatagramAgent<D> {
+    pub(crate) fn open(process: &Process, transport: &ReceiverTransport, reader: D) -> anyhow::Result<Self> {
         let settings = match transport {
-            Transport::Udp(settings) => Cow::Borrowed(settings),
+            ReceiverTransport::Udp(settings) => Cow::Borrowed(settings),
             // A simulated sensor sends to the deployment's own loopback address.
-            Transport::Loopback { port } => Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port)),
-            Transport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
+            ReceiverTransport::Loopback { port } => {
+                Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port))
+            }
+            ReceiverTransport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
         };
         let socket = UdpReceiver::open(&settings)?;
         let capture = Capture::open(process, socket.local_address())?;
@@ -88,7 +90,7 @@ impl<D: Datagrams> Receiver<D> {
     }
 }
 
-impl<D: Datagrams> Agent for Receiver<D> {
+impl<D: DatagramReader> Agent for DatagramAgent<D> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let (socket, capture, reader) = (&mut self.socket, &mut self.capture, &mut self.reader);
         let steady = self.steady;
@@ -98,7 +100,7 @@ impl<D: Datagrams> Agent for Receiver<D> {
             if let Some(capture) = capture {
                 capture.take(datagram.sender, utc_ns, datagram.bytes);
             }
-            let taken = reader.take(datagram.bytes, Received::of(utc_ns, now, steady));
+            let taken = reader.take(datagram.bytes, ReceiptTime::of(utc_ns, now, steady));
             if failed.is_ok() {
                 failed = taken;
             }

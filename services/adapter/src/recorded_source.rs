@@ -12,9 +12,9 @@ use sources::{Pipeline, Processing};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
-use crate::content::Content;
+use crate::content::RecordedContent;
 use crate::intake::Intake;
-use crate::replay::{Published, Replay, Replayed};
+use crate::replay::{Published, ReplayAgent, Replayed};
 use crate::wide_area::recorded;
 
 /// Number of reports decoded ahead: more than a slice.
@@ -23,7 +23,7 @@ pub(crate) const AHEAD: usize = 128;
 /// Recording, decoded on demand.
 #[derive(Debug)]
 pub struct RecordedSource {
-    content: Content,
+    content: RecordedContent,
     intake: Intake,
     ready: VecDeque<SensorTrack>,
     next_number: u64,
@@ -40,7 +40,7 @@ pub(crate) fn replay(
     process: &Process,
     processed: Processed<'_>,
     recorded: &Recorded,
-) -> anyhow::Result<Replay<RecordedSource>> {
+) -> anyhow::Result<ReplayAgent<RecordedSource>> {
     let (source, _) = processed;
     let path = process.options.data.join(&recorded.file);
     let bytes = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
@@ -68,7 +68,7 @@ pub(crate) fn replay(
         sensor_uid,
     };
     let detections = source.has_detections().then(|| detections.open(process, &[]));
-    Replay::new(
+    ReplayAgent::new(
         process,
         recording.with_context(|| path.display().to_string())?,
         tracks.open(process, &[ProcessKind::Fusion])?,
@@ -116,7 +116,7 @@ impl RecordedSource {
     ) -> anyhow::Result<Self> {
         let pipeline = Pipeline::new(source.model, processing, first_day_ns, counts)?;
         let mut recording = Self {
-            content: Content::open(bytes, recorded, first_day_ns)?,
+            content: RecordedContent::open(bytes, recorded, first_day_ns)?,
             intake: Intake::new(source.number, pipeline, recorded.reorder_ns),
             ready: VecDeque::with_capacity(2 * AHEAD),
             next_number: 0,

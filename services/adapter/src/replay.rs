@@ -54,7 +54,7 @@ pub(crate) trait Replayed: Debug {
 
 /// The agent of a recording.
 #[derive(Debug)]
-pub(crate) struct Replay<R: Replayed> {
+pub(crate) struct ReplayAgent<R: Replayed> {
     recording: R,
     outlet: PacedOutlet<R::Sample>,
     /// The way out of the detections of which tracks are made; only the recorder reads them all.
@@ -62,7 +62,7 @@ pub(crate) struct Replay<R: Replayed> {
     waiter: Waiter<SharedMemory>,
     speed: Speed,
     /// The recording's clock, once it runs.
-    clock: Option<Clock>,
+    clock: Option<ReplayClock>,
     ended: bool,
     end_said_ns: i64,
     waited: u64,
@@ -70,7 +70,7 @@ pub(crate) struct Replay<R: Replayed> {
 
 /// Maps the machine's monotonic clock to the recording's time.
 #[derive(Clone, Copy, Debug)]
-struct Clock {
+struct ReplayClock {
     mono_ns: i64,
     data_ns: i64,
 }
@@ -92,7 +92,7 @@ impl<T: Outgoing> Published<'_, T> {
     }
 }
 
-impl<R: Replayed> Replay<R> {
+impl<R: Replayed> ReplayAgent<R> {
     pub(crate) fn new(
         process: &Process,
         recording: R,
@@ -117,7 +117,7 @@ impl<R: Replayed> Replay<R> {
     /// Starts the recording's clock at the first sample that is still needed.
     fn start(&mut self, now: Now) {
         self.recording.skip_to(self.outlet.flow().first_needed());
-        self.clock = Some(Clock {
+        self.clock = Some(ReplayClock {
             mono_ns: now.mono_ns,
             data_ns: self.recording.due_ns(0).unwrap_or(0),
         });
@@ -166,7 +166,7 @@ impl<R: Replayed> Replay<R> {
     }
 
     /// Time of the data until which everything is due.
-    fn until_ns(&self, clock: Clock, now: Now) -> i64 {
+    fn until_ns(&self, clock: ReplayClock, now: Now) -> i64 {
         match self.speed {
             Speed::Max => i64::MAX,
             Speed::Factor(factor) => clock.data_ns + ((now.mono_ns - clock.mono_ns) as f64 * factor) as i64,
@@ -174,7 +174,7 @@ impl<R: Replayed> Replay<R> {
     }
 
     /// Number of samples, at most a slice, that are due at `now`.
-    fn due(&self, clock: Clock, now: Now) -> usize {
+    fn due(&self, clock: ReplayClock, now: Now) -> usize {
         let until_ns = self.until_ns(clock, now);
         let is_due = |ahead: &usize| self.recording.due_ns(*ahead).is_some_and(|due_ns| due_ns <= until_ns);
         (0..self.outlet.slice_len()).take_while(is_due).count()
@@ -201,7 +201,7 @@ impl<R: Replayed> Replay<R> {
         Ok(())
     }
 
-    fn until_due(&self, clock: Clock, now: Now) -> Duration {
+    fn until_due(&self, clock: ReplayClock, now: Now) -> Duration {
         let (Speed::Factor(factor), Some(next_ns)) = (self.speed, self.recording.due_ns(0)) else {
             return PATIENCE;
         };
@@ -211,7 +211,7 @@ impl<R: Replayed> Replay<R> {
     }
 }
 
-impl<R: Replayed> Agent for Replay<R> {
+impl<R: Replayed> Agent for ReplayAgent<R> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.outlet.update()?;
         if self.ended {

@@ -13,13 +13,13 @@ use messages::{Counter, Counters};
 
 /// Counts of tables and their rows.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Tables {
+pub(crate) struct TableCounts {
     rows: u64,
     rows_rejected: u64,
     bytes_rejected: u64,
 }
 
-impl Tables {
+impl TableCounts {
     /// Rows of a datagram that can be read; none if `open` finds that it is no table.
     pub(crate) fn rows<'a, C: Columns + 'a>(
         &'a mut self,

@@ -8,11 +8,11 @@
 use std::path::Path;
 
 use serde_json::Value;
-use telemetry::table::{Align, Table, count, duration};
+use telemetry::table::{Align, TextTable, count, duration};
 
 use crate::figures::{Figures, range};
-use crate::report::{Point, Report, Run};
-use crate::settings::Refused;
+use crate::report::{BenchReport, RatePoint, Repetition};
+use crate::settings::MeasurementRefusal;
 
 /// Minimum number of runs on each side for a conclusion.
 const RUNS_MIN: usize = 4;
@@ -22,12 +22,12 @@ const RUNS_MIN: usize = 4;
 /// # Errors
 /// If a file cannot be read, or the files cannot be compared.
 pub fn run(before: &Path, after: &Path, force: bool) -> anyhow::Result<String> {
-    let read = |path: &Path| Report::read(path).map_err(|error| Refused(format!("{error:#}")));
+    let read = |path: &Path| BenchReport::read(path).map_err(|error| MeasurementRefusal(format!("{error:#}")));
     let (a, b) = (read(before)?, read(after)?);
     let different = differences(&a, &b);
     if !different.is_empty() && !force {
         let what = different.join(", ");
-        return Err(Refused(format!(
+        return Err(MeasurementRefusal(format!(
             "the files have different settings: {what}; compare them all the same with --force"
         ))
         .into());
@@ -36,8 +36,8 @@ pub fn run(before: &Path, after: &Path, force: bool) -> anyhow::Result<String> {
 }
 
 /// Returns differing settings, as `name a -> b`.
-fn differences(a: &Report, b: &Report) -> Vec<String> {
-    let values = |report: &Report| serde_json::to_value(&report.settings).unwrap_or(Value::Null);
+fn differences(a: &BenchReport, b: &BenchReport) -> Vec<String> {
+    let values = |report: &BenchReport| serde_json::to_value(&report.settings).unwrap_or(Value::Null);
     let (before, after) = (values(a), values(b));
     let mut different = Vec::new();
     if a.command != b.command {
@@ -61,26 +61,26 @@ fn differences(a: &Report, b: &Report) -> Vec<String> {
     different
 }
 
-fn shown(a: &Report, b: &Report, different: &[String]) -> String {
+fn shown(a: &BenchReport, b: &BenchReport, different: &[String]) -> String {
     let mut text = String::new();
     for each in different {
         text.push_str(&format!("different: {each}\n"));
     }
-    let machine = |report: &Report| {
+    let machine = |report: &BenchReport| {
         let machine = &report.machine;
         (machine.processor.clone(), machine.cores.len(), machine.kernel.clone())
     };
     if machine(a) != machine(b) {
         text.push_str(&format!("different machines: {:?} -> {:?}\n", machine(a), machine(b)));
     }
-    let load = |report: &Report| report.machine.load_before.max(report.machine.load_after);
+    let load = |report: &BenchReport| report.machine.load_before.max(report.machine.load_after);
     text.push_str(&format!(
         "load: {:.1} before, {:.1} after the change\n\n",
         load(a),
         load(b)
     ));
     let columns = ["figure", "before", "after", "after / before", "change"];
-    let mut table = Table::new(&columns.map(|name| {
+    let mut table = TextTable::new(&columns.map(|name| {
         let align = if name == "figure" || name == "change" {
             Align::Left
         } else {
@@ -89,7 +89,7 @@ fn shown(a: &Report, b: &Report, different: &[String]) -> String {
         (name, align)
     }));
     for before in &a.points {
-        let same_rate = |point: &&Point| point.rate_per_s == before.rate_per_s;
+        let same_rate = |point: &&RatePoint| point.rate_per_s == before.rate_per_s;
         let Some(after) = b.points.iter().find(same_rate) else {
             continue;
         };
@@ -123,8 +123,8 @@ fn shown(a: &Report, b: &Report, different: &[String]) -> String {
     text
 }
 
-fn rows(table: &mut Table, name: &str, before: &Point, after: &Point, of: fn(&Run) -> Figures) {
-    let runs = |point: &Point| point.runs.iter().map(of).collect::<Vec<_>>();
+fn rows(table: &mut TextTable, name: &str, before: &RatePoint, after: &RatePoint, of: fn(&Repetition) -> Figures) {
+    let runs = |point: &RatePoint| point.runs.iter().map(of).collect::<Vec<_>>();
     let (old, new) = (runs(before), runs(after));
     let fewest = old.len().min(new.len());
     for (index, figure) in Figures::NAMES.iter().enumerate() {
@@ -142,7 +142,7 @@ fn rows(table: &mut Table, name: &str, before: &Point, after: &Point, of: fn(&Ru
     }
 }
 
-fn line(table: &mut Table, name: &str, before: f64, after: f64, change: &str, shown: impl Fn(f64) -> String) {
+fn line(table: &mut TextTable, name: &str, before: f64, after: f64, change: &str, shown: impl Fn(f64) -> String) {
     let ratio = if before > 0.0 {
         format!("{:.2}", after / before)
     } else {
@@ -169,24 +169,24 @@ mod tests {
     use super::*;
     use crate::settings::test_settings;
 
-    fn report(p50_ns: u64) -> Report {
-        let run = |run: u64| Run {
+    fn report(p50_ns: u64) -> BenchReport {
+        let run = |run: u64| Repetition {
             pipeline: Figures {
                 p50_ns: p50_ns + 10 * run,
                 ..Figures::default()
             },
-            ..Run::default()
+            ..Repetition::default()
         };
-        let point = Point {
+        let point = RatePoint {
             rate_per_s: 20_000.0,
             runs: (0..5).map(run).collect(),
-            ..Point::default()
+            ..RatePoint::default()
         };
-        Report {
+        BenchReport {
             command: "latency".to_owned(),
             settings: Some(test_settings()),
             points: vec![point],
-            ..Report::default()
+            ..BenchReport::default()
         }
     }
 
@@ -218,7 +218,7 @@ mod tests {
         other.settings.as_mut().unwrap().targets = 7;
         other.write(&b).unwrap();
         let refused = run(&a, &b, false).unwrap_err();
-        assert!(refused.is::<Refused>());
+        assert!(refused.is::<MeasurementRefusal>());
         assert!(refused.to_string().contains("targets 100 -> 7"), "{refused}");
         assert!(run(&a, &b, true).unwrap().contains("different: targets 100 -> 7"));
         assert!(run(&a, &a, false).is_ok());

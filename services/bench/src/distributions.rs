@@ -4,9 +4,9 @@ use hdrhistogram::Histogram;
 
 use crate::figures::Figures;
 use crate::jitter::Jitter;
-use crate::measure::Measured;
+use crate::measure::MeasurementResult;
 use crate::recorder::{STAGES, histogram};
-use crate::report::{Account, JitterFigures, Point, Run, Stamps};
+use crate::report::{JitterFigures, RatePoint, Repetition, ReportAccount, Stamps};
 use crate::settings::Settings;
 
 /// Latencies at one rate over all runs, nanoseconds.
@@ -37,7 +37,7 @@ impl Distributions {
         }
     }
 
-    pub(crate) fn add(&mut self, floor: &Measured, pipeline: &Measured, jitter: &Jitter) {
+    pub(crate) fn add(&mut self, floor: &MeasurementResult, pipeline: &MeasurementResult, jitter: &Jitter) {
         let same = "the same bounds";
         self.floor.add(floor.recorder.end_to_end()).expect(same);
         self.pipeline.add(pipeline.recorder.end_to_end()).expect(same);
@@ -52,9 +52,14 @@ impl Distributions {
 }
 
 /// Returns the figures of one run: relay, pipeline and machine.
-pub(crate) fn run_of(settings: &Settings, floor: &Measured, pipeline: &Measured, jitter: &Jitter) -> Run {
+pub(crate) fn run_of(
+    settings: &Settings,
+    floor: &MeasurementResult,
+    pipeline: &MeasurementResult,
+    jitter: &Jitter,
+) -> Repetition {
     let stages = STAGES.iter().zip(pipeline.recorder.stages());
-    Run {
+    Repetition {
         floor: Figures::of(floor.recorder.end_to_end(), floor.unanswered()),
         pipeline: Figures::of(pipeline.recorder.end_to_end(), pipeline.unanswered()),
         jitter: jitter_figures(jitter),
@@ -68,9 +73,9 @@ pub(crate) fn run_of(settings: &Settings, floor: &Measured, pipeline: &Measured,
 }
 
 /// Returns the account of the reports sent in a measurement.
-pub(crate) fn account(settings: &Settings, measured: &Measured) -> Account {
+pub(crate) fn account(settings: &Settings, measured: &MeasurementResult) -> ReportAccount {
     let received = measured.received();
-    Account {
+    ReportAccount {
         sent: measured.sent(settings.batch),
         answers: received.answers,
         unanswered: measured.unanswered(),
@@ -99,11 +104,11 @@ fn jitter_figures(jitter: &Jitter) -> JitterFigures {
 }
 
 /// Returns medians of the `runs` at one rate, reports per second.
-pub(crate) fn point(rate: f64, runs: Vec<Run>, merged: &Distributions) -> Point {
-    let of = |figures: fn(&Run) -> Figures| Figures::median(&runs.iter().map(figures).collect::<Vec<_>>());
+pub(crate) fn point(rate: f64, runs: Vec<Repetition>, merged: &Distributions) -> RatePoint {
+    let of = |figures: fn(&Repetition) -> Figures| Figures::median(&runs.iter().map(figures).collect::<Vec<_>>());
     let stage = |key: &str| Figures::median(&runs.iter().map(|run| run.stages[key]).collect::<Vec<_>>());
     let lost_of_flood = runs.iter().map(|run| run.account.flood_unanswered).sum();
-    Point {
+    RatePoint {
         rate_per_s: rate,
         floor: of(|run| run.floor),
         pipeline: of(|run| run.pipeline),

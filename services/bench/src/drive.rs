@@ -23,12 +23,12 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub(crate) const NOT_YET: u64 = u64::MAX;
 
 /// Outgoing path of reports.
-pub(crate) trait Sender {
+pub(crate) trait ReportSender {
     /// Sends `count` reports of `source` as one slice.
     fn send(
         &mut self,
         source: u16,
-        mark: Sent,
+        mark: SendTime,
         count: usize,
         fill: impl FnMut(usize) -> SensorTrack,
     ) -> anyhow::Result<()>;
@@ -36,13 +36,13 @@ pub(crate) trait Sender {
 
 /// Send time of a slice, and the source's progress stated in it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sent {
+pub(crate) struct SendTime {
     pub(crate) now_ns: i64,
     pub(crate) progress_ns: i64,
 }
 
 /// Incoming path of states.
-pub(crate) trait Receiver {
+pub(crate) trait StateReceiver {
     /// Passes the next slice to `visit`; returns `false` if there is none.
     fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool>;
 
@@ -88,7 +88,7 @@ pub(crate) struct Load<'a> {
 
 /// Progress of sending.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Driven {
+pub(crate) struct SendProgress {
     /// Batches of the load.
     pub(crate) batches: u64,
     /// Further batches of the flooding source.
@@ -104,13 +104,13 @@ pub(crate) struct Driven {
 /// Sends and receives on one thread, which sleeps only if required by the load.
 pub(crate) fn spin(
     load: &Load<'_>,
-    sender: &mut impl Sender,
-    receiver: &mut impl Receiver,
+    sender: &mut impl ReportSender,
+    receiver: &mut impl StateReceiver,
     recorder: &mut Recorder,
     clock: &impl Clock,
     abort: &AtomicBool,
-) -> anyhow::Result<Driven> {
-    let mut driven = Driven::default();
+) -> anyhow::Result<SendProgress> {
+    let mut driven = SendProgress::default();
     loop {
         let now_ns = clock.now_ns();
         match next_due(load, &driven) {
@@ -141,11 +141,11 @@ pub(crate) fn spin(
 /// Sends only; the thread sleeps during long pauses and yields otherwise.
 pub(crate) fn send_all(
     load: &Load<'_>,
-    sender: &mut impl Sender,
+    sender: &mut impl ReportSender,
     clock: &impl Clock,
     abort: &AtomicBool,
-) -> anyhow::Result<Driven> {
-    let mut driven = Driven::default();
+) -> anyhow::Result<SendProgress> {
+    let mut driven = SendProgress::default();
     while let Some((due_ns, flood)) = next_due(load, &driven) {
         loop {
             let now_ns = clock.now_ns();
@@ -169,7 +169,7 @@ pub(crate) fn send_all(
 
 /// Receives until all sent batches are answered or answers stop; `all_sent` holds the number of batches once known.
 pub(crate) fn read_all(
-    receiver: &mut impl Receiver,
+    receiver: &mut impl StateReceiver,
     recorder: &mut Recorder,
     clock: &impl Clock,
     all_sent: &AtomicU64,
@@ -206,7 +206,7 @@ fn take(tracks: &[SystemTrack], recorder: &mut Recorder, clock: &impl Clock) {
 
 /// Returns the due time of the next batch, and whether the batch belongs to the flood. The flood ends with the
 /// load.
-fn next_due(load: &Load<'_>, driven: &Driven) -> Option<(i64, bool)> {
+fn next_due(load: &Load<'_>, driven: &SendProgress) -> Option<(i64, bool)> {
     let own_ns = (driven.batches < load.batches).then(|| load.pace.due_ns(driven.batches))?;
     let flood_ns = load.flood.map(|(_, pace)| pace.due_ns(driven.flood_batches));
     Some(match flood_ns {
@@ -217,8 +217,8 @@ fn next_due(load: &Load<'_>, driven: &Driven) -> Option<(i64, bool)> {
 
 fn send(
     load: &Load<'_>,
-    sender: &mut impl Sender,
-    driven: &mut Driven,
+    sender: &mut impl ReportSender,
+    driven: &mut SendProgress,
     flood: bool,
     due_ns: i64,
     now_ns: i64,
@@ -229,7 +229,7 @@ fn send(
         Some((source, _)) if flood => (source, driven.flood_batches * traffic.sources(), 0),
         _ => (traffic.source(driven.batches), driven.batches, due_ns),
     };
-    let mark = Sent {
+    let mark = SendTime {
         now_ns,
         progress_ns: traffic.utc_ns(due_ns),
     };
@@ -279,11 +279,11 @@ mod tests {
 
     const STALL_NS: std::ops::Range<i64> = 10_000_000..15_000_000;
 
-    impl Sender for &Server<'_> {
+    impl ReportSender for &Server<'_> {
         fn send(
             &mut self,
             source: u16,
-            mark: Sent,
+            mark: SendTime,
             count: usize,
             mut fill: impl FnMut(usize) -> SensorTrack,
         ) -> anyhow::Result<()> {
@@ -305,7 +305,7 @@ mod tests {
         }
     }
 
-    impl Receiver for &Server<'_> {
+    impl StateReceiver for &Server<'_> {
         fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool> {
             let now_ns = self.clock.0.get();
             let mut queue = self.queue.borrow_mut();

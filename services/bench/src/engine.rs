@@ -2,17 +2,17 @@
 
 use hdrhistogram::Histogram;
 use runtime::signals::Stop;
-use telemetry::table::{Align, Table, count, duration};
+use telemetry::table::{Align, TextTable, count, duration};
 
 use crate::distributions::stamps;
 use crate::engine_time::{self, EngineTimes};
 use crate::figures::{Figures, median};
-use crate::machine::{self, Machine};
-use crate::outputs::Outputs;
+use crate::machine::{self, MachineFacts};
+use crate::outputs::OutputFiles;
 use crate::product::Product;
 use crate::progress::say;
 use crate::recorder::histogram;
-use crate::report::Report;
+use crate::report::BenchReport;
 use crate::settings::Settings;
 use crate::text;
 
@@ -21,11 +21,11 @@ use crate::text;
 ///
 /// # Errors
 /// If the settings are invalid, or a file cannot be written.
-pub fn run(product: &dyn Product, settings: &Settings, outputs: &Outputs) -> anyhow::Result<String> {
+pub fn run(product: &dyn Product, settings: &Settings, outputs: &OutputFiles) -> anyhow::Result<String> {
     settings.check_without_cores()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
-    let mut machine = Machine::read();
+    let mut machine = MachineFacts::read();
     let notes = machine::notes(settings, &machine);
     for note in &notes {
         say(note);
@@ -49,7 +49,7 @@ pub fn run(product: &dyn Product, settings: &Settings, outputs: &Outputs) -> any
     }
     machine.ended();
     let all = together(&runs);
-    let report = Report {
+    let report = BenchReport {
         command: "engine".to_owned(),
         machine,
         settings: Some(settings.clone()),
@@ -57,7 +57,7 @@ pub fn run(product: &dyn Product, settings: &Settings, outputs: &Outputs) -> any
         stamps: stamps(all.reading_ns),
         engine: all,
         notes,
-        ..Report::default()
+        ..BenchReport::default()
     };
     outputs.write(&report, &[], Some(&single))?;
     Ok(shown(&report, &runs))
@@ -80,7 +80,7 @@ fn together(runs: &[EngineTimes]) -> EngineTimes {
     }
 }
 
-fn shown(report: &Report, runs: &[EngineTimes]) -> String {
+fn shown(report: &BenchReport, runs: &[EngineTimes]) -> String {
     let mut text = text::heading(report);
     let mut columns = vec![
         ("update of the engine", Align::Left),
@@ -88,7 +88,7 @@ fn shown(report: &Report, runs: &[EngineTimes]) -> String {
     ];
     columns.extend(Figures::NAMES.map(|name| (name, Align::Right)));
     columns.push(("odd", Align::Right));
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     let mut row = |name: String, times: &EngineTimes| {
         let mut cells = vec![name, duration(times.ns_per_update)];
         cells.extend(times.single.values().map(|value| duration(value as f64)));

@@ -68,7 +68,7 @@ pub(crate) fn measure(
     };
     let config = config_text(settings, rate_per_s);
     pinned::run(place, watch, |abort| {
-        let mut run = Run::new(product.engine(&config)?, settings, rate_per_s);
+        let mut run = EngineRun::new(product.engine(&config)?, settings, rate_per_s);
         let warm_up = run.warm_up();
         let clock = MachineClock;
         let reading_ns = reading_ns(&clock);
@@ -80,7 +80,7 @@ pub(crate) fn measure(
 
         let mut chunks = Vec::new();
         let half_ns = (seconds * 0.5e9) as i64;
-        let mut rest = Rest::new(settings.realtime_priority.is_some());
+        let mut rest = PeriodicRest::new(settings.realtime_priority.is_some());
         let end_ns = clock.now_ns() + half_ns;
         while chunks.is_empty() || clock.now_ns() < end_ns {
             let start_ns = clock.now_ns();
@@ -121,7 +121,7 @@ pub(crate) fn measure(
     })
 }
 
-struct Run {
+struct EngineRun {
     engine: Box<dyn Engine>,
     traffic: Traffic,
     interval_ns: f64,
@@ -132,7 +132,7 @@ struct Run {
     odd: u64,
 }
 
-impl Run {
+impl EngineRun {
     fn new(engine: Box<dyn Engine>, settings: &Settings, rate_per_s: f64) -> Self {
         let now = Now::read();
         Self {
@@ -215,12 +215,12 @@ impl Run {
 }
 
 /// Regular rests that release the core to other threads, needed at real-time priority.
-struct Rest {
+struct PeriodicRest {
     needed: bool,
     last_ns: i64,
 }
 
-impl Rest {
+impl PeriodicRest {
     fn new(needed: bool) -> Self {
         Self {
             needed,

@@ -10,13 +10,13 @@ use std::sync::mpsc::{Receiver as Jobs, SyncSender, sync_channel};
 
 use anyhow::Context as _;
 
-use crate::drive::{self, Driven, Load, MachineClock, NOT_YET, Receiver, Sender};
+use crate::drive::{self, Load, MachineClock, NOT_YET, ReportSender, SendProgress, StateReceiver};
 use crate::recorder::Recorder;
 
 /// Executes loads, one after the other.
 pub(crate) trait Exchange {
     /// Sends `load` and records the answers in `recorder`.
-    fn run(&mut self, load: &Load<'_>, recorder: Recorder) -> anyhow::Result<(Driven, Recorder)>;
+    fn run(&mut self, load: &Load<'_>, recorder: Recorder) -> anyhow::Result<(SendProgress, Recorder)>;
 }
 
 /// Exchange that alternates between sending and receiving.
@@ -26,8 +26,8 @@ pub(crate) struct OneThread<S, R> {
     pub(crate) abort: Arc<AtomicBool>,
 }
 
-impl<S: Sender, R: Receiver> Exchange for OneThread<S, R> {
-    fn run(&mut self, load: &Load<'_>, mut recorder: Recorder) -> anyhow::Result<(Driven, Recorder)> {
+impl<S: ReportSender, R: StateReceiver> Exchange for OneThread<S, R> {
+    fn run(&mut self, load: &Load<'_>, mut recorder: Recorder) -> anyhow::Result<(SendProgress, Recorder)> {
         let (sender, receiver) = (&mut self.sender, &mut self.receiver);
         let driven = drive::spin(load, sender, receiver, &mut recorder, &MachineClock, &self.abort)?;
         Ok((driven, recorder))
@@ -43,9 +43,9 @@ pub(crate) struct TwoThreads<S> {
     abort: Arc<AtomicBool>,
 }
 
-impl<S: Sender> TwoThreads<S> {
+impl<S: ReportSender> TwoThreads<S> {
     /// Creates the exchange. The reading thread calls `make_receiver`, because ports stay on the creating thread.
-    pub(crate) fn new<R: Receiver>(
+    pub(crate) fn new<R: StateReceiver>(
         sender: S,
         make_receiver: impl FnOnce() -> anyhow::Result<R> + Send + 'static,
         abort: Arc<AtomicBool>,
@@ -79,8 +79,8 @@ impl<S: Sender> TwoThreads<S> {
     }
 }
 
-impl<S: Sender> Exchange for TwoThreads<S> {
-    fn run(&mut self, load: &Load<'_>, recorder: Recorder) -> anyhow::Result<(Driven, Recorder)> {
+impl<S: ReportSender> Exchange for TwoThreads<S> {
+    fn run(&mut self, load: &Load<'_>, recorder: Recorder) -> anyhow::Result<(SendProgress, Recorder)> {
         self.all_sent.store(NOT_YET, Ordering::Release);
         self.jobs.send(recorder).context("the reading thread has ended")?;
         let driven = drive::send_all(load, &mut self.sender, &MachineClock, &self.abort);

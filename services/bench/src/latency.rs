@@ -9,14 +9,14 @@ use telemetry::table::{count, duration};
 
 use crate::distributions::{Distributions, point, run_of, stamps};
 use crate::engine_time::{self, EngineTimes};
-use crate::machine::{self, Machine};
-use crate::measure::{self, Plan};
-use crate::outputs::Outputs;
+use crate::machine::{self, MachineFacts};
+use crate::measure::{self, LoadPlan};
+use crate::outputs::OutputFiles;
 use crate::product::Product;
 use crate::progress::say;
-use crate::report::{Outcome, Point, Report};
+use crate::report::{BenchReport, MeasurementOutcome, RatePoint};
 use crate::settings::Settings;
-use crate::site::Site;
+use crate::site::BenchSite;
 use crate::text;
 use crate::verdict::verdicts;
 
@@ -30,12 +30,17 @@ const ASIDE: f64 = 0.5;
 ///
 /// # Errors
 /// If the machine cannot do it, a process fails, or a file cannot be written.
-pub fn run(product: &dyn Product, settings: &Settings, sweep: bool, outputs: &Outputs) -> anyhow::Result<Outcome> {
+pub fn run(
+    product: &dyn Product,
+    settings: &Settings,
+    sweep: bool,
+    outputs: &OutputFiles,
+) -> anyhow::Result<MeasurementOutcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
-    let site = Site::prepare(product, settings, &stop)?;
+    let site = BenchSite::prepare(product, settings, &stop)?;
     let first = settings.rates_per_s[0];
     say(&format!(
         "engine alone, {} targets seen by {} sources",
@@ -51,7 +56,7 @@ pub fn run(product: &dyn Product, settings: &Settings, sweep: bool, outputs: &Ou
         let beyond = point.pipeline.lost > 0
             || points
                 .first()
-                .is_some_and(|first: &Point| point.pipeline.p50_ns > KNEE_FACTOR * first.pipeline.p50_ns);
+                .is_some_and(|first: &RatePoint| point.pipeline.p50_ns > KNEE_FACTOR * first.pipeline.p50_ns);
         points.push(point);
         distributions.push(merged);
         if sweep && beyond {
@@ -63,25 +68,25 @@ pub fn run(product: &dyn Product, settings: &Settings, sweep: bool, outputs: &Ou
     machine.ended();
     let report = assemble(settings, machine, engine, points, notes);
     outputs.write(&report, &distributions, Some(&single))?;
-    Ok(Outcome {
+    Ok(MeasurementOutcome {
         text: text::latency(&report),
         // A sweep continues until reports are lost.
         failure: report.failure().filter(|_| !sweep),
     })
 }
 
-fn check(site: &Site) -> anyhow::Result<()> {
+fn check(site: &BenchSite) -> anyhow::Result<()> {
     anyhow::ensure!(!site.stop_requested(), "stopped before the end; no figures are shown");
     Ok(())
 }
 
-fn measure_rate(site: &Site, settings: &Settings, rate: f64) -> anyhow::Result<(Point, Distributions)> {
-    let plan = Plan {
+fn measure_rate(site: &BenchSite, settings: &Settings, rate: f64) -> anyhow::Result<(RatePoint, Distributions)> {
+    let plan = LoadPlan {
         rate_per_s: rate,
         seconds: settings.seconds,
         detailed: true,
     };
-    let aside = Plan {
+    let aside = LoadPlan {
         seconds: ASIDE * settings.seconds,
         ..plan
     };
@@ -110,14 +115,14 @@ fn measure_rate(site: &Site, settings: &Settings, rate: f64) -> anyhow::Result<(
 
 fn assemble(
     settings: &Settings,
-    machine: Machine,
+    machine: MachineFacts,
     engine: EngineTimes,
-    points: Vec<Point>,
+    points: Vec<RatePoint>,
     notes: Vec<String>,
-) -> Report {
+) -> BenchReport {
     let first = points.first().cloned().unwrap_or_default();
     let received = points.iter().filter(|point| point.pipeline.lost == 0);
-    Report {
+    BenchReport {
         command: "latency".to_owned(),
         machine,
         settings: Some(settings.clone()),

@@ -6,7 +6,7 @@ use bus::{BareReceiver, BareSender, BareSettings, Bus, Mark, Publisher, SharedMe
 use messages::{SensorTrack, SystemTrack};
 use runtime::clock::mono_ns;
 
-use crate::drive::{Receiver, Sender, Sent};
+use crate::drive::{ReportSender, SendTime, StateReceiver};
 use crate::settings::Settings;
 
 /// Services of the relay.
@@ -48,11 +48,11 @@ impl ToFusion {
     }
 }
 
-impl Sender for ToFusion {
+impl ReportSender for ToFusion {
     fn send(
         &mut self,
         source: u16,
-        mark: Sent,
+        mark: SendTime,
         count: usize,
         mut fill: impl FnMut(usize) -> SensorTrack,
     ) -> anyhow::Result<()> {
@@ -89,7 +89,7 @@ impl FromFusion {
     }
 }
 
-impl Receiver for FromFusion {
+impl StateReceiver for FromFusion {
     fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool> {
         let mut visit = Some(visit);
         let taken = self.subscriber.take(1, |_, tracks| {
@@ -120,8 +120,14 @@ impl ToRelay {
     }
 }
 
-impl Sender for ToRelay {
-    fn send(&mut self, _: u16, _: Sent, count: usize, fill: impl FnMut(usize) -> SensorTrack) -> anyhow::Result<()> {
+impl ReportSender for ToRelay {
+    fn send(
+        &mut self,
+        _: u16,
+        _: SendTime,
+        count: usize,
+        fill: impl FnMut(usize) -> SensorTrack,
+    ) -> anyhow::Result<()> {
         Ok(self.0.send(count, fill)?)
     }
 }
@@ -136,7 +142,7 @@ impl FromRelay {
     }
 }
 
-impl Receiver for FromRelay {
+impl StateReceiver for FromRelay {
     fn receive(&mut self, visit: impl FnOnce(&[SystemTrack])) -> anyhow::Result<bool> {
         Ok(self.0.receive(visit)?)
     }

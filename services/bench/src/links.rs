@@ -15,16 +15,16 @@ use messages::{Counter, Health, system_tracks};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
 
-use crate::memory::Memory;
-use crate::site::{Fusion, Heard, PAUSE, START_PATIENCE, Site};
+use crate::memory::ProcessMemory;
+use crate::site::{BenchSite, FusionProcess, PAUSE, ReportingProcess, START_PATIENCE};
 
 /// Name of the link.
 const NAME: &str = "out";
 
 /// Link and its mirrors; dropping this value stops them.
-pub(crate) struct Links<'a> {
-    link: Heard<'a>,
-    mirrors: Vec<Heard<'a>>,
+pub(crate) struct LinkWithMirrors<'a> {
+    link: ReportingProcess<'a>,
+    mirrors: Vec<ReportingProcess<'a>>,
     begun: Instant,
     /// Processor time so far, of the link and of the mirrors, seconds.
     spent_s: (f64, f64),
@@ -32,7 +32,7 @@ pub(crate) struct Links<'a> {
 
 /// Account of the states, and cost.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-pub(crate) struct Carried {
+pub(crate) struct LinkAccount {
     /// States due to be sent by the link, to each mirror.
     pub(crate) states: u64,
     /// Number of arrivals at a mirror.
@@ -55,9 +55,9 @@ pub(crate) struct Carried {
     pub(crate) mirror_mb: f64,
 }
 
-impl<'a> Links<'a> {
+impl<'a> LinkWithMirrors<'a> {
     /// Starts a link for `fusion` and `mirrors` mirrors, and waits until they are connected.
-    pub(crate) fn start(site: &'a Site, fusion: &Fusion<'_>, mirrors: usize) -> anyhow::Result<Self> {
+    pub(crate) fn start(site: &'a BenchSite, fusion: &FusionProcess<'_>, mirrors: usize) -> anyhow::Result<Self> {
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let endpoint = format!("tcp/127.0.0.1:{port}");
         let config = fusion.config().with_extension("link.toml");
@@ -97,7 +97,7 @@ impl<'a> Links<'a> {
                     Err(_) => std::thread::sleep(PAUSE),
                 }
             };
-            all.push(Heard::of(health, Some(bus), running));
+            all.push(ReportingProcess::of(health, Some(bus), running));
         }
         for mirror in &mut all {
             mirror.until(START_PATIENCE, "met the link", |said| {
@@ -120,7 +120,7 @@ impl<'a> Links<'a> {
     }
 
     /// Returns the account of all states published by fusion, once the mirrors receive nothing more.
-    pub(crate) fn carried(mut self) -> anyhow::Result<Carried> {
+    pub(crate) fn carried(mut self) -> anyhow::Result<LinkAccount> {
         let seconds = (instant() - self.begun).as_secs_f64();
         let (link_s, mirrors_s) = self.spent()?;
         // The last states are still in transit.
@@ -135,13 +135,15 @@ impl<'a> Links<'a> {
             quiet = if counted(&said) == counted(&now) { quiet + 1 } else { 0 };
             said = now;
         }
-        let mb = |end: &Heard<'_>| Memory::of(end.pid()).map(|memory| memory.resident_pages as f64 * 4096e-6);
+        let mb = |end: &ReportingProcess<'_>| {
+            ProcessMemory::of(end.pid()).map(|memory| memory.resident_pages as f64 * 4096e-6)
+        };
         let mirrors: anyhow::Result<f64> = self.mirrors.iter().map(mb).sum();
         let all = |counter: Counter| said[1..].iter().map(|mirror| mirror.counters[counter]).sum::<u64>();
         let states = said[0].counters[Counter::Taken] + said[0].counters[Counter::Lost];
         let (came, conflated, lost) = (all(Counter::Taken), all(Counter::Conflated), all(Counter::LostOnTheWay));
         let count = self.mirrors.len();
-        Ok(Carried {
+        Ok(LinkAccount {
             states,
             came,
             conflated,

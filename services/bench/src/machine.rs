@@ -10,7 +10,7 @@ use crate::settings::{Settings, Wait};
 
 /// Facts necessary to interpret the figures.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Machine {
+pub struct MachineFacts {
     /// The processor's name.
     pub processor: String,
     /// Cores that this process may use.
@@ -34,8 +34,8 @@ pub struct Machine {
 }
 
 /// Describes the machine before a measurement; prints and returns the notes necessary to interpret the figures.
-pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
-    let machine = Machine::read();
+pub(crate) fn begin(settings: &Settings) -> (MachineFacts, Vec<String>) {
+    let machine = MachineFacts::read();
     let mut notes = self::notes(settings, &machine);
     let refused = pinned::refusals(settings.bench_place()).into_iter();
     notes.extend(refused.map(|what| format!("bench: {what}")));
@@ -44,7 +44,7 @@ pub(crate) fn begin(settings: &Settings) -> (Machine, Vec<String>) {
 }
 
 /// Returns reasons to distrust the figures, or to read the figures with care, a sentence each.
-pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
+pub(crate) fn notes(settings: &Settings, machine: &MachineFacts) -> Vec<String> {
     let mut notes = Vec::new();
     if !machine.optimised {
         notes.push("this executable is not optimised: build with --release".to_owned());
@@ -69,7 +69,7 @@ pub(crate) fn notes(settings: &Settings, machine: &Machine) -> Vec<String> {
     notes
 }
 
-impl Machine {
+impl MachineFacts {
     /// Reads the current state of this machine.
     pub fn read() -> Self {
         let text = |path: &str| fs::read_to_string(path).unwrap_or_default().trim().to_owned();

@@ -13,16 +13,16 @@ use messages::{Counter, NO_SOURCE};
 use runtime::Now;
 use serde::{Deserialize, Serialize};
 
-use crate::drive::{Clock as _, Driven, Load, MachineClock};
+use crate::drive::{Clock as _, Load, MachineClock, SendProgress};
 use crate::exchange::{Exchange, OneThread, TwoThreads};
 use crate::jitter::Jitter;
 use crate::link::{FromFusion, FromRelay, ToFusion, ToRelay, relay_settings};
-use crate::memory::Memory;
+use crate::memory::ProcessMemory;
 use crate::pace::Pace;
 use crate::pinned;
-use crate::recorder::{Received, Recorder};
+use crate::recorder::{Recorder, StateCounts};
 use crate::settings::{Settings, Wait};
-use crate::site::{Fusion, Site};
+use crate::site::{BenchSite, FusionProcess};
 use crate::subscribers::Subscribers;
 use crate::traffic::Traffic;
 
@@ -38,7 +38,7 @@ const LEAD_NS: i64 = 2_000_000;
 
 /// Load of one measurement.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plan {
+pub(crate) struct LoadPlan {
     /// Reports per second.
     pub(crate) rate_per_s: f64,
     /// Duration at that rate, seconds.
@@ -49,12 +49,12 @@ pub(crate) struct Plan {
 
 /// Result of a measurement.
 #[derive(Debug)]
-pub(crate) struct Measured {
+pub(crate) struct MeasurementResult {
     pub(crate) recorder: Recorder,
-    pub(crate) driven: Driven,
+    pub(crate) driven: SendProgress,
     pub(crate) warm_up: WarmUp,
     /// Memory of the process under test, before and after.
-    pub(crate) memory: [Memory; 2],
+    pub(crate) memory: [ProcessMemory; 2],
     /// Reports sent to the process since the start.
     pub(crate) sent_ever: u64,
     /// Counts of fusion since the start; `None` for a relay.
@@ -85,7 +85,7 @@ pub struct FusionCounts {
     pub lost_by_reader: u64,
 }
 
-impl Measured {
+impl MeasurementResult {
     /// Returns the reports sent in the measured time.
     pub(crate) fn sent(&self, batch: usize) -> u64 {
         self.driven.batches * batch as u64
@@ -101,13 +101,13 @@ impl Measured {
         self.recorder.flood_unanswered(self.driven.batches)
     }
 
-    pub(crate) fn received(&self) -> Received {
+    pub(crate) fn received(&self) -> StateCounts {
         self.recorder.counts()
     }
 }
 
 /// Measures the relay.
-pub(crate) fn relay(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Measured> {
+pub(crate) fn relay(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
     let mut arguments: Vec<OsString> = vec!["bench-relay".into()];
     let mut option = |name: &str, value: String| arguments.extend([name.into(), value.into()]);
     option("--wait", settings.wait.word().to_owned());
@@ -157,7 +157,7 @@ pub(crate) fn relay(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Res
 }
 
 /// Measures fusion.
-pub(crate) fn pipeline(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Measured> {
+pub(crate) fn pipeline(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
     let fusion = site.start_fusion(settings, plan.rate_per_s)?;
     let _subscribers = Subscribers::start(site, settings.subscribers, true)?;
     running_pipeline(site, fusion, settings, plan)
@@ -165,11 +165,11 @@ pub(crate) fn pipeline(site: &Site, settings: &Settings, plan: Plan) -> anyhow::
 
 /// Measures a running fusion process, and stops it.
 pub(crate) fn running_pipeline(
-    site: &Site,
-    mut fusion: Fusion<'_>,
+    site: &BenchSite,
+    mut fusion: FusionProcess<'_>,
     settings: &Settings,
-    plan: Plan,
-) -> anyhow::Result<Measured> {
+    plan: LoadPlan,
+) -> anyhow::Result<MeasurementResult> {
     let (pid, root) = (fusion.pid(), site.root());
     let mut measured = pinned::run(
         settings.bench_place(),
@@ -205,7 +205,7 @@ pub(crate) fn running_pipeline(
 }
 
 /// Reads the clock on the bench's core, with nothing under test.
-pub(crate) fn jitter(site: &Site, settings: &Settings, plan: Plan) -> anyhow::Result<Jitter> {
+pub(crate) fn jitter(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<Jitter> {
     let rests = rests(settings);
     let watch = || match site.stop_requested() {
         true => anyhow::bail!("stopped before the end; no figures are shown"),
@@ -225,10 +225,10 @@ fn rests(settings: &Settings) -> bool {
 fn carry_out(
     exchange: &mut dyn Exchange,
     settings: &Settings,
-    plan: Plan,
+    plan: LoadPlan,
     pid: u32,
     with_flood: bool,
-) -> anyhow::Result<Measured> {
+) -> anyhow::Result<MeasurementResult> {
     let now = Now::read();
     let utc_offset_ns = now.utc_ns - now.mono_ns;
     let mut traffic = Traffic::new(
@@ -239,12 +239,12 @@ fn carry_out(
         utc_offset_ns,
     );
     let warm_up = warm_up(exchange, settings, plan, &mut traffic)?;
-    let before = Memory::of(pid).context("reading the memory of the process under test")?;
+    let before = ProcessMemory::of(pid).context("reading the memory of the process under test")?;
     let (load, recorder) = load(&traffic, settings, plan, plan.seconds, with_flood);
     let (driven, recorder) = exchange.run(&load, recorder)?;
-    let after = Memory::of(pid).context("reading the memory of the process under test")?;
+    let after = ProcessMemory::of(pid).context("reading the memory of the process under test")?;
     let sent = (driven.batches + driven.flood_batches) * settings.batch as u64;
-    Ok(Measured {
+    Ok(MeasurementResult {
         recorder,
         driven,
         warm_up,
@@ -257,7 +257,7 @@ fn carry_out(
 fn warm_up(
     exchange: &mut dyn Exchange,
     settings: &Settings,
-    plan: Plan,
+    plan: LoadPlan,
     traffic: &mut Traffic,
 ) -> anyhow::Result<WarmUp> {
     let clock = MachineClock;
@@ -293,7 +293,7 @@ fn warm_up(
 fn load<'a>(
     traffic: &'a Traffic,
     settings: &Settings,
-    plan: Plan,
+    plan: LoadPlan,
     seconds: f64,
     with_flood: bool,
 ) -> (Load<'a>, Recorder) {

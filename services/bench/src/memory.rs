@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Memory of one process at one moment. In a steady state, pages and faults do not increase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Memory {
+pub struct ProcessMemory {
     /// Pages in physical memory.
     pub resident_pages: u64,
     /// Page faults so far without disk access.
@@ -16,7 +16,7 @@ pub struct Memory {
     pub major_faults: u64,
 }
 
-impl Memory {
+impl ProcessMemory {
     /// Reads the current values of the process `pid`.
     pub(crate) fn of(pid: u32) -> anyhow::Result<Self> {
         let statm = fs::read_to_string(format!("/proc/{pid}/statm"))?;
@@ -46,13 +46,13 @@ mod tests {
     #[test]
     fn read_as_the_kernel_writes_it() {
         let stat = "17 (a ) b) S 1 17 17 0 -1 4194304 1234 5 6 7 8 9 0 0 20 0 1 0 100 1000 300 184\n";
-        let memory = Memory::parse("5000 300 200 1 0 90 0\n", stat).unwrap();
+        let memory = ProcessMemory::parse("5000 300 200 1 0 90 0\n", stat).unwrap();
         assert_eq!(
             (memory.resident_pages, memory.minor_faults, memory.major_faults),
             (300, 1234, 6)
         );
-        let own = Memory::of(std::process::id()).unwrap();
+        let own = ProcessMemory::of(std::process::id()).unwrap();
         assert!(own.resident_pages > 0 && own.minor_faults > 0);
-        assert_eq!(Memory::parse("", ""), None);
+        assert_eq!(ProcessMemory::parse("", ""), None);
     }
 }

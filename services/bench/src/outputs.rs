@@ -11,12 +11,12 @@ use telemetry::write_percentiles;
 use crate::distributions::Distributions;
 use crate::picture;
 use crate::recorder::STAGES;
-use crate::report::Report;
-use crate::settings::Refused;
+use crate::report::BenchReport;
+use crate::settings::MeasurementRefusal;
 
 /// Requested output files.
 #[derive(Clone, Debug, Default)]
-pub struct Outputs {
+pub struct OutputFiles {
     /// All figures as JSON (FM-4).
     pub json: Option<PathBuf>,
     /// Latency against percentile, as SVG.
@@ -25,17 +25,17 @@ pub struct Outputs {
     pub percentiles: Option<PathBuf>,
 }
 
-impl Outputs {
+impl OutputFiles {
     /// Checks that the files can be written, before minutes are spent.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub(crate) fn check(&self) -> Result<(), Refused> {
+    pub(crate) fn check(&self) -> Result<(), MeasurementRefusal> {
         for (option, path) in [("--json", &self.json), ("--picture", &self.picture)] {
             let Some(path) = path else { continue };
             let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
             if parent.is_some_and(|parent| !parent.is_dir()) || path.is_dir() {
-                return Err(Refused(format!(
+                return Err(MeasurementRefusal(format!(
                     "{option} {}: it cannot be written there; name a file in a folder that exists",
                     path.display()
                 )));
@@ -46,7 +46,7 @@ impl Outputs {
             .as_ref()
             .map(|folder| (folder, fs::create_dir_all(folder)));
         match made {
-            Some((folder, Err(error))) => Err(Refused(format!(
+            Some((folder, Err(error))) => Err(MeasurementRefusal(format!(
                 "--percentiles {}: the folder cannot be made: {error}",
                 folder.display()
             ))),
@@ -56,7 +56,7 @@ impl Outputs {
 
     pub(crate) fn write(
         &self,
-        report: &Report,
+        report: &BenchReport,
         points: &[Distributions],
         engine: Option<&Histogram<u64>>,
     ) -> anyhow::Result<()> {

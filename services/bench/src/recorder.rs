@@ -37,13 +37,13 @@ pub(crate) struct Recorder {
     flooded: Histogram<u64>,
     /// Number of received states of each batch.
     answers: Vec<u16>,
-    counts: Received,
+    counts: StateCounts,
     detailed: bool,
 }
 
 /// Counts of received states.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Received {
+pub(crate) struct StateCounts {
     /// States caused by reports of this load.
     pub(crate) answers: u64,
     /// States without a triggering report: coasting, ending.
@@ -68,7 +68,7 @@ impl Recorder {
             stages: std::array::from_fn(|_| histogram()),
             flooded: histogram(),
             answers: vec![0; batches as usize],
-            counts: Received::default(),
+            counts: StateCounts::default(),
             detailed,
         }
     }
@@ -119,7 +119,7 @@ impl Recorder {
         self.counts.missed = missed;
     }
 
-    pub(crate) fn counts(&self) -> Received {
+    pub(crate) fn counts(&self) -> StateCounts {
         self.counts
     }
 

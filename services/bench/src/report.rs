@@ -9,19 +9,19 @@ use telemetry::table::count;
 
 use crate::engine_time::EngineTimes;
 use crate::figures::Figures;
-use crate::machine::Machine;
+use crate::machine::MachineFacts;
 use crate::measure::{FusionCounts, WarmUp};
-use crate::memory::Memory;
+use crate::memory::ProcessMemory;
 use crate::settings::Settings;
-use crate::verdict::Verdict;
+use crate::verdict::FigureVerdict;
 
 /// Contents of the file. The top-level figures are those of the first rate; `points` has all rates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Report {
+pub struct BenchReport {
     /// Command of the measurement: latency, throughput, engine.
     pub command: String,
     /// Measuring machine.
-    pub machine: Machine,
+    pub machine: MachineFacts,
     /// Settings of the measurement.
     pub settings: Option<Settings>,
     /// Latency of the bare relay: medians over the runs.
@@ -39,11 +39,11 @@ pub struct Report {
     /// Jitter of the machine.
     pub jitter: JitterFigures,
     /// Figures at each rate.
-    pub points: Vec<Point>,
+    pub points: Vec<RatePoint>,
     /// Search for the highest rate.
     pub throughput: Option<Throughput>,
     /// Verdicts on the targets of performance.
-    pub verdicts: Vec<Verdict>,
+    pub verdicts: Vec<FigureVerdict>,
     /// Clock readings along the path of one report, and the cost of a reading, nanoseconds.
     pub stamps: Stamps,
     /// Notes necessary to interpret the figures.
@@ -52,26 +52,26 @@ pub struct Report {
 
 /// Figures at one rate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub struct RatePoint {
     /// Reports per second.
     pub rate_per_s: f64,
-    /// Medians over the runs, as in [`Report`].
+    /// Medians over the runs, as in [`BenchReport`].
     pub floor: Figures,
-    /// As in [`Report`].
+    /// As in [`BenchReport`].
     pub pipeline: Figures,
-    /// As in [`Report`].
+    /// As in [`BenchReport`].
     pub stages: BTreeMap<String, Figures>,
-    /// As in [`Report`].
+    /// As in [`BenchReport`].
     pub jitter: JitterFigures,
     /// Latencies of a flooding source's own share.
     pub flooded: Option<Figures>,
     /// Single runs.
-    pub runs: Vec<Run>,
+    pub runs: Vec<Repetition>,
 }
 
 /// One repetition: floor, pipeline and jitter, measured one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub struct Repetition {
     /// The bare relay.
     pub floor: Figures,
     /// The pipeline.
@@ -81,16 +81,16 @@ pub struct Run {
     /// The pipeline's stages.
     pub stages: BTreeMap<String, Figures>,
     /// Account of the reports.
-    pub account: Account,
+    pub account: ReportAccount,
     /// Warm-up of the pipeline.
     pub warm_up: WarmUp,
     /// The fusion process's memory before and after the measured time.
-    pub memory: [Memory; 2],
+    pub memory: [ProcessMemory; 2],
 }
 
 /// Account of the reports of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Account {
+pub struct ReportAccount {
     /// Reports sent in the measured time.
     pub sent: u64,
     /// System tracks received in answer.
@@ -114,7 +114,7 @@ pub struct Account {
     pub fusion: FusionCounts,
 }
 
-impl Account {
+impl ReportAccount {
     /// Whether every report sent is either taken or counted as lost.
     pub fn adds_up(&self) -> bool {
         self.sent_ever == self.fusion.taken + self.fusion.lost
@@ -154,7 +154,7 @@ pub struct Throughput {
     /// Measurement beyond the highest rate.
     pub overload: Option<Overload>,
     /// The fusion process's memory before and after the long run at the highest rate.
-    pub memory: [Memory; 2],
+    pub memory: [ProcessMemory; 2],
     /// Length of that run, seconds.
     pub memory_seconds: f64,
 }
@@ -178,7 +178,7 @@ pub struct Overload {
     /// Sent reports per second.
     pub rate_per_s: f64,
     /// Account of the reports.
-    pub account: Account,
+    pub account: ReportAccount,
     /// Whether fusion counted every missing report.
     pub adds_up: bool,
     /// Latency of the answered reports, from the intended time.
@@ -189,14 +189,14 @@ pub struct Overload {
 
 /// Outcome of a measurement.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct MeasurementOutcome {
     /// Text to show.
     pub text: String,
     /// Reason why the figures are unreliable, if any.
     pub failure: Option<String>,
 }
 
-impl Report {
+impl BenchReport {
     /// Returns the reason why the figures are unreliable, if any: unanswered reports are in no figure.
     pub(crate) fn failure(&self) -> Option<String> {
         let runs = self.points.iter().flat_map(|point| &point.runs);
@@ -235,9 +235,9 @@ mod tests {
 
     #[test]
     fn json_has_the_keys_of_the_specification() {
-        let report = Report {
+        let report = BenchReport {
             stages: BTreeMap::from([("taken_to_fused".to_owned(), Figures::default())]),
-            ..Report::default()
+            ..BenchReport::default()
         };
         let value = serde_json::to_value(&report).unwrap();
         for key in [
@@ -255,28 +255,28 @@ mod tests {
                 assert!(value.pointer(&format!("{of}/{key}")).is_some(), "{of}/{key}");
             }
         }
-        let back: Report = serde_json::from_value(value).unwrap();
+        let back: BenchReport = serde_json::from_value(value).unwrap();
         assert_eq!(back, report);
     }
 
     #[test]
     fn figures_without_the_reports_that_were_lost_are_a_failure() {
         let report = |unanswered| {
-            let account = Account {
+            let account = ReportAccount {
                 sent: 20_000,
                 unanswered,
-                ..Account::default()
+                ..ReportAccount::default()
             };
-            let run = Run {
+            let run = Repetition {
                 account,
-                ..Run::default()
+                ..Repetition::default()
             };
-            Report {
-                points: vec![Point {
+            BenchReport {
+                points: vec![RatePoint {
                     runs: vec![run.clone(), run],
-                    ..Point::default()
+                    ..RatePoint::default()
                 }],
-                ..Report::default()
+                ..BenchReport::default()
             }
         };
         assert_eq!(report(0).failure(), None);

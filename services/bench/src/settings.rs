@@ -96,21 +96,21 @@ pub struct Flood {
 /// Measurement that is impossible, on this machine or in general.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct Refused(pub String);
+pub struct MeasurementRefusal(pub String);
 
 impl Settings {
     /// Checks the settings against their limits and against this machine.
     ///
     /// # Errors
     /// With option, value, limit and remedy.
-    pub fn check(&self) -> Result<(), Refused> {
+    pub fn check(&self) -> Result<(), MeasurementRefusal> {
         self.check_without_cores()?;
         self.check_cores(&cores::available())
     }
 
     /// Checks the settings without the cores: the engine alone needs only one core.
-    pub(crate) fn check_without_cores(&self) -> Result<(), Refused> {
-        let refuse = |what: String| Err(Refused(what));
+    pub(crate) fn check_without_cores(&self) -> Result<(), MeasurementRefusal> {
+        let refuse = |what: String| Err(MeasurementRefusal(what));
         for rate in &self.rates_per_s {
             if !(RATE_MIN..=RATE_MAX).contains(rate) {
                 return refuse(format!(
@@ -157,9 +157,9 @@ impl Settings {
         Ok(())
     }
 
-    fn check_cores(&self, available: &[usize]) -> Result<(), Refused> {
+    fn check_cores(&self, available: &[usize]) -> Result<(), MeasurementRefusal> {
         if available.len() < 2 {
-            return Err(Refused(format!(
+            return Err(MeasurementRefusal(format!(
                 "this process may use {} core(s), {available:?}, but bench and fusion need one each: give it another \
                  (taskset, cgroup, container limits), or measure the engine alone with `koseki bench engine`",
                 available.len()
@@ -167,13 +167,13 @@ impl Settings {
         }
         for (option, core) in [("--bench-core", self.bench_core), ("--fusion-core", self.fusion_core)] {
             if !available.contains(&core) {
-                return Err(Refused(format!(
+                return Err(MeasurementRefusal(format!(
                     "{option} {core}: this process may use cores {available:?}; name one of them"
                 )));
             }
         }
         if self.bench_core == self.fusion_core {
-            return Err(Refused(format!(
+            return Err(MeasurementRefusal(format!(
                 "--bench-core and --fusion-core are both {}: they would measure each other; name two of {available:?}",
                 self.bench_core
             )));

@@ -12,7 +12,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail};
-use bus::{Bus, Held, Root, SharedMemory, Subscriber};
+use bus::{Bus, Root, SharedMemory, Subscriber, TopicHold};
 use deployment::Deployment;
 use messages::{Health, LifeState, NO_SOURCE};
 use runtime::clock::{instant, mono_ns};
@@ -41,9 +41,9 @@ const PERIOD_MAX_S: f64 = 600.0;
 
 /// Deployment of the bench, see the module's documentation.
 #[derive(Debug)]
-pub(crate) struct Site {
+pub(crate) struct BenchSite {
     /// Fields in the order of their required removal.
-    topics: Option<(Vec<Held>, Bus<SharedMemory>)>,
+    topics: Option<(Vec<TopicHold>, Bus<SharedMemory>)>,
     instance: Option<Instance>,
     folder: tempfile::TempDir,
     root: Root,
@@ -51,7 +51,7 @@ pub(crate) struct Site {
     stop: Stop,
 }
 
-impl Site {
+impl BenchSite {
     /// Claims an instance and creates its topics.
     pub(crate) fn prepare(product: &dyn Product, settings: &Settings, stop: &Stop) -> anyhow::Result<Self> {
         remove_left_behind();
@@ -119,10 +119,10 @@ impl Site {
     }
 
     /// Starts fusion for reports at `rate_per_s`, and waits until it runs.
-    pub(crate) fn start_fusion(&self, settings: &Settings, rate_per_s: f64) -> anyhow::Result<Fusion<'_>> {
+    pub(crate) fn start_fusion(&self, settings: &Settings, rate_per_s: f64) -> anyhow::Result<FusionProcess<'_>> {
         let path = write_config(self.folder.path(), settings, rate_per_s)?;
         let running = self.start("fusion", vec!["fusion".into(), "--config".into(), path.clone().into()])?;
-        let mut fusion = Fusion {
+        let mut fusion = FusionProcess {
             heard: self.hear(running)?,
             config: path,
         };
@@ -131,13 +131,13 @@ impl Site {
     }
 
     /// Subscribes to the health of a process of the instance.
-    pub(crate) fn hear<'a>(&'a self, running: Running<'a>) -> anyhow::Result<Heard<'a>> {
+    pub(crate) fn hear<'a>(&'a self, running: Running<'a>) -> anyhow::Result<ReportingProcess<'a>> {
         let health = self.bus().subscriber(&messages::health(), || mono_ns() as u64)?;
-        Ok(Heard::of(health, None, running))
+        Ok(ReportingProcess::of(health, None, running))
     }
 }
 
-impl Drop for Site {
+impl Drop for BenchSite {
     fn drop(&mut self) {
         drop(self.topics.take());
         if let Some(instance) = self.instance.take()
@@ -153,7 +153,7 @@ impl Drop for Site {
 pub(crate) struct Running<'a> {
     child: Child,
     name: &'static str,
-    site: &'a Site,
+    site: &'a BenchSite,
 }
 
 impl Running<'_> {
@@ -196,7 +196,7 @@ impl Drop for Running<'_> {
 
 /// Process with health messages.
 #[derive(Debug)]
-pub(crate) struct Heard<'a> {
+pub(crate) struct ReportingProcess<'a> {
     /// Declared before the process, hence dropped first: a process with a separate instance waits for all readers
     /// to leave.
     health: Subscriber<SharedMemory, Health>,
@@ -206,7 +206,7 @@ pub(crate) struct Heard<'a> {
     latest: Option<Health>,
 }
 
-impl<'a> Heard<'a> {
+impl<'a> ReportingProcess<'a> {
     /// Creates the watched process; `bus` is the bus of its own instance, if any.
     pub(crate) fn of(
         health: Subscriber<SharedMemory, Health>,
@@ -273,12 +273,12 @@ impl<'a> Heard<'a> {
 
 /// Fusion process.
 #[derive(Debug)]
-pub(crate) struct Fusion<'a> {
-    heard: Heard<'a>,
+pub(crate) struct FusionProcess<'a> {
+    heard: ReportingProcess<'a>,
     config: PathBuf,
 }
 
-impl Fusion<'_> {
+impl FusionProcess<'_> {
     pub(crate) fn pid(&self) -> u32 {
         self.heard.pid()
     }

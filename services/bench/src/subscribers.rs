@@ -10,7 +10,7 @@ use anyhow::Context as _;
 use bus::{Bus, SharedMemory};
 use runtime::clock::mono_ns;
 
-use crate::site::Site;
+use crate::site::BenchSite;
 
 /// Pause between two reads: as long as the queues permit, so that the readers take little of the measured machine.
 const READ_EVERY: Duration = Duration::from_millis(2);
@@ -24,7 +24,7 @@ pub(crate) struct Subscribers {
 
 impl Subscribers {
     /// Starts `count` subscribers on a thread that may run on any core; without `read`, their queues overflow.
-    pub(crate) fn start(site: &Site, count: usize, read: bool) -> anyhow::Result<Self> {
+    pub(crate) fn start(site: &BenchSite, count: usize, read: bool) -> anyhow::Result<Self> {
         let leave = Arc::new(AtomicBool::new(false));
         if count == 0 {
             return Ok(Self { thread: None, leave });

@@ -3,18 +3,18 @@
 use std::fmt::Write as _;
 
 use telemetry::Stage;
-use telemetry::table::{Align, Table, count, duration};
+use telemetry::table::{Align, TextTable, count, duration};
 
 use crate::figures::{Figures, median, range};
 use crate::link::queues;
 use crate::recorder::STAGES;
-use crate::report::{Account, JitterFigures, Overload, Point, Report, Run};
+use crate::report::{BenchReport, JitterFigures, Overload, RatePoint, Repetition, ReportAccount};
 
 /// Lateness at the end of a run above which the bench has fallen behind, nanoseconds.
 const BENCH_LATE_NS: i64 = 20_000_000;
 
 /// Returns the text of a search for the highest rate.
-pub(crate) fn throughput(report: &Report) -> String {
+pub(crate) fn throughput(report: &BenchReport) -> String {
     let mut text = heading(report);
     let Some(found) = &report.throughput else { return text };
     let _ = writeln!(
@@ -31,7 +31,7 @@ pub(crate) fn throughput(report: &Report) -> String {
     let mut columns = vec![("reports/s", Align::Right), ("held", Align::Left)];
     columns.extend(Figures::NAMES.map(|name| (name, Align::Right)));
     columns.push(("lost", Align::Right));
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     for probe in &found.probes {
         let mut cells = vec![
             count(probe.rate_per_s as u64),
@@ -63,7 +63,7 @@ pub(crate) fn throughput(report: &Report) -> String {
     text
 }
 
-fn overload_text(overload: &Overload, report: &Report) -> String {
+fn overload_text(overload: &Overload, report: &BenchReport) -> String {
     let account = &overload.account;
     let room = report.settings.as_ref().map_or(0.0, |settings| queues(settings) as f64);
     format!(
@@ -87,7 +87,7 @@ fn overload_text(overload: &Overload, report: &Report) -> String {
 }
 
 /// Returns the irregularities of a run's reports; empty if there are none.
-pub(crate) fn odd(account: &Account) -> String {
+pub(crate) fn odd(account: &ReportAccount) -> String {
     let mut odd = Vec::new();
     let mut add = |number: u64, what: &str| {
         if number > 0 {
@@ -114,7 +114,7 @@ pub(crate) fn odd(account: &Account) -> String {
 }
 
 /// Returns the text of a latency measurement.
-pub(crate) fn latency(report: &Report) -> String {
+pub(crate) fn latency(report: &BenchReport) -> String {
     let mut text = heading(report);
     for point in &report.points {
         text.push_str(&point_text(point));
@@ -144,7 +144,7 @@ pub(crate) fn latency(report: &Report) -> String {
     text
 }
 
-pub(crate) fn stamps(report: &Report) -> String {
+pub(crate) fn stamps(report: &BenchReport) -> String {
     let stamps = &report.stamps;
     format!(
         "Stamps: a clock reading costs {}; {} of the bench and {} of fusion for each slice\n",
@@ -155,7 +155,7 @@ pub(crate) fn stamps(report: &Report) -> String {
 }
 
 /// Returns the description of machine and settings.
-pub(crate) fn heading(report: &Report) -> String {
+pub(crate) fn heading(report: &BenchReport) -> String {
     let machine = &report.machine;
     let mut text = format!(
         "{} with {} cores, Linux {}{}, load {:.1} before and {:.1} after\n",
@@ -193,7 +193,7 @@ pub(crate) fn heading(report: &Report) -> String {
     text
 }
 
-pub(crate) fn footnotes(report: &Report) -> String {
+pub(crate) fn footnotes(report: &BenchReport) -> String {
     let mut text = String::new();
     for note in &report.notes {
         let _ = writeln!(text, "note: {note}");
@@ -201,7 +201,7 @@ pub(crate) fn footnotes(report: &Report) -> String {
     text
 }
 
-fn point_text(point: &Point) -> String {
+fn point_text(point: &RatePoint) -> String {
     let runs = &point.runs;
     let seconds = median(&runs.iter().map(|run| run.warm_up.seconds).collect::<Vec<_>>());
     let reports = median(&runs.iter().map(|run| run.warm_up.reports as f64).collect::<Vec<_>>());
@@ -215,7 +215,7 @@ fn point_text(point: &Point) -> String {
     let mut columns = vec![("latency from the intended time", Align::Left)];
     columns.extend(Figures::NAMES.map(|name| (name, Align::Right)));
     columns.push(("lost", Align::Right));
-    let mut table = Table::new(&columns);
+    let mut table = TextTable::new(&columns);
     spread_row(&mut table, "relay (floor)", runs, |run| run.floor);
     spread_row(&mut table, "pipeline", runs, |run| run.pipeline);
     spread_row(&mut table, "machine alone", runs, |run| run.jitter.lateness);
@@ -250,8 +250,8 @@ fn jitter_text(jitter: &JitterFigures) -> String {
     )
 }
 
-fn account_text(runs: &[Run]) -> String {
-    let sum = |of: fn(&Account) -> u64| runs.iter().map(|run| of(&run.account)).sum::<u64>();
+fn account_text(runs: &[Repetition]) -> String {
+    let sum = |of: fn(&ReportAccount) -> u64| runs.iter().map(|run| of(&run.account)).sum::<u64>();
     let unsettled = runs.iter().filter(|run| !run.warm_up.settled).count();
     let adds_up = runs.iter().all(|run| run.account.adds_up());
     let mut text = format!(
@@ -275,7 +275,7 @@ fn account_text(runs: &[Run]) -> String {
     text
 }
 
-pub(crate) fn row(table: &mut Table, name: &str, figures: &Figures) {
+pub(crate) fn row(table: &mut TextTable, name: &str, figures: &Figures) {
     let mut cells = vec![name.to_owned()];
     cells.extend(figures.values().map(|value| duration(value as f64)));
     cells.push(count(figures.lost));
@@ -283,11 +283,11 @@ pub(crate) fn row(table: &mut Table, name: &str, figures: &Figures) {
 }
 
 /// Adds two lines: medians, and the range over the runs.
-fn spread_row(table: &mut Table, name: &str, runs: &[Run], of: impl Fn(&Run) -> Figures) {
+fn spread_row(table: &mut TextTable, name: &str, runs: &[Repetition], of: impl Fn(&Repetition) -> Figures) {
     spread(table, name, &runs.iter().map(of).collect::<Vec<_>>());
 }
 
-fn spread(table: &mut Table, name: &str, runs: &[Figures]) {
+fn spread(table: &mut TextTable, name: &str, runs: &[Figures]) {
     row(table, name, &Figures::median(runs));
     if runs.len() > 1 {
         let mut cells = vec![String::new()];
@@ -300,7 +300,7 @@ fn spread(table: &mut Table, name: &str, runs: &[Figures]) {
 }
 
 /// Adds the median of the runs' own ratios: disturbances affect both sides of a ratio.
-fn ratio_row(table: &mut Table, runs: &[Run]) {
+fn ratio_row(table: &mut TextTable, runs: &[Repetition]) {
     let mut cells = vec!["pipeline / relay, paired".to_owned()];
     for index in 0..Figures::NAMES.len() {
         let ratios: Vec<f64> = runs

@@ -23,15 +23,15 @@ use crate::engine_time;
 use crate::figures::Figures;
 use crate::link::queues;
 use crate::machine;
-use crate::measure::{self, Measured, Plan};
-use crate::outputs::Outputs;
+use crate::measure::{self, LoadPlan, MeasurementResult};
+use crate::outputs::OutputFiles;
 use crate::product::Product;
 use crate::progress::say;
 use crate::recorder::STAGES;
-use crate::report::{Outcome, Overload, ProbeFigures, Report, Throughput};
+use crate::report::{BenchReport, MeasurementOutcome, Overload, ProbeFigures, Throughput};
 use crate::search::highest;
 use crate::settings::Settings;
-use crate::site::Site;
+use crate::site::BenchSite;
 use crate::text;
 
 /// Start and upper limit of the search, reports per second.
@@ -60,13 +60,13 @@ pub fn run(
     product: &dyn Product,
     settings: &Settings,
     probe_seconds: f64,
-    outputs: &Outputs,
-) -> anyhow::Result<Outcome> {
+    outputs: &OutputFiles,
+) -> anyhow::Result<MeasurementOutcome> {
     settings.check()?;
     outputs.check()?;
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, notes) = machine::begin(settings);
-    let site = Site::prepare(product, settings, &stop)?;
+    let site = BenchSite::prepare(product, settings, &stop)?;
     let bench = Bench {
         site: &site,
         settings,
@@ -106,7 +106,7 @@ pub fn run(
     drop(site);
     machine.ended();
     probes.sort_by(|a, b| a.rate_per_s.total_cmp(&b.rate_per_s));
-    let report = Report {
+    let report = BenchReport {
         command: "throughput".to_owned(),
         machine,
         settings: Some(settings.clone()),
@@ -130,28 +130,28 @@ pub fn run(
         notes,
     };
     outputs.write(&report, &[merged], Some(&single))?;
-    Ok(Outcome {
+    Ok(MeasurementOutcome {
         text: text::throughput(&report),
         failure: report.failure(),
     })
 }
 
 struct Bench<'a> {
-    site: &'a Site,
+    site: &'a BenchSite,
     settings: &'a Settings,
     probe_seconds: f64,
 }
 
 impl Bench<'_> {
-    fn plan(&self, rate_per_s: f64) -> Plan {
-        Plan {
+    fn plan(&self, rate_per_s: f64) -> LoadPlan {
+        LoadPlan {
             rate_per_s,
             seconds: self.probe_seconds,
             detailed: false,
         }
     }
 
-    fn probe(&self, what: &str, rate_per_s: f64, measured: &Measured) -> ProbeFigures {
+    fn probe(&self, what: &str, rate_per_s: f64, measured: &MeasurementResult) -> ProbeFigures {
         let driven = &measured.driven;
         let behind_ns = driven.last_heard_ns - driven.last_sent_ns;
         let lost = measured.unanswered() + measured.fusion.map_or(0, |counts| counts.lost);
@@ -180,7 +180,7 @@ impl Bench<'_> {
     fn overload(&self, held_per_s: f64) -> anyhow::Result<Overload> {
         let rate_per_s = BEYOND * held_per_s;
         let needed_s = OVERFLOWS * queues(self.settings) as f64 / (rate_per_s - held_per_s);
-        let plan = Plan {
+        let plan = LoadPlan {
             seconds: needed_s.max(self.probe_seconds),
             detailed: true,
             ..self.plan(rate_per_s)
@@ -199,8 +199,8 @@ impl Bench<'_> {
     }
 
     /// Measures floor, pipeline and machine at one rate, for the configured time.
-    fn long_run(&self, rate_per_s: f64) -> anyhow::Result<(crate::report::Point, Distributions)> {
-        let plan = Plan {
+    fn long_run(&self, rate_per_s: f64) -> anyhow::Result<(crate::report::RatePoint, Distributions)> {
+        let plan = LoadPlan {
             rate_per_s,
             seconds: self.settings.seconds,
             detailed: true,

@@ -19,7 +19,7 @@ const EVENT_TAIL_FACTOR: f64 = 1.5;
 
 /// Comparison of one figure with its limit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Verdict {
+pub struct FigureVerdict {
     /// Description of the figure.
     pub what: String,
     /// The figure, nanoseconds.
@@ -30,7 +30,7 @@ pub struct Verdict {
     pub holds: bool,
 }
 
-impl Verdict {
+impl FigureVerdict {
     fn new(what: String, value_ns: f64, limit_ns: f64) -> Self {
         Self {
             holds: value_ns <= limit_ns,
@@ -58,16 +58,16 @@ pub(crate) fn verdicts(
     pipeline: &Figures,
     engine_ns: f64,
     engine: &Figures,
-) -> Vec<Verdict> {
+) -> Vec<FigureVerdict> {
     let of = |ns: u64| ns as f64;
     match wait {
         Wait::Event => vec![
-            Verdict::new(
+            FigureVerdict::new(
                 format!("p50 of the pipeline within {EVENT_MIDDLE_FACTOR} x relay"),
                 of(pipeline.p50_ns),
                 EVENT_MIDDLE_FACTOR * of(floor.p50_ns),
             ),
-            Verdict::new(
+            FigureVerdict::new(
                 format!("p99.9 of the pipeline within {EVENT_TAIL_FACTOR} x relay"),
                 of(pipeline.p999_ns),
                 EVENT_TAIL_FACTOR * of(floor.p999_ns),
@@ -75,7 +75,7 @@ pub(crate) fn verdicts(
         ],
         Wait::Spin | Wait::Hybrid => {
             let middle = (batch == 1).then(|| {
-                Verdict::new(
+                FigureVerdict::new(
                     format!(
                         "p50 of the pipeline within relay {} + engine {} + {}",
                         duration(of(floor.p50_ns)),
@@ -86,7 +86,7 @@ pub(crate) fn verdicts(
                     of(floor.p50_ns) + engine_ns + OWN_NS,
                 )
             });
-            let tail = Verdict::new(
+            let tail = FigureVerdict::new(
                 format!(
                     "p99 of the pipeline within {TAIL_FACTOR} x (relay {} + engine {})",
                     duration(of(floor.p99_ns)),

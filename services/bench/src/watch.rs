@@ -11,16 +11,16 @@ use std::ffi::OsString;
 use anyhow::Context as _;
 use runtime::signals::Stop;
 use serde::Serialize;
-use telemetry::table::{Align, Table, duration};
+use telemetry::table::{Align, TextTable, duration};
 
 use crate::figures::{Figures, Ratio};
-use crate::links::{Carried, Links};
-use crate::machine::{self, Machine};
-use crate::measure::{self, Plan};
+use crate::links::{LinkAccount, LinkWithMirrors};
+use crate::machine::{self, MachineFacts};
+use crate::measure::{self, LoadPlan};
 use crate::product::Product;
 use crate::progress::say;
-use crate::settings::{Flood, Refused, Settings};
-use crate::site::{Fusion, Running, Site};
+use crate::settings::{Flood, MeasurementRefusal, Settings};
+use crate::site::{BenchSite, FusionProcess, Running};
 use crate::subscribers::Subscribers;
 
 /// Minimum number of pairs for a useful interval.
@@ -69,9 +69,9 @@ const CARRIED: [&str; 8] = [
 
 /// Result in the form of JSON.
 #[derive(Debug, Serialize)]
-struct Watched<'a> {
+struct WatchResult<'a> {
     command: &'static str,
-    machine: &'a Machine,
+    machine: &'a MachineFacts,
     settings: &'a Settings,
     with: Extra,
     /// Figures with and without, pair by pair.
@@ -80,8 +80,8 @@ struct Watched<'a> {
     p99_ratio: Ratio,
     p999_ratio: Ratio,
     /// Accounts of the links, pair by pair.
-    #[serde(skip_serializing_if = "<[Carried]>::is_empty")]
-    carried: &'a [Carried],
+    #[serde(skip_serializing_if = "<[LinkAccount]>::is_empty")]
+    carried: &'a [LinkAccount],
 }
 
 /// Measures `settings.runs` pairs of runs of `product`. Returns the text to show.
@@ -107,12 +107,12 @@ pub fn run(
             "--runs {}: fewer than {PAIRS_MIN} pairs give no interval at 95 %",
             settings.runs
         );
-        return Err(Refused(what).into());
+        return Err(MeasurementRefusal(what).into());
     }
     let stop = Stop::on_signals_to_clear_up()?;
     let (mut machine, _) = machine::begin(settings);
-    let site = Site::prepare(product, settings, &stop)?;
-    let plan = Plan {
+    let site = BenchSite::prepare(product, settings, &stop)?;
+    let plan = LoadPlan {
         rate_per_s: settings.rates_per_s[0],
         seconds: settings.seconds,
         detailed: false,
@@ -139,7 +139,7 @@ pub fn run(
         let values: Vec<(f64, f64)> = pairs.iter().map(|(on, off)| (of(on) as f64, of(off) as f64)).collect();
         Ratio::of_pairs(&values)
     };
-    let watched = Watched {
+    let watched = WatchResult {
         command: "watch",
         machine: &machine,
         settings,
@@ -159,11 +159,11 @@ pub fn run(
 
 /// Executes one measurement of a fresh fusion, with or without the addition.
 fn one(
-    site: &Site,
+    site: &BenchSite,
     settings: &Settings,
-    plan: Plan,
+    plan: LoadPlan,
     with: Option<Extra>,
-) -> anyhow::Result<(Figures, Option<Carried>)> {
+) -> anyhow::Result<(Figures, Option<LinkAccount>)> {
     let mut settings = settings.clone();
     if let Some(Extra::Flood(factor)) = with {
         settings.flood = Some(flood(factor));
@@ -176,11 +176,11 @@ fn one(
         Some(Extra::Monitor) => _monitor = Some(monitor(site, &fusion)?),
         Some(Extra::StoppedSubscriber) => _subscribers = Some(Subscribers::start(site, 1, false)?),
         Some(Extra::Subscribers(count)) => _subscribers = Some(Subscribers::start(site, count, true)?),
-        Some(Extra::Link(mirrors)) => links = Some(Links::start(site, &fusion, mirrors)?),
+        Some(Extra::Link(mirrors)) => links = Some(LinkWithMirrors::start(site, &fusion, mirrors)?),
     }
     let measured = measure::running_pipeline(site, fusion, settings, plan)?;
     let figures = Figures::of(measured.recorder.end_to_end(), measured.unanswered());
-    Ok((figures, links.map(Links::carried).transpose()?))
+    Ok((figures, links.map(LinkWithMirrors::carried).transpose()?))
 }
 
 fn flood(factor: u32) -> Flood {
@@ -190,12 +190,12 @@ fn flood(factor: u32) -> Flood {
     }
 }
 
-fn monitor<'a>(site: &'a Site, fusion: &Fusion<'_>) -> anyhow::Result<Running<'a>> {
+fn monitor<'a>(site: &'a BenchSite, fusion: &FusionProcess<'_>) -> anyhow::Result<Running<'a>> {
     let arguments: Vec<OsString> = vec!["monitor".into(), "--config".into(), fusion.config().into()];
     site.start("the monitor", arguments)
 }
 
-fn shown(watched: &Watched<'_>) -> String {
+fn shown(watched: &WatchResult<'_>) -> String {
     let mut text = format!(
         "With {}, against without: {} pairs of {} s at {} reports/s, wait {}; load {:.1} before and {:.1} after\n\n",
         watched.with,
@@ -207,7 +207,7 @@ fn shown(watched: &Watched<'_>) -> String {
         watched.machine.load_after
     );
     let columns = ["latency", "with", "without", "ratio", "95 % interval"];
-    let mut table = Table::new(&columns.map(|name| {
+    let mut table = TextTable::new(&columns.map(|name| {
         let align = if name == "latency" { Align::Left } else { Align::Right };
         (name, align)
     }));
@@ -235,7 +235,7 @@ fn shown(watched: &Watched<'_>) -> String {
         "Unanswered reports of all runs: {} with, {} without.\n",
         on.lost, off.lost
     ));
-    let mut table = Table::new(&CARRIED.map(|name| (name, Align::Right)));
+    let mut table = TextTable::new(&CARRIED.map(|name| (name, Align::Right)));
     for each in watched.carried {
         table.row([
             each.states.to_string(),

@@ -14,10 +14,10 @@ use messages::{
     Stream, Streamed as _, SystemTrack, WideArea,
 };
 use runtime::{Agent, HealthEntry, Now, Turn};
-use web::Counts;
+use web::RequestCounts;
 
-use crate::orders::Orders;
-use crate::shared::Shared;
+use crate::orders::OrderAgent;
+use crate::shared::SharedState;
 
 /// Slices taken from one topic in one turn: the capacity of its queue.
 const SLICES_PER_TURN: usize = 256;
@@ -26,9 +26,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// Display agent; generic over the transport, so that tests drive it in process.
 pub(crate) struct DisplayAgent<S: Transport> {
-    shared: Arc<Shared>,
+    shared: Arc<SharedState>,
     /// Requests that the server refused.
-    refused: Arc<Counts>,
+    refused: Arc<RequestCounts>,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
     origins: Subscriber<S, FrameOrigin>,
@@ -41,7 +41,7 @@ pub(crate) struct DisplayAgent<S: Transport> {
     counts: Vec<Subscriber<S, WideArea>>,
     cues: Vec<Subscriber<S, Cue>>,
     /// Port for orders, if operators are configured.
-    operators: Option<Orders<S>>,
+    operators: Option<OrderAgent<S>>,
 }
 
 impl<S: Transport> DisplayAgent<S> {
@@ -54,7 +54,7 @@ impl<S: Transport> DisplayAgent<S> {
         has_operators: bool,
         bus: &Bus<S>,
         incarnation: u64,
-        (shared, refused): (Arc<Shared>, Arc<Counts>),
+        (shared, refused): (Arc<SharedState>, Arc<RequestCounts>),
     ) -> anyhow::Result<Self> {
         let now_ns = || incarnation;
         let mut agent = Self {
@@ -71,7 +71,7 @@ impl<S: Transport> DisplayAgent<S> {
             bearings: Vec::new(),
             counts: Vec::new(),
             cues: Vec::new(),
-            operators: has_operators.then(|| Orders::open(bus, incarnation)).transpose()?,
+            operators: has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?,
         };
         for (id, name) in config.streams() {
             match id.stream {

@@ -52,14 +52,14 @@ use messages::FrameOrigin;
 use outgoing::Technology;
 use runtime::Now;
 use runtime::signals::Stop;
-use web::{Guard, HostName, Server, Writer};
+use web::{Guard, HostName, Server, WriteAccess};
 
 use crate::clock::PictureClock;
 pub use crate::settings::{Keys, Settings};
-use crate::shared::Shared;
+use crate::shared::SharedState;
 use crate::tape::Tape;
 use crate::wire::Past;
-use crate::world::{Recording, SourceFact, World};
+use crate::world::{ReplayedRecording, SourceFact, World};
 
 /// Time between two updates of a recording's position.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
@@ -81,7 +81,7 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     );
     world.place(&origin(&process.config));
     world.set_clock(PictureClock::of(process.config.is_recorded()));
-    let shared = Shared::new(world, overlays, Now::read);
+    let shared = SharedState::new(world, overlays, Now::read);
     let server = serve(settings, &shared)?;
     say(&server, settings);
     let sight = (shared, server.counts().clone());
@@ -128,7 +128,7 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
     );
     world.place(&origin(config));
     let span_ns = tape.span_ns();
-    world.recording = Some(Recording {
+    world.recording = Some(ReplayedRecording {
         name: name.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         span_ns,
         at_ns: span_ns[0],
@@ -139,7 +139,7 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
         },
         since_ns: Now::read().mono_ns,
     });
-    let shared = Shared::new(world, Vec::new(), Now::read);
+    let shared = SharedState::new(world, Vec::new(), Now::read);
     let server = serve(&settings, &shared)?;
     say(&server, &settings);
     while !stop.requested() {
@@ -157,11 +157,11 @@ pub fn show_recording(config: &Deployment, path: &Path, files: &[PathBuf]) -> an
 }
 
 /// Serves `shared` on the first free port.
-fn serve(settings: &Settings, shared: &std::sync::Arc<Shared>) -> anyhow::Result<Server> {
+fn serve(settings: &Settings, shared: &std::sync::Arc<SharedState>) -> anyhow::Result<Server> {
     let guard = Guard {
         hosts: settings.hosts.iter().map(HostName::in_small_letters).collect(),
         token: settings.token.clone(),
-        writer: settings.operator_token.clone().map(|token| Writer {
+        writer: settings.operator_token.clone().map(|token| WriteAccess {
             token,
             path: operator::ORDER,
             login: operator::LOGIN,
@@ -210,7 +210,7 @@ fn sources(config: &Deployment) -> Vec<SourceFact> {
         .collect()
 }
 
-fn fact(observed: observed::Source, source: &deployment::Source) -> SourceFact {
+fn fact(observed: observed::SourceFacts, source: &deployment::Source) -> SourceFact {
     SourceFact {
         source: observed,
         kind: match source.technology {

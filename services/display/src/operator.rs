@@ -16,7 +16,7 @@ use web::axum::response::{IntoResponse as _, Response};
 use web::tokio::time::timeout;
 
 use crate::orders::{PATIENCE, shown};
-use crate::shared::Shared;
+use crate::shared::SharedState;
 use crate::world::World;
 
 /// Path of orders.
@@ -27,7 +27,7 @@ pub(crate) const LOGIN: &str = "/api/operator";
 const REQUEST_MAX: usize = 4096;
 
 /// Answers `POST /api/order`.
-pub(crate) async fn order(State(shared): State<Arc<Shared>>, headers: HeaderMap, body: Bytes) -> Response {
+pub(crate) async fn order(State(shared): State<Arc<SharedState>>, headers: HeaderMap, body: Bytes) -> Response {
     let refused = |status: StatusCode, text: &str| (status, format!("{text}\n")).into_response();
     let is_json = headers
         .get(header::CONTENT_TYPE)

@@ -23,10 +23,10 @@ pub(crate) const PATIENCE: Duration = Duration::from_secs(8);
 
 /// Orders on their way to the agent.
 #[derive(Debug, Default)]
-pub(crate) struct OrderQueue(Mutex<Waiting>);
+pub(crate) struct OrderQueue(Mutex<WaitingOrder>);
 
 #[derive(Debug, Default)]
-struct Waiting {
+struct WaitingOrder {
     orders: VecDeque<(Order, oneshot::Sender<OrderState>)>,
     /// Monotonic time up to which the allowance is used, nanoseconds.
     used_until_ns: i64,
@@ -53,13 +53,13 @@ impl OrderQueue {
 }
 
 /// Agent's side: gives one order after another.
-pub(crate) struct Orders<S: Transport> {
+pub(crate) struct OrderAgent<S: Transport> {
     port: OrderPort<S>,
     /// Receiver of the present answer, and the monotonic time until which the answer is waited for.
     present: Option<(oneshot::Sender<OrderState>, i64)>,
 }
 
-impl<S: Transport> Orders<S> {
+impl<S: Transport> OrderAgent<S> {
     pub(crate) fn open(bus: &Bus<S>, incarnation: u64) -> Result<Self, BusError> {
         Ok(Self {
             port: OrderPort::open(bus, incarnation)?,

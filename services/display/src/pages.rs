@@ -20,7 +20,7 @@ use crate::details;
 use crate::ground;
 use crate::operator;
 use crate::orders;
-use crate::shared::Shared;
+use crate::shared::SharedState;
 use crate::status;
 use crate::viewer::Viewer;
 use crate::wire::{LAYER_AGE_S, MESSAGE_MAX, RATE_HZ, SELECT_MAX, Wish};
@@ -36,11 +36,11 @@ const WAITING_MAX: usize = 16 << 20;
 const STATUS_NS: i64 = 1_000_000_000;
 
 /// Seat of a connected page; its drop frees the seat.
-struct Seat(Arc<Shared>);
+struct Seat(Arc<SharedState>);
 
 impl Seat {
     /// Takes a seat; `None` if all are taken.
-    fn take(shared: &Arc<Shared>) -> Option<Self> {
+    fn take(shared: &Arc<SharedState>) -> Option<Self> {
         let pages = &shared.traffic.pages;
         let taken = pages.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |pages| {
             (pages < PAGES_MAX).then_some(pages + 1)
@@ -56,9 +56,9 @@ impl Drop for Seat {
 }
 
 /// Creates the router of all pages of `shared`.
-pub(crate) fn router(shared: Arc<Shared>) -> Router {
+pub(crate) fn router(shared: Arc<SharedState>) -> Router {
     let text = |of: fn(&World, Now) -> Value| {
-        move |State(shared): State<Arc<Shared>>| async move {
+        move |State(shared): State<Arc<SharedState>>| async move {
             let world = shared.world();
             answer(&of(&world, world.now((shared.clock)())))
         }
@@ -107,19 +107,19 @@ fn answer(value: &Value) -> Response {
     octets_of("application/json", value.to_string())
 }
 
-async fn history(State(shared): State<Arc<Shared>>, Path(file): Path<String>) -> Response {
+async fn history(State(shared): State<Arc<SharedState>>, Path(file): Path<String>) -> Response {
     let number = file.strip_suffix(".json").and_then(|number| number.parse().ok());
     let found = number.and_then(|number| details::history(&shared.world(), number, i64::MAX));
     found.as_ref().map_or_else(not_found, answer)
 }
 
-async fn coast(State(shared): State<Arc<Shared>>) -> Response {
+async fn coast(State(shared): State<Arc<SharedState>>) -> Response {
     let frame = shared.world().observed.frame().copied();
     let made = frame.and_then(|frame| ground::coast(asset("coast.bin")?.2, &frame));
     made.map_or_else(not_found, |octets| octets_of("application/octet-stream", octets))
 }
 
-async fn overlays(State(shared): State<Arc<Shared>>) -> Response {
+async fn overlays(State(shared): State<Arc<SharedState>>) -> Response {
     let frame = shared.world().observed.frame().copied();
     let made = frame.map(|frame| {
         shared
@@ -148,7 +148,7 @@ fn name_of(path: &std::path::Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-async fn socket(State(shared): State<Arc<Shared>>, upgrade: WebSocketUpgrade) -> Response {
+async fn socket(State(shared): State<Arc<SharedState>>, upgrade: WebSocketUpgrade) -> Response {
     let Some(seat) = Seat::take(&shared) else {
         shared.traffic.refused.fetch_add(1, Ordering::Relaxed);
         return (StatusCode::SERVICE_UNAVAILABLE, "Too many pages look on.\n").into_response();
@@ -175,8 +175,8 @@ enum Parting {
 }
 
 /// Serves one page until the connection ends.
-async fn look_on(mut socket: WebSocket, shared: &Shared) -> Parting {
-    let mut page = Page::new(shared);
+async fn look_on(mut socket: WebSocket, shared: &SharedState) -> Parting {
+    let mut page = PageConnection::new(shared);
     let mut ticks = ticks(page.viewer.rate_hz());
     loop {
         let done = web::tokio::select! {
@@ -222,8 +222,8 @@ fn ticks(rate_hz: f64) -> web::tokio::time::Interval {
 }
 
 /// Connection of one page.
-struct Page<'a> {
-    shared: &'a Shared,
+struct PageConnection<'a> {
+    shared: &'a SharedState,
     viewer: Viewer,
     /// Selected tracks with their history already sent.
     remembered: Vec<u32>,
@@ -237,8 +237,8 @@ struct Page<'a> {
     ack_until_ns: i64,
 }
 
-impl<'a> Page<'a> {
-    fn new(shared: &'a Shared) -> Self {
+impl<'a> PageConnection<'a> {
+    fn new(shared: &'a SharedState) -> Self {
         Self {
             shared,
             viewer: Viewer::default(),

@@ -28,14 +28,14 @@ fn now() -> Now {
 }
 
 /// World of two tracks, and its server.
-fn served() -> (Arc<Shared>, Server) {
+fn served() -> (Arc<SharedState>, Server) {
     served_at(now)
 }
 
 /// World of two tracks and its server, at the time of `clock`.
-fn served_at(clock: fn() -> Now) -> (Arc<Shared>, Server) {
+fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
     let sources = vec![SourceFact {
-        source: observed::Source {
+        source: observed::SourceFacts {
             number: 0,
             name: "radar".to_owned(),
             adapter: "radar".to_owned(),
@@ -53,7 +53,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<Shared>, Server) {
         height_m: 0.0,
     });
     world.receive(&header(1), &[track(7, 1_000.0), track(9, -1_000.0)], now());
-    let shared = Shared::new(world, Vec::new(), clock);
+    let shared = SharedState::new(world, Vec::new(), clock);
     let router = router(Arc::clone(&shared));
     let server = Server::start("pages", "127.0.0.1:0".parse().unwrap(), Guard::default(), router).unwrap();
     (shared, server)

@@ -136,7 +136,7 @@ fn height_m(position_m: Option<[f64; 3]>, frame: Option<&SystemFrame>) -> f32 {
 }
 
 /// Place of a detection; a ray if only a direction was measured.
-pub(crate) enum Place {
+pub(crate) enum DetectionPlace {
     /// A point.
     Spot(PictureDetection),
     /// A direction.
@@ -144,7 +144,7 @@ pub(crate) enum Place {
 }
 
 /// Returns the record of a detection; `None` if its kind is unknown.
-pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>) -> Option<Place> {
+pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>) -> Option<DetectionPlace> {
     let quantities = DetectionKind::from_code(detection.kind)?.quantities();
     let value = |wanted: Quantity| {
         let place = quantities.iter().position(|quantity| *quantity == wanted)?;
@@ -163,7 +163,7 @@ pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>
             )
         }
         (None, Some((bearing, sigma))) => {
-            return Some(Place::Ray(PictureBearing {
+            return Some(DetectionPlace::Ray(PictureBearing {
                 east_m: from_east as f32,
                 north_m: from_north as f32,
                 bearing_rad: bearing as f32,
@@ -177,7 +177,7 @@ pub(crate) fn detection(detection: &SensorDetection, frame: Option<&SystemFrame>
             (value(Quantity::East)?.0, value(Quantity::North)?.0, up)
         }
     };
-    Some(Place::Spot(PictureDetection {
+    Some(DetectionPlace::Spot(PictureDetection {
         east_m: east as f32,
         north_m: north as f32,
         height_m: height_m(up.map(|up| [east, north, up]), frame),
@@ -276,19 +276,21 @@ mod tests {
         };
         let east = std::f64::consts::FRAC_PI_2;
         match measured(DetectionKind::RangeBearing, [1_000.0, east, 0.0]) {
-            Some(Place::Spot(spot)) => {
+            Some(DetectionPlace::Spot(spot)) => {
                 assert!((spot.east_m - 1_100.0).abs() < 1e-3 && (spot.north_m - 200.0).abs() < 1e-3);
                 assert!(spot.height_m.is_nan());
             }
             _ => panic!("a spot"),
         }
         assert!(
-            matches!(measured(DetectionKind::Bearing, [east, 0.0, 0.0]), Some(Place::Ray(ray)) if ray.east_m == 100.0)
+            matches!(measured(DetectionKind::Bearing, [east, 0.0, 0.0]), Some(DetectionPlace::Ray(ray)) if ray.east_m == 100.0)
         );
         let place = measured(DetectionKind::Position3, [0.0, 2.0, 3.0]);
-        assert!(matches!(place, Some(Place::Spot(spot)) if spot.north_m == 2.0 && (spot.height_m - 3.0).abs() < 1e-3));
+        assert!(
+            matches!(place, Some(DetectionPlace::Spot(spot)) if spot.north_m == 2.0 && (spot.height_m - 3.0).abs() < 1e-3)
+        );
         // 200 km out the plane is 3.1 km above the ellipsoid.
         let place = measured(DetectionKind::Position3, [200e3, 0.0, 0.0]);
-        assert!(matches!(place, Some(Place::Spot(spot)) if (spot.height_m - 3_135.0).abs() < 10.0));
+        assert!(matches!(place, Some(DetectionPlace::Spot(spot)) if (spot.height_m - 3_135.0).abs() < 10.0));
     }
 }

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 
 /// Report of a sensor track.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Report {
+pub(crate) struct SensorTrackReport {
     /// Time of the picture at the report's arrival, UTC, nanoseconds.
     at_ns: i64,
     /// Time of measurement, UTC, nanoseconds.
@@ -27,14 +27,14 @@ pub(crate) struct Reports {
     /// Maximum age of a displayed sensor track, nanoseconds.
     age_ns: i64,
     most: usize,
-    reports: VecDeque<Report>,
+    reports: VecDeque<SensorTrackReport>,
     /// Number of the oldest report; numbers start with 1.
     first: u64,
 }
 
 /// Sensor tracks at a moment: report numbers by source and track number.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Latest {
+pub(crate) struct LatestReports {
     pub(crate) reports: FxHashMap<(u16, u32), u64>,
     /// Number of the first later report.
     next: u64,
@@ -46,7 +46,7 @@ impl Reports {
         Self {
             span_ns,
             age_ns,
-            most: (octets_max / size_of::<Report>()).max(1),
+            most: (octets_max / size_of::<SensorTrackReport>()).max(1),
             reports: VecDeque::new(),
             first: 1,
         }
@@ -61,8 +61,8 @@ impl Reports {
             self.reports.clear();
         }
         let at_ns = self.reports.back().map_or(at_ns, |newest| newest.at_ns.max(at_ns));
-        self.reports.push_back(Report { at_ns, time_ns, record });
-        let too_old = |oldest: &Report| oldest.at_ns < at_ns - self.span_ns - self.age_ns;
+        self.reports.push_back(SensorTrackReport { at_ns, time_ns, record });
+        let too_old = |oldest: &SensorTrackReport| oldest.at_ns < at_ns - self.span_ns - self.age_ns;
         while self.reports.len() > self.most || self.reports.front().is_some_and(too_old) {
             self.reports.pop_front();
             self.first += 1;
@@ -70,12 +70,12 @@ impl Reports {
     }
 
     /// Returns the report of this number; `None` if it was dropped.
-    pub(crate) fn get(&self, number: u64) -> Option<&Report> {
+    pub(crate) fn get(&self, number: u64) -> Option<&SensorTrackReport> {
         self.reports.get(usize::try_from(number.checked_sub(self.first)?).ok()?)
     }
 
     /// Moves `latest` to the time `at_ns`.
-    pub(crate) fn go_to(&self, latest: &mut Latest, at_ns: i64) {
+    pub(crate) fn go_to(&self, latest: &mut LatestReports, at_ns: i64) {
         let before = |ns: i64| self.first + self.reports.partition_point(|report| report.at_ns < ns) as u64;
         let (begin, end) = (before(at_ns - self.age_ns), before(at_ns.saturating_add(1)));
         if latest.next > end || latest.next < begin {
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    fn shown(reports: &Reports, latest: &mut Latest, at_s: i64) -> Vec<(u16, f32)> {
+    fn shown(reports: &Reports, latest: &mut LatestReports, at_s: i64) -> Vec<(u16, f32)> {
         reports.go_to(latest, at_s * S);
         let mut shown: Vec<_> = latest
             .reports
@@ -133,7 +133,7 @@ mod tests {
                 reports.keep(second * S, second * S, record(1, 7, -second as f32));
             }
         }
-        let mut latest = Latest::default();
+        let mut latest = LatestReports::default();
         for (at_s, expected) in [
             (50, vec![(0, 50.0), (1, -50.0)]),
             (52, vec![(0, 52.0), (1, -52.0)]),
@@ -145,7 +145,7 @@ mod tests {
         ] {
             assert_eq!(shown(&reports, &mut latest, at_s), expected, "{at_s} s");
             assert_eq!(
-                shown(&reports, &mut Latest::default(), at_s),
+                shown(&reports, &mut LatestReports::default(), at_s),
                 expected,
                 "{at_s} s, anew"
             );
@@ -154,13 +154,13 @@ mod tests {
 
     #[test]
     fn memory_is_bounded_and_time_may_begin_anew() {
-        let mut reports = Reports::new(600 * S, 30 * S, 100 * size_of::<Report>());
+        let mut reports = Reports::new(600 * S, 30 * S, 100 * size_of::<SensorTrackReport>());
         for second in 0..500 {
             reports.keep(second * S, second * S, record(0, second as u32, 0.0));
         }
         assert_eq!(reports.reports.len(), 100);
-        assert_eq!(shown(&reports, &mut Latest::default(), 499).len(), 31);
+        assert_eq!(shown(&reports, &mut LatestReports::default(), 499).len(), 31);
         reports.keep(0, 0, record(0, 1, 5.0));
-        assert_eq!(shown(&reports, &mut Latest::default(), 0), [(0, 5.0)]);
+        assert_eq!(shown(&reports, &mut LatestReports::default(), 0), [(0, 5.0)]);
     }
 }

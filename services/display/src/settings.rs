@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use deployment::{Deployment, Parts, Secret};
-use settings::{SettingsError, Table};
+use settings::{KeyTable, SettingsError};
 use web::HostName;
 
 /// Fewest characters of a token: nobody may guess it.
@@ -119,7 +119,7 @@ impl Settings {
 }
 
 impl Parts for Keys {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         vec![self]
     }
 

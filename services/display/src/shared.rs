@@ -12,19 +12,19 @@ use crate::world::World;
 
 /// State shared by the agent and the server.
 #[derive(Debug)]
-pub(crate) struct Shared {
+pub(crate) struct SharedState {
     world: Mutex<World>,
     pub(crate) overlays: Vec<PathBuf>,
     /// Orders of operators.
     pub(crate) orders: OrderQueue,
     /// Reads the clocks.
     pub(crate) clock: fn() -> Now,
-    pub(crate) traffic: Traffic,
+    pub(crate) traffic: TrafficCounts,
 }
 
 /// Counts of pages and pictures.
 #[derive(Debug, Default)]
-pub(crate) struct Traffic {
+pub(crate) struct TrafficCounts {
     pub(crate) pages: AtomicU64,
     pub(crate) sent: AtomicU64,
     pub(crate) skipped: AtomicU64,
@@ -32,7 +32,7 @@ pub(crate) struct Traffic {
     pub(crate) refused: AtomicU64,
 }
 
-impl Shared {
+impl SharedState {
     /// Creates the shared state of a world and the files of its overlays.
     pub(crate) fn new(world: World, overlays: Vec<PathBuf>, clock: fn() -> Now) -> Arc<Self> {
         Arc::new(Self {
@@ -40,7 +40,7 @@ impl Shared {
             overlays,
             orders: OrderQueue::default(),
             clock,
-            traffic: Traffic::default(),
+            traffic: TrafficCounts::default(),
         })
     }
 

@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 
 use messages::{Counter, CounterClass, NO_SOURCE, ProcessKind, registration_bits};
-use observed::{AlarmRow, Latest};
+use observed::{LatestHealth, StandingAlarm};
 use runtime::Now;
 use serde_json::{Value, json};
 use telemetry::{BUCKET_BOUNDS_NS, Buckets, Span, Stage};
@@ -117,7 +117,7 @@ fn source(world: &World, fact: &SourceFact) -> Value {
 fn alarms(world: &World, now: Now) -> Vec<Value> {
     let standing = world.observed.alarms(now.mono_ns).iter();
     let rows = standing.filter_map(|alarm| {
-        let row = AlarmRow::from(alarm);
+        let row = StandingAlarm::from(alarm);
         Some(json!({
             "code": alarm.code,
             "name": row.alarm,
@@ -162,7 +162,7 @@ fn latency(world: &World) -> Vec<Value> {
 
 fn processes(world: &World, now: Now) -> Vec<Value> {
     let book = world.observed.book();
-    let figures = |latest: &Latest<'_>| -> Vec<(String, String)> {
+    let figures = |latest: &LatestHealth<'_>| -> Vec<(String, String)> {
         let counters = latest.counters();
         let figures = [
             Counter::Published,

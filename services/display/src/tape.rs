@@ -30,14 +30,14 @@ const BEFORE_CHUNKS: usize = 256;
 
 /// Kind of a displayed topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum TopicKind {
     Stream(Stream),
     Health,
 }
 
 /// Position of a chunk in a file.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
+struct ChunkPosition {
     file: usize,
     place: u64,
     /// Time of the picture before the chunk's first slice, and the clock from there on.
@@ -47,8 +47,8 @@ struct Mark {
 
 /// Recorded slice.
 #[derive(Debug)]
-struct Slice {
-    kind: Kind,
+struct RecordedSlice {
+    kind: TopicKind,
     header: BatchHeader,
     /// Time at which the recorder took the slice.
     taken: Now,
@@ -63,12 +63,12 @@ struct Slice {
 /// Replayed recording, see the module's documentation.
 pub(crate) struct Tape {
     files: Vec<Chunks<BufReader<File>>>,
-    topics: BTreeMap<String, Kind>,
-    marks: Vec<Mark>,
+    topics: BTreeMap<String, TopicKind>,
+    marks: Vec<ChunkPosition>,
     span_ns: [i64; 2],
     /// Number of the next chunk to read, and the waiting slices of earlier chunks.
     next: usize,
-    waiting: VecDeque<Slice>,
+    waiting: VecDeque<RecordedSlice>,
     /// Latest slice in the world: its recording time, and the time of the picture.
     latest: Option<(Now, i64)>,
 }
@@ -117,7 +117,7 @@ impl Tape {
     /// Notes the picture's time in the next chunk of `file`. Returns `false` at its end.
     fn note(&mut self, file: usize, clock: &mut PictureClock) -> Result<bool, RecordingError> {
         let place = self.files[file].place();
-        let mark = Mark {
+        let mark = ChunkPosition {
             file,
             place,
             at_ns: self.span_ns[1],
@@ -146,7 +146,7 @@ impl Tape {
         }
         loop {
             // Slices recorded before the first track belong to the first picture.
-            let time_ns = |slice: &Slice| slice.at_ns.unwrap_or(self.span_ns[0]);
+            let time_ns = |slice: &RecordedSlice| slice.at_ns.unwrap_or(self.span_ns[0]);
             while self.waiting.front().is_some_and(|slice| time_ns(slice) <= at_ns) {
                 let Some(slice) = self.waiting.pop_front() else { break };
                 let slice_ns = time_ns(&slice);
@@ -196,10 +196,10 @@ impl Tape {
 /// Returns the displayed slices of the next chunk of `file`; `None` at its end.
 fn slices(
     file: &mut Chunks<BufReader<File>>,
-    topics: &BTreeMap<String, Kind>,
+    topics: &BTreeMap<String, TopicKind>,
     clock: &mut PictureClock,
-) -> Result<Option<Vec<Slice>>, RecordingError> {
-    let mut slices: Vec<Slice> = Vec::new();
+) -> Result<Option<Vec<RecordedSlice>>, RecordingError> {
+    let mut slices: Vec<RecordedSlice> = Vec::new();
     // Whether the following samples belong to the last of the slices.
     let mut is_shown = false;
     let is_there = file.read::<RecordingError>(|item| {
@@ -213,7 +213,7 @@ fn slices(
                 let kind = topics.get(topic).copied();
                 is_shown = kind.is_some();
                 let utc_ns = taken_ns as i64;
-                slices.extend(kind.map(|kind| Slice {
+                slices.extend(kind.map(|kind| RecordedSlice {
                     kind,
                     header,
                     taken: Now {
@@ -227,7 +227,7 @@ fn slices(
             }
             Item::Sample { octets, .. } if is_shown => {
                 if let Some(slice) = slices.last_mut() {
-                    if slice.kind == Kind::Stream(Stream::SystemTracks)
+                    if slice.kind == TopicKind::Stream(Stream::SystemTracks)
                         && let Some(track) = SystemTrack::of_octets(octets)
                     {
                         clock.hear(track.reference_time_ns, recorded(slice.taken.utc_ns));
@@ -254,7 +254,7 @@ fn recorded(utc_ns: i64) -> Now {
 }
 
 /// Returns the displayed topics of the deployment of `config`, by name.
-fn topics(config: &Deployment) -> BTreeMap<String, Kind> {
+fn topics(config: &Deployment) -> BTreeMap<String, TopicKind> {
     let streams = config.streams().filter_map(|(id, name)| {
         let topic = match id.stream {
             Stream::SensorTracks => SensorTrack::topic(name).name,
@@ -268,24 +268,24 @@ fn topics(config: &Deployment) -> BTreeMap<String, Kind> {
             Stream::Alarms => messages::alarms().name,
             Stream::PlatformStates => return None,
         };
-        Some((topic.as_str().to_owned(), Kind::Stream(id.stream)))
+        Some((topic.as_str().to_owned(), TopicKind::Stream(id.stream)))
     });
-    let health = (messages::health().name.as_str().to_owned(), Kind::Health);
+    let health = (messages::health().name.as_str().to_owned(), TopicKind::Health);
     streams.chain([health]).collect()
 }
 
-fn samples<T: Sample>(slice: &Slice) -> Vec<T> {
+fn samples<T: Sample>(slice: &RecordedSlice) -> Vec<T> {
     let each = slice.octets.chunks(slice.size.max(1));
     each.filter_map(T::of_octets).collect()
 }
 
-fn put(world: &mut World, slice: &Slice) {
+fn put(world: &mut World, slice: &RecordedSlice) {
     match slice.kind {
-        Kind::Health => {
+        TopicKind::Health => {
             let said: Vec<Health> = samples(slice);
             said.iter().for_each(|health| world.observed.take_health(health));
         }
-        Kind::Stream(stream) => match stream {
+        TopicKind::Stream(stream) => match stream {
             Stream::SystemTracks => world.receive(&slice.header, &samples::<SystemTrack>(slice), slice.taken),
             Stream::Alarms => world.observed.take_alarms(&slice.header, &samples::<Alarm>(slice)),
             Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice), slice.taken),
@@ -310,7 +310,7 @@ mod tests {
 
     use super::*;
     use crate::wire::Past;
-    use crate::world::Recording;
+    use crate::world::ReplayedRecording;
 
     const BEGIN_NS: i64 = 1_700_000_000 * S;
     /// The data are older than their recording.
@@ -366,7 +366,7 @@ mod tests {
     /// World that shows `tape`.
     fn world_of(tape: &Tape) -> World {
         let mut world = World::new("test", Vec::new(), 600, 1_000_000);
-        world.recording = Some(Recording {
+        world.recording = Some(ReplayedRecording {
             name: "test".to_owned(),
             span_ns: tape.span_ns(),
             at_ns: BEGIN_NS,

@@ -21,7 +21,7 @@ const SURE_SIGMAS: f64 = 2.0;
 
 /// Displayed height of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Shown {
+pub(crate) struct DisplayedHeight {
     /// Metres; NaN: unknown.
     pub(crate) height_m: f32,
     /// Rate of the height above the ellipsoid, metres per second; 0 without a height.
@@ -38,11 +38,11 @@ pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Opt
 }
 
 /// Returns the displayed height of a state; `before` holds the flags of the track's previous state.
-pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> Shown {
+pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> DisplayedHeight {
     let geometric = geometric(track, frame);
     let level_m = track.level_m();
     let Some(height_m) = level_m.or(geometric.map(|geometric| geometric.height_m)) else {
-        return Shown {
+        return DisplayedHeight {
             height_m: f32::NAN,
             climb_mps: 0.0,
             flags: 0,
@@ -53,7 +53,7 @@ pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
     let begins = climb_mps.abs() >= BEGINS_MPS.max(SURE_SIGMAS * sigma_mps);
     let arrow = if climb_mps > 0.0 { CLIMBS } else { SINKS };
     let goes_on = before & arrow != 0 && climb_mps.abs() >= ENDS_MPS;
-    Shown {
+    DisplayedHeight {
         height_m: height_m as f32,
         climb_mps: climb_mps as f32,
         flags: HEIGHT | if level_m.is_some() { LEVEL } else { 0 } | if begins || goes_on { arrow } else { 0 },
@@ -136,7 +136,7 @@ mod tests {
         track.height_valid = 0;
         assert_eq!(
             shown(&track, None, 0),
-            Shown {
+            DisplayedHeight {
                 climb_mps: 0.0,
                 ..level
             }

@@ -7,9 +7,9 @@ use runtime::Now;
 use rustc_hash::FxHashMap;
 
 use crate::history::Then;
-use crate::reports::Latest;
+use crate::reports::LatestReports;
 use crate::wire::{Filter, Layer, Past, Wish};
-use crate::world::{Heard, World};
+use crate::world::{ReceivedRecord, World};
 
 const NS_PER_MS: i64 = 1_000_000;
 
@@ -64,11 +64,11 @@ struct PastView {
     since_ns: i64,
     then: Then,
     /// Sensor tracks at the requested moment.
-    latest: Latest,
+    latest: LatestReports,
 }
 
 /// State from which a picture's record is made.
-struct Shown<'a> {
+struct DisplayedState<'a> {
     number: u32,
     stamp: u64,
     time_ns: i64,
@@ -198,12 +198,12 @@ impl Viewer {
     }
 
     fn compose(&mut self, world: &World, now: Now, time_ns: i64, full: u32) -> Vec<u8> {
-        let mut blocks = Blocks::new(time_ns);
+        let mut blocks = PictureBlocks::new(time_ns);
         let before = std::mem::take(&mut self.shown);
         let mut before = before.into_iter().peekable();
         let mut shown = Vec::with_capacity(world.tracks.len());
-        let states: &mut dyn Iterator<Item = Shown<'_>> = match &self.past {
-            None => &mut world.tracks.iter().map(|(number, live)| Shown {
+        let states: &mut dyn Iterator<Item = DisplayedState<'_>> = match &self.past {
+            None => &mut world.tracks.iter().map(|(number, live)| DisplayedState {
                 number: *number,
                 stamp: live.stamp,
                 time_ns: live.track.reference_time_ns,
@@ -212,7 +212,7 @@ impl Viewer {
             }),
             Some(past) => &mut past.then.states.iter().filter_map(|(number, state)| {
                 let moment = world.history.moment(*state)?;
-                Some(Shown {
+                Some(DisplayedState {
                     number: *number,
                     stamp: *state,
                     time_ns: moment.time_ns,
@@ -275,7 +275,7 @@ impl Viewer {
     }
 
     /// Adds the new records of the requested layers; of the past, only system and sensor tracks are stored.
-    fn layers(&mut self, world: &World, blocks: &mut Blocks) {
+    fn layers(&mut self, world: &World, blocks: &mut PictureBlocks) {
         let (view, time_ns) = (self.view, blocks.time_ns);
         let in_view = |east_m, north_m| view.is_none_or(|view| contains(view, east_m, north_m));
         if let Some(past) = &self.past {
@@ -334,7 +334,10 @@ impl Viewer {
 }
 
 /// Returns samples after `stamp`, the latest first.
-fn since<T>(recent: &std::collections::VecDeque<Heard<T>>, stamp: u64) -> impl Iterator<Item = &Heard<T>> {
+fn since<T>(
+    recent: &std::collections::VecDeque<ReceivedRecord<T>>,
+    stamp: u64,
+) -> impl Iterator<Item = &ReceivedRecord<T>> {
     recent.iter().rev().take_while(move |heard| heard.stamp > stamp)
 }
 
@@ -350,7 +353,7 @@ fn age_ms(time_ns: i64, then_ns: i64) -> i32 {
 
 impl Filter {
     /// Whether the filter admits a track.
-    fn admits(&self, track: &PictureTrack, identity: Option<&Heard<PictureIdentity>>) -> bool {
+    fn admits(&self, track: &PictureTrack, identity: Option<&ReceivedRecord<PictureIdentity>>) -> bool {
         let state = TrackState::from_code(track.state);
         let states = self.states.as_ref();
         let told = u64::from(track.sources_high) << 32 | u64::from(track.sources_low);
@@ -384,7 +387,7 @@ fn is_called(number: u32, identity: Option<&PictureIdentity>, text: &str) -> boo
 }
 
 /// Blocks of a picture.
-struct Blocks {
+struct PictureBlocks {
     time_ns: i64,
     removed: Vec<u32>,
     tracks: Vec<PictureTrack>,
@@ -395,7 +398,7 @@ struct Blocks {
     areas: Vec<messages::picture::PictureArea>,
 }
 
-impl Blocks {
+impl PictureBlocks {
     fn new(time_ns: i64) -> Self {
         Self {
             time_ns,
@@ -413,7 +416,7 @@ impl Blocks {
         self.removed.push(number);
     }
 
-    fn track(&mut self, state: &Shown<'_>) {
+    fn track(&mut self, state: &DisplayedState<'_>) {
         self.tracks.push(PictureTrack {
             age_ms: age_ms(self.time_ns, state.time_ns),
             measured_age_ms: age_ms(self.time_ns, state.measured_ns),

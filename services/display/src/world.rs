@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 
 use crate::clock::PictureClock;
 use crate::history::History;
-use crate::records::{self, Place};
+use crate::records::{self, DetectionPlace};
 use crate::reports::Reports;
 use crate::wire::{LAYER_AGE_S, Past};
 
@@ -35,7 +35,7 @@ const NS_PER_S: i64 = 1_000_000_000;
 /// Configured source.
 #[derive(Clone, Debug)]
 pub(crate) struct SourceFact {
-    pub(crate) source: observed::Source,
+    pub(crate) source: observed::SourceFacts,
     /// Kind of observation, as a word.
     pub(crate) kind: &'static str,
     /// Position of the sensor, metres east and north.
@@ -44,7 +44,7 @@ pub(crate) struct SourceFact {
 
 /// Latest state of a system track.
 #[derive(Clone, Debug)]
-pub(crate) struct Live {
+pub(crate) struct LiveTrack {
     /// Increases with each change in the world.
     pub(crate) stamp: u64,
     pub(crate) record: PictureTrack,
@@ -54,7 +54,7 @@ pub(crate) struct Live {
 
 /// Received record: its time of validity (UTC, nanoseconds), and its arrival as a stamp.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Heard<T> {
+pub(crate) struct ReceivedRecord<T> {
     pub(crate) stamp: u64,
     pub(crate) time_ns: i64,
     pub(crate) record: T,
@@ -62,7 +62,7 @@ pub(crate) struct Heard<T> {
 
 /// Replayed recording; all pages show the same moment.
 #[derive(Clone, Debug)]
-pub(crate) struct Recording {
+pub(crate) struct ReplayedRecording {
     pub(crate) name: String,
     /// Start and end, UTC, nanoseconds.
     pub(crate) span_ns: [i64; 2],
@@ -75,7 +75,7 @@ pub(crate) struct Recording {
     pub(crate) since_ns: i64,
 }
 
-impl Recording {
+impl ReplayedRecording {
     /// Returns the moment to show, UTC, nanoseconds.
     pub(crate) fn wanted_ns(&self, mono_ns: i64) -> i64 {
         let [from_ns, to_ns] = self.span_ns;
@@ -88,19 +88,19 @@ impl Recording {
 pub(crate) struct World {
     pub(crate) instance: String,
     /// Shown recording; `None`: a running deployment.
-    pub(crate) recording: Option<Recording>,
+    pub(crate) recording: Option<ReplayedRecording>,
     /// Increases whenever all state is cleared.
     pub(crate) generation: u64,
     pub(crate) sources: Vec<SourceFact>,
     /// State derived from health, alarms, origin, orders and latencies.
     pub(crate) observed: Deployment,
     pub(crate) stamp: u64,
-    pub(crate) tracks: BTreeMap<u32, Live>,
-    pub(crate) identities: FxHashMap<u32, Heard<PictureIdentity>>,
-    pub(crate) sensor_tracks: BTreeMap<(u16, u32), Heard<PictureSensorTrack>>,
-    pub(crate) detections: VecDeque<Heard<PictureDetection>>,
-    pub(crate) bearings: VecDeque<Heard<PictureBearing>>,
-    pub(crate) areas: VecDeque<Heard<PictureArea>>,
+    pub(crate) tracks: BTreeMap<u32, LiveTrack>,
+    pub(crate) identities: FxHashMap<u32, ReceivedRecord<PictureIdentity>>,
+    pub(crate) sensor_tracks: BTreeMap<(u16, u32), ReceivedRecord<PictureSensorTrack>>,
+    pub(crate) detections: VecDeque<ReceivedRecord<PictureDetection>>,
+    pub(crate) bearings: VecDeque<ReceivedRecord<PictureBearing>>,
+    pub(crate) areas: VecDeque<ReceivedRecord<PictureArea>>,
     pub(crate) decisions: VecDeque<Decision>,
     pub(crate) history: History,
     pub(crate) reports: Reports,
@@ -223,7 +223,7 @@ impl World {
             }
             known.time_ns = at_ns;
         } else if is_room {
-            let heard = Heard {
+            let heard = ReceivedRecord {
                 stamp: self.stamp,
                 time_ns: at_ns,
                 record: identity,
@@ -240,7 +240,7 @@ impl World {
         if track.state == TrackState::Terminated as u8 {
             self.tracks.remove(&number);
         } else if self.tracks.len() < TRACKS_MAX || self.tracks.contains_key(&number) {
-            let live = Live {
+            let live = LiveTrack {
                 stamp: self.stamp,
                 record,
                 measured_ns,
@@ -256,7 +256,7 @@ impl World {
         for report in reports {
             self.stamp += 1;
             let key = (report.source, report.track_number);
-            let mut heard = Heard {
+            let mut heard = ReceivedRecord {
                 stamp: self.stamp,
                 time_ns: report.time_of_measurement_ns,
                 record: records::sensor_track(report, self.observed.frame()),
@@ -282,8 +282,8 @@ impl World {
         for detection in detections {
             let time_ns = detection.time_of_measurement_ns;
             match records::detection(detection, self.observed.frame()) {
-                Some(Place::Spot(record)) => add(&mut self.stamp, &mut self.detections, time_ns, record),
-                Some(Place::Ray(record)) => add(&mut self.stamp, &mut self.bearings, time_ns, record),
+                Some(DetectionPlace::Spot(record)) => add(&mut self.stamp, &mut self.detections, time_ns, record),
+                Some(DetectionPlace::Ray(record)) => add(&mut self.stamp, &mut self.bearings, time_ns, record),
                 None => {}
             }
         }
@@ -354,12 +354,12 @@ impl World {
 }
 
 /// Appends a received record to the recent records of its kind.
-fn add<T>(stamp: &mut u64, recent: &mut VecDeque<Heard<T>>, time_ns: i64, record: T) {
+fn add<T>(stamp: &mut u64, recent: &mut VecDeque<ReceivedRecord<T>>, time_ns: i64, record: T) {
     *stamp += 1;
     if recent.len() == RECENT_MAX {
         recent.pop_front();
     }
-    recent.push_back(Heard {
+    recent.push_back(ReceivedRecord {
         stamp: *stamp,
         time_ns,
         record,

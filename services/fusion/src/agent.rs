@@ -5,24 +5,24 @@ use std::time::Duration;
 
 use bus::{Bus, Transport, Waiter};
 use deployment::{Deployment, ReportOrder, Source};
-use fusion::suspects::Verdict;
+use fusion::suspects::SuspectTreatment;
 use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Settings, Sink as _};
 use messages::{
     BatchHeader, Counter, NO_SOURCE, Order, OrderKind, OrderState, OrderStatus, ProcessKind, Refusal, Restored,
     SensorTrack, Stream, StreamId, TrackState,
 };
 use runtime::clock::mono_ns;
-use runtime::flow::Reached;
-use runtime::housekeeping::{Queues, Whole};
+use runtime::flow::ConsumerProgress;
+use runtime::housekeeping::{Queues, SnapshotParts};
 use runtime::{Agent, HealthEntry, Now, Speed, Turn};
 
 use crate::clocks::Clocks;
-use crate::continuity::{Keeping, Start, TakeOver};
+use crate::continuity::{FusionStart, Keeping, TakeOver};
 use crate::health;
-use crate::inputs::{Input, InputReport};
+use crate::inputs::{InputReport, SourceInput};
 use crate::log::Log;
-use crate::output::Output;
-use crate::source_time::{Common, SourceTime};
+use crate::output::TrackOutput;
+use crate::source_time::{CommonOffsets, SourceTime};
 
 /// Maximum number of reports in one turn: a flood does not delay other work.
 const REPORTS_PER_TURN: usize = 256;
@@ -41,8 +41,8 @@ const CLOCK_CHANGES_MS: u32 = 100;
 #[derive(Debug)]
 pub struct FusionAgent<S: Transport> {
     driver: Driver<Log>,
-    inputs: Vec<Input<S>>,
-    output: Output<S>,
+    inputs: Vec<SourceInput<S>>,
+    output: TrackOutput<S>,
     queues: Arc<Queues>,
     waiter: Waiter<S>,
     /// Order `arrival`: sources of the present round.
@@ -52,7 +52,7 @@ pub struct FusionAgent<S: Transport> {
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
     /// Recordings: publishes fusion's progress, so that no sample is lost.
-    reached: Option<Reached<S>>,
+    reached: Option<ConsumerProgress<S>>,
     end_sent: bool,
     progress_ns: i64,
     /// Writer of the checkpoint.
@@ -60,7 +60,7 @@ pub struct FusionAgent<S: Transport> {
     take_over: TakeOver,
     /// Order `arrival`: estimates of the sources' clocks.
     clocks: Clocks,
-    common: Common,
+    common: CommonOffsets,
     /// Clock offset of each source as passed to the engine, milliseconds.
     told_ms: Vec<Option<i32>>,
 }
@@ -69,7 +69,7 @@ pub struct FusionAgent<S: Transport> {
 #[derive(Debug)]
 pub(crate) struct Ready<S: Transport> {
     pub(crate) engine: Engine,
-    pub(crate) inputs: Vec<Input<S>>,
+    pub(crate) inputs: Vec<SourceInput<S>>,
     waiter: Waiter<S>,
 }
 
@@ -90,7 +90,7 @@ impl<S: Transport> Ready<S> {
         if core.is_some() {
             waiter = waiter.without_yielding();
         }
-        let inputs = Input::open_all(config, speed, bus, incarnation, &mut waiter)?;
+        let inputs = SourceInput::open_all(config, speed, bus, incarnation, &mut waiter)?;
         if config.is_recorded() {
             waiter.watch(bus, &messages::progress())?;
         }
@@ -141,14 +141,14 @@ impl<S: Transport> FusionAgent<S> {
             (id, 0)
         };
         let streams: Vec<_> = config.sources.iter().map(stream).collect();
-        let reached = || Reached::new(bus, incarnation, ProcessKind::Fusion, &streams);
+        let reached = || ConsumerProgress::new(bus, incarnation, ProcessKind::Fusion, &streams);
         Ok(Self {
             driver: Driver::begin(engine, Log::open(bus)?, epoch),
-            output: Output::new(config, bus, (incarnation, epoch), Arc::clone(&queues))?,
+            output: TrackOutput::new(config, bus, (incarnation, epoch), Arc::clone(&queues))?,
             keeping: None,
             take_over: TakeOver::default(),
             clocks: Clocks::default(),
-            common: Common::default(),
+            common: CommonOffsets::default(),
             told_ms: vec![None; inputs.len()],
             queues,
             waiter,
@@ -167,7 +167,7 @@ impl<S: Transport> FusionAgent<S> {
     ///
     /// # Errors
     /// If a state cannot be published.
-    pub(crate) fn resume(&mut self, start: Start, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
+    pub(crate) fn resume(&mut self, start: FusionStart, take_over: TakeOver, now: Now) -> anyhow::Result<()> {
         self.take_over = take_over;
         let (ahead_ns, host_offset_ns) = start.clocks();
         self.clocks.resume(now, ahead_ns, host_offset_ns);
@@ -240,7 +240,7 @@ impl<S: Transport> FusionAgent<S> {
         let time_ns = now.utc_ns;
         octets.append(&mut self.driver.snapshot(time_ns));
         let ends = Restored::IMAGE;
-        let whole = Whole {
+        let whole = SnapshotParts {
             epoch,
             time_ns,
             ends,
@@ -259,7 +259,7 @@ impl<S: Transport> FusionAgent<S> {
             self.driver.set_host_offset(host_offset_ns);
         }
         let host_offset_s = self.clocks.host_offset_s();
-        self.common = Common { host_offset_s, ahead_s };
+        self.common = CommonOffsets { host_offset_s, ahead_s };
         for ((input, known), told_ms) in self.inputs.iter().zip(known).zip(&mut self.told_ms) {
             let offset_ms = known.map(|known| (1e3 * (known.offset_s - host_offset_s)) as i32);
             let is_same = match (offset_ms, *told_ms) {
@@ -365,11 +365,11 @@ impl<S: Transport> FusionAgent<S> {
         let passed_ns = self.passed_ns(now);
         let source = self.inputs[index].source;
         let keeping = self.keeping.as_ref();
-        let verdict = keeping.map_or(Verdict::Sound, |keeping| keeping.begin_report(source, number));
-        if verdict != Verdict::Quarantine {
+        let verdict = keeping.map_or(SuspectTreatment::Sound, |keeping| keeping.begin_report(source, number));
+        if verdict != SuspectTreatment::Quarantine {
             self.driver.report(&mut report, number, passed_ns, &mut self.output);
         }
-        if verdict != Verdict::Sound {
+        if verdict != SuspectTreatment::Sound {
             self.pass_suspect(&mut report, number, verdict);
         }
         self.progress_ns = self.progress_ns.max(self.inputs[index].progress_ns);
@@ -386,8 +386,8 @@ impl<S: Transport> FusionAgent<S> {
     /// Skips a report in which fusion has died. A report in quarantine has no effect except for a count, and is
     /// stored.
     #[cold]
-    fn pass_suspect(&mut self, report: &mut SensorTrack, number: ReportNumber, verdict: Verdict) {
-        if verdict == Verdict::Quarantine {
+    fn pass_suspect(&mut self, report: &mut SensorTrack, number: ReportNumber, verdict: SuspectTreatment) {
+        if verdict == SuspectTreatment::Quarantine {
             self.driver.quarantine(report, number);
             // Further such reports are counted, and not stored.
             let _ = self.queues.quarantined.push(*report);
@@ -508,7 +508,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         let (inputs, by_time) = (&mut self.inputs, self.merger.is_some());
         // The slice counts as taken at once; a fault recurs in the next turn, which reports it.
-        let has_some = |input: &mut Input<S>| match by_time {
+        let has_some = |input: &mut SourceInput<S>| match by_time {
             true => input.has_slices(),
             false => input.reach(mono_ns).unwrap_or(true),
         };
@@ -543,7 +543,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
             input.count(&mut whole.counters);
         }
         entries.push(whole);
-        let of_source = |input: &Input<S>| health::of_source(self.driver.engine(), input, self.common);
+        let of_source = |input: &SourceInput<S>| health::of_source(self.driver.engine(), input, self.common);
         entries.extend(self.inputs.iter().map(of_source));
         debug_assert!(entries.iter().skip(1).all(|entry| entry.source != NO_SOURCE));
     }

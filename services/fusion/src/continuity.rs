@@ -12,16 +12,16 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use bus::{Outlasting, Root, Transport};
-use fusion::checkpoint::{Clock, IN_WORK, Layout, Memory as _, Snapshot};
+use fusion::checkpoint::{CheckpointClock, CheckpointLayout, IN_WORK, Memory as _, Snapshot};
 use fusion::numbering::anew;
-use fusion::suspects::{Suspects, Verdict, report_key};
+use fusion::suspects::{SuspectTreatment, Suspects, report_key};
 use fusion::{Driver, Engine, ReportNumber, Sink};
 use runtime::Now;
 use runtime::clock::mono_ns;
-use runtime::housekeeping::Whole;
+use runtime::housekeeping::SnapshotParts;
 use runtime::instance::{CHECKPOINT, QUARANTINED};
 
-use crate::inputs::Input;
+use crate::inputs::SourceInput;
 use crate::log::Log;
 
 /// Time between two signs of life, nanoseconds.
@@ -42,10 +42,10 @@ pub(crate) struct TakeOver {
 
 /// Start of a fusion.
 #[derive(Debug)]
-pub(crate) struct Start {
+pub(crate) struct FusionStart {
     pub(crate) epoch: u64,
     root: Root,
-    layout: Layout,
+    layout: CheckpointLayout,
     found: Predecessor,
 }
 
@@ -66,7 +66,7 @@ enum Predecessor {
     Refused,
 }
 
-impl Start {
+impl FusionStart {
     /// Looks for the checkpoint of the previous fusion, which no longer writes.
     pub(crate) fn look(root: &Root, max_age_ns: i64, engine: &Engine, now: Now) -> Self {
         let layout = engine.checkpoint_layout();
@@ -109,11 +109,11 @@ impl Start {
     }
 
     /// Returns the snapshot for the topic `system/restored`; `None` without a predecessor.
-    pub(crate) fn whole(&self, now: Now) -> Option<Whole> {
+    pub(crate) fn whole(&self, now: Now) -> Option<SnapshotParts> {
         let Predecessor::Tracks { snapshot, ends, .. } = &self.found else {
             return None;
         };
-        Some(Whole {
+        Some(SnapshotParts {
             epoch: self.epoch,
             time_ns: now.utc_ns,
             ends: u32::from(*ends),
@@ -129,7 +129,7 @@ impl Start {
     pub(crate) fn resume<S: Transport>(
         self,
         driver: &mut Driver<Log>,
-        inputs: &mut [Input<S>],
+        inputs: &mut [SourceInput<S>],
         sink: &mut impl Sink,
         now: Now,
     ) -> anyhow::Result<Option<Keeping>> {
@@ -179,7 +179,7 @@ impl Start {
     }
 }
 
-fn find(root: &Root, max_age_ns: i64, layout: &Layout, now: Now) -> Predecessor {
+fn find(root: &Root, max_age_ns: i64, layout: &CheckpointLayout, now: Now) -> Predecessor {
     let refused = |reason: String| {
         let aside = root.put_outlasting_aside(CHECKPOINT);
         let aside = aside.map_or_else(String::new, |path| format!(" (put aside: {})", path.display()));
@@ -215,7 +215,7 @@ fn find(root: &Root, max_age_ns: i64, layout: &Layout, now: Now) -> Predecessor 
 pub(crate) struct Keeping {
     memory: Arc<Outlasting>,
     suspects: Suspects,
-    clock: Clock,
+    clock: CheckpointClock,
     noted_ns: i64,
     /// Start of the present round over learned records, and the number of records written.
     round_ns: i64,
@@ -227,10 +227,10 @@ impl Keeping {
         Self {
             memory,
             suspects,
-            clock: Clock {
+            clock: CheckpointClock {
                 epoch,
                 process_id: std::process::id(),
-                ..Clock::default()
+                ..CheckpointClock::default()
             },
             noted_ns: i64::MIN,
             round_ns: now.mono_ns,
@@ -240,11 +240,11 @@ impl Keeping {
 
     /// Notes the report in work. Returns whether the report is in quarantine.
     #[inline]
-    pub(crate) fn begin_report(&self, source: u16, report: ReportNumber) -> Verdict {
+    pub(crate) fn begin_report(&self, source: u16, report: ReportNumber) -> SuspectTreatment {
         let key = report_key(source, report.publisher, report.sequence);
         self.memory.words()[IN_WORK].store(key, Relaxed);
         match self.suspects.is_empty() {
-            true => Verdict::Sound,
+            true => SuspectTreatment::Sound,
             false => self.suspects.verdict(key),
         }
     }

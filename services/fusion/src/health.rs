@@ -5,11 +5,11 @@ use fusion::Engine;
 use messages::{Counter, Registration};
 use runtime::HealthEntry;
 
-use crate::inputs::Input;
-use crate::source_time::Common;
+use crate::inputs::SourceInput;
+use crate::source_time::CommonOffsets;
 
 /// Returns the entry of one source for health messages.
-pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> HealthEntry {
+pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> HealthEntry {
     let mut entry = HealthEntry {
         source: input.source,
         progress_ns: input.progress_ns,
@@ -24,7 +24,7 @@ pub(crate) fn of_source<S: Transport>(engine: &Engine, input: &Input<S>, common:
 }
 
 /// Returns the errors of a source: learned, gross, and of its clock.
-fn registration<S: Transport>(engine: &Engine, input: &Input<S>, common: Common) -> Registration {
+fn registration<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: CommonOffsets) -> Registration {
     let mut registration = errors(engine, input.source);
     registration.set_gross_error(engine.gross_error(input.source));
     registration.set_clock_offset(input.time.clock_offset(common.ahead_s));

@@ -2,15 +2,15 @@
 
 use std::collections::VecDeque;
 
-use bus::{Bus, Received, Slice, Subscriber, Transport, Waiter};
+use bus::{Bus, ReceiveOutcome, Slice, Subscriber, Transport, Waiter};
 use deployment::Deployment;
 use fusion::ReportNumber;
-use fusion::checkpoint::Position;
+use fusion::checkpoint::SourcePosition;
 use messages::{BatchHeader, Counter, Counters, SensorTrack};
 use runtime::{Now, Speed};
 
 use crate::clocks::ClockReading;
-use crate::source_time::{Common, SourceTime};
+use crate::source_time::{CommonOffsets, SourceTime};
 
 /// Silence after which a source has no vote on the right clock, nanoseconds.
 const HEARD_NS: i64 = 60_000_000_000;
@@ -19,7 +19,7 @@ const PASSED_OVER_MAX: usize = 16;
 
 /// One source's topic.
 #[derive(Debug)]
-pub(crate) struct Input<S: Transport> {
+pub(crate) struct SourceInput<S: Transport> {
     pub(crate) source: u16,
     subscriber: Subscriber<S, SensorTrack>,
     /// Most samples in one slice of the topic.
@@ -38,7 +38,7 @@ pub(crate) struct Input<S: Transport> {
     pub(crate) passed: Vec<(BatchHeader, u64)>,
     next_number: u64,
     /// Order `arrival`: progress of the previous fusion process.
-    done: Option<Position>,
+    done: Option<SourcePosition>,
     /// The previous process had also processed all reports sent by other publishers before this time (monotonic,
     /// nanoseconds).
     done_ns: i64,
@@ -66,7 +66,7 @@ pub(crate) struct InputReport {
     pub(crate) last: bool,
 }
 
-impl<S: Transport> Input<S> {
+impl<S: Transport> SourceInput<S> {
     /// Opens the topics of all sources, in the order of their numbers, watched by `waiter`. Recordings are replayed
     /// at `speed`.
     pub(crate) fn open_all(
@@ -109,10 +109,10 @@ impl<S: Transport> Input<S> {
         }
         for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
-                Received::Nothing => return Ok(false),
-                Received::Rejected | Received::OfOlderEpoch => {}
-                Received::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
-                Received::Slice(slice) => {
+                ReceiveOutcome::Nothing => return Ok(false),
+                ReceiveOutcome::Rejected | ReceiveOutcome::OfOlderEpoch => {}
+                ReceiveOutcome::Slice(slice) if slice.samples().is_empty() => self.pass(slice.header()),
+                ReceiveOutcome::Slice(slice) => {
                     self.heard_ns = slice.header().sent_ns;
                     self.time.state(slice.header().clock_offset_ms);
                     let next = self.count_done(slice.header(), slice.samples().len());
@@ -144,7 +144,12 @@ impl<S: Transport> Input<S> {
 
     /// Another fusion process has progressed to `done`, and for other publishers of the source to reports sent before
     /// `done_ns`: processed reports are skipped, the others are kept.
-    pub(crate) fn follow(&mut self, done: Option<Position>, done_ns: i64, clock: fn() -> i64) -> anyhow::Result<()> {
+    pub(crate) fn follow(
+        &mut self,
+        done: Option<SourcePosition>,
+        done_ns: i64,
+        clock: fn() -> i64,
+    ) -> anyhow::Result<()> {
         (self.done, self.done_ns) = (done.or(self.done), done_ns);
         if let Some(hand) = self.in_hand.take() {
             let next = self.count_done(hand.slice.header(), hand.slice.samples().len());
@@ -182,7 +187,7 @@ impl<S: Transport> Input<S> {
 
     /// Returns the next report of the slice in hand, stamped with its source and its time; `now` has the engine's time.
     /// The last report releases the slice, whose watermark then holds.
-    pub(crate) fn next_report(&mut self, now: Now, clocks: Common) -> Option<InputReport> {
+    pub(crate) fn next_report(&mut self, now: Now, clocks: CommonOffsets) -> Option<InputReport> {
         let hand = self.in_hand.as_mut()?;
         let (header, reports) = (hand.slice.header(), hand.slice.samples());
         let (sent_ns, publisher) = (header.sent_ns, header.incarnation);

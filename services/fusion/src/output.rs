@@ -12,7 +12,7 @@ use runtime::housekeeping::Queues;
 
 /// System-track states that wait to be sent as one slice.
 #[derive(Debug)]
-pub(crate) struct Output<S: Transport> {
+pub(crate) struct TrackOutput<S: Transport> {
     publisher: Publisher<S, SystemTrack>,
     waiting: Vec<SystemTrack>,
     /// Publisher for other centres.
@@ -35,7 +35,7 @@ struct OwnTracks<S: Transport> {
     waiting: Vec<SystemTrack>,
 }
 
-impl<S: Transport> Sink for Output<S> {
+impl<S: Transport> Sink for TrackOutput<S> {
     fn track(&mut self, track: &SystemTrack) {
         self.waiting.push(*track);
     }
@@ -58,7 +58,7 @@ impl<S: Transport> Sink for Output<S> {
     }
 }
 
-impl<S: Transport> Output<S> {
+impl<S: Transport> TrackOutput<S> {
     /// Sets the epoch of states.
     pub(crate) fn new(
         config: &Deployment,

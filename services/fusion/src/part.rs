@@ -12,22 +12,22 @@ use runtime::housekeeping::Queues;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::agent::{FusionAgent, Ready};
-use crate::continuity::{Start, TakeOver};
-use crate::standby::{self, Lead, LeadLock, Standby};
+use crate::continuity::{FusionStart, TakeOver};
+use crate::standby::{self, Lead, LeadLock, StandbyFusion};
 
 /// Fusion process.
 #[derive(Debug)]
 pub(crate) struct FusionPart<'a> {
     process: &'a Process,
     queues: Arc<Queues>,
-    state: State,
+    state: RoleState,
 }
 
 #[derive(Debug)]
-enum State {
+enum RoleState {
     /// Until the process leads.
     Changes,
-    StandsBy(Box<Standby>),
+    StandsBy(Box<StandbyFusion>),
     Leads {
         agent: Box<FusionAgent<SharedMemory>>,
         /// Held as long as the process lives.
@@ -53,12 +53,12 @@ impl<'a> FusionPart<'a> {
         let mut part = Self {
             process,
             queues,
-            state: State::Changes,
+            state: RoleState::Changes,
         };
         match lock {
             Some(lock) => {
-                let standby = Standby::new(process, config.fusion.takeover_ns(), lock, ready, now);
-                part.state = State::StandsBy(Box::new(standby));
+                let standby = StandbyFusion::new(process, config.fusion.takeover_ns(), lock, ready, now);
+                part.state = RoleState::StandsBy(Box::new(standby));
                 part.call(standby::NAME);
             }
             None => part.lead(ready, None, TakeOver::default(), now)?,
@@ -82,7 +82,7 @@ impl<'a> FusionPart<'a> {
         let incarnation = self.process.incarnation;
         // Recorded samples are sent again.
         let kept = config.checkpoint.max_age_ns().filter(|_| !config.is_recorded());
-        let start = kept.map(|max_age_ns| Start::look(bus.root(), max_age_ns, &ready.engine, now));
+        let start = kept.map(|max_age_ns| FusionStart::look(bus.root(), max_age_ns, &ready.engine, now));
         let epoch = start.as_ref().map_or(incarnation, |start| start.epoch);
         if let Some(whole) = start.as_ref().and_then(|start| start.whole(now)) {
             // There is one start, and room for it.
@@ -97,7 +97,7 @@ impl<'a> FusionPart<'a> {
             self.take_core(take_over)?;
             self.call(ProcessKind::Fusion.word());
         }
-        self.state = State::Leads {
+        self.state = RoleState::Leads {
             agent: Box::new(agent),
             _lead: lead,
         };
@@ -128,14 +128,14 @@ impl FusionPart<'_> {
 impl Agent for FusionPart<'_> {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let standby = match &mut self.state {
-            State::Leads { agent, .. } => return agent.turn(now),
-            State::StandsBy(standby) => standby,
-            State::Changes => anyhow::bail!("could not come to lead"),
+            RoleState::Leads { agent, .. } => return agent.turn(now),
+            RoleState::StandsBy(standby) => standby,
+            RoleState::Changes => anyhow::bail!("could not come to lead"),
         };
         let Some((lead, take_over)) = standby.look(self.process, now)? else {
             return Ok(Turn::Idle(standby::LOOK));
         };
-        if let State::StandsBy(standby) = std::mem::replace(&mut self.state, State::Changes) {
+        if let RoleState::StandsBy(standby) = std::mem::replace(&mut self.state, RoleState::Changes) {
             self.lead(standby.into_ready(), Some(lead), take_over, now)?;
         }
         Ok(Turn::Worked)
@@ -143,19 +143,19 @@ impl Agent for FusionPart<'_> {
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         match &mut self.state {
-            State::Leads { agent, .. } => agent.wait(at_most),
-            State::StandsBy(standby) => {
+            RoleState::Leads { agent, .. } => agent.wait(at_most),
+            RoleState::StandsBy(standby) => {
                 standby.wait(at_most);
                 Ok(())
             }
-            State::Changes => Ok(()),
+            RoleState::Changes => Ok(()),
         }
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         match &self.state {
-            State::Leads { agent, .. } => agent.health(entries),
-            State::StandsBy(_) | State::Changes => entries.push(HealthEntry::default()),
+            RoleState::Leads { agent, .. } => agent.health(entries),
+            RoleState::StandsBy(_) | RoleState::Changes => entries.push(HealthEntry::default()),
         }
     }
 }

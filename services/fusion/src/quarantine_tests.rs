@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-use bus::{Bus, Held, LogReader, Mark, Publisher, Root, SharedMemory, Subscriber};
+use bus::{Bus, LogReader, Mark, Publisher, Root, SharedMemory, Subscriber, TopicHold};
 use configuration::Config;
 use fusion::checkpoint::IN_WORK;
 use fusion::suspects::report_key;
@@ -15,7 +15,7 @@ use runtime::{Agent as _, HealthEntry, Now, Speed, Turn};
 use test_support::S;
 
 use crate::agent::{FusionAgent, Ready};
-use crate::continuity::{Start, TakeOver};
+use crate::continuity::{FusionStart, TakeOver};
 
 const DAY: i64 = 16_931 * 86_400 * S;
 /// Epoch of the source's publisher.
@@ -32,7 +32,7 @@ fn config() -> Config {
 struct Site {
     config: Config,
     bus: Bus<SharedMemory>,
-    _held: [Held; 2],
+    _held: [TopicHold; 2],
     source: Publisher<SharedMemory, SensorTrack>,
     system: Subscriber<SharedMemory, SystemTrack>,
     log: LogReader<WorkStep>,
@@ -77,7 +77,7 @@ impl Site {
         let (config, bus, now) = (&self.config, &self.bus, self.now);
         let ready = Ready::new(config, &config.engine, (Speed::Factor(1.0), None), bus, 1).unwrap();
         let max_age_ns = config.checkpoint.max_age_ns().unwrap();
-        let start = Start::look(bus.root(), max_age_ns, &ready.engine, now);
+        let start = FusionStart::look(bus.root(), max_age_ns, &ready.engine, now);
         let mut agent = FusionAgent::begin(ready, config, bus, (1, start.epoch), Arc::clone(&self.queues)).unwrap();
         agent.resume(start, TakeOver::default(), now).unwrap();
         agent

@@ -18,7 +18,7 @@ const UNDERWAY_MAX_NS: i64 = 10_000_000_000;
 
 /// Offsets that hold for all sources, seconds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Common {
+pub(crate) struct CommonOffsets {
     /// Of sound clocks against the engine's time.
     pub(crate) host_offset_s: f64,
     /// Of the engine's time against the machine's UTC.
@@ -107,7 +107,7 @@ impl SourceTime {
 
     /// Returns whether a report's time `time_ns` is valid; its slice states the time of sending `sent_ns`
     /// (monotonic). `now` has the engine's time, and `clocks` the offset of sound clocks.
-    pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: Common) -> bool {
+    pub(crate) fn believes(&mut self, time_ns: i64, sent_ns: i64, now: Now, clocks: CommonOffsets) -> bool {
         match self {
             Self::Unpaced => return true,
             Self::Stated { step_s, .. } => {
@@ -192,11 +192,16 @@ mod tests {
         for second in 0..20 {
             let sent_ns = at(second).mono_ns;
             assert!(
-                time.believes(BEGIN_NS + 10 * second * S, sent_ns, at(second + 2), Common::default()),
+                time.believes(
+                    BEGIN_NS + 10 * second * S,
+                    sent_ns,
+                    at(second + 2),
+                    CommonOffsets::default()
+                ),
                 "{second}"
             );
         }
-        assert!(!time.believes(BEGIN_NS + 250 * S, at(20).mono_ns, at(20), Common::default()));
+        assert!(!time.believes(BEGIN_NS + 250 * S, at(20).mono_ns, at(20), CommonOffsets::default()));
         assert!(time.clock_offset(0.0).is_some());
     }
 
@@ -208,7 +213,7 @@ mod tests {
         };
         let mut believes = |offset_ms, ahead_s: i64| {
             time.state(offset_ms);
-            time.believes(at(ahead_s).utc_ns, at(0).mono_ns, at(0), Common::default())
+            time.believes(at(ahead_s).utc_ns, at(0).mono_ns, at(0), CommonOffsets::default())
         };
         assert!(!believes(0, 700), "before anything is known of the clock");
         assert!(believes(0, 0) && believes(0, 4), "as of a sound clock");
@@ -223,7 +228,7 @@ mod tests {
             clock: SourceClock::new(5.0),
             step_s: 5.0,
         };
-        let mut believes = |time_ns, sent_ns, now| time.believes(time_ns, sent_ns, now, Common::default());
+        let mut believes = |time_ns, sent_ns, now| time.believes(time_ns, sent_ns, now, CommonOffsets::default());
         assert!(believes(at(0).utc_ns, at(0).mono_ns, at(8)));
         assert!(!believes(at(0).utc_ns, at(0).mono_ns, at(70)));
         for strange_ns in [i64::MIN, 0, i64::MAX] {
@@ -238,7 +243,7 @@ mod tests {
             step_s: 5.0,
         };
         let believes = |time: &mut SourceTime, host_offset_s, ahead_s| {
-            let common = Common { host_offset_s, ahead_s };
+            let common = CommonOffsets { host_offset_s, ahead_s };
             time.believes(at(0).utc_ns, at(0).mono_ns, at(0), common)
         };
         assert!(believes(&mut time, 0.0, 0.0), "nothing is known yet");

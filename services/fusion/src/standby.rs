@@ -29,7 +29,7 @@ use std::time::Duration;
 use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
 use deployment::Process;
-use fusion::checkpoint::{Clock, Layout, clock_of, position_of};
+use fusion::checkpoint::{CheckpointClock, CheckpointLayout, clock_of, position_of};
 use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
@@ -78,11 +78,11 @@ impl LeadLock {
 
 /// Standby fusion.
 #[derive(Debug)]
-pub(crate) struct Standby {
+pub(crate) struct StandbyFusion {
     takeover_ns: i64,
     lock: LeadLock,
     ready: Ready<SharedMemory>,
-    layout: Layout,
+    layout: CheckpointLayout,
     leader: Option<Leader>,
     /// Time for which the leader's sign of life has not changed, as far as this process ran.
     still_ns: i64,
@@ -98,7 +98,7 @@ pub(crate) struct Standby {
 #[derive(Debug)]
 struct Leader {
     memory: Outlasting,
-    clock: Clock,
+    clock: CheckpointClock,
     process: OwnedFd,
     /// Time at which the process was first observed as leader, monotonic, nanoseconds.
     since_ns: i64,
@@ -119,7 +119,7 @@ impl Leader {
     }
 }
 
-impl Standby {
+impl StandbyFusion {
     /// Creates the standby with all that is `ready`.
     pub(crate) fn new(
         process: &Process,

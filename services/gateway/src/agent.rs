@@ -11,10 +11,10 @@ use net::UdpSender;
 use outgoing::{OutgoingCounts, SendBlock, SensorReports, ServiceEvent, StatusReports, SystemReports, SystemSource};
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::schedule::Schedule;
-use crate::selection::Selection;
+use crate::schedule::SendSchedule;
+use crate::selection::TrackSelection;
 use crate::sensor_states::SensorStates;
-use crate::settings::{Content as Sent, Settings};
+use crate::settings::{GatewayContent as Sent, Settings};
 
 /// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
@@ -28,7 +28,7 @@ const SLEEP_MAX_NS: i64 = 50_000_000;
 /// Gateway as an agent, generic over the transport: tests run it in process.
 #[derive(Debug)]
 pub(crate) struct GatewayAgent<S: Transport> {
-    content: Content<S>,
+    content: OutgoingContent<S>,
     health: Subscriber<S, Health>,
     alarms: Subscriber<S, Alarm>,
     sensors: SensorStates,
@@ -42,17 +42,17 @@ pub(crate) struct GatewayAgent<S: Transport> {
 
 /// Tracks to send.
 #[derive(Debug)]
-enum Content<S: Transport> {
-    System(Box<Picture<S, SystemTrack, SystemReports>>, Box<StatusReports>),
-    Sensor(Box<Picture<S, SensorTrack, SensorReports>>),
+enum OutgoingContent<S: Transport> {
+    System(Box<OutgoingPicture<S, SystemTrack, SystemReports>>, Box<StatusReports>),
+    Sensor(Box<OutgoingPicture<S, SensorTrack, SensorReports>>),
 }
 
 /// Outgoing tracks of one topic.
 #[derive(Debug)]
-struct Picture<S: Transport, T: Payload, R> {
+struct OutgoingPicture<S: Transport, T: Payload, R> {
     subscriber: Subscriber<S, T>,
-    schedule: Schedule<T>,
-    selection: Selection,
+    schedule: SendSchedule<T>,
+    selection: TrackSelection,
     reports: R,
     /// Epoch of the publisher of the tracks; 0 before the first slice.
     publisher: u64,
@@ -62,7 +62,7 @@ struct Picture<S: Transport, T: Payload, R> {
 }
 
 /// Properties of a track that a gateway uses.
-trait Track: Payload + Copy {
+trait GatewayTrack: Payload + Copy {
     fn number(&self) -> u32;
     /// Returns the position in the system frame, metres.
     fn position_m(&self) -> [f64; 3];
@@ -74,7 +74,7 @@ trait Track: Payload + Copy {
 }
 
 /// Conversion of tracks to data blocks.
-trait Reports<T> {
+trait BlockConversion<T> {
     fn report(&mut self, track: &T, send: &mut SendBlock<'_>);
     fn flush(&mut self, send: &mut SendBlock<'_>);
     fn counts(&self) -> OutgoingCounts;
@@ -92,7 +92,7 @@ impl<S: Transport> GatewayAgent<S> {
         let table = gateway.table()?;
         let mut waiter = bus.waiter(WaitMode::Event);
         let (sac, sic, block_bytes) = (gateway.sac, gateway.sic, gateway.block_bytes);
-        let user = (gateway.refresh_s.ns(), Selection::new(gateway, config.frame));
+        let user = (gateway.refresh_s.ns(), TrackSelection::new(gateway, config.frame));
         let what = gateway.content(config)?;
         let content = match what {
             Sent::Fused | Sent::Own => {
@@ -106,11 +106,11 @@ impl<S: Transport> GatewayAgent<S> {
                     _ => messages::system_tracks(),
                 };
                 waiter.watch(bus, &topic)?;
-                let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;
+                let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
                 let [of_system, of_sensors] = STATUS_CATEGORIES.map(registry::default_edition);
                 let (of_system, of_sensors) = of_system.zip(of_sensors).context("CAT065 and CAT063 have tables")?;
                 let status = StatusReports::new(of_system, of_sensors, sac, sic, block_bytes)?;
-                Content::System(Box::new(picture), Box::new(status))
+                OutgoingContent::System(Box::new(picture), Box::new(status))
             }
             Sent::OfSource(source) => {
                 let model = &source.model;
@@ -119,8 +119,8 @@ impl<S: Transport> GatewayAgent<S> {
                 let topic = messages::sensor_tracks(&source.name);
                 waiter.watch(bus, &topic)?;
                 let capacity = model.limits.tracks;
-                let picture = Picture::open(bus, &topic, incarnation, user, capacity, reports)?;
-                Content::Sensor(Box::new(picture))
+                let picture = OutgoingPicture::open(bus, &topic, incarnation, user, capacity, reports)?;
+                OutgoingContent::Sensor(Box::new(picture))
             }
         };
         Ok(Self {
@@ -150,8 +150,8 @@ impl<S: Transport> GatewayAgent<S> {
             }
         };
         match &mut self.content {
-            Content::System(_, status) => self.sensors.report(now, status, &mut send_wanted),
-            Content::Sensor(picture) => picture.reports.status(now.utc_ns, &mut send),
+            OutgoingContent::System(_, status) => self.sensors.report(now, status, &mut send_wanted),
+            OutgoingContent::Sensor(picture) => picture.reports.status(now.utc_ns, &mut send),
         }
     }
 }
@@ -163,18 +163,18 @@ fn system_source(source: &Source) -> SystemSource {
     }
 }
 
-impl<S: Transport, T: Track, R: Reports<T>> Picture<S, T, R> {
+impl<S: Transport, T: GatewayTrack, R: BlockConversion<T>> OutgoingPicture<S, T, R> {
     fn open(
         bus: &Bus<S>,
         topic: &Topic<T>,
         incarnation: u64,
-        (refresh_ns, selection): (i64, Selection),
+        (refresh_ns, selection): (i64, TrackSelection),
         capacity: usize,
         reports: R,
     ) -> anyhow::Result<Self> {
         Ok(Self {
             subscriber: bus.subscriber(topic, || incarnation)?,
-            schedule: Schedule::new(refresh_ns, capacity),
+            schedule: SendSchedule::new(refresh_ns, capacity),
             selection,
             reports,
             publisher: 0,
@@ -267,14 +267,14 @@ impl<S: Transport> Agent for GatewayAgent<S> {
         // The sender counts blocks that it could not send; the remaining blocks follow.
         let mut send = |datagram: &[u8]| drop(sender.send(datagram));
         let (more, next_ns) = match &mut self.content {
-            Content::System(picture, status) => {
+            OutgoingContent::System(picture, status) => {
                 let more = picture.turn(now, &mut send)?;
                 if std::mem::take(&mut picture.has_forgotten) && self.status.contains(&65) {
                     self.sensors.renumbered(now, status, &mut send);
                 }
                 (more, picture.next_turn_ns())
             }
-            Content::Sensor(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
+            OutgoingContent::Sensor(picture) => (picture.turn(now, &mut send)?, picture.next_turn_ns()),
         };
         if more {
             return Ok(Turn::Worked);
@@ -285,7 +285,7 @@ impl<S: Transport> Agent for GatewayAgent<S> {
 
     fn close(&mut self, now: Now) -> anyhow::Result<()> {
         let sender = &mut self.sender;
-        if let Content::System(_, status) = &mut self.content
+        if let OutgoingContent::System(_, status) = &mut self.content
             && self.status.contains(&65)
         {
             status.event(now.utc_ns, ServiceEvent::Ended, &mut |datagram| {
@@ -298,8 +298,8 @@ impl<S: Transport> Agent for GatewayAgent<S> {
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         let content = &self.content;
         self.waiter.wait(at_most, || match content {
-            Content::System(picture, _) => picture.subscriber.has_slices(),
-            Content::Sensor(picture) => picture.subscriber.has_slices(),
+            OutgoingContent::System(picture, _) => picture.subscriber.has_slices(),
+            OutgoingContent::Sensor(picture) => picture.subscriber.has_slices(),
         })?;
         Ok(())
     }
@@ -307,8 +307,8 @@ impl<S: Transport> Agent for GatewayAgent<S> {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let mut entry = HealthEntry::default();
         match &self.content {
-            Content::System(picture, _) => picture.count(&mut entry),
-            Content::Sensor(picture) => picture.count(&mut entry),
+            OutgoingContent::System(picture, _) => picture.count(&mut entry),
+            OutgoingContent::Sensor(picture) => picture.count(&mut entry),
         }
         let counted = self.sender.counters();
         entry.set(Counter::DatagramsSent, counted.sent);
@@ -317,7 +317,7 @@ impl<S: Transport> Agent for GatewayAgent<S> {
     }
 }
 
-impl Track for SystemTrack {
+impl GatewayTrack for SystemTrack {
     fn number(&self) -> u32 {
         self.track_number
     }
@@ -342,7 +342,7 @@ impl Track for SystemTrack {
     }
 }
 
-impl Track for SensorTrack {
+impl GatewayTrack for SensorTrack {
     fn number(&self) -> u32 {
         self.track_number
     }
@@ -367,7 +367,7 @@ impl Track for SensorTrack {
     }
 }
 
-impl Reports<SystemTrack> for SystemReports {
+impl BlockConversion<SystemTrack> for SystemReports {
     fn report(&mut self, track: &SystemTrack, send: &mut SendBlock<'_>) {
         self.report(track, send);
     }
@@ -381,7 +381,7 @@ impl Reports<SystemTrack> for SystemReports {
     }
 }
 
-impl Reports<SensorTrack> for SensorReports {
+impl BlockConversion<SensorTrack> for SensorReports {
     fn report(&mut self, track: &SensorTrack, send: &mut SendBlock<'_>) {
         self.report(track, send);
     }

@@ -4,7 +4,7 @@ use std::net::UdpSocket;
 use std::time::Duration;
 
 use asterix::{Mode, NamedRecord, Value, blocks, registry};
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::ConfigWith;
 use messages::{Counter, Health, LifeState, ProcessKind, SystemTrack, TrackState};
 use runtime::{Agent as _, HealthEntry, Now};
@@ -23,7 +23,7 @@ struct Bench {
     now_ns: i64,
     health: Publisher<InProcess, Health>,
     bus: Bus<InProcess>,
-    _held: (Held, Held, Held, Held),
+    _held: (TopicHold, TopicHold, TopicHold, TopicHold),
     _folder: TempDir,
 }
 

@@ -20,10 +20,10 @@ const DISPLACED_NS: i64 = 1_000_000_000;
 
 /// Latest states of tracks, and their turns.
 #[derive(Debug)]
-pub(crate) struct Schedule<T> {
+pub(crate) struct SendSchedule<T> {
     refresh_ns: i64,
     capacity: usize,
-    entries: FxHashMap<u32, Entry<T>>,
+    entries: FxHashMap<u32, ScheduleEntry<T>>,
     /// Turns in the order of time. A turn that differs from its track's entry is out of date.
     turns: VecDeque<(i64, u32)>,
     dropped: u64,
@@ -32,13 +32,13 @@ pub(crate) struct Schedule<T> {
 }
 
 #[derive(Debug)]
-struct Entry<T> {
+struct ScheduleEntry<T> {
     latest: T,
     heard_ns: i64,
     turn_ns: i64,
 }
 
-impl<T: Copy> Schedule<T> {
+impl<T: Copy> SendSchedule<T> {
     /// Creates a schedule for `capacity` tracks. With a refresh period of 0, each state is due at once.
     pub(crate) fn new(refresh_ns: i64, capacity: usize) -> Self {
         Self {
@@ -81,7 +81,7 @@ impl<T: Copy> Schedule<T> {
             return false;
         }
         let turn_ns = now_ns + self.refresh_ns;
-        let entry = Entry {
+        let entry = ScheduleEntry {
             latest: track,
             heard_ns: now_ns,
             turn_ns,
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_track_is_sent_at_once_and_then_by_its_period_with_its_latest_state() {
-        let mut schedule = Schedule::new(4 * S, 10);
+        let mut schedule = SendSchedule::new(4 * S, 10);
         assert!(schedule.take(7, 'a', 0));
         assert!(!schedule.take(7, 'b', S));
         assert_eq!(schedule.next_turn(3 * S), None);
@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_number_used_again_has_one_turn() {
-        let mut schedule = Schedule::new(4 * S, 10);
+        let mut schedule = SendSchedule::new(4 * S, 10);
         assert!(schedule.take(7, 'a', 0));
         assert!(schedule.end(7) && !schedule.end(7));
         assert!(schedule.take(7, 'b', S));
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn without_a_period_everything_goes_out_at_once() {
-        let mut schedule = Schedule::new(0, 1);
+        let mut schedule = SendSchedule::new(0, 1);
         assert!((0..5).all(|number| schedule.take(number, 'a', 0)));
         assert!(schedule.end(3));
         assert_eq!(schedule.next_turn(S), None);
@@ -202,9 +202,9 @@ mod tests {
 
     #[test]
     fn what_a_publisher_that_goes_on_never_speaks_of_is_forgotten() {
-        let mut schedule = Schedule::new(4 * S, 10);
+        let mut schedule = SendSchedule::new(4 * S, 10);
         assert!(schedule.take(1, 'a', 0) && schedule.take(2, 'b', 0));
-        let unheard = |schedule: &mut Schedule<char>, now_s: i64| {
+        let unheard = |schedule: &mut SendSchedule<char>, now_s: i64| {
             let mut found = String::new();
             schedule.forget_unheard(now_s * S, |state| found.push(state));
             found
@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn in_a_full_table_a_track_whose_end_was_lost_makes_room() {
-        let mut schedule = Schedule::new(4 * S, 2);
+        let mut schedule = SendSchedule::new(4 * S, 2);
         assert!(schedule.take(1, 'a', 0) && schedule.take(2, 'b', 0));
         schedule.take(2, 'c', 2 * S);
         assert_eq!(schedule.displaced_by(2, 3 * S), None, "it has its place");
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_full_table_drops_and_the_silent_are_forgotten() {
-        let mut schedule = Schedule::new(S, 1);
+        let mut schedule = SendSchedule::new(S, 1);
         assert!(schedule.take(1, 'a', 0));
         assert!(!schedule.take(2, 'b', 0));
         assert_eq!(schedule.dropped(), 1);

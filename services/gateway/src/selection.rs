@@ -6,13 +6,13 @@ use crate::settings::{Area, Settings};
 
 /// Area and flight levels of a user.
 #[derive(Clone, Debug)]
-pub(crate) struct Selection {
+pub(crate) struct TrackSelection {
     frame: SystemFrame,
     area: Option<Area>,
     levels: Option<[f64; 2]>,
 }
 
-impl Selection {
+impl TrackSelection {
     /// Returns the selection of the user of `gateway`, for tracks in `frame`.
     pub(crate) fn new(gateway: &Settings, frame: SystemFrame) -> Self {
         Self {
@@ -56,9 +56,9 @@ mod tests {
     use frames::Geodetic;
 
     /// A selection round 50° north, 10° east, where the frame has its origin.
-    fn selection(area: Option<Area>, levels: Option<[f64; 2]>) -> Selection {
+    fn selection(area: Option<Area>, levels: Option<[f64; 2]>) -> TrackSelection {
         let origin = Geodetic::from_degrees(50.0, 10.0, 0.0).unwrap();
-        Selection {
+        TrackSelection {
             frame: SystemFrame::at(origin),
             area,
             levels,

@@ -24,12 +24,12 @@ pub(crate) struct SensorStates {
     condition: Option<Condition>,
     /// Value that changes whenever tracks are numbered anew.
     renumbered: bool,
-    sensors: Vec<Sensor>,
+    sensors: Vec<SensorState>,
     statuses: Vec<SensorStatus>,
 }
 
 #[derive(Debug)]
-struct Sensor {
+struct SensorState {
     number: u16,
     sac_sic: (u8, u8),
     primary: bool,
@@ -37,7 +37,7 @@ struct Sensor {
 
 impl SensorStates {
     pub(crate) fn new(config: &Deployment) -> Self {
-        let sensors = config.sources.iter().map(|source| Sensor {
+        let sensors = config.sources.iter().map(|source| SensorState {
             number: source.number,
             // A sensor without SAC and SIC is identified by its number.
             sac_sic: source.model.sac_sic.unwrap_or((0, (source.number + 1) as u8)),
@@ -108,7 +108,7 @@ impl SensorStates {
     }
 }
 
-impl Sensor {
+impl SensorState {
     /// Returns the state of the sensor at `now_ns` (monotonic).
     fn at(&self, observed: &observed::Deployment, now_ns: i64) -> SensorStatus {
         let own = observed

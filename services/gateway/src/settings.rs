@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::net::SocketAddr;
 
 use asterix::Category;
-use deployment::{Deployment, Output, Parts, Source, check_name};
+use deployment::{Deployment, NetworkOutput, Parts, Source, check_name};
 use net::{Interface, SenderSettings};
 use outgoing::HeightReference;
-use settings::{Seconds, SettingsError, Table};
+use settings::{KeyTable, Seconds, SettingsError};
 
 /// Categories that a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
@@ -109,7 +109,7 @@ settings::spelt_as!(Destination, String, "text", Self::parse, |to| to.0.to_strin
 
 /// Content that a gateway sends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Content<'a> {
+pub(crate) enum GatewayContent<'a> {
     /// The fused picture.
     Fused,
     /// The fused picture from local sources only.
@@ -184,13 +184,16 @@ impl Settings {
     ///
     /// # Errors
     /// If the deployment has no such source.
-    pub(crate) fn content<'a>(&self, deployment: &'a Deployment) -> Result<Content<'a>, SettingsError> {
+    pub(crate) fn content<'a>(&self, deployment: &'a Deployment) -> Result<GatewayContent<'a>, SettingsError> {
         match &self.source {
-            None if self.own => Ok(Content::Own),
-            None => Ok(Content::Fused),
+            None if self.own => Ok(GatewayContent::Own),
+            None => Ok(GatewayContent::Fused),
             Some(name) => {
                 let missing = || SettingsError::new("source", format!("there is no source named \"{name}\""));
-                deployment.source(name).map(Content::OfSource).ok_or_else(missing)
+                deployment
+                    .source(name)
+                    .map(GatewayContent::OfSource)
+                    .ok_or_else(missing)
             }
         }
     }
@@ -226,7 +229,7 @@ impl Keys {
 }
 
 impl Parts for Keys {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         vec![self]
     }
 
@@ -250,12 +253,12 @@ impl Parts for Keys {
             }
             let content = each.content(deployment);
             let content = content.map_err(|error| error.under(&format!("gateway[{index}]")))?;
-            if matches!(content, Content::Own) && !deployment.system_tracks.exchange {
+            if matches!(content, GatewayContent::Own) && !deployment.system_tracks.exchange {
                 let what = "needs fusion.exchange = true, which says what the sensors here know";
                 return Err(SettingsError::new(key("own"), what));
             }
         }
-        let output = |gateway: &Settings| Output {
+        let output = |gateway: &Settings| NetworkOutput {
             name: gateway.name.clone(),
             sender: gateway.sender(),
         };

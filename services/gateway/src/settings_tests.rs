@@ -4,7 +4,7 @@ use std::path::Path;
 
 use configuration::ConfigWith;
 
-use crate::settings::{Content, Keys};
+use crate::settings::{GatewayContent, Keys};
 
 type Config = ConfigWith<Keys>;
 
@@ -20,7 +20,7 @@ fn a_gateway_sends_the_fused_picture_by_default() {
     let config = Config::parse(Path::new("live.toml"), SITE, &[]).unwrap();
     let gateway = config.parts.gateway("picture").unwrap();
     assert_eq!(gateway.table().unwrap().number, 62);
-    assert!(matches!(gateway.content(&config), Ok(Content::Fused)));
+    assert!(matches!(gateway.content(&config), Ok(GatewayContent::Fused)));
     let output = &config.services.gateways[0];
     assert_eq!(
         (output.name.as_str(), output.sender.destination),
@@ -36,7 +36,10 @@ fn a_gateway_to_another_centre_needs_what_the_sensors_here_know() {
     };
     let own = "gateway[0].own=true";
     let config = read(&[own, "fusion.exchange=true"]).unwrap();
-    assert!(matches!(config.parts.gateways[0].content(&config), Ok(Content::Own)));
+    assert!(matches!(
+        config.parts.gateways[0].content(&config),
+        Ok(GatewayContent::Own)
+    ));
     assert!(read(&[own]).unwrap_err().contains("needs fusion.exchange = true"));
     let source = ["gateway[0].source=\"radar-north\"", "gateway[0].category=48"];
     let both = read(&[own, "fusion.exchange=true", source[0], source[1]]).unwrap_err();

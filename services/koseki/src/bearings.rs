@@ -10,10 +10,10 @@ use std::path::Path;
 
 use anyhow::Context as _;
 use formats::bearings_csv::BearingWriter;
-use formats::snapshots_csv::{Snapshot, SnapshotReader};
-use locating::music::{self, ArraySettings, Complex, Measured, Music, Snapshots};
+use formats::snapshots_csv::{ArraySnapshot, SnapshotReader};
+use locating::music::{self, ArraySettings, BearingSet, Complex, Music, Snapshots};
 use observations::Bearing;
-use offline::{InputError, OutputFile, Refusals, check_outputs, open};
+use offline::{InputError, OutputFile, SkippedRows, check_outputs, open};
 use serde_json::json;
 
 use crate::args::MeasureBearings;
@@ -71,15 +71,15 @@ struct Finder<'a> {
     music: Music,
     out: BearingWriter<OutputFile>,
     /// Rows of the present measurement: the first row with its line number, and all samples.
-    first: Option<(Snapshot, u64)>,
+    first: Option<(ArraySnapshot, u64)>,
     samples: Vec<Complex<f64>>,
-    refusals: Refusals,
-    summary: Summary,
+    refusals: SkippedRows,
+    summary: BearingSummary,
 }
 
 /// Counts of measurements and bearings.
 #[derive(Debug, Default)]
-struct Summary {
+struct BearingSummary {
     snapshots: u64,
     measurements: u64,
     bearings: u64,
@@ -105,20 +105,20 @@ impl<'a> Finder<'a> {
             out,
             first: None,
             samples: Vec::new(),
-            refusals: Refusals::default(),
-            summary: Summary::default(),
+            refusals: SkippedRows::default(),
+            summary: BearingSummary::default(),
         }
     }
 
     /// Adds the row of `line`; a row with another time ends the previous measurement.
-    fn take(&mut self, snapshot: Snapshot, line: u64) -> anyhow::Result<()> {
+    fn take(&mut self, snapshot: ArraySnapshot, line: u64) -> anyhow::Result<()> {
         if let Some((first, _)) = &self.first {
             if snapshot.time_ns < first.time_ns {
                 let what = "is before the row above; rows come in the order of time";
                 self.refusals.out_of_order(self.path, line, what);
                 return Ok(());
             }
-            let place = |row: &Snapshot| (row.platform_m, row.heading_rad, row.frequency_hz);
+            let place = |row: &ArraySnapshot| (row.platform_m, row.heading_rad, row.frequency_hz);
             if snapshot.time_ns > first.time_ns {
                 self.measure()?;
             } else if place(&snapshot) != place(first) {
@@ -170,18 +170,18 @@ impl<'a> Finder<'a> {
     }
 }
 
-impl Summary {
+impl BearingSummary {
     /// Counts the results, and returns the bearings to write.
-    fn sort<'m>(&mut self, settings: &ArraySettings, measured: &'m Measured) -> Vec<&'m music::Bearing> {
+    fn sort<'m>(&mut self, settings: &ArraySettings, measured: &'m BearingSet) -> Vec<&'m music::WaveBearing> {
         self.measurements += 1;
         self.unresolved += measured.unresolved as u64;
-        let hears = |bearing: &&music::Bearing| settings.hears(bearing.bearing_rad);
+        let hears = |bearing: &&music::WaveBearing| settings.hears(bearing.bearing_rad);
         let (heard, elsewhere): (Vec<_>, Vec<_>) = measured.bearings.iter().partition(hears);
         self.outside_sector += elsewhere.len() as u64;
-        let of = |some: &[&music::Bearing], source| some.iter().filter(|other| other.source == source).count();
+        let of = |some: &[&music::WaveBearing], source| some.iter().filter(|other| other.source == source).count();
         let mut clear = heard.clone();
         // A bearing ambiguous only with bearings outside the covered sector is unambiguous.
-        clear.retain(|one: &&music::Bearing| {
+        clear.retain(|one: &&music::WaveBearing| {
             !one.ambiguous || (of(&heard, one.source) == 1 && of(&elsewhere, one.source) > 0)
         });
         self.ambiguous += (heard.len() - clear.len()) as u64;
@@ -193,7 +193,7 @@ impl Summary {
     }
 
     /// Shows it: as JSON on standard output, else on standard error.
-    fn show(&self, command: &MeasureBearings, refusals: &Refusals) -> anyhow::Result<()> {
+    fn show(&self, command: &MeasureBearings, refusals: &SkippedRows) -> anyhow::Result<()> {
         let json = || {
             json!({
                 "out": command.out.display().to_string(),

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use bench_service::{Outcome, Product};
+use bench_service::{MeasurementOutcome, Product};
 use deployment::Deployment;
 use messages::{SensorTrack, SystemTrack};
 
-use crate::args::Bench;
+use crate::args::BenchCommand;
 use crate::config::Config;
 use crate::print;
 
@@ -20,13 +20,13 @@ impl Product for Itself {
 
     fn engine(&self, text: &str) -> anyhow::Result<Box<dyn bench_service::Engine>> {
         let config = Config::parse(Path::new("bench.toml"), text, &[])?;
-        Ok(Box::new(Engine(fusion::Engine::new(config.engine)?)))
+        Ok(Box::new(FusionEngine(fusion::Engine::new(config.engine)?)))
     }
 }
 
-struct Engine(fusion::Engine);
+struct FusionEngine(fusion::Engine);
 
-impl bench_service::Engine for Engine {
+impl bench_service::Engine for FusionEngine {
     fn take(&mut self, report: &SensorTrack, changed: &mut dyn FnMut(&SystemTrack)) {
         self.0.take(report, &mut |track: &SystemTrack| changed(track));
     }
@@ -36,29 +36,31 @@ impl bench_service::Engine for Engine {
 ///
 /// # Errors
 /// If the arguments are invalid, the machine cannot run the measurement, or a process fails.
-pub(crate) fn run(what: Bench) -> anyhow::Result<()> {
+pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
     match what {
-        Bench::Latency(latency) => {
+        BenchCommand::Latency(latency) => {
             let (settings, sweep, outputs) = latency.orders();
             show(&bench_service::latency(&Itself, &settings, sweep, &outputs)?)
         }
-        Bench::Throughput(throughput) => {
+        BenchCommand::Throughput(throughput) => {
             let (settings, probe_seconds, outputs) = throughput.orders();
             show(&bench_service::throughput(&Itself, &settings, probe_seconds, &outputs)?)
         }
-        Bench::Engine(engine) => {
+        BenchCommand::Engine(engine) => {
             let (settings, outputs) = engine.orders();
             print(&bench_service::engine(&Itself, &settings, &outputs)?)
         }
-        Bench::Watch(watch) => {
+        BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
             print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)
         }
-        Bench::Compare(compare) => print(&bench_service::compare(&compare.before, &compare.after, compare.force)?),
+        BenchCommand::Compare(compare) => {
+            print(&bench_service::compare(&compare.before, &compare.after, compare.force)?)
+        }
     }
 }
 
-fn show(outcome: &Outcome) -> anyhow::Result<()> {
+fn show(outcome: &MeasurementOutcome) -> anyhow::Result<()> {
     print(&outcome.text)?;
     match &outcome.failure {
         None => Ok(()),

@@ -17,7 +17,7 @@ use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
 use crate::config::Config;
-use crate::recordings::{self, Depth, Found};
+use crate::recordings::{self, Depth, RecordingFindings};
 
 /// Nanoseconds in a second.
 const NS: i64 = 1_000_000_000;
@@ -42,7 +42,7 @@ pub(crate) fn run(check: &Check) -> anyhow::Result<()> {
 }
 
 /// The summary for programs.
-fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> Value {
+fn json(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes: Option<u64>) -> Value {
     let settings = &config.engine;
     let source = |source: &Source| {
         let found = found.iter().find(|found| found.source == source.number);
@@ -113,7 +113,7 @@ fn json(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) 
 
 /// Returns the time between two reports of a target by the source, seconds; `None` if the source's adapter measures
 /// it.
-fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f64> {
+fn period_s(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> Option<f64> {
     let period_ns = match config.tracker(source.number) {
         Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
         None => Some(config.engine.sources[usize::from(source.number)].period_ns),
@@ -122,7 +122,7 @@ fn period_s(source: &Source, config: &Config, found: Option<&Found>) -> Option<f
 }
 
 /// How often a source reports a target, and how that is known where it is not configured.
-fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
+fn period(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> String {
     let Some(period_s) = period_s(source, config, found) else {
         return "every antenna turn, with a duration measured by the adapter".to_owned();
     };
@@ -136,7 +136,7 @@ fn period(source: &Source, config: &Config, found: Option<&Found>) -> String {
 }
 
 /// A period that is configured, and that the source's recording contradicts.
-fn doubtful_periods<'a>(config: &'a Config, found: &'a [Found]) -> impl Iterator<Item = String> + 'a {
+fn doubtful_periods<'a>(config: &'a Config, found: &'a [RecordingFindings]) -> impl Iterator<Item = String> + 'a {
     found.iter().filter_map(|found| {
         let source = &config.sources[usize::from(found.source)];
         let (configured_ns, turn) = (config.tracker(found.source)?.cutter.period_ns?, found.turn?);
@@ -168,7 +168,7 @@ fn digits(seconds: f64) -> f64 {
     (100.0 * seconds).round() / 100.0
 }
 
-fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64>) -> String {
+fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes: Option<u64>) -> String {
     let mut text = format!("{} is sound.\n\n", path.display());
     let mut row = |title: &str, content: String| {
         // Writing to a string cannot fail.
@@ -249,7 +249,7 @@ fn summary(path: &Path, config: &Config, found: &[Found], free_bytes: Option<u64
     text
 }
 
-fn describe(source: &Source, config: &Config, found: Option<&Found>) -> String {
+fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> String {
     let period = period(source, config, found);
     let input = match (&source.input, found) {
         (Input::Simulated(_), _) => {
@@ -407,7 +407,7 @@ fn time_of_day(time_ns: Option<i64>) -> String {
 #[cfg(test)]
 mod tests {
     use configuration::BUILT_IN_DEMO;
-    use tracking::turn_time::Turn;
+    use tracking::turn_time::TurnEstimate;
 
     use super::*;
 
@@ -444,18 +444,18 @@ mod tests {
                     [[source]]\nname = \"radar\"\nPERIOD[source.recorded]\nfile = \"x.ast\"\n[source.covariance]\n\
                     position_sigma_m = 50.0\n[source.tracker]\n";
         let path = Path::new("t.toml");
-        let told = |period: &str, turn: Option<Turn>| {
+        let told = |period: &str, turn: Option<TurnEstimate>| {
             let config = Config::parse(path, &site.replace("PERIOD", period), &[]).unwrap();
-            let found = Found {
+            let found = RecordingFindings {
                 turn,
-                ..Found::default()
+                ..RecordingFindings::default()
             };
             let text = summary(path, &config, std::slice::from_ref(&found), None);
             (text, json(path, &config, &[found], None))
         };
         let turn = |ns| {
             let basis = Basis::NorthMarks;
-            Some(Turn { ns, basis })
+            Some(TurnEstimate { ns, basis })
         };
         let (text, found) = told("", turn(7_630_123_456));
         assert!(

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use configuration::{ConfigError, ConfigWith};
 use deployment::{Deployment, Parts};
-use settings::{SettingsError, Table};
+use settings::{KeyTable, SettingsError};
 
 /// Configuration of a deployment with all its services.
 pub(crate) type Config = ConfigWith<Services>;
@@ -43,7 +43,7 @@ impl Services {
 }
 
 impl Parts for Services {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         let Self {
             gateway,
             monitor,
@@ -82,7 +82,7 @@ mod tests {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/configuration.md");
         let reference = configuration::reference::<Services>();
         assert!(
-            !reference.contains(&settings::Value::kind(&Unread)),
+            !reference.contains(&settings::KeyValue::kind(&Unread)),
             "a service is missing"
         );
         test_support::assert_golden(&path, &reference);

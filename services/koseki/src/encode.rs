@@ -14,7 +14,7 @@ use offline::{InputError, OutputFile, Usage, is_same_file, open};
 use serde_json::Value;
 use telemetry::table::count;
 
-use crate::args::Encode;
+use crate::args::EncodeArgs;
 
 /// Standard input, or standard output.
 const STANDARD: &str = "-";
@@ -25,7 +25,7 @@ const BLOCK_OCTETS_MAX: u16 = 1400;
 ///
 /// # Errors
 /// If the arguments are invalid, if a file cannot be read or written, or, with `strict`, if a record has no encoding.
-pub(crate) fn run(encode: &Encode) -> anyhow::Result<()> {
+pub(crate) fn run(encode: &EncodeArgs) -> anyhow::Result<()> {
     if is_same_file(&encode.out, &encode.file) {
         return Err(Usage(format!(
             "{} is the input itself: name another file (see `koseki encode --help`)",
@@ -52,10 +52,10 @@ fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD)
 }
 
-fn write<W: Write>(encode: &Encode, input: impl BufRead, out: W) -> anyhow::Result<(W, Written)> {
+fn write<W: Write>(encode: &EncodeArgs, input: impl BufRead, out: W) -> anyhow::Result<(W, EncodeCounts)> {
     let unwritten = || format!("{} cannot be written", encode.out.display());
     let encoder = Encoder::new(&encode.editions);
-    let (mut blocks, mut written) = (Blocks::new(out), Written::default());
+    let (mut blocks, mut written) = (BlockBuilder::new(out), EncodeCounts::default());
     let mut octets = Vec::new();
     for (number, line) in (1u64..).zip(input.lines()) {
         let line = line.with_context(|| format!("{} cannot be read", encode.file.display()))?;
@@ -80,7 +80,7 @@ fn write<W: Write>(encode: &Encode, input: impl BufRead, out: W) -> anyhow::Resu
 }
 
 /// Why a record is left out.
-struct Fault {
+struct LatestFault {
     /// Category or item.
     place: String,
     /// The whole sentence.
@@ -110,8 +110,8 @@ impl Encoder {
     }
 
     /// Appends the octets of the record in `line`; gives its category.
-    fn encode(&self, line: &str, octets: &mut Vec<u8>) -> Result<u8, Fault> {
-        let fault = |place: &str, what: String| Fault {
+    fn encode(&self, line: &str, octets: &mut Vec<u8>) -> Result<u8, LatestFault> {
+        let fault = |place: &str, what: String| LatestFault {
             place: place.to_owned(),
             what,
         };
@@ -154,14 +154,14 @@ impl Encoder {
 }
 
 /// Records on their way into blocks.
-struct Blocks<W> {
+struct BlockBuilder<W> {
     out: W,
     category: u8,
     open: BlockWriter,
     count: u64,
 }
 
-impl<W: Write> Blocks<W> {
+impl<W: Write> BlockBuilder<W> {
     fn new(out: W) -> Self {
         Self {
             out,
@@ -207,15 +207,15 @@ impl<W: Write> Blocks<W> {
 
 /// Counts of written and omitted records.
 #[derive(Default)]
-struct Written {
+struct EncodeCounts {
     records: u64,
     blocks: u64,
     /// Records left out at a place, and the first of them.
     left_out: BTreeMap<String, (u64, String)>,
 }
 
-impl Written {
-    fn leave_out(&mut self, line: u64, fault: Fault) {
+impl EncodeCounts {
+    fn leave_out(&mut self, line: u64, fault: LatestFault) {
         let first = || (0, format!("line {line}: {}", fault.what));
         self.left_out.entry(fault.place).or_insert_with(first).0 += 1;
     }

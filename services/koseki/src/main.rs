@@ -46,14 +46,14 @@ use clap::Parser as _;
 use clap::error::ErrorKind;
 use configuration::BUILT_IN_DEMO;
 use deployment::Process;
-use launcher::Orders;
+use launcher::RunOptions;
 use messages::ProcessKind;
 use offline::{Host, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
 use config::Config;
-use recordings::{Depth, RecordingError};
+use recordings::{Depth, UnusableRecording};
 
 /// Exit code of a failure while running.
 const CODE_FAILED: u8 = 1;
@@ -123,10 +123,10 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Generate(generate) => generate::run(&generate),
         Command::Status(status) => status::run(&status),
         Command::Top(top) => top::run(&top),
-        Command::Recording(args::Recording::Info(info)) => recording_info::run(&info),
-        Command::Recording(args::Recording::Cut(cut)) => recording_copy::cut(cut),
-        Command::Recording(args::Recording::Merge(merge)) => recording_copy::merge(&merge),
-        Command::Recording(args::Recording::Export(export)) => recording_export::run(&export),
+        Command::Recording(args::RecordingCommand::Info(info)) => recording_info::run(&info),
+        Command::Recording(args::RecordingCommand::Cut(cut)) => recording_copy::cut(cut),
+        Command::Recording(args::RecordingCommand::Merge(merge)) => recording_copy::merge(&merge),
+        Command::Recording(args::RecordingCommand::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
         Command::Tap(tap) => tap::run(&tap),
         Command::Order(order) => order::run(&order),
@@ -156,7 +156,7 @@ fn run(command: Command) -> anyhow::Result<()> {
             gateway::run(process, &config.parts.gateway)
         }),
         Command::Link(serve) => link::run(serve),
-        Command::Display(args::Display { recording, serve }) => match serve {
+        Command::Display(args::DisplayArgs { recording, serve }) => match serve {
             Some(serve) => run_service(ProcessKind::Display, serve, |process, config| {
                 display::run(process, config.parts.display())
             }),
@@ -185,7 +185,7 @@ fn make_out_folder(config: &Config, options: &Options) -> Result<(), Usage> {
 fn launch(config: &Config, options: Options, run_for: Option<Duration>) -> anyhow::Result<()> {
     instances::named(&options.instance)?;
     make_out_folder(config, &options)?;
-    launcher::run(config, config.parts.launcher(), &Orders { options, run_for })
+    launcher::run(config, config.parts.launcher(), &RunOptions { options, run_for })
 }
 
 /// Runs one process of a deployment.
@@ -242,8 +242,8 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
 
 fn exit_code(error: &anyhow::Error) -> u8 {
     let refused = offline::is_refused(error)
-        || error.is::<RecordingError>()
-        || error.is::<bench_service::Refused>()
+        || error.is::<UnusableRecording>()
+        || error.is::<bench_service::MeasurementRefusal>()
         || error.is::<torture::Refused>()
         || error.is::<launcher::ChildRefused>();
     match () {

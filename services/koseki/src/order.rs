@@ -13,9 +13,9 @@ use offline::Usage;
 use runtime::Now;
 use runtime::clock::{instant, mono_ns};
 use serde_json::{Value, json};
-use telemetry::table::{Align, Table};
+use telemetry::table::{Align, TextTable};
 
-use crate::args::{Condition, GiveOrder};
+use crate::args::{ConditionArgs, GiveOrder};
 use crate::config::Config;
 use crate::instances;
 
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &GiveOrder) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// As [`run`].
-pub(crate) fn condition(condition: &Condition) -> anyhow::Result<()> {
+pub(crate) fn condition(condition: &ConditionArgs) -> anyhow::Result<()> {
     let args = GiveOrder {
         instance: condition.instance.clone(),
         ..GiveOrder::default()
@@ -145,7 +145,7 @@ fn listed(root: &Root, patience: Duration) -> anyhow::Result<Vec<OrderState>> {
 
 /// Returns one line for each order.
 fn table(states: &[OrderState], config: &Config) -> String {
-    let mut table = Table::new(&[
+    let mut table = TextTable::new(&[
         ("number", Align::Right),
         ("state", Align::Left),
         ("order", Align::Left),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use offline::{OutputFile, Usage, check_outputs};
-use recording::Part;
+use recording::RecordingPart;
 
 use crate::args::{RecordingCut, RecordingMerge};
 use crate::recording_info::files;
@@ -21,7 +21,7 @@ const RUN: &str = "run";
 /// If the recording cannot be read, or the copy not be written.
 pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
     let since_1970 = |time_ns: i64| time_ns.max(0) as u64;
-    let part = Part {
+    let part = RecordingPart {
         from_ns: cut.from.map(since_1970),
         to_ns: cut.to.map(since_1970),
         topics: cut.topics,
@@ -38,10 +38,10 @@ pub(crate) fn merge(merge: &RecordingMerge) -> anyhow::Result<()> {
     for path in &merge.paths {
         paths.extend(files(path)?);
     }
-    copy(&paths, &Part::default(), &merge.out)
+    copy(&paths, &RecordingPart::default(), &merge.out)
 }
 
-fn copy(paths: &[PathBuf], part: &Part, out: &Path) -> anyhow::Result<()> {
+fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<()> {
     check_outputs(paths, &[("--out", Some(&out.to_owned()))])?;
     let run = |path: &PathBuf| Ok::<_, anyhow::Error>(facts(path)?.remove(RUN));
     let first = run(&paths[0])?;

@@ -15,7 +15,7 @@ use recording::{Facts, Item};
 
 use crate::args::RecordingExport;
 use crate::config::Config;
-use crate::recording_foxglove::Pictures;
+use crate::recording_foxglove::PictureWriter;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};
 
@@ -45,9 +45,9 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     let mut blocks = export
         .asterix
         .as_deref()
-        .map(|path| Blocks::begin(&config, OutputFile::begin(path)?));
+        .map(|path| TrackBlocks::begin(&config, OutputFile::begin(path)?));
     let mut blocks = blocks.take().transpose()?;
-    let pictures = |path: &PathBuf| Pictures::begin(&config, OutputFile::begin(path)?);
+    let pictures = |path: &PathBuf| PictureWriter::begin(&config, OutputFile::begin(path)?);
     let mut pictures = export.foxglove.as_ref().map(pictures).transpose()?;
     for path in &paths {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
@@ -59,8 +59,8 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
         .with_context(|| format!("exporting {}", path.display()))?;
     }
     tables.map_or(Ok(()), Tables::finish)?;
-    pictures.map_or(Ok(()), Pictures::finish)?;
-    blocks.map_or(Ok(()), Blocks::finish)
+    pictures.map_or(Ok(()), PictureWriter::finish)?;
+    blocks.map_or(Ok(()), TrackBlocks::finish)
 }
 
 /// Midnight from which the recorder's tables count their seconds.
@@ -70,13 +70,13 @@ fn first_day_ns(facts: &Facts) -> Result<i64, Usage> {
 }
 
 /// System tracks as data blocks.
-struct Blocks {
+struct TrackBlocks {
     reports: SystemReports,
     topic: String,
     out: OutputFile,
 }
 
-impl Blocks {
+impl TrackBlocks {
     fn begin(config: &Config, out: OutputFile) -> anyhow::Result<Self> {
         let table = registry::default_edition(SYSTEM_TRACKS).context("CAT062 has a table")?;
         let sources = config.sources.iter().map(|source| SystemSource {

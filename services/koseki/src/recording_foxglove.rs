@@ -30,7 +30,7 @@ const COASTED: [f64; 3] = [0.9, 0.6, 0.0];
 const FRAME: &str = "system";
 
 /// Pictures, written one after the other.
-pub(crate) struct Pictures {
+pub(crate) struct PictureWriter {
     file: mcap::Writer<OutputFile>,
     places: u16,
     scene: u16,
@@ -42,7 +42,7 @@ pub(crate) struct Pictures {
     sequence: u32,
 }
 
-impl Pictures {
+impl PictureWriter {
     /// Begins a file of the pictures of a deployment of `config`.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use formats::rows::Utc;
 use offline::Usage;
 use recording::Survey;
 use serde_json::json;
-use telemetry::table::{Align, Table};
+use telemetry::table::{Align, TextTable};
 
 use crate::args::RecordingInfo;
 
@@ -101,7 +101,7 @@ fn text(survey: &Survey, files: usize) -> anyhow::Result<String> {
         writeln!(out, "and {more} more gaps, see --json")?;
     }
     out.push('\n');
-    let mut table = Table::new(&[
+    let mut table = TextTable::new(&[
         ("topic", Align::Left),
         ("samples", Align::Right),
         ("lost", Align::Right),

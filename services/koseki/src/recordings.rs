@@ -16,12 +16,12 @@ use csv_table::CsvError;
 use deployment::{Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
-use formats::sbs::{Line, Merger, SbsSettings};
+use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
 use sources::{Pipeline, Processing, Samples, TrackerSettings};
-use tracking::turn_time::Turn;
+use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::config::Config;
@@ -37,7 +37,7 @@ pub(crate) enum Depth {
 
 /// Findings in the recording of one source.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Found {
+pub(crate) struct RecordingFindings {
     /// Number of the source.
     pub(crate) source: u16,
     /// The file.
@@ -55,27 +55,27 @@ pub(crate) struct Found {
     /// Time of day of the last target report that was looked at, nanoseconds.
     pub(crate) last_time_ns: Option<i64>,
     /// Duration of the antenna turn in the data, for a source tracked from its plots, if every record was decoded.
-    pub(crate) turn: Option<Turn>,
+    pub(crate) turn: Option<TurnEstimate>,
 }
 
 /// A recording that cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}", file.display())]
-pub(crate) struct RecordingError {
+pub(crate) struct UnusableRecording {
     file: PathBuf,
     what: String,
 }
 
 /// Owner of a recording.
 #[derive(Clone, Debug)]
-struct Key {
+struct RecordingOwner {
     /// `source "radar"`.
     whose: Box<str>,
     /// Place of its configuration: `source[0].recorded`.
     place: Box<str>,
 }
 
-impl Key {
+impl RecordingOwner {
     fn unreadable(&self, error: &io::Error) -> String {
         let (whose, place) = (&self.whose, &self.place);
         format!(
@@ -95,13 +95,13 @@ impl Key {
 ///
 /// # Errors
 /// The first that cannot be used.
-pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<Found>, RecordingError> {
+pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<RecordingFindings>, UnusableRecording> {
     let mut found = Vec::new();
     for source in &config.sources {
         let Input::Recorded(recorded) = &source.input else {
             continue;
         };
-        let key = Key {
+        let key = RecordingOwner {
             whose: format!("source \"{}\"", source.name).into(),
             place: format!("source[{}].recorded", source.number).into(),
         };
@@ -112,18 +112,18 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
                 let looked = look(&bytes, recorded, &key, depth)?;
                 let turn =
                     (depth == Depth::Records).then(|| turn(&bytes, recorded, source, config.tracker(source.number)));
-                Ok(Found {
+                Ok(RecordingFindings {
                     turn: turn.flatten(),
                     ..looked
                 })
             });
         match looked {
-            Ok(looked) => found.push(Found {
+            Ok(looked) => found.push(RecordingFindings {
                 source: source.number,
                 file,
                 ..looked
             }),
-            Err(what) => return Err(RecordingError { file, what }),
+            Err(what) => return Err(UnusableRecording { file, what }),
         }
     }
     for sensor in &config.wide_area_sensors {
@@ -133,7 +133,7 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
 }
 
 /// Checks the recording of a wide-area sensor, if present. The adapter counts unreadable rows.
-fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Result<(), RecordingError> {
+fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Result<(), UnusableRecording> {
     let Some(file) = sensor.recording().map(|file| data.join(file)) else {
         return Ok(());
     };
@@ -141,7 +141,7 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
         WideAreaInput::Tracks(_) => "tracks",
         _ => "recorded",
     };
-    let key = Key {
+    let key = RecordingOwner {
         whose: format!("wide-area sensor \"{}\"", sensor.name).into(),
         place: format!("wide_area_sensor[{}].{part}", sensor.number).into(),
     };
@@ -163,10 +163,10 @@ fn inspect_wide_area(sensor: &WideAreaSensor, data: &Path, depth: Depth) -> Resu
                 .map_err(|error| key.no_table(&error, "wide-area reports")),
         },
     };
-    looked.map_err(|what| RecordingError { file, what })
+    looked.map_err(|what| UnusableRecording { file, what })
 }
 
-fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Found, String> {
+fn look(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner, depth: Depth) -> Result<RecordingFindings, String> {
     let (blocks, found) = match recorded.format {
         RecordedFormat::Asterix => (walk(bytes, recorded, key)?, decode(bytes, recorded, depth)),
         RecordedFormat::Sbs => (0, read_lines(bytes, key)?),
@@ -179,7 +179,7 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Fo
             key.whose, key.place
         ));
     }
-    Ok(Found {
+    Ok(RecordingFindings {
         bytes: bytes.len(),
         blocks,
         ..found
@@ -187,7 +187,7 @@ fn look(bytes: &[u8], recorded: &Recorded, key: &Key, depth: Depth) -> Result<Fo
 }
 
 /// Counts the blocks. Data of another sensor are reported first: they need not even be blocks.
-fn walk(bytes: &[u8], recorded: &Recorded, key: &Key) -> Result<usize, String> {
+fn walk(bytes: &[u8], recorded: &Recorded, key: &RecordingOwner) -> Result<usize, String> {
     let expected = expected_categories(recorded);
     let (mut count, mut known, mut others) = (0, false, Vec::new());
     let mut wrong = None;
@@ -249,9 +249,9 @@ fn expected_categories(recorded: &Recorded) -> Vec<u8> {
     recorded.asterix.tables.iter().map(|table| table.number).collect()
 }
 
-fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
+fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings {
     let mut decoder = recorded.asterix.decoder();
-    let mut found = Found::default();
+    let mut found = RecordingFindings::default();
     'datagrams: for datagram in datagrams(bytes).flatten() {
         for record in decoder.records(&datagram.bytes).flatten() {
             let Reading::Target(report) = read(&record) else {
@@ -271,7 +271,7 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> Found {
 }
 
 /// Turn of the antenna that a recording shows, found as the source's adapter finds it.
-fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<Turn> {
+fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<TurnEstimate> {
     let mut tracker = tracker?.clone();
     tracker.cutter.period_ns = None;
     let processing = Processing::Detections(Box::new(tracker));
@@ -293,15 +293,15 @@ fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&Tra
 }
 
 /// Reads the lines of a transponder receiver.
-fn read_lines(bytes: &[u8], key: &Key) -> Result<Found, String> {
-    let mut merger = Merger::new(SbsSettings::default());
-    let (mut found, mut timed) = (Found::default(), false);
+fn read_lines(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
+    let mut merger = AircraftMerger::new(SbsSettings::default());
+    let (mut found, mut timed) = (RecordingFindings::default(), false);
     for datagram in datagrams(bytes).flatten() {
         let received_ns = datagram.time_stamp.map_or(0, TimeStamp::ns);
         timed |= datagram.time_stamp.is_some();
         for line in datagram.bytes.split(|octet| *octet == b'\n') {
             let line = line.trim_ascii_end();
-            if let Ok(Line::Message(message)) = Line::parse(line) {
+            if let Ok(SbsLine::Message(message)) = SbsLine::parse(line) {
                 timed |= message.received.time_of_day_ns.is_some() || message.written.time_of_day_ns.is_some();
             }
             match merger.take(line, received_ns) {
@@ -326,9 +326,9 @@ fn read_lines(bytes: &[u8], key: &Key) -> Result<Found, String> {
 }
 
 /// Reads a table of sensor tracks. A row that cannot be read makes all of it doubtful.
-fn read_rows(bytes: &[u8], key: &Key) -> Result<Found, String> {
+fn read_rows(bytes: &[u8], key: &RecordingOwner) -> Result<RecordingFindings, String> {
     let table = |error| key.no_table(&error, "sensor tracks");
-    let mut found = Found::default();
+    let mut found = RecordingFindings::default();
     for track in SensorTrackReader::new(bytes, 0, |_| Some(0)).map_err(table)? {
         let time_ns = track.map_err(table)?.time_of_measurement_ns;
         found.records += 1;
@@ -364,7 +364,7 @@ mod tests {
     const EDITION_10: &str = "source[0].recorded.editions={ \"10\" = \"1.1\" }";
 
     /// Inspects `bytes` as the recording of a source that takes category 010.
-    fn outcome(bytes: &[u8], more: &[&str]) -> Result<Found, String> {
+    fn outcome(bytes: &[u8], more: &[&str]) -> Result<RecordingFindings, String> {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("x.ast"), bytes).unwrap();
         let text = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[time]\ndate = \"2016-05-10\"\n\

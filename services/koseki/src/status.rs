@@ -7,12 +7,12 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use bus::{Bus, BusError, Instance, Root, SharedMemory};
+use bus::{Bus, BusError, InstanceEntry, Root, SharedMemory};
 use messages::{Counter, OrderState, ProcessKind};
-use observed::{AlarmRow, ChildState, Deployment, HealthBook, Latest, NO_MESSAGE, Process, remark};
+use observed::{ChildState, Deployment, HealthBook, LatestHealth, NO_MESSAGE, ObservedProcess, StandingAlarm, remark};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
-use telemetry::table::{Align, Table};
+use telemetry::table::{Align, TextTable};
 
 use crate::args::Status;
 use crate::config::Config;
@@ -61,7 +61,7 @@ struct InstanceStatus {
     state: InstanceState,
     /// Process number of the launcher, while it runs.
     pid: Option<u32>,
-    processes: Vec<Row>,
+    processes: Vec<StatusRow>,
     registrations: Vec<RegistrationStatus>,
     alarms: Vec<AlarmStatus>,
     orders: Vec<OrderStatusLine>,
@@ -107,7 +107,7 @@ struct AlarmStatus {
 }
 
 impl InstanceStatus {
-    fn of(instance: &Instance) -> anyhow::Result<Self> {
+    fn of(instance: &InstanceEntry) -> anyhow::Result<Self> {
         let mut status = Self {
             instance: instance.root.instance().to_owned(),
             folder: instance.root.path().to_owned(),
@@ -144,7 +144,9 @@ impl InstanceStatus {
                     })
                     .collect();
                 let alarms = observed.alarms(now_ns).iter();
-                status.alarms = alarms.map(|alarm| AlarmStatus::from(AlarmRow::from(alarm))).collect();
+                status.alarms = alarms
+                    .map(|alarm| AlarmStatus::from(StandingAlarm::from(alarm)))
+                    .collect();
                 let config = Config::of_running(instance.root.path()).ok();
                 let line = |state: &OrderState| OrderStatusLine {
                     number: state.number,
@@ -200,8 +202,8 @@ impl InstanceStatus {
     }
 }
 
-impl From<AlarmRow> for AlarmStatus {
-    fn from(row: AlarmRow) -> Self {
+impl From<StandingAlarm> for AlarmStatus {
+    fn from(row: StandingAlarm) -> Self {
         Self {
             alarm: row.alarm,
             severity: row.severity,
@@ -231,7 +233,7 @@ fn without_panic<T>(work: impl FnOnce() -> T) -> Result<T, ()> {
 }
 
 /// Returns the state of a running instance, and the processes that have joined it.
-fn listen(root: &Root) -> Result<(Deployment, Vec<bus::Process>), BusError> {
+fn listen(root: &Root) -> Result<(Deployment, Vec<bus::MemberProcess>), BusError> {
     let bus = Bus::<SharedMemory>::open(root, OWN_NAME)?;
     let now_ns = || mono_ns() as u64;
     let mut health = bus.subscriber(&messages::health(), now_ns)?;
@@ -254,24 +256,24 @@ fn listen(root: &Root) -> Result<(Deployment, Vec<bus::Process>), BusError> {
 }
 
 /// Returns the rows of the launcher and its children, then of other processes that have joined the instance.
-fn rows(book: &HealthBook, joined: &[bus::Process], now_ns: i64) -> Vec<Row> {
+fn rows(book: &HealthBook, joined: &[bus::MemberProcess], now_ns: i64) -> Vec<StatusRow> {
     let processes = book.processes(&[], now_ns);
-    let is_launcher = |process: &&Process| process.kind == Some(ProcessKind::Launcher);
-    let of_itself = |process: &Process| {
-        Some(Row::of_process(
+    let is_launcher = |process: &&ObservedProcess| process.kind == Some(ProcessKind::Launcher);
+    let of_itself = |process: &ObservedProcess| {
+        Some(StatusRow::of_process(
             process,
             book.whole(process.kind?, &process.name)?,
             book,
         ))
     };
     let launcher = processes.iter().filter(is_launcher).filter_map(of_itself);
-    let mut rows: Vec<Row> = launcher.collect();
+    let mut rows: Vec<StatusRow> = launcher.collect();
     rows.extend(book.children().map(|child| {
-        let is_own = |process: &&Process| process.kind.is_some() && process.pid == child.pid;
+        let is_own = |process: &&ObservedProcess| process.kind.is_some() && process.pid == child.pid;
         let own = processes.iter().find(is_own).filter(|own| own.pid.is_some());
-        Row::of_child(&child, own.and_then(of_itself))
+        StatusRow::of_child(&child, own.and_then(of_itself))
     }));
-    let is_listed = |rows: &[Row], pid| rows.iter().any(|row| row.pid == pid);
+    let is_listed = |rows: &[StatusRow], pid| rows.iter().any(|row| row.pid == pid);
     for process in &processes {
         if process.kind.is_some() && !is_listed(&rows, process.pid) {
             rows.extend(of_itself(process));
@@ -279,11 +281,11 @@ fn rows(book: &HealthBook, joined: &[bus::Process], now_ns: i64) -> Vec<Row> {
     }
     for process in joined {
         if !is_listed(&rows, Some(process.pid)) {
-            rows.push(Row {
+            rows.push(StatusRow {
                 name: process.name.clone(),
                 pid: Some(process.pid),
                 note: NO_MESSAGE.to_owned(),
-                ..Row::default()
+                ..StatusRow::default()
             });
         }
     }
@@ -291,9 +293,9 @@ fn rows(book: &HealthBook, joined: &[bus::Process], now_ns: i64) -> Vec<Row> {
 }
 
 /// One line per process.
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[StatusRow]) -> String {
     // Numbers have room for eight digits, so that columns stay where they are from one look to the next.
-    let mut table = Table::new(&[
+    let mut table = TextTable::new(&[
         ("process", Align::Left),
         ("     pid", Align::Right),
         ("state   ", Align::Left),
@@ -310,7 +312,7 @@ fn table(rows: &[Row]) -> String {
 
 /// One process.
 #[derive(Debug, Default, Serialize)]
-struct Row {
+struct StatusRow {
     name: String,
     pid: Option<u32>,
     state: Option<String>,
@@ -323,7 +325,7 @@ struct Row {
     note: String,
 }
 
-impl Row {
+impl StatusRow {
     fn cells(&self) -> [String; 7] {
         let dash = || "-".to_owned();
         let number = |value: Option<u32>| value.map_or_else(dash, |value| value.to_string());
@@ -353,7 +355,7 @@ impl Row {
     }
 
     /// Row of a process by its own messages.
-    fn of_process(process: &Process, latest: Latest<'_>, book: &HealthBook) -> Self {
+    fn of_process(process: &ObservedProcess, latest: LatestHealth<'_>, book: &HealthBook) -> Self {
         let (taken, published) = match process.kind {
             Some(ProcessKind::Adapter) => (Counter::Records, Counter::Published),
             Some(ProcessKind::Recorder) => (Counter::Taken, Counter::RowsWritten),
@@ -384,7 +386,7 @@ impl Row {
 }
 
 /// Returns the notes of a link about its peers, with its losses and refusals; empty without peers.
-fn of_peers(book: &HealthBook, link: Latest<'_>) -> String {
+fn of_peers(book: &HealthBook, link: LatestHealth<'_>) -> String {
     let mut notes: Vec<String> = book
         .parts(ProcessKind::Link, link.name())
         .map(|peer| peer.note().to_owned())
@@ -427,7 +429,7 @@ mod tests {
         observed.take_health(&said(ProcessKind::Fusion, "fusion", 2, 500_000_000, 350));
         observed.take_health(&said(ProcessKind::Monitor, "second", 9, 0, 0));
         observed.close_interval();
-        let subscriber = bus::Process {
+        let subscriber = bus::MemberProcess {
             pid: 10,
             name: "subscribe".to_owned(),
         };
@@ -480,7 +482,9 @@ mod tests {
                 source: 3,
                 text: "-1.5 m east".to_owned(),
             }],
-            alarms: vec![AlarmStatus::from(AlarmRow::from(&alarm.with_text("12 MB are left.")))],
+            alarms: vec![AlarmStatus::from(StandingAlarm::from(
+                &alarm.with_text("12 MB are left."),
+            ))],
             orders: Vec::new(),
         };
         let text = status.text();

@@ -1,6 +1,6 @@
 //! `koseki top`: which deployment is meant. How it is looked at is the monitor's business ([`monitor::top`]).
 
-use bus::{Instance, Root};
+use bus::{InstanceEntry, Root};
 use monitor::top::{Form, Settings, run as look_on};
 use offline::Usage;
 
@@ -26,8 +26,8 @@ pub(crate) fn run(top: &Top) -> anyhow::Result<()> {
     look_on(&root, settings)
 }
 
-fn the_only_one(instances: &[Instance]) -> anyhow::Result<Root> {
-    let running: Vec<&Instance> = instances.iter().filter(|instance| instance.runs).collect();
+fn the_only_one(instances: &[InstanceEntry]) -> anyhow::Result<Root> {
+    let running: Vec<&InstanceEntry> = instances.iter().filter(|instance| instance.runs).collect();
     match running[..] {
         [only] => Ok(only.root.clone()),
         [] => anyhow::bail!("nothing runs; start a deployment with `koseki up` or `koseki demo`"),

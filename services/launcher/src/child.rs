@@ -11,8 +11,8 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use crate::backoff::Backoff;
 use crate::end::End;
-use crate::link::{ChildFacts, Said};
-use crate::part::Part;
+use crate::link::{ChildFacts, ProcessHealth};
+use crate::part::ProcessPart;
 
 /// Failures in a row after which the deployment ends, of a needed or required child that does not come up.
 pub(crate) const CHANCES: u32 = 8;
@@ -28,8 +28,8 @@ const LOOKED_AWAY: Duration = Duration::from_secs(1);
 /// Process of the deployment, with its present operating system process.
 #[derive(Debug)]
 pub(crate) struct Child {
-    part: Part,
-    state: State,
+    part: ProcessPart,
+    state: ChildPhase,
     backoff: Backoff,
     restarts: u32,
     /// Whether a process of this child has ever reported that it runs.
@@ -38,7 +38,7 @@ pub(crate) struct Child {
 }
 
 #[derive(Debug)]
-enum State {
+enum ChildPhase {
     /// Waits for its stage of the first start or of a rebuild.
     Unborn { gap_since: Option<Instant> },
     /// Has a process.
@@ -82,10 +82,10 @@ pub(crate) enum Sequel {
 
 impl Child {
     /// Creates a child that waits for its stage, with pauses before restarts by `backoff`.
-    pub(crate) fn new(part: Part, backoff: Backoff) -> Self {
+    pub(crate) fn new(part: ProcessPart, backoff: Backoff) -> Self {
         Self {
             part,
-            state: State::Unborn { gap_since: None },
+            state: ChildPhase::Unborn { gap_since: None },
             backoff,
             restarts: 0,
             was_up: false,
@@ -93,7 +93,7 @@ impl Child {
         }
     }
 
-    pub(crate) fn part(&self) -> &Part {
+    pub(crate) fn part(&self) -> &ProcessPart {
         &self.part
     }
 
@@ -120,32 +120,32 @@ impl Child {
     /// Returns the process number, if there is a process.
     pub(crate) fn pid(&self) -> Option<u32> {
         match &self.state {
-            State::Alive { process, .. } => Some(process.id()),
+            ChildPhase::Alive { process, .. } => Some(process.id()),
             _ => None,
         }
     }
 
     pub(crate) fn is_unborn(&self) -> bool {
-        matches!(self.state, State::Unborn { .. })
+        matches!(self.state, ChildPhase::Unborn { .. })
     }
 
     /// Whether the child has finished, with exit code 0.
     pub(crate) fn is_finished(&self) -> bool {
-        matches!(self.state, State::Ended) && self.last_end.as_ref().is_some_and(End::is_finished)
+        matches!(self.state, ChildPhase::Ended) && self.last_end.as_ref().is_some_and(End::is_finished)
     }
 
     /// Whether the child runs or has finished.
     pub(crate) fn is_up(&self) -> bool {
-        matches!(self.state, State::Alive { running: true, .. }) || self.is_finished()
+        matches!(self.state, ChildPhase::Alive { running: true, .. }) || self.is_finished()
     }
 
     /// Returns the state of life for health messages.
     fn life(&self) -> LifeState {
         match &self.state {
-            State::Alive { running: true, .. } => LifeState::Running,
-            State::Unborn { .. } | State::Alive { running: false, .. } => LifeState::Starting,
-            State::Ended if self.is_finished() => LifeState::Finished,
-            State::Waiting { .. } | State::Ended => LifeState::Failed,
+            ChildPhase::Alive { running: true, .. } => LifeState::Running,
+            ChildPhase::Unborn { .. } | ChildPhase::Alive { running: false, .. } => LifeState::Starting,
+            ChildPhase::Ended if self.is_finished() => LifeState::Finished,
+            ChildPhase::Waiting { .. } | ChildPhase::Ended => LifeState::Failed,
         }
     }
 
@@ -164,7 +164,7 @@ impl Child {
     /// Returns the time of the next start, if one is due.
     pub(crate) fn restart_due(&self) -> Option<Instant> {
         match self.state {
-            State::Waiting { until, .. } => Some(until),
+            ChildPhase::Waiting { until, .. } => Some(until),
             _ => None,
         }
     }
@@ -172,7 +172,7 @@ impl Child {
     /// Ends the pause before the next start, if the process had come up. Returns whether there was a pause.
     pub(crate) fn hasten(&mut self, now: Instant) -> bool {
         match &mut self.state {
-            State::Waiting {
+            ChildPhase::Waiting {
                 until,
                 had_come_up: true,
                 ..
@@ -188,8 +188,8 @@ impl Child {
     /// Starts the process with `input` as its standard input. An error counts as an end.
     pub(crate) fn start(&mut self, command: &mut Command, input: Option<OwnedFd>) -> Option<Sequel> {
         let gap_since = match self.state {
-            State::Waiting { ended, .. } => Some(ended),
-            State::Unborn { gap_since } => gap_since,
+            ChildPhase::Waiting { ended, .. } => Some(ended),
+            ChildPhase::Unborn { gap_since } => gap_since,
             _ => None,
         };
         self.restarts += u32::from(gap_since.is_some());
@@ -203,7 +203,7 @@ impl Child {
         let since = instant();
         match command.stdin(input).stdout(output).process_group(0).spawn() {
             Ok(process) => {
-                self.state = State::Alive {
+                self.state = ChildPhase::Alive {
                     process,
                     since,
                     running: false,
@@ -219,8 +219,8 @@ impl Child {
     }
 
     /// Notes a sign of life. Returns the time without a process if this is the first sign of life after a restart.
-    pub(crate) fn hear(&mut self, said: Said, now: Instant) -> Option<Duration> {
-        let State::Alive {
+    pub(crate) fn hear(&mut self, said: ProcessHealth, now: Instant) -> Option<Duration> {
+        let ChildPhase::Alive {
             running,
             gap_since,
             moved_ns,
@@ -246,7 +246,7 @@ impl Child {
     /// Notes a look for signs of life, `passed` after the look before. A process without a sign of life for `limit`
     /// is killed; [`Self::reap`] reports its end.
     pub(crate) fn looked(&mut self, elapsed: Duration, limit: Duration) {
-        let State::Alive {
+        let ChildPhase::Alive {
             process,
             running,
             still,
@@ -276,7 +276,7 @@ impl Child {
 
     /// Returns the consequence of the process's end, if the process has ended.
     pub(crate) fn reap(&mut self, now: Instant) -> Option<Sequel> {
-        let State::Alive {
+        let ChildPhase::Alive {
             process,
             since,
             running,
@@ -301,7 +301,7 @@ impl Child {
     fn ended(&mut self, end: End, lived: Duration, came_up: bool, now: Instant) -> Sequel {
         let (finished, refused, killed) = (end.is_finished(), end.is_refused(), end.is_killed());
         self.last_end = Some(end);
-        self.state = State::Ended;
+        self.state = ChildPhase::Ended;
         if finished {
             return Sequel::Finished;
         }
@@ -318,7 +318,7 @@ impl Child {
         if give_up {
             return Sequel::GiveUp;
         }
-        self.state = State::Waiting {
+        self.state = ChildPhase::Waiting {
             ended: now,
             until: now + pause,
             had_come_up: came_up,
@@ -329,33 +329,33 @@ impl Child {
     /// Kills the process for a rebuild of the deployment: the child starts again with its stage.
     pub(crate) fn tear_down(&mut self, now: Instant) {
         let gap_since = match self.state {
-            State::Alive { gap_since, .. } => Some(gap_since.unwrap_or(now)),
-            State::Waiting { ended, .. } => Some(ended),
-            State::Unborn { gap_since } => gap_since,
-            State::Ended => Some(now),
+            ChildPhase::Alive { gap_since, .. } => Some(gap_since.unwrap_or(now)),
+            ChildPhase::Waiting { ended, .. } => Some(ended),
+            ChildPhase::Unborn { gap_since } => gap_since,
+            ChildPhase::Ended => Some(now),
         };
         self.kill();
-        self.state = State::Unborn { gap_since };
+        self.state = ChildPhase::Unborn { gap_since };
     }
 
     /// Requests a stop. Returns whether there is a process to wait for; no restart follows.
     pub(crate) fn ask_to_stop(&mut self) -> bool {
         match &self.state {
-            State::Alive { process, .. } => {
+            ChildPhase::Alive { process, .. } => {
                 signal(process, Signal::TERM);
                 true
             }
-            State::Waiting { .. } | State::Unborn { .. } => {
-                self.state = State::Ended;
+            ChildPhase::Waiting { .. } | ChildPhase::Unborn { .. } => {
+                self.state = ChildPhase::Ended;
                 false
             }
-            State::Ended => false,
+            ChildPhase::Ended => false,
         }
     }
 
     /// Whether the process has stopped after the request. An error describes a process that did not stop well.
     pub(crate) fn has_stopped(&mut self) -> Result<bool, String> {
-        let State::Alive { process, running, .. } = &mut self.state else {
+        let ChildPhase::Alive { process, running, .. } = &mut self.state else {
             return Ok(true);
         };
         let (end, running) = match process.try_wait() {
@@ -363,7 +363,7 @@ impl Child {
             Ok(Some(status)) => (End::from(status), *running),
             Err(error) => (End::NotStarted(error.to_string()), *running),
         };
-        self.state = State::Ended;
+        self.state = ChildPhase::Ended;
         let well = end.is_finished() || (end.is_request_to_stop() && !running);
         let problem = format!("{} {end} when it was asked to stop", self.part.title());
         self.last_end = Some(end);
@@ -373,7 +373,7 @@ impl Child {
     /// Kills the process and waits for its end, for a limited time: the kernel can hold back a process that waits for
     /// a disk or is stopped by a debugger.
     pub(crate) fn kill(&mut self) {
-        if let State::Alive { process, .. } = &mut self.state {
+        if let ChildPhase::Alive { process, .. } = &mut self.state {
             signal(process, Signal::KILL);
             let killed = instant();
             while matches!(process.try_wait(), Ok(None)) && instant() - killed < KILL_PATIENCE {
@@ -381,7 +381,7 @@ impl Child {
             }
             self.last_end = Some(End::Signal(Signal::KILL.as_raw()));
         }
-        self.state = State::Ended;
+        self.state = ChildPhase::Ended;
     }
 }
 
@@ -403,7 +403,7 @@ mod tests {
     use messages::NO_SOURCE;
 
     fn child_of(kind: ProcessKind, required: bool) -> Child {
-        let part = Part {
+        let part = ProcessPart {
             kind,
             name: kind.word().to_owned(),
             source: NO_SOURCE,
@@ -416,8 +416,8 @@ mod tests {
         child_of(ProcessKind::Fusion, false)
     }
 
-    fn said(life: LifeState, said_ns: i64) -> Said {
-        Said {
+    fn said(life: LifeState, said_ns: i64) -> ProcessHealth {
+        ProcessHealth {
             life: life as u8,
             said_ns,
             has_reports: false,
@@ -487,7 +487,7 @@ mod tests {
             if comes_up {
                 child.hear(said(LifeState::Running, 1), Instant::now());
             }
-            let State::Alive { process, .. } = &child.state else {
+            let ChildPhase::Alive { process, .. } = &child.state else {
                 panic!("it has a process");
             };
             signal(process, Signal::KILL);

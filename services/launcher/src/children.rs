@@ -9,7 +9,7 @@ use runtime::clock::instant;
 
 use crate::backoff::Backoff;
 use crate::child::Child;
-use crate::part::{Part, parts};
+use crate::part::{ProcessPart, parts};
 use crate::wake::Wake;
 
 /// Time for a child to stop, before SIGKILL.
@@ -24,7 +24,7 @@ pub(crate) struct Children(Vec<Child>);
 impl Children {
     /// Creates the children of `config`; none is started.
     pub(crate) fn of(config: &Deployment) -> Self {
-        let child = |part: Part| {
+        let child = |part: ProcessPart| {
             let backoff = backoff(&part, config);
             Child::new(part, backoff)
         };
@@ -64,7 +64,7 @@ impl Children {
 
     /// If the leading fusion has ended, the standby leads from now on, and the restarted process becomes the standby.
     pub(crate) fn hand_over(&mut self, index: usize) {
-        let is_leader = self[index].part() == &Part::leader();
+        let is_leader = self[index].part() == &ProcessPart::leader();
         let is_standby = |child: &Child| child.part().kind == ProcessKind::Fusion && child.is_up();
         if let Some(other) = self.iter().position(is_standby).filter(|_| is_leader)
             && let Ok([ended, leads]) = self.get_disjoint_mut([index, other])
@@ -168,7 +168,7 @@ impl DerefMut for Children {
 
 /// Returns the pauses before restarts of `part`: those of fusion stay below a quarter of the age at which its tracks
 /// end.
-fn backoff(part: &Part, config: &Deployment) -> Backoff {
+fn backoff(part: &ProcessPart, config: &Deployment) -> Backoff {
     match (part.kind, config.checkpoint.max_age_ns()) {
         (ProcessKind::Fusion, Some(max_age_ns)) => {
             Backoff::with_longest(Duration::from_nanos(max_age_ns.max(0) as u64) / PAUSES_PER_AGE)

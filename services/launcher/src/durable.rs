@@ -15,13 +15,13 @@ use crate::say;
 
 /// Copying, as long as this lives.
 #[derive(Debug)]
-pub(crate) struct Copying {
+pub(crate) struct CheckpointCopier {
     /// The thread ends when this is gone.
     end: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Copying {
+impl CheckpointCopier {
     /// Copies what the processes at `root` keep into `folder`, once in the time `every`.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl Copying {
     }
 }
 
-impl Drop for Copying {
+impl Drop for CheckpointCopier {
     fn drop(&mut self) {
         self.end = None;
         if let Some(thread) = self.thread.take() {

@@ -20,8 +20,8 @@ use messages::{Counter, Counters, Health, LifeState, NO_SOURCE, ProcessKind};
 use runtime::instance::hold_topics;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
-use crate::durable::Copying;
-use crate::link::{Facts, Heard, Link, Said};
+use crate::durable::CheckpointCopier;
+use crate::link::{HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
 
 /// Time between two looks.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -37,13 +37,13 @@ const RECLAIM_PERIOD_NS: i64 = 10_000_000_000;
 /// If the parent is no launcher, or if a topic cannot be held.
 pub fn run(process: &Process) -> anyhow::Result<()> {
     let link =
-        Link::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
+        KeeperLink::of_keeper().context("only `koseki up` and `koseki demo` start a keeper, at the end of a socket")?;
     let _held = hold_topics(&process.config, &process.bus)?;
     let folder = process.bus.root().path();
     let written = process.config.write_into(folder);
     written.with_context(|| format!("writing the configuration into {}", folder.display()))?;
     let copies = process.config.checkpoint.copies();
-    let copying = copies.map(|(folder, every)| Copying::start(process.bus.root().clone(), folder, every));
+    let copying = copies.map(|(folder, every)| CheckpointCopier::start(process.bus.root().clone(), folder, every));
     let _copying = copying.transpose()?;
     let topic = messages::health();
     let mut keeper = Keeper {
@@ -55,7 +55,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
         // identify publishers by it.
         publisher: process.bus.publisher(&topic, process.incarnation + 1)?,
         facts: None,
-        heard: Heard::default(),
+        heard: HealthByProcess::default(),
         reclaimed: None,
         reclaimed_ns: i64::MIN,
         published_ns: i64::MIN,
@@ -65,13 +65,13 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
 
 struct Keeper<'a> {
     bus: &'a Bus<SharedMemory>,
-    link: Link,
+    link: KeeperLink,
     /// Process number of the launcher.
     launcher: u32,
     subscriber: Subscriber<SharedMemory, Health>,
     publisher: Publisher<SharedMemory, Health>,
-    facts: Option<Facts>,
-    heard: Heard,
+    facts: Option<LauncherFacts>,
+    heard: HealthByProcess,
     /// Number of deaths after which memory has been reclaimed.
     reclaimed: Option<u64>,
     /// Time of the latest reclamation.
@@ -133,7 +133,7 @@ impl Keeper<'_> {
                 .iter()
                 .filter(|health| health.source == NO_SOURCE && health.kind != launcher);
             heard.extend(of_processes.map(|health| {
-                let said = Said {
+                let said = ProcessHealth {
                     life: health.life,
                     said_ns: health.said_ns,
                     has_reports: health.kind == ProcessKind::Fusion as u8 && health.counters[Counter::Taken] > 0,

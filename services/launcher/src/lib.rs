@@ -66,7 +66,7 @@ pub use supervisor::ChildRefused;
 
 /// Options of a run.
 #[derive(Clone, Debug)]
-pub struct Orders {
+pub struct RunOptions {
     /// Options of every process.
     pub options: Options,
     /// Time to stop, counted from the start of the adapters; `None`: at a request, or when all work is done.
@@ -80,7 +80,7 @@ pub struct Orders {
 /// # Errors
 /// If the instance already runs, the machine refuses an operation, a needed child cannot be kept running
 /// ([`ChildRefused`] for its configuration), or a child did not stop as requested.
-pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow::Result<()> {
+pub fn run(config: &Deployment, settings: &Settings, orders: &RunOptions) -> anyhow::Result<()> {
     let stop = Stop::on_signals().context("catching signals")?;
     let wake = wake::Wake::on_signals().context("catching signals")?;
     let processes = part::parts(config).len();
@@ -104,7 +104,7 @@ pub fn run(config: &Deployment, settings: &Settings, orders: &Orders) -> anyhow:
 }
 
 /// Returns the options with a folder for this start in place of the requested folder, if any file is written.
-fn with_records(config: &Deployment, mut orders: Orders) -> anyhow::Result<Orders> {
+fn with_records(config: &Deployment, mut orders: RunOptions) -> anyhow::Result<RunOptions> {
     if config.services.recorder || config.services.monitor_files {
         let out = &mut orders.options.out;
         *out = records::begin(out, Now::read().utc_ns)?;

@@ -1,9 +1,9 @@
 //! Socket between the launcher and its keeper.
 //!
 //! The keeper is connected to shared memory and the launcher is not. The keeper publishes the launcher's facts about
-//! its children (`Facts`) and passes on the children's health messages (`Heard`). Facts are the whole state each
-//! time, so that only the latest message matters. Neither side waits for the other: a message without room is sent
-//! again later.
+//! its children (`LauncherFacts`) and passes on the children's health messages (`HealthByProcess`). Facts are the whole
+//! state each time, so that only the latest message matters. Neither side waits for the other: a message without room
+//! is sent again later.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -18,7 +18,7 @@ const WORD_MAX: usize = 64 << 10;
 
 /// Facts of the launcher.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Facts {
+pub(crate) struct LauncherFacts {
     /// Start time of the launcher, monotonic, nanoseconds.
     pub(crate) incarnation: u64,
     /// Number of deaths of children so far. After each, shared memory must be reclaimed.
@@ -52,11 +52,11 @@ pub(crate) struct ChildFacts {
 
 /// Health messages since the keeper's last message: the latest of each process, by process number. An empty one is a
 /// sign of life of the keeper.
-pub(crate) type Heard = BTreeMap<u32, Said>;
+pub(crate) type HealthByProcess = BTreeMap<u32, ProcessHealth>;
 
 /// Health message of a process, as far as the launcher needs it.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct Said {
+pub(crate) struct ProcessHealth {
     /// Code of the `LifeState`.
     pub(crate) life: u8,
     /// Time at which the loop made the message, monotonic, nanoseconds.
@@ -67,9 +67,9 @@ pub(crate) struct Said {
 
 /// One end of the socket.
 #[derive(Debug)]
-pub(crate) struct Link(UnixDatagram);
+pub(crate) struct KeeperLink(UnixDatagram);
 
-impl Link {
+impl KeeperLink {
     /// Creates the launcher's end, and the end that becomes the keeper's standard input.
     pub(crate) fn pair() -> io::Result<(Self, OwnedFd)> {
         let (own, other) = UnixDatagram::pair()?;
@@ -107,14 +107,16 @@ mod tests {
 
     #[test]
     fn neither_side_waits_for_the_other() {
-        let (launcher, other) = Link::pair().unwrap();
-        assert!(launcher.hear::<Heard>().is_none());
-        let said = (0..100_000).take_while(|_| launcher.say(&Facts::default())).count();
+        let (launcher, other) = KeeperLink::pair().unwrap();
+        assert!(launcher.hear::<HealthByProcess>().is_none());
+        let said = (0..100_000)
+            .take_while(|_| launcher.say(&LauncherFacts::default()))
+            .count();
         assert!(said > 0 && said < 100_000, "{said}");
-        let keeper = Link(UnixDatagram::from(other));
+        let keeper = KeeperLink(UnixDatagram::from(other));
         for _ in 0..said {
-            assert!(keeper.hear::<Facts>().is_some());
+            assert!(keeper.hear::<LauncherFacts>().is_some());
         }
-        assert!(launcher.say(&Facts::default()), "there is room again");
+        assert!(launcher.say(&LauncherFacts::default()), "there is room again");
     }
 }

@@ -9,7 +9,7 @@ use runtime::{Options, Speed};
 
 /// Process of a deployment.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Part {
+pub(crate) struct ProcessPart {
     /// Kind.
     pub(crate) kind: ProcessKind,
     /// Name, also in health messages: the name of the source or receiver for an adapter, an own name for a gateway,
@@ -54,17 +54,17 @@ pub(crate) const STOP_ORDER: [ProcessKind; 9] = [
 ];
 
 /// Returns the processes of a deployment, in the order of the start.
-pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
-    let service = Part::service;
+pub(crate) fn parts(config: &Deployment) -> Vec<ProcessPart> {
+    let service = ProcessPart::service;
     let mut parts = vec![service(ProcessKind::Keeper), service(ProcessKind::Monitor)];
     parts.extend(config.services.recorder.then(|| service(ProcessKind::Recorder)));
     let gateways = config.services.gateways.iter().map(|gateway| &gateway.name);
-    parts.extend(gateways.map(|name| Part::named(ProcessKind::Gateway, name)));
+    parts.extend(gateways.map(|name| ProcessPart::named(ProcessKind::Gateway, name)));
     let links = config.links.iter().map(|link| &link.name);
-    parts.extend(links.map(|name| Part::named(ProcessKind::Link, name)));
+    parts.extend(links.map(|name| ProcessPart::named(ProcessKind::Link, name)));
     parts.extend(config.services.display.then(|| service(ProcessKind::Display)));
-    parts.push(Part::leader());
-    parts.extend(config.has_standby().then(|| Part {
+    parts.push(ProcessPart::leader());
+    parts.extend(config.has_standby().then(|| ProcessPart {
         name: STANDBY.to_owned(),
         ..service(ProcessKind::Fusion)
     }));
@@ -73,14 +73,14 @@ pub(crate) fn parts(config: &Deployment) -> Vec<Part> {
     parts
 }
 
-fn adapter(config: &Deployment, name: &str) -> Part {
+fn adapter(config: &Deployment, name: &str) -> ProcessPart {
     let mut sources = config.sources.iter().filter(|source| source.adapter == name);
     let required = sources.clone().any(|source| source.required);
     let source = match (sources.next(), sources.next()) {
         (Some(only), None) => only.number,
         _ => NO_SOURCE,
     };
-    Part {
+    ProcessPart {
         kind: ProcessKind::Adapter,
         name: name.to_owned(),
         source,
@@ -88,7 +88,7 @@ fn adapter(config: &Deployment, name: &str) -> Part {
     }
 }
 
-impl Part {
+impl ProcessPart {
     /// Creates a service that exists once.
     fn service(kind: ProcessKind) -> Self {
         Self::named(kind, kind.word())
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn every_option_reaches_the_child() {
-        let part = Part {
+        let part = ProcessPart {
             kind: ProcessKind::Adapter,
             name: "radar".to_owned(),
             source: 0,

@@ -5,7 +5,7 @@
 //! program may hold the port only for a moment, and an interface may come up; a required source is the exception.
 
 use anyhow::bail;
-use deployment::{Deployment, Transport};
+use deployment::{Deployment, ReceiverTransport};
 use net::{UdpReceiver, UdpSender};
 
 use crate::say;
@@ -17,7 +17,7 @@ use crate::say;
 pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
     for receiver in &config.receivers {
         // Ports at the deployment's own loopback address are its own; a server may start at any time.
-        let Transport::Udp(settings) = &receiver.transport else {
+        let ReceiverTransport::Udp(settings) = &receiver.transport else {
             continue;
         };
         let Err(error) = UdpReceiver::open(settings) else {

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use deployment::{Deployment, Parts};
-use settings::{SettingsError, Table};
+use settings::{KeyTable, SettingsError};
 
 settings::settings! {
     /// Keys of a deployment's file.
@@ -27,7 +27,7 @@ impl Settings {
 }
 
 impl Parts for Keys {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         vec![self]
     }
 

@@ -16,12 +16,12 @@ use crate::backoff::Backoff;
 use crate::child::{Child, Sequel};
 use crate::children::Children;
 use crate::end::End;
-use crate::link::{Facts, Heard, Link, Said};
+use crate::link::{HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
 use crate::part::{START_ORDER, STOP_ORDER};
 use crate::service_manager::{ServiceManager, VARIABLES};
 use crate::suspicion::Suspicion;
 use crate::wake::Wake;
-use crate::{Orders, say};
+use crate::{RunOptions, say};
 
 /// Time for the processes of one stage of the start to report that they run. The next stage starts in any case after
 /// this time.
@@ -47,12 +47,12 @@ pub(crate) struct Supervisor<'a> {
     config: &'a Deployment,
     /// Time after which a child without a sign of life is replaced.
     watchdog: Duration,
-    orders: &'a Orders,
+    orders: &'a RunOptions,
     instance: &'a Instance,
     executable: PathBuf,
     children: Children,
     /// Connection to the keeper, while a keeper exists.
-    keeper: Option<Link>,
+    keeper: Option<KeeperLink>,
     stop: Stop,
     wake: Wake,
     service_manager: ServiceManager,
@@ -71,7 +71,7 @@ pub(crate) struct Supervisor<'a> {
     /// Reason for a rebuild of the deployment, if there is one.
     corrupt: Option<String>,
     rebuilding: Backoff,
-    start: Start,
+    start: StartProgress,
     /// Time at which the deployment was complete for the first time.
     complete: Option<Instant>,
     /// Whether fusion has taken a report.
@@ -82,7 +82,7 @@ pub(crate) struct Supervisor<'a> {
 
 /// Progress of the start, or of the start after a rebuild.
 #[derive(Clone, Copy, Debug)]
-struct Start {
+struct StartProgress {
     begun: Instant,
     stage: usize,
     stage_begun: Instant,
@@ -90,7 +90,7 @@ struct Start {
     is_complete: bool,
 }
 
-impl Start {
+impl StartProgress {
     fn at(begun: Instant) -> Self {
         Self {
             begun,
@@ -108,7 +108,7 @@ impl<'a> Supervisor<'a> {
     /// If the executable cannot be found.
     pub(crate) fn new(
         (config, watchdog): (&'a Deployment, Duration),
-        orders: &'a Orders,
+        orders: &'a RunOptions,
         instance: &'a Instance,
         stop: Stop,
         wake: Wake,
@@ -136,7 +136,7 @@ impl<'a> Supervisor<'a> {
             suspicion: Suspicion::default(),
             corrupt: None,
             rebuilding: Backoff::new(),
-            start: Start::at(now),
+            start: StartProgress::at(now),
             complete: None,
             has_reports: false,
             is_stopping: false,
@@ -207,14 +207,14 @@ impl<'a> Supervisor<'a> {
     /// Takes the keeper's message and looks for hung children. Returns whether a child has recovered.
     fn listen(&mut self, now: Instant) -> bool {
         let limit = self.watchdog;
-        let mut heard = Heard::default();
+        let mut heard = HealthByProcess::default();
         let mut has_looked = false;
-        while let Some(more) = self.keeper.as_ref().and_then(Link::hear::<Heard>) {
+        while let Some(more) = self.keeper.as_ref().and_then(KeeperLink::hear::<HealthByProcess>) {
             has_looked = true;
             heard.extend(more);
         }
         let mut is_back = false;
-        let own = Said {
+        let own = ProcessHealth {
             life: LifeState::Running as u8,
             said_ns: mono_ns(),
             has_reports: false,
@@ -271,7 +271,7 @@ impl<'a> Supervisor<'a> {
     }
 
     fn tell_facts(&mut self, now: Instant, ended: bool) {
-        let facts = Facts {
+        let facts = LauncherFacts {
             incarnation: self.incarnation,
             deaths: self.deaths,
             rebuilds: self.rebuilds,
@@ -346,7 +346,7 @@ impl<'a> Supervisor<'a> {
         }
         let mut input = None;
         if child.part().kind == ProcessKind::Keeper {
-            let (own, other) = Link::pair().context("making a socket for the keeper")?;
+            let (own, other) = KeeperLink::pair().context("making a socket for the keeper")?;
             self.keeper = Some(own);
             input = Some(other);
         }
@@ -442,7 +442,7 @@ impl<'a> Supervisor<'a> {
         self.keeper = None;
         self.instance.empty()?;
         self.suspicion.forget();
-        self.start = Start::at(instant() + pause);
+        self.start = StartProgress::at(instant() + pause);
         Ok(())
     }
 

@@ -16,7 +16,7 @@ use crate::metrics::Metrics;
 use crate::report::AlarmReport;
 use crate::screen::Screen;
 use crate::settings::{MonitorWait, Settings};
-use crate::survey::Survey;
+use crate::survey::DeploymentSurvey;
 
 /// Maximum number of slices taken in one turn: the length of the queue.
 const SLICES_PER_TURN: usize = 256;
@@ -32,11 +32,11 @@ const SLEEP_MAX_NS: i64 = 100_000_000;
 const ORIGIN_PERIOD_NS: i64 = 200_000_000;
 
 /// Reads both clocks.
-pub type Clock = Box<dyn Fn() -> Now>;
+pub type ClockReader = Box<dyn Fn() -> Now>;
 
 /// Monitor as an agent, generic over the transport: tests run it in process.
 pub struct MonitorAgent<S: Transport> {
-    survey: Survey,
+    survey: DeploymentSurvey,
     states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
     /// Publisher of the origin of the system frame, for readers without the configuration.
@@ -45,8 +45,8 @@ pub struct MonitorAgent<S: Transport> {
     /// Time of the next message about the origin, monotonic, nanoseconds.
     origin_due_ns: i64,
     alarms: AlarmDesk<S>,
-    waiting: Waiting<S>,
-    clock: Clock,
+    waiting: TrackWait<S>,
+    clock: ClockReader,
     screen: Screen,
     files: Option<Files>,
     /// Server of metrics, or the reason for its absence.
@@ -57,14 +57,14 @@ pub struct MonitorAgent<S: Transport> {
 }
 
 /// Way of waiting for system tracks.
-enum Waiting<S: Transport> {
+enum TrackWait<S: Transport> {
     /// Sleep until a notification.
     Event(Waiter<S>),
     /// Sleep for a fixed time. Without a listener, no publisher wakes the monitor.
     Poll(Duration),
 }
 
-impl<S: Transport> Waiting<S> {
+impl<S: Transport> TrackWait<S> {
     fn new(wait: MonitorWait, bus: &Bus<S>) -> anyhow::Result<Self> {
         match wait {
             MonitorWait::Event => {
@@ -109,11 +109,11 @@ impl<S: Transport> MonitorAgent<S> {
         options: &Options,
         name: &str,
         bus: &Bus<S>,
-        clock: Clock,
+        clock: ClockReader,
         screen: Screen,
     ) -> anyhow::Result<Self> {
         let topic = messages::system_tracks();
-        let waiting = Waiting::new(settings.waiting(&config.fusion), bus)?;
+        let waiting = TrackWait::new(settings.waiting(&config.fusion), bus)?;
         let now_ns = || clock().mono_ns as u64;
         let (states, health) = (
             bus.subscriber(&topic, now_ns)?,
@@ -126,7 +126,7 @@ impl<S: Transport> MonitorAgent<S> {
             other => options.out.join(other),
         };
         let files = || Files::create(&folder, begun.utc_ns);
-        let survey = Survey::new((config, settings), options, name, begun)?;
+        let survey = DeploymentSurvey::new((config, settings), options, name, begun)?;
         let hosts: Vec<String> = settings
             .prometheus_hosts
             .iter()

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use alarms::{AlarmKind, Board, History, RateLimit};
+use alarms::{AlarmHistory, AlarmKind, Board, RateLimit};
 use bus::{Bus, Mark, Publisher, Transport};
 use deployment::Deployment;
 use messages::{Alarm, AlarmEvent, BatchHeader, SystemTrack};
 use runtime::Now;
 
-use crate::conditions::{Conditions, Sight};
+use crate::conditions::{Conditions, RoundView};
 use crate::machine::{Machine, Room, is_gone};
 use crate::settings::Settings;
-use crate::survey::Survey;
+use crate::survey::DeploymentSurvey;
 
 /// Period of evaluation and publication, nanoseconds.
 const ROUND_NS: i64 = 500_000_000;
@@ -72,7 +72,12 @@ impl<S: Transport> AlarmDesk<S> {
     ///
     /// # Errors
     /// If shared memory fails.
-    pub(crate) fn turn(&mut self, now: Now, survey: &mut Survey, say: &mut dyn FnMut(&str)) -> anyhow::Result<()> {
+    pub(crate) fn turn(
+        &mut self,
+        now: Now,
+        survey: &mut DeploymentSurvey,
+        say: &mut dyn FnMut(&str),
+    ) -> anyhow::Result<()> {
         if now.mono_ns < self.due_ns || survey.observed.is_stopping() {
             return Ok(());
         }
@@ -83,7 +88,7 @@ impl<S: Transport> AlarmDesk<S> {
         self.rounds = self.rounds.wrapping_add(1);
         survey.forget_guests(now, is_gone);
         let processes = survey.processes(now);
-        let sight = Sight {
+        let sight = RoundView {
             observed: &survey.observed,
             processes: &processes,
             room: self.room,
@@ -124,7 +129,7 @@ impl<S: Transport> AlarmDesk<S> {
     }
 
     /// Returns every alarm since the start.
-    pub(crate) fn history(&self) -> impl Iterator<Item = History> + '_ {
+    pub(crate) fn history(&self) -> impl Iterator<Item = AlarmHistory> + '_ {
         self.board.history()
     }
 }

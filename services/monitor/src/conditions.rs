@@ -9,22 +9,22 @@ mod sources;
 
 use alarms::{AlarmKind, Apart, Companions, Finding, Growth, Limits, Round, Silence, Subject, above, below};
 use messages::{BatchHeader, Counter, LifeState, ProcessKind, SystemTrack};
-use observed::{Deployment, Process, State};
+use observed::{Deployment, ObservedProcess, ProcessState};
 use runtime::Now;
 
 use crate::machine::Room;
-use crate::shares::Shares;
+use crate::shares::SourceShares;
 use crate::text::{elapsed, several};
-use sources::{COMPANIONS_NS, Watched};
+use sources::{COMPANIONS_NS, SourceWatch};
 
 const MB: f64 = 1e6;
 
 /// View of a deployment in one round.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight<'a> {
+pub(crate) struct RoundView<'a> {
     pub(crate) observed: &'a Deployment,
     /// Processes of the deployment, and others with health messages.
-    pub(crate) processes: &'a [Process],
+    pub(crate) processes: &'a [ObservedProcess],
     pub(crate) room: Room,
     pub(crate) now: Now,
 }
@@ -36,9 +36,9 @@ pub(crate) struct Conditions {
     /// Name of the monitor.
     own_name: String,
     folder: String,
-    sources: Vec<Watched>,
+    sources: Vec<SourceWatch>,
     silence: Silence,
-    shares: Shares,
+    shares: SourceShares,
     growth: Growth,
     companions: Companions,
     apart: Vec<Apart>,
@@ -55,13 +55,13 @@ impl Conditions {
         folder: String,
         begun: Now,
     ) -> Self {
-        let sources: Vec<Watched> = config.observed_sources().into_iter().map(Watched::new).collect();
+        let sources: Vec<SourceWatch> = config.observed_sources().into_iter().map(SourceWatch::new).collect();
         Self {
             limits,
             own_name: own_name.to_owned(),
             folder,
             silence: Silence::new(sources.len(), begun.mono_ns),
-            shares: Shares::new(),
+            shares: SourceShares::new(),
             growth: Growth::default(),
             companions: Companions::default(),
             apart: Vec::new(),
@@ -79,7 +79,7 @@ impl Conditions {
     }
 
     /// Evaluates all conditions.
-    pub(crate) fn look(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(crate) fn look(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let awake_ns = self.silence.look(sight.now.mono_ns);
         self.silent_sources(sight, round);
         self.source_errors(sight, round);
@@ -95,7 +95,7 @@ impl Conditions {
     }
 
     /// Conditions of links to other hosts.
-    fn links(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+    fn links(&self, sight: RoundView<'_>, round: &mut Round<'_>) {
         for link in sight
             .processes
             .iter()
@@ -119,7 +119,7 @@ impl Conditions {
     }
 
     /// Conditions of states whose time differs from the machine's.
-    fn data_off(&self, sight: Sight<'_>, round: &mut Round<'_>) {
+    fn data_off(&self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let offset_ns = sight.observed.data_offset_ns(sight.now.mono_ns);
         let Some(offset_ns) = offset_ns.filter(|_| !self.is_recorded) else {
             return;
@@ -137,7 +137,7 @@ impl Conditions {
         }
     }
 
-    fn processes(&mut self, sight: Sight<'_>, awake_ns: i64, round: &mut Round<'_>) {
+    fn processes(&mut self, sight: RoundView<'_>, awake_ns: i64, round: &mut Round<'_>) {
         let own_restarts = sight
             .observed
             .book()
@@ -198,7 +198,7 @@ impl Conditions {
                 round.find(AlarmKind::ProcessDown, subject, Finding::Bad, &[process, ("end", end)]);
             }
         }
-        let ended = |process: &Process| {
+        let ended = |process: &ObservedProcess| {
             let mut children = sight.observed.book().children();
             children.any(|child| {
                 child.name == process.name && matches!(child.life, LifeState::Failed | LifeState::Finished)
@@ -206,7 +206,7 @@ impl Conditions {
         };
         let limit_ns = self.limits.process_silent_s.ns();
         for process in sight.processes.iter().filter(|process| !ended(process)) {
-            let State::Silent { for_ns } = process.state else {
+            let ProcessState::Silent { for_ns } = process.state else {
                 continue;
             };
             if for_ns.min(sight.now.mono_ns - awake_ns) > limit_ns {

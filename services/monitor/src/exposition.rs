@@ -9,7 +9,7 @@
 use std::fmt;
 
 use messages::{Counter, CounterClass, Counters, LifeState, ProcessKind, Registration};
-use observed::{Process, State, TrackCounts};
+use observed::{ObservedProcess, ProcessState, TrackCounts};
 use prometheus_client::collector::Collector;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::encoding::{DescriptorEncoder, EncodeLabelSet, NoLabelSet};
@@ -26,14 +26,14 @@ const NS_PER_S: f64 = 1e9;
 
 /// State of the deployment at the end of an interval.
 #[derive(Clone, Debug)]
-pub(crate) struct Snapshot {
+pub(crate) struct MetricsSnapshot {
     pub(crate) settings: RunSettings,
     pub(crate) stages: Vec<StageSample>,
     pub(crate) deadlines: Vec<(Stage, u64)>,
     pub(crate) irregularities: Vec<(Stage, Irregularities)>,
-    pub(crate) counted: Vec<Counted>,
+    pub(crate) counted: Vec<ProcessCounts>,
     pub(crate) picture: TrackCounts,
-    pub(crate) processes: Vec<Process>,
+    pub(crate) processes: Vec<ObservedProcess>,
     pub(crate) alarms: Vec<AlarmReport>,
     /// Systematic errors, by the names of the sources.
     pub(crate) registrations: Vec<(String, Registration)>,
@@ -53,14 +53,14 @@ pub(crate) struct StageSample {
 
 /// Counts of one process for a source; with an empty source, for none.
 #[derive(Clone, Debug)]
-pub(crate) struct Counted {
+pub(crate) struct ProcessCounts {
     pub(crate) kind: ProcessKind,
     pub(crate) process: String,
     pub(crate) source: String,
     pub(crate) counters: Counters,
 }
 
-impl Snapshot {
+impl MetricsSnapshot {
     /// Returns the text.
     pub(crate) fn text(self) -> String {
         let mut registry = Registry::with_prefix("koseki");
@@ -72,7 +72,7 @@ impl Snapshot {
     }
 }
 
-impl Collector for Snapshot {
+impl Collector for MetricsSnapshot {
     fn encode(&self, encoder: DescriptorEncoder<'_>) -> fmt::Result {
         let mut families = Families(encoder);
         self.deployment(&mut families)?;
@@ -96,7 +96,7 @@ impl Collector for Snapshot {
     }
 }
 
-impl Snapshot {
+impl MetricsSnapshot {
     fn deployment(&self, families: &mut Families<'_>) -> fmt::Result {
         let settings = &self.settings;
         let labels = [
@@ -194,13 +194,13 @@ impl Snapshot {
     }
 
     fn processes(&self, families: &mut Families<'_>) -> fmt::Result {
-        let labels = |process: &'_ Process| {
+        let labels = |process: &'_ ObservedProcess| {
             [
                 ("kind", process.kind.map_or("", ProcessKind::word).to_owned()),
                 ("process", process.name.clone()),
             ]
         };
-        let is_up = |state| matches!(state, State::Life(LifeState::Starting | LifeState::Running));
+        let is_up = |state| matches!(state, ProcessState::Life(LifeState::Starting | LifeState::Running));
         families.gauges(
             "process_up",
             "1 while a process runs and is heard from",
@@ -219,7 +219,7 @@ impl Snapshot {
     }
 }
 
-impl Snapshot {
+impl MetricsSnapshot {
     fn alarms(&self, families: &mut Families<'_>) -> fmt::Result {
         let labels = |alarm: &'_ AlarmReport| {
             [
@@ -348,8 +348,8 @@ mod tests {
     use crate::golden;
     use crate::report_text::tests::good;
 
-    fn counted(kind: ProcessKind, process: &str, source: &str, counters: Counters) -> Counted {
-        Counted {
+    fn counted(kind: ProcessKind, process: &str, source: &str, counters: Counters) -> ProcessCounts {
+        ProcessCounts {
             kind,
             process: process.to_owned(),
             source: source.to_owned(),
@@ -368,7 +368,7 @@ mod tests {
             buckets,
             late,
         };
-        let snapshot = Snapshot {
+        let snapshot = MetricsSnapshot {
             settings: report.settings,
             stages: vec![
                 sample(Stage::TakenToFused, "radar \"west\"", Some(3)),

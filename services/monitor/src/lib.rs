@@ -72,8 +72,8 @@ pub mod top;
 mod truth_watch;
 mod verdict;
 
-pub use agent::{Clock, MonitorAgent};
-pub use observed::{Process, State, TrackCounts};
+pub use agent::{ClockReader, MonitorAgent};
+pub use observed::{ObservedProcess, ProcessState, TrackCounts};
 pub use report::{AlarmReport, Hop, ProcessCounters, Report, Restarts, SourceReport, SourceStageReport, Verdict};
 pub use screen::Screen;
 pub use settings::{Keys, MonitorWait, Settings};

@@ -12,7 +12,7 @@ use web::axum::http::header::CONTENT_TYPE;
 use web::axum::routing::get;
 use web::{Guard, Server};
 
-use crate::exposition::{self, Snapshot};
+use crate::exposition::{self, MetricsSnapshot};
 
 const PATH: &str = "/metrics";
 
@@ -20,21 +20,21 @@ const PATH: &str = "/metrics";
 #[derive(Debug)]
 pub(crate) struct Metrics {
     server: Server,
-    latest: Arc<Latest>,
+    latest: Arc<LatestMetrics>,
 }
 
 #[derive(Debug)]
-struct Latest(Mutex<Arc<Snapshot>>);
+struct LatestMetrics(Mutex<Arc<MetricsSnapshot>>);
 
-impl Latest {
-    fn lock(&self) -> MutexGuard<'_, Arc<Snapshot>> {
+impl LatestMetrics {
+    fn lock(&self) -> MutexGuard<'_, Arc<MetricsSnapshot>> {
         // No code under the lock can panic.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn text(&self) -> String {
         let latest = Arc::clone(&self.lock());
-        Snapshot::clone(&latest).text()
+        MetricsSnapshot::clone(&latest).text()
     }
 }
 
@@ -43,8 +43,8 @@ impl Metrics {
     ///
     /// # Errors
     /// If the address cannot be opened, for example because another monitor uses it.
-    pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: Snapshot) -> anyhow::Result<Self> {
-        let latest = Arc::new(Latest(Mutex::new(Arc::new(begin))));
+    pub(crate) fn serve(address: SocketAddr, hosts: &[String], begin: MetricsSnapshot) -> anyhow::Result<Self> {
+        let latest = Arc::new(LatestMetrics(Mutex::new(Arc::new(begin))));
         let of_server = Arc::clone(&latest);
         let page = get(move || async move { ([(CONTENT_TYPE, exposition::CONTENT_TYPE)], of_server.text()) });
         let elsewhere = format!("There is nothing here but {PATH}.\n");
@@ -64,7 +64,7 @@ impl Metrics {
     }
 
     /// Replaces the page.
-    pub(crate) fn hand_over(&self, snapshot: Snapshot) {
+    pub(crate) fn hand_over(&self, snapshot: MetricsSnapshot) {
         let snapshot = Arc::new(snapshot);
         let before = std::mem::replace(&mut *self.latest.lock(), snapshot);
         // Not under the lock.

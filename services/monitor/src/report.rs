@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use alarms::History;
+use alarms::AlarmHistory;
 use messages::{Counters, NO_SOURCE, Registration, registration_bits};
-use observed::{Process, TrackCounts};
+use observed::{ObservedProcess, TrackCounts};
 use scoring::AccuracyReport;
 use serde::{Serialize, Serializer};
 use telemetry::{Irregularities, Span, Stage, Stages, Summary};
@@ -47,7 +47,7 @@ pub struct Report {
     /// Raised alarms, in the order of the registry.
     pub alarms: Vec<AlarmReport>,
     /// States of the processes at the end.
-    pub processes: Vec<Process>,
+    pub processes: Vec<ObservedProcess>,
     /// Counters of fusion in total.
     #[serde(serialize_with = "crate::counters::serialize")]
     pub fusion: Counters,
@@ -98,7 +98,7 @@ pub struct AlarmReport {
 
 impl AlarmReport {
     /// Creates the report on an alarm; `name` returns the names of its sources.
-    pub(crate) fn new(alarm: History, name: impl Fn(u16) -> String) -> Self {
+    pub(crate) fn new(alarm: AlarmHistory, name: impl Fn(u16) -> String) -> Self {
         let (kind, subject) = (alarm.kind, alarm.subject);
         let name = |source| match source {
             NO_SOURCE => String::new(),

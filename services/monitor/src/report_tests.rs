@@ -4,7 +4,7 @@ use messages::{Counter, Counters, LifeState, ProcessKind, Registration, registra
 
 use super::*;
 use crate::golden;
-use observed::{Process, State, TrackCounts};
+use observed::{ObservedProcess, ProcessState, TrackCounts};
 use telemetry::Summary;
 
 use crate::report::{Hop, Losses, ProcessCounters, Restarts, SourceReport, SourceStageReport, StageReport, Verdict};
@@ -47,11 +47,11 @@ fn source_stages(summary: Summary, deadline_misses: u64) -> Vec<(Stage, SourceSt
     Stage::ALL.map(|stage| (stage, report)).to_vec()
 }
 
-fn process(kind: ProcessKind, name: &str) -> Process {
-    Process {
+fn process(kind: ProcessKind, name: &str) -> ObservedProcess {
+    ObservedProcess {
         kind: Some(kind),
         name: name.to_owned(),
-        state: State::Life(LifeState::Finished),
+        state: ProcessState::Life(LifeState::Finished),
         restarts: 0,
         last_end: String::new(),
         note: String::new(),
@@ -198,7 +198,7 @@ fn bad() -> Report {
         ],
         monitor_missed: 2_000,
     };
-    report.processes[0].state = State::Silent { for_ns: 3_200_000_000 };
+    report.processes[0].state = ProcessState::Silent { for_ns: 3_200_000_000 };
     report.processes[2].restarts = 2;
     report.processes[2].last_end = "was killed by SIGKILL".to_owned();
     report.processes[2].note = "core 1 is shared".to_owned();
@@ -262,9 +262,9 @@ fn empty() -> Report {
         figures.summary = Summary::default();
     }
     (report.picture, report.fusion) = (TrackCounts::default(), Counters::default());
-    report.accuracy = Some(scoring::Accuracy::default().report());
+    report.accuracy = Some(scoring::AccuracySums::default().report());
     for process in &mut report.processes {
-        process.state = State::NotHeard;
+        process.state = ProcessState::NotHeard;
     }
     judged(report)
 }

@@ -6,7 +6,7 @@
 use messages::{Counter, CounterClass, Counters};
 use scoring::AccuracyReport;
 use telemetry::Stage;
-use telemetry::table::{self, Align, Table, count};
+use telemetry::table::{self, Align, TextTable, count};
 
 use crate::counters::{network_trouble, process_remarks};
 use crate::report::{NOT_MEASURED, Report, RunSettings, SourceReport, StageReport};
@@ -88,7 +88,7 @@ impl Report {
     }
 
     fn network_traffic(&self) -> String {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("process", Align::Left),
             ("datagrams in", Align::Right),
             ("dropped by the kernel", Align::Right),
@@ -118,7 +118,7 @@ impl Report {
     }
 
     fn reports(&self) -> String {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("source", Align::Left),
             ("records read", Align::Right),
             ("rejected", Align::Right),
@@ -140,7 +140,7 @@ impl Report {
     }
 
     fn not_used(&self) -> String {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("source", Align::Left),
             ("by", Align::Left),
             ("count", Align::Right),
@@ -176,7 +176,7 @@ impl Report {
 
     /// Other counts, if there are any: nothing that a process says is kept back.
     fn also_counted(&self) -> Option<String> {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("of", Align::Left),
             ("by", Align::Left),
             ("count", Align::Right),
@@ -222,7 +222,7 @@ impl Report {
     }
 
     fn arrivals(&self) -> String {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("from", Align::Left),
             ("to", Align::Left),
             ("published", Align::Right),
@@ -334,7 +334,7 @@ impl Report {
                 "DEADLINES: none. Reports wait for each other by intention, to be merged by time.\n".to_owned(),
             );
         }
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("stage", Align::Left),
             ("may take", Align::Right),
             ("of", Align::Left),
@@ -342,7 +342,7 @@ impl Report {
             ("late", Align::Right),
             ("share", Align::Right),
         ]);
-        let row = |rows: &mut Table, first: [String; 3], states: u64, late: u64| {
+        let row = |rows: &mut TextTable, first: [String; 3], states: u64, late: u64| {
             let share = if states == 0 {
                 "-".to_owned()
             } else {
@@ -410,7 +410,7 @@ impl Report {
     }
 
     fn process_table(&self) -> String {
-        let mut rows = Table::new(&[
+        let mut rows = TextTable::new(&[
             ("process", Align::Left),
             ("state", Align::Left),
             ("restarts", Align::Right),
@@ -476,7 +476,7 @@ fn accuracy(accuracy: &AccuracyReport) -> String {
             "ACCURACY: not compared with the truth; the first {warm_up_s} s are left out, and there was no more\n"
         );
     }
-    let mut rows = Table::new(&[("", Align::Left), ("", Align::Right)]);
+    let mut rows = TextTable::new(&[("", Align::Left), ("", Align::Right)]);
     let mut row = |what: &str, value: String| {
         rows.row([what.to_owned(), value]);
     };

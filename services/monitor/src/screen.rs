@@ -7,7 +7,7 @@ use ratatui::buffer::Buffer;
 use ratatui::crossterm::terminal;
 use ratatui::layout::{Position, Rect};
 
-use crate::display::draw::{Looks, draw_unattended};
+use crate::display::draw::{ScreenStyle, draw_unattended};
 use crate::display::overview::Overview;
 use crate::display::pages;
 use crate::report::Report;
@@ -25,7 +25,7 @@ pub struct Screen {
     terminal: bool,
     /// Size at which something was drawn.
     drawn: Option<(u16, u16)>,
-    looks: Looks,
+    looks: ScreenStyle,
     errors: Box<dyn Write>,
     /// Whoever read has gone (`| head`, a closed terminal). That is no reason to stop watching.
     gone: bool,
@@ -47,7 +47,7 @@ impl Screen {
             out: CrosstermBackend::new(out),
             terminal,
             drawn: None,
-            looks: Looks::of_environment(),
+            looks: ScreenStyle::of_environment(),
             errors: Box::new(std::io::stderr()),
             gone: false,
             failure: None,

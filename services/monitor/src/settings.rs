@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use deployment::{Deployment, Fusion, Parts, ReportOrder};
-use settings::{Seconds, SettingsError, Table};
+use settings::{KeyTable, Seconds, SettingsError};
 use telemetry::{Deadlines, Stage};
 use web::HostName;
 
@@ -24,7 +24,7 @@ settings::settings! {
         files: bool = true;
         /// Kind of waiting for system tracks: `event`, woken for each slice; `poll`, periodic reads, which cost fusion
         /// nothing.
-        wait: Option<WaitWord> = None, usually "event if fusion waits by event, else poll";
+        wait: Option<MonitorWaitWord> = None, usually "event if fusion waits by event, else poll";
         /// Pause between two reads. System tracks that wait longer in the monitor's queue are replaced by newer
         /// tracks, even at low rates.
         poll_ms: f64 = 5.0, in [0.5, 100];
@@ -61,7 +61,7 @@ settings::settings! {
 
 settings::words! {
     /// Words for how the monitor waits.
-    pub enum WaitWord {
+    pub enum MonitorWaitWord {
         /// Woken for each slice.
         Event = "event",
         /// Looks now and then.
@@ -105,7 +105,7 @@ impl Settings {
     /// Returns how the monitor waits for the system tracks of `fusion`.
     pub fn waiting(&self, fusion: &Fusion) -> MonitorWait {
         let polls = match self.wait {
-            Some(wait) => wait == WaitWord::Poll,
+            Some(wait) => wait == MonitorWaitWord::Poll,
             // A core that spins for low latency should not pay a system call per slice for being watched.
             None => fusion.wait != deployment::WaitWord::Event,
         };
@@ -156,7 +156,7 @@ impl DeadlineTable {
 }
 
 impl Parts for Keys {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         vec![self]
     }
 

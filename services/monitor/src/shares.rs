@@ -6,7 +6,7 @@
 
 use alarms::{AlarmKind, Finding, Lately, Round, Subject, above};
 use messages::{Counter, Counters, ProcessKind};
-use observed::{Deployment, Source};
+use observed::{Deployment, SourceFacts};
 use telemetry::table::count;
 
 use crate::text::{percent, several};
@@ -29,12 +29,12 @@ const SCANS_PER_REPORT: u64 = 10;
 
 /// All sources' shares, with the memory that finding them takes.
 #[derive(Debug)]
-pub(crate) struct Shares {
+pub(crate) struct SourceShares {
     reports: Lately<2>,
     scans: Lately<3>,
 }
 
-impl Shares {
+impl SourceShares {
     pub(crate) fn new() -> Self {
         Self {
             reports: Lately::new(REPORTS_NS),
@@ -45,7 +45,7 @@ impl Shares {
     /// Looks at all of them at `now_ns` (monotonic, nanoseconds).
     pub(crate) fn look(&mut self, observed: &Deployment, now_ns: i64, round: &mut Round<'_>) {
         let book = observed.book();
-        for Source {
+        for SourceFacts {
             number, name, adapter, ..
         } in observed.configured_sources()
         {

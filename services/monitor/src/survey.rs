@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use bus::SubscriberCounts;
 use deployment::{Input, ReportOrder};
 use messages::{Alarm, BatchHeader, Counter, CounterClass, Counters, NO_SOURCE, ProcessKind, SystemTrack};
-use observed::{Deployment, Process, Source, State, process_title as title};
+use observed::{Deployment, ObservedProcess, ProcessState, SourceFacts, process_title as title};
 use runtime::{Now, Options, Speed};
 use telemetry::{Buckets, Journey, JourneyEnd, Span, Stage};
 
 use crate::display::overview::Overview;
-use crate::exposition::{Counted, Snapshot, StageSample};
+use crate::exposition::{MetricsSnapshot, ProcessCounts, StageSample};
 use crate::report::{
     AlarmReport, Hop, Losses, NOT_MEASURED, ProcessCounters, Report, Restarts, RunSettings, SourceReport,
     SourceStageReport, StageReport, Verdict,
@@ -23,7 +23,7 @@ use crate::verdict;
 
 /// Survey of a deployment.
 #[derive(Debug)]
-pub(crate) struct Survey {
+pub(crate) struct DeploymentSurvey {
     settings: RunSettings,
     /// Name of the monitor itself.
     name: String,
@@ -35,7 +35,7 @@ pub(crate) struct Survey {
     truth: Option<TruthWatch>,
 }
 
-impl Survey {
+impl DeploymentSurvey {
     /// Nothing is known yet.
     ///
     /// # Errors
@@ -97,7 +97,7 @@ impl Survey {
     pub(crate) fn others_have_ended(&self, now: Now) -> bool {
         let watching = [ProcessKind::Monitor, ProcessKind::Keeper, ProcessKind::Launcher];
         self.processes(now).iter().all(|process| {
-            let may_speak = matches!(process.state, State::Life(life) if life != messages::LifeState::Finished);
+            let may_speak = matches!(process.state, ProcessState::Life(life) if life != messages::LifeState::Finished);
             process.kind.is_some_and(|kind| watching.contains(&kind)) || !may_speak
         })
     }
@@ -154,7 +154,7 @@ impl Survey {
     }
 
     /// State for a collector of metrics.
-    pub(crate) fn snapshot(&self, now: Now, own: SubscriberCounts) -> Snapshot {
+    pub(crate) fn snapshot(&self, now: Now, own: SubscriberCounts) -> MetricsSnapshot {
         let (stages, book) = (self.observed.stages(), self.observed.book());
         let journey = stages.journey();
         let measured = || Stage::ALL.into_iter().filter(|stage| stage.is_measured(journey.end));
@@ -170,7 +170,7 @@ impl Survey {
         };
         let of_stage = |stage| stages.sources().filter_map(move |number| of_source(stage, number));
         let counted = book.all().flat_map(|(kind, number, latest)| {
-            let counted = |source: &str, counters| Counted {
+            let counted = |source: &str, counters| ProcessCounts {
                 kind,
                 process: latest.name().to_owned(),
                 source: source.to_owned(),
@@ -188,7 +188,7 @@ impl Survey {
             all.extend(sources.map(|source| counted(&source.name, latest.counters().without_those_of_processes())));
             all
         });
-        Snapshot {
+        MetricsSnapshot {
             settings: self.settings.clone(),
             stages: measured().flat_map(of_stage).collect(),
             deadlines: measured()
@@ -210,7 +210,7 @@ impl Survey {
         }
     }
 
-    fn source_report(&self, source: &Source) -> SourceReport {
+    fn source_report(&self, source: &SourceFacts) -> SourceReport {
         let number = source.number;
         let (stages, state) = (self.observed.stages(), self.observed.source(number));
         let of_stage = |stage| {
@@ -231,7 +231,7 @@ impl Survey {
         }
     }
 
-    fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[Process]) -> Losses {
+    fn losses(&self, sources: &[SourceReport], own: SubscriberCounts, processes: &[ObservedProcess]) -> Losses {
         let hop = |from: &str, to: ProcessKind, published, read: &Counters| {
             // A recorder knows by its files what died with its predecessors, counted by them or not.
             let (taken, lost) = (
@@ -240,7 +240,7 @@ impl Survey {
             );
             Hop::new(from, to.word(), published, taken, lost)
         };
-        let is_restarted_monitor = |process: &Process| {
+        let is_restarted_monitor = |process: &ObservedProcess| {
             process.kind == Some(ProcessKind::Monitor) && process.name == self.name && process.restarts > 0
         };
         let published = |source: &SourceReport| source.adapter[Counter::Published];
@@ -277,7 +277,7 @@ impl Survey {
     }
 
     /// How all processes are.
-    pub(crate) fn processes(&self, now: Now) -> Vec<Process> {
+    pub(crate) fn processes(&self, now: Now) -> Vec<ObservedProcess> {
         self.observed.book().processes(&self.expected, now.mono_ns)
     }
 
@@ -385,7 +385,7 @@ fn expected(config: &deployment::Deployment, monitor: &str) -> Vec<(ProcessKind,
     expected
 }
 
-fn restarts(processes: &[Process]) -> Restarts {
+fn restarts(processes: &[ObservedProcess]) -> Restarts {
     let restarted = processes.iter().filter(|process| process.restarts > 0);
     let by_process: BTreeMap<String, u32> = restarted.map(|process| (process.title(), process.restarts)).collect();
     Restarts {

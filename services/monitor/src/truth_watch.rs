@@ -11,7 +11,7 @@ use deployment::{Deployment, Input, Instrument};
 use messages::SystemTrack;
 use runtime::Options;
 use scenario::{SimulatedSensor, TargetState, Truth};
-use scoring::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
+use scoring::{AccuracyReport, AccuracySums, PictureTarget, PictureTrack};
 
 use crate::display::tracks::LatestStates;
 
@@ -29,7 +29,7 @@ pub(crate) struct TruthWatch {
     due_ns: i64,
     /// Latest states; as many as fusion can hold.
     states: LatestStates,
-    accuracy: Accuracy,
+    accuracy: AccuracySums,
     targets: Vec<PictureTarget>,
     picture: Vec<PictureTrack>,
 }
@@ -59,7 +59,7 @@ impl TruthWatch {
             start_ns,
             due_ns: begun_utc_ns.max(start_ns).saturating_add(WARM_UP_NS + SECOND_NS - 1) / SECOND_NS * SECOND_NS,
             states: LatestStates::new(config.system_tracks.max),
-            accuracy: Accuracy::default(),
+            accuracy: AccuracySums::default(),
             targets: Vec::new(),
             picture: Vec::new(),
         }))

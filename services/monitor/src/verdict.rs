@@ -7,7 +7,7 @@ use telemetry::{Stage, table};
 use crate::report::{Hop, Report, Verdict};
 use crate::shares;
 use crate::text::{percent, several, times};
-use observed::State;
+use observed::ProcessState;
 
 /// Permitted share of unread reports in a live deployment: reports in transit at the stop.
 const UNREAD_SHARE_MAX: f64 = 0.01;
@@ -53,10 +53,10 @@ fn about_processes(report: &Report, concerns: &mut Vec<String>) {
         );
         match process.state {
             _ if is_watching => {}
-            State::NotHeard => concerns.push(format!("{title} was never heard from")),
-            State::Silent { .. } => concerns.push(format!("{title} has been {}", process.state)),
-            State::Life(LifeState::Failed) => concerns.push(format!("{title} has failed")),
-            State::Life(_) => {}
+            ProcessState::NotHeard => concerns.push(format!("{title} was never heard from")),
+            ProcessState::Silent { .. } => concerns.push(format!("{title} has been {}", process.state)),
+            ProcessState::Life(LifeState::Failed) => concerns.push(format!("{title} has failed")),
+            ProcessState::Life(_) => {}
         }
         if process.restarts > 0 {
             let mut concern = format!("{title} was restarted {}", times(process.restarts.into()));

@@ -14,7 +14,7 @@ use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_se
 
 /// A command on tables.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum TableCommand {
     /// Write the reports of simulated sensors in a simulated world, and the truth
     #[command(after_help = SIMULATE_EXAMPLES)]
     Simulate(Simulate),
@@ -23,7 +23,7 @@ pub enum Command {
     Fuse(Fuse),
     /// Track targets in files of detections
     #[command(after_help = track_examples())]
-    Track(Track),
+    Track(TrackArgs),
     /// Locate emitters from files of bearings, measured by a moving platform
     #[command(after_help = locate_examples())]
     Locate(Locate),
@@ -38,18 +38,18 @@ pub enum Command {
 /// Words without an executable before them.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true)]
-struct Line {
+struct CommandLine {
     #[command(subcommand)]
-    command: Command,
+    command: TableCommand,
 }
 
-impl Command {
+impl TableCommand {
     /// Parses the command in `words`; the first word is its name.
     ///
     /// # Errors
     /// If `words` are no valid command.
     pub fn of(words: &[String]) -> Result<Self, Usage> {
-        let line = Line::try_parse_from(words).map_err(|error| Usage(refusal(&error)))?;
+        let line = CommandLine::try_parse_from(words).map_err(|error| Usage(refusal(&error)))?;
         Ok(line.command)
     }
 }
@@ -228,7 +228,7 @@ fn track_examples() -> String {
 
 /// `koseki track`.
 #[derive(Debug, Args)]
-pub struct Track {
+pub struct TrackArgs {
     /// Detections: CSV files, or recordings of the Autoferry data set
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,

@@ -14,13 +14,13 @@ pub trait Host {
     ///
     /// # Errors
     /// If the input cannot be read.
-    fn open(&self, path: &Path) -> Result<Input, InputError>;
+    fn open(&self, path: &Path) -> Result<TableInput, InputError>;
 
     /// Begins an output.
     ///
     /// # Errors
     /// If the output cannot be written.
-    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>>;
+    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn TableOutput>>;
 
     /// Makes a folder for outputs.
     ///
@@ -84,18 +84,18 @@ impl dyn Host + '_ {
 }
 
 /// Bytes that can be read repeatedly.
-trait Octets: Read + Seek {}
+trait ByteSource: Read + Seek {}
 
-impl<T: Read + Seek> Octets for T {}
+impl<T: Read + Seek> ByteSource for T {}
 
 /// Input table.
-pub struct Input {
-    octets: Box<dyn Octets>,
+pub struct TableInput {
+    octets: Box<dyn ByteSource>,
     /// Size, bytes; 0 if unknown.
     pub length: u64,
 }
 
-impl Input {
+impl TableInput {
     /// Creates an input from bytes and their number.
     pub fn new(octets: impl Read + Seek + 'static, length: u64) -> Self {
         Self {
@@ -105,20 +105,20 @@ impl Input {
     }
 }
 
-impl Read for Input {
+impl Read for TableInput {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         self.octets.read(buffer)
     }
 }
 
-impl Seek for Input {
+impl Seek for TableInput {
     fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
         self.octets.seek(to)
     }
 }
 
 /// Output table that appears when it is complete.
-pub trait Output: Write + Debug {
+pub trait TableOutput: Write + Debug {
     /// Moves the table to its place.
     ///
     /// # Errors

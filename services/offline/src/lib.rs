@@ -1,6 +1,6 @@
 //! Commands on tables, shared by the executable (on files) and the Python package (on columns in memory).
 //!
-//! [`Command`] holds the parsed words of a command, with the help of the command line. A command opens tables,
+//! [`TableCommand`] holds the parsed words of a command, with the help of the command line. A command opens tables,
 //! writes tables and prints messages only through its [`Host`]. The same engine, driven in the same way, therefore
 //! gives the same results for all hosts.
 
@@ -21,13 +21,13 @@ mod terminal;
 mod track;
 pub mod values;
 
-pub use args::{Command, refusal};
+pub use args::{TableCommand, refusal};
 pub use files::{InputError, OutputFile, Usage, check_outputs, is_same_file, open};
-pub use host::{Host, Input, Output};
-pub use reading::Refusals;
+pub use host::{Host, TableInput, TableOutput};
+pub use reading::SkippedRows;
 pub use terminal::Terminal;
 
-impl Command {
+impl TableCommand {
     /// Executes the command.
     ///
     /// # Errors

@@ -19,9 +19,9 @@ use messages::SensorTrack;
 use observations::sensor_id;
 use observations::{Detection, DetectionKind};
 use scenario::{
-    Plot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
+    RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };
-use simulator::Feed;
+use simulator::SensorFeed;
 
 use crate::args::Simulate;
 use crate::files::Usage;
@@ -69,7 +69,7 @@ pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
                 let mut sensor = SimulatedSensor::new(settings, simulate.seed, source.number, 0)?;
                 observers.sensors.push(sensor.clone());
                 if simulate.asterix {
-                    let feed = Feed::new(source, settings, simulate.seed, 0)?;
+                    let feed = SensorFeed::new(source, settings, simulate.seed, 0)?;
                     write_asterix(host, out, source.number, feed, &truth, end_s)?;
                 }
                 let (reports, detections) =
@@ -146,7 +146,7 @@ fn write_sensor(
     let mut tracks = SensorTrackWriter::begin(host.begin(&reports_path)?, 0).with_context(unwritten)?;
     let mut detections = DetectionWriter::begin(host.begin(&plots_path)?, 0).with_context(unwritten)?;
     let end_ns = frames::time::ns(end_s);
-    let (mut reports, mut plots): (Vec<SensorTrack>, Vec<Plot>) = Default::default();
+    let (mut reports, mut plots): (Vec<SensorTrack>, Vec<RadarPlot>) = Default::default();
     let (mut report_count, mut plot_count) = (0, 0);
     while sensor.progress_s() <= end_s {
         host.progress(sensor.progress_s() as u64, end_s as u64)?;
@@ -175,7 +175,7 @@ fn write_asterix(
     host: &dyn Host,
     folder: &Path,
     source: u16,
-    mut feed: Feed,
+    mut feed: SensorFeed,
     truth: &Truth,
     end_s: f64,
 ) -> anyhow::Result<()> {
@@ -261,7 +261,7 @@ impl Observers {
 }
 
 /// Converts a plot: a radar without height gives range and bearing; a sensor that measures height gives a position.
-fn detection(sensor_id: u32, number: u32, plot: &Plot) -> Detection {
+fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
     let [east, north, up] = plot.position_m;
     let [sigma_east, sigma_north, sigma_up] = plot.sigma_m;
     let (kind, values, sigmas) = match (plot.polar_sigma, plot.height) {

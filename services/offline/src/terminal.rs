@@ -8,7 +8,7 @@ use std::path::Path;
 use configuration::{Config, ConfigError};
 
 use crate::files::{InputError, OutputFile, open};
-use crate::host::{Host, Input, Output};
+use crate::host::{Host, TableInput, TableOutput};
 
 /// Inputs below this size show no progress, bytes.
 const SHOWN_OCTETS_MIN: u64 = 64 << 20;
@@ -41,13 +41,13 @@ impl Terminal {
 }
 
 impl Host for Terminal {
-    fn open(&self, path: &Path) -> Result<Input, InputError> {
+    fn open(&self, path: &Path) -> Result<TableInput, InputError> {
         let file = open(path)?;
         let length = file.metadata().map_or(0, |found| found.len());
-        Ok(Input::new(file, length))
+        Ok(TableInput::new(file, length))
     }
 
-    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn Output>> {
+    fn begin(&self, path: &Path) -> anyhow::Result<Box<dyn TableOutput>> {
         Ok(Box::new(OutputFile::begin(path)?))
     }
 
@@ -86,7 +86,7 @@ impl Host for Terminal {
     }
 }
 
-impl Output for OutputFile {
+impl TableOutput for OutputFile {
     fn finish(self: Box<Self>) -> anyhow::Result<()> {
         OutputFile::finish(*self)
     }

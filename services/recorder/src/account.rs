@@ -2,7 +2,7 @@
 //!
 //! Two sequences are followed. Each publisher counts its own samples in the headers of its slices: the [`Tally`]
 //! finds samples lost in transit or with a terminated recorder. Samples of a replayed input are also numbered from 0
-//! over all publishers of the topic. These [`Numbers`] show samples that a restarted adapter publishes again, and
+//! over all publishers of the topic. These [`SampleNumbers`] show samples that a restarted adapter publishes again, and
 //! samples lost with an adapter or a recorder.
 
 use messages::layout::Layout;
@@ -18,13 +18,13 @@ pub(crate) struct Account {
     /// Samples lost before the start of this recorder.
     lost_before: u64,
     samples: u64,
-    numbers: Option<Numbers>,
+    numbers: Option<SampleNumbers>,
     progress_ns: i64,
 }
 
 /// Sample numbers of a replayed input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Numbers {
+pub(crate) struct SampleNumbers {
     /// Number of the next sample: earlier samples are recorded or lost, even if published again.
     next: u64,
     /// Missing samples; `None` if the position of an earlier recorder is unknown.
@@ -39,7 +39,7 @@ struct Missing {
     before: u64,
 }
 
-impl Numbers {
+impl SampleNumbers {
     /// Continues at the sample `next` of an input that lacks `missing` earlier samples.
     pub(crate) fn after(next: u64, missing: u64) -> Self {
         let missing = Missing {
@@ -81,7 +81,7 @@ impl Account {
     }
 
     /// Follows the sample numbers from this position.
-    pub(crate) fn follow(&mut self, numbers: Numbers) {
+    pub(crate) fn follow(&mut self, numbers: SampleNumbers) {
         self.numbers = Some(numbers);
     }
 
@@ -181,7 +181,7 @@ mod tests {
         numbers.into_iter().map(sample).collect()
     }
 
-    fn account(numbers: Option<Numbers>) -> Account {
+    fn account(numbers: Option<SampleNumbers>) -> Account {
         let mut account = Account::new("sensor/a/tracks".to_owned(), SensorTrack::LAYOUT, Tally::default());
         numbers.into_iter().for_each(|numbers| account.follow(numbers));
         account
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn numbers_show_repeated_and_missing_samples_over_all_publishers() {
-        let mut account = account(Some(Numbers::after(4, 1)));
+        let mut account = account(Some(SampleNumbers::after(4, 1)));
         assert_eq!(account.add_samples(&samples(2..6)), 4);
         assert_eq!((account.next_sequence(), account.missing()), (6, 1));
         assert_eq!(account.add_samples(&samples([8, 9])), 6);
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn after_an_unknown_position_the_subscriber_counts_losses() {
-        let mut account = account(Some(Numbers::default()));
+        let mut account = account(Some(SampleNumbers::default()));
         assert_eq!(account.add_samples(&samples([5, 7])), 0);
         account.add_samples(&samples(2..8));
         assert_eq!(

@@ -5,11 +5,11 @@ use std::time::Duration;
 use bus::{Bus, Transport, WaitMode, Waiter};
 use deployment::Deployment;
 use messages::{BatchHeader, Counter, ProcessKind, Stream, StreamId};
-use runtime::flow::Reached;
+use runtime::flow::ConsumerProgress;
 use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::images::Images;
-use crate::intake::Intake;
+use crate::intake::TopicIntake;
 use crate::journal::Journal;
 use crate::settings::Settings;
 use crate::start::Start;
@@ -20,7 +20,7 @@ const TURNS_AT_CLOSE: usize = 1000;
 /// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
 pub struct RecorderAgent<S: Transport> {
-    intake: Intake<S>,
+    intake: TopicIntake<S>,
     journal: Journal,
     /// Requester of snapshots, for a recording of all topics.
     images: Option<Images<S>>,
@@ -28,7 +28,7 @@ pub struct RecorderAgent<S: Transport> {
     /// Streams of the deployment, in their order, and whether each has ended.
     streams: Vec<(StreamId, bool)>,
     /// For recorded inputs: publishes the recorder's position in each stream, so that no sample is lost.
-    reached: Option<Reached<S>>,
+    reached: Option<ConsumerProgress<S>>,
 }
 
 impl<S: Transport> RecorderAgent<S> {
@@ -46,7 +46,7 @@ impl<S: Transport> RecorderAgent<S> {
     ) -> anyhow::Result<Self> {
         let containers = settings.containers();
         let mut waiter = bus.waiter(WaitMode::Event);
-        let (intake, topics) = Intake::open((config, containers.is_some()), bus, &mut waiter, incarnation)?;
+        let (intake, topics) = TopicIntake::open((config, containers.is_some()), bus, &mut waiter, incarnation)?;
         let journal = Journal::new((config, settings), start, topics, intake.since_ns())?;
         let images = containers.map(|settings| {
             let is_late = intake.is_late(config);
@@ -56,7 +56,7 @@ impl<S: Transport> RecorderAgent<S> {
         let begins: Vec<_> = begins
             .map(|(place, (id, _))| (id, journal.account(place).next_sequence()))
             .collect();
-        let reached = || Reached::new(bus, incarnation, ProcessKind::Recorder, &begins);
+        let reached = || ConsumerProgress::new(bus, incarnation, ProcessKind::Recorder, &begins);
         Ok(Self {
             images: images.transpose()?,
             streams: begins.iter().map(|(id, _)| (*id, false)).collect(),

@@ -10,7 +10,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::account::Numbers;
+use crate::account::SampleNumbers;
 
 /// Header line.
 const HEADER: &str = "rows,sequence";
@@ -86,8 +86,8 @@ impl Gaps {
     }
 
     /// Returns the sample numbers after the last row.
-    pub(crate) fn numbers(&self) -> Numbers {
-        Numbers::after(self.rows + self.ahead, self.ahead)
+    pub(crate) fn numbers(&self) -> SampleNumbers {
+        SampleNumbers::after(self.rows + self.ahead, self.ahead)
     }
 }
 
@@ -102,9 +102,9 @@ mod tests {
         let gaps = || std::fs::read_to_string(folder.path().join("gaps_rows.csv")).unwrap_or_default();
         let mut first = Gaps::of(&path, 0).unwrap();
         (0..3).for_each(|sequence| first.add_row(sequence).unwrap());
-        assert_eq!((first.numbers(), gaps()), (Numbers::after(3, 0), String::new()));
+        assert_eq!((first.numbers(), gaps()), (SampleNumbers::after(3, 0), String::new()));
         [5, 6, 10].iter().for_each(|sequence| first.add_row(*sequence).unwrap());
-        assert_eq!(first.numbers(), Numbers::after(11, 5));
+        assert_eq!(first.numbers(), SampleNumbers::after(11, 5));
         assert_eq!(gaps(), "rows,sequence\n3,5\n5,10\n");
         // All six rows exist, or the last is missing, or only the first three exist.
         for (rows, next_sequence, missing, left) in [
@@ -116,7 +116,7 @@ mod tests {
             let found = (next.numbers(), gaps());
             assert_eq!(
                 found,
-                (Numbers::after(next_sequence, missing), left.to_owned()),
+                (SampleNumbers::after(next_sequence, missing), left.to_owned()),
                 "{rows}"
             );
         }
@@ -128,6 +128,6 @@ mod tests {
         let path = folder.path().join("rows.csv");
         std::fs::write(folder.path().join("gaps_rows.csv"), "rows,sequence\n3,5\n4,1").unwrap();
         let gaps = Gaps::of(&path, 9).unwrap();
-        assert_eq!(gaps.numbers(), Numbers::after(11, 2));
+        assert_eq!(gaps.numbers(), SampleNumbers::after(11, 2));
     }
 }

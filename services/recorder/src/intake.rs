@@ -9,14 +9,14 @@ use messages::{BatchHeader, Stream, Streamed, Topic};
 use runtime::Now;
 
 use crate::journal::Journal;
-use crate::recorded::{ForSamples, Recorded, for_samples};
+use crate::recorded::{ForSamples, RecordedSample, for_samples};
 
 /// Slices taken from one topic before the next one's turn.
 const SLICES_PER_TOPIC: usize = 64;
 
 /// Subscribers of the recorded topics.
 #[derive(Debug)]
-pub(crate) struct Intake<S: Transport> {
+pub(crate) struct TopicIntake<S: Transport> {
     /// Data streams in the order of [`Deployment::streams`], then the other topics.
     topics: Vec<Box<dyn Arriving<S>>>,
     /// Lines left by publishers before their topics were opened, with the topics' places.
@@ -121,7 +121,7 @@ impl<S: Transport, T: Payload> Arriving<S> for LogReader<T> {
 }
 
 /// Collector of the topics' subscribers.
-struct Opening<'a, S: Transport> {
+struct IntakeBuilder<'a, S: Transport> {
     bus: &'a Bus<S>,
     incarnation: u64,
     /// Woken by the topics of data.
@@ -131,7 +131,7 @@ struct Opening<'a, S: Transport> {
     lines: Vec<(usize, PublisherLine)>,
 }
 
-impl<S: Transport> Opening<'_, S> {
+impl<S: Transport> IntakeBuilder<'_, S> {
     fn subscribe<T: Payload>(&mut self, topic: &Topic<T>) -> anyhow::Result<Subscriber<S, T>> {
         if let Some(waiter) = &mut self.waiter {
             waiter.watch(self.bus, topic)?;
@@ -185,19 +185,19 @@ impl<S: Transport> Opening<'_, S> {
 
 /// Task that opens the topic of a stream whose source or sensor is called `name`.
 struct Naming<'o, 'a, 'n, S: Transport> {
-    opening: &'o mut Opening<'a, S>,
+    opening: &'o mut IntakeBuilder<'a, S>,
     name: &'n str,
 }
 
 impl<S: Transport> ForSamples for Naming<'_, '_, '_, S> {
     type Done = anyhow::Result<()>;
 
-    fn of<T: Recorded>(self, _: &str) -> Self::Done {
+    fn of<T: RecordedSample>(self, _: &str) -> Self::Done {
         self.opening.open_of::<T>(self.name)
     }
 }
 
-impl<S: Transport> Intake<S> {
+impl<S: Transport> TopicIntake<S> {
     /// Opens the data streams of `config`, and if it `has_all` topics to record all others, for the recorder that
     /// started at `incarnation`. Topics of data wake `waiter`. Returns the names and layouts of the topics in their
     /// order, too.
@@ -210,7 +210,7 @@ impl<S: Transport> Intake<S> {
         waiter: &mut Waiter<S>,
         incarnation: u64,
     ) -> anyhow::Result<(Self, Vec<(String, Layout)>)> {
-        let mut opening = Opening {
+        let mut opening = IntakeBuilder {
             bus,
             incarnation,
             waiter: Some(waiter),

@@ -1,9 +1,9 @@
 //! The recorded stream: slices with topic, time, position and losses, written by two sinks.
 //!
-//! Files of all topics ([`Segments`]) hold every slice bit by bit; [`Tables`] hold a row for each new sample of a
+//! Files of all topics ([`SegmentSink`]) hold every slice bit by bit; [`Tables`] hold a row for each new sample of a
 //! data stream. The [`Account`] of each topic holds its position and losses, whichever sinks are configured.
 //!
-//! On a full disk the sinks differ: [`Segments`] counts the samples as lost and tries again in a new file, while a
+//! On a full disk the sinks differ: [`SegmentSink`] counts the samples as lost and tries again in a new file, while a
 //! failure of [`Tables`] ends the recorder, whose successor continues after the last complete row.
 
 use anyhow::Context as _;
@@ -13,11 +13,11 @@ use messages::{BatchHeader, Streamed};
 use recording::Facts;
 use runtime::{Now, NumberedFiles};
 
-use crate::account::{Account, Numbers};
+use crate::account::{Account, SampleNumbers};
 use crate::recovery::{self, Earlier};
-use crate::segments::{SegmentCounts, Segments};
+use crate::segments::{SegmentCounts, SegmentSink};
 use crate::settings::{Format, Settings};
-use crate::slice::Slice;
+use crate::slice::StreamSlice;
 use crate::start::Start;
 use crate::tables::Tables;
 
@@ -29,7 +29,7 @@ const STEM: &str = "all_topics_";
 pub(crate) struct Journal {
     accounts: Vec<Account>,
     tables: Option<Tables>,
-    segments: Option<Segments>,
+    segments: Option<SegmentSink>,
 }
 
 impl Journal {
@@ -62,7 +62,7 @@ impl Journal {
                 // Only tables state the position of an earlier recorder.
                 let numbers = tables
                     .as_ref()
-                    .map_or_else(Numbers::default, |rows| rows.numbers(place));
+                    .map_or_else(SampleNumbers::default, |rows| rows.numbers(place));
                 accounts[place].follow(numbers);
             }
         }
@@ -75,7 +75,7 @@ impl Journal {
             ])
         };
         let topics = accounts.len();
-        let segments = |limits| Segments::new(files, earlier.number, limits, facts(), topics);
+        let segments = |limits| SegmentSink::new(files, earlier.number, limits, facts(), topics);
         Ok(Self {
             segments: containers.map(segments),
             accounts,
@@ -95,7 +95,7 @@ impl Journal {
         now: Now,
     ) -> anyhow::Result<()> {
         let from_sequence = self.accounts[place].add_samples(samples);
-        let slice = Slice {
+        let slice = StreamSlice {
             place,
             header,
             octets: T::octets(samples),
@@ -108,7 +108,7 @@ impl Journal {
 
     /// Adds a slice of another topic.
     pub(crate) fn add<T: Sample>(&mut self, place: usize, header: &BatchHeader, samples: &[T], now: Now) {
-        self.add_to_segments(&Slice {
+        self.add_to_segments(&StreamSlice {
             place,
             header,
             octets: T::octets(samples),
@@ -117,7 +117,7 @@ impl Journal {
         });
     }
 
-    fn add_to_segments(&mut self, slice: &Slice<'_>) {
+    fn add_to_segments(&mut self, slice: &StreamSlice<'_>) {
         let accounts = &mut self.accounts;
         if let Some(segments) = &mut self.segments {
             segments.open_if_due(accounts, slice.now);
@@ -175,7 +175,7 @@ impl Journal {
 
     /// Returns the counts of the files of all topics; `None` without such files.
     pub(crate) fn segment_counts(&self) -> Option<SegmentCounts> {
-        self.segments.as_ref().map(Segments::counts)
+        self.segments.as_ref().map(SegmentSink::counts)
     }
 
     /// Returns the number of samples of all topics.

@@ -19,7 +19,7 @@ use messages::{
 use observations::{Bearing, Detection, Sampled as _, WideAreaReport, sensor_id};
 
 /// Sample with a row format.
-pub(crate) trait Recorded: Streamed + Payload {
+pub(crate) trait RecordedSample: Streamed + Payload {
     type Row: Row + Debug + 'static;
 
     /// Returns the row of a sample of the source or sensor `number`, with positions in `frame`; `None` for a code
@@ -32,7 +32,7 @@ pub(crate) trait ForSamples {
     type Done;
 
     /// Executes the task for samples `T`, whose file names begin with `stem`.
-    fn of<T: Recorded>(self, stem: &str) -> Self::Done;
+    fn of<T: RecordedSample>(self, stem: &str) -> Self::Done;
 }
 
 /// Executes `task` for the samples of a stream.
@@ -51,7 +51,7 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
     }
 }
 
-impl Recorded for SensorTrack {
+impl RecordedSample for SensorTrack {
     type Row = Self;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
@@ -59,7 +59,7 @@ impl Recorded for SensorTrack {
     }
 }
 
-impl Recorded for SensorDetection {
+impl RecordedSample for SensorDetection {
     type Row = Detection;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<Detection> {
@@ -67,7 +67,7 @@ impl Recorded for SensorDetection {
     }
 }
 
-impl Recorded for SensorBearing {
+impl RecordedSample for SensorBearing {
     type Row = Bearing;
 
     fn row(&self, _: u16, _: &SystemFrame) -> Option<Bearing> {
@@ -75,7 +75,7 @@ impl Recorded for SensorBearing {
     }
 }
 
-impl Recorded for PlatformState {
+impl RecordedSample for PlatformState {
     type Row = Self;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
@@ -83,7 +83,7 @@ impl Recorded for PlatformState {
     }
 }
 
-impl Recorded for Cue {
+impl RecordedSample for Cue {
     type Row = CueRow;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<CueRow> {
@@ -94,7 +94,7 @@ impl Recorded for Cue {
     }
 }
 
-impl Recorded for WideArea {
+impl RecordedSample for WideArea {
     type Row = WideAreaReport;
 
     fn row(&self, _: u16, _: &SystemFrame) -> Option<WideAreaReport> {
@@ -102,7 +102,7 @@ impl Recorded for WideArea {
     }
 }
 
-impl Recorded for Decision {
+impl RecordedSample for Decision {
     type Row = Self;
 
     fn row(&self, _: u16, _: &SystemFrame) -> Option<Self> {
@@ -110,7 +110,7 @@ impl Recorded for Decision {
     }
 }
 
-impl Recorded for OrderState {
+impl RecordedSample for OrderState {
     type Row = Self;
 
     /// A repeated state makes no row.
@@ -119,7 +119,7 @@ impl Recorded for OrderState {
     }
 }
 
-impl Recorded for SystemTrack {
+impl RecordedSample for SystemTrack {
     type Row = PlacedTrack;
 
     fn row(&self, _: u16, frame: &SystemFrame) -> Option<PlacedTrack> {
@@ -127,7 +127,7 @@ impl Recorded for SystemTrack {
     }
 }
 
-impl Recorded for Alarm {
+impl RecordedSample for Alarm {
     type Row = AlarmRow;
 
     /// A repeated standing alarm makes no row.

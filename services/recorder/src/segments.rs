@@ -13,14 +13,14 @@ use runtime::{Now, NumberedFiles};
 
 use crate::account::Account;
 use crate::recovery;
-use crate::slice::Slice;
+use crate::slice::StreamSlice;
 
 /// Time between two attempts to write after a failure, nanoseconds.
 const RETRY_NS: i64 = 1_000_000_000;
 
 /// Successive files of the recording.
 #[derive(Debug)]
-pub(crate) struct Segments {
+pub(crate) struct SegmentSink {
     files: NumberedFiles,
     settings: Settings,
     facts: Facts,
@@ -28,7 +28,7 @@ pub(crate) struct Segments {
     gathered: Vec<u64>,
     /// Number of the latest file.
     number: u32,
-    open: Option<Open>,
+    open: Option<OpenSegment>,
     /// Time of the next attempt to write, monotonic, nanoseconds.
     retry_ns: i64,
     counts: SegmentCounts,
@@ -36,7 +36,7 @@ pub(crate) struct Segments {
 
 /// File being written.
 #[derive(Debug)]
-struct Open {
+struct OpenSegment {
     path: PathBuf,
     writer: Writer<BufWriter<File>>,
     channels: Vec<Channel>,
@@ -52,7 +52,7 @@ pub(crate) struct SegmentCounts {
     pub(crate) deleted: u64,
 }
 
-impl Segments {
+impl SegmentSink {
     /// Continues the recording of `topics` topics in `files` after the file `number`. Each file begins with `facts`.
     pub(crate) fn new(files: NumberedFiles, number: u32, settings: Settings, facts: Facts, topics: usize) -> Self {
         Self {
@@ -72,8 +72,8 @@ impl Segments {
     }
 
     /// Adds a slice, already noted in its account.
-    pub(crate) fn slice(&mut self, accounts: &mut [Account], slice: &Slice<'_>) {
-        let Slice {
+    pub(crate) fn slice(&mut self, accounts: &mut [Account], slice: &StreamSlice<'_>) {
+        let StreamSlice {
             place, header, octets, ..
         } = *slice;
         let now = slice.now;
@@ -104,8 +104,9 @@ impl Segments {
             Ok(()) => self.flushed(now),
             Err(error) => self.failed(&error, accounts, now),
         }
-        let is_over =
-            |open: &Open| open.bytes >= self.settings.bytes || now.mono_ns - open.begun_ns >= self.settings.length_ns;
+        let is_over = |open: &OpenSegment| {
+            open.bytes >= self.settings.bytes || now.mono_ns - open.begun_ns >= self.settings.length_ns
+        };
         if self.open.as_ref().is_some_and(is_over) {
             self.finish(accounts, now);
         }
@@ -178,7 +179,7 @@ impl Segments {
         }
     }
 
-    fn begin(&self, path: &Path, accounts: &[Account], now: Now) -> Result<Open, RecordingError> {
+    fn begin(&self, path: &Path, accounts: &[Account], now: Now) -> Result<OpenSegment, RecordingError> {
         let mut facts = self.facts.clone();
         accounts.iter().for_each(|account| account.state(&mut facts));
         let mut writer = Writer::begin(BufWriter::new(File::create_new(path)?), &facts)?;
@@ -186,7 +187,7 @@ impl Segments {
         let channels = channels.map(|account| writer.channel(account.name(), account.layout()));
         let channels = channels.collect::<Result<_, _>>()?;
         writer.flush()?;
-        Ok(Open {
+        Ok(OpenSegment {
             path: path.to_owned(),
             writer,
             channels,

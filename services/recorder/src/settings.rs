@@ -1,7 +1,7 @@
 //! Keys of the recorder.
 
 use deployment::{Deployment, Parts, Segments};
-use settings::{Seconds, SettingsError, Table};
+use settings::{KeyTable, Seconds, SettingsError};
 
 settings::settings! {
     /// Keys of a deployment's file.
@@ -72,7 +72,7 @@ impl Settings {
 }
 
 impl Parts for Keys {
-    fn tables(&mut self) -> Vec<&mut dyn Table> {
+    fn tables(&mut self) -> Vec<&mut dyn KeyTable> {
         vec![self]
     }
 

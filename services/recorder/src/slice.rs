@@ -5,7 +5,7 @@ use runtime::Now;
 
 /// Slice of the stream.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Slice<'a> {
+pub(crate) struct StreamSlice<'a> {
     /// Place of the topic in the list of topics; that of a data stream is its place in `Deployment::streams`.
     pub(crate) place: usize,
     pub(crate) header: &'a BatchHeader,

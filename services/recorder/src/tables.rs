@@ -21,25 +21,25 @@ use frames::SystemFrame;
 use messages::StreamId;
 use recording::Item;
 
-use crate::account::Numbers;
+use crate::account::SampleNumbers;
 use crate::gaps::Gaps;
-use crate::recorded::{ForSamples, Recorded, for_samples};
+use crate::recorded::{ForSamples, RecordedSample, for_samples};
 use crate::recovery::{self, Opened};
-use crate::slice::Slice;
+use crate::slice::StreamSlice;
 
 /// Tables of a deployment, one per data stream, in the order of [`Config::streams`].
 #[derive(Debug)]
 pub struct Tables {
-    tables: Vec<Entry>,
+    tables: Vec<TableEntry>,
     /// Places of the tables by the name of the topic.
     places: BTreeMap<String, usize>,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct TableEntry {
     topic: String,
     path: PathBuf,
-    table: Box<dyn Table>,
+    table: Box<dyn TableSink>,
     /// Whether rows wait in memory.
     is_gathering: bool,
     /// Number of the next sample of a recording's replayed input: a restarted adapter publishes samples again.
@@ -47,7 +47,7 @@ struct Entry {
 }
 
 /// Table of any sample type.
-trait Table: Debug {
+trait TableSink: Debug {
     /// Writes the rows of samples, except of those numbered below `from_sequence`. Returns the number after the last
     /// sample.
     fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64>;
@@ -56,14 +56,14 @@ trait Table: Debug {
     fn flush(&mut self) -> io::Result<()>;
 
     /// Returns the sample numbers after the last row.
-    fn numbers(&self) -> Numbers;
+    fn numbers(&self) -> SampleNumbers;
 
     /// Returns the number of rows written since the start.
     fn rows(&self) -> u64;
 }
 
 #[derive(Debug)]
-struct TableOf<T: Recorded> {
+struct TableOf<T: RecordedSample> {
     writer: RowWriter<T::Row, BufWriter<File>>,
     number: u16,
     frame: SystemFrame,
@@ -97,7 +97,7 @@ impl Tables {
 
     fn open(config: &Deployment, folder: &Path, first_day_ns: i64, live: Option<bool>) -> anyhow::Result<Self> {
         let open = |(id, name): (StreamId, &str)| {
-            let opening = Opening {
+            let opening = TableBuilder {
                 folder,
                 name,
                 first_day_ns,
@@ -108,7 +108,7 @@ impl Tables {
             };
             for_samples(id.stream, opening)
         };
-        let tables: Vec<Entry> = config.streams().map(open).collect::<Result<_, _>>()?;
+        let tables: Vec<TableEntry> = config.streams().map(open).collect::<Result<_, _>>()?;
         let places = tables.iter().enumerate();
         Ok(Self {
             places: places.map(|(place, entry)| (entry.topic.clone(), place)).collect(),
@@ -145,7 +145,7 @@ impl Tables {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub(crate) fn slice(&mut self, slice: &Slice<'_>) -> anyhow::Result<()> {
+    pub(crate) fn slice(&mut self, slice: &StreamSlice<'_>) -> anyhow::Result<()> {
         let entry = &mut self.tables[slice.place];
         entry.is_gathering = true;
         let written = entry.table.add(slice.octets, slice.from_sequence);
@@ -167,7 +167,7 @@ impl Tables {
     }
 
     /// Returns the sample numbers after the last row of the table at this place.
-    pub(crate) fn numbers(&self, place: usize) -> Numbers {
+    pub(crate) fn numbers(&self, place: usize) -> SampleNumbers {
         self.tables[place].table.numbers()
     }
 
@@ -177,7 +177,7 @@ impl Tables {
     }
 }
 
-struct Opening<'a> {
+struct TableBuilder<'a> {
     folder: &'a Path,
     name: &'a str,
     first_day_ns: i64,
@@ -197,10 +197,10 @@ fn file_name(stem: &str, name: &str) -> String {
     }
 }
 
-impl ForSamples for Opening<'_> {
-    type Done = anyhow::Result<Entry>;
+impl ForSamples for TableBuilder<'_> {
+    type Done = anyhow::Result<TableEntry>;
 
-    fn of<T: Recorded>(self, stem: &str) -> Self::Done {
+    fn of<T: RecordedSample>(self, stem: &str) -> Self::Done {
         let path = self.folder.join(file_name(stem, self.name));
         let Opened { file, rows } = recovery::open(&path, self.resume)?;
         let file = BufWriter::new(file);
@@ -218,7 +218,7 @@ impl ForSamples for Opening<'_> {
             gaps,
             rows: 0,
         };
-        Ok(Entry {
+        Ok(TableEntry {
             topic: T::topic(self.name).name.as_str().to_owned(),
             path,
             table: Box::new(table),
@@ -228,7 +228,7 @@ impl ForSamples for Opening<'_> {
     }
 }
 
-impl<T: Recorded> Table for TableOf<T> {
+impl<T: RecordedSample> TableSink for TableOf<T> {
     fn add(&mut self, octets: &[u8], from_sequence: u64) -> io::Result<u64> {
         let mut next_sequence = 0;
         for sample in octets.chunks_exact(size_of::<T>()).filter_map(T::of_octets) {
@@ -251,8 +251,8 @@ impl<T: Recorded> Table for TableOf<T> {
         self.writer.flush()
     }
 
-    fn numbers(&self) -> Numbers {
-        self.gaps.as_ref().map_or_else(Numbers::default, Gaps::numbers)
+    fn numbers(&self) -> SampleNumbers {
+        self.gaps.as_ref().map_or_else(SampleNumbers::default, Gaps::numbers)
     }
 
     fn rows(&self) -> u64 {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::ConfigWith;
 use messages::{Alarm, AlarmEvent, Counter, SensorTrack, SystemTrack};
 use recorder::{Keys, RecorderAgent, Start};
@@ -34,7 +34,7 @@ fn start<'a>(folder: &'a Path, run: &'a str) -> Start<'a> {
 struct Bench {
     folder: tempfile::TempDir,
     bus: Bus<InProcess>,
-    _held: Vec<Held>,
+    _held: Vec<TopicHold>,
     source: Publisher<InProcess, SensorTrack>,
     system: Publisher<InProcess, SystemTrack>,
 }

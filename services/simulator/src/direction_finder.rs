@@ -8,7 +8,7 @@ use observations::Bearing;
 use runtime::{HealthEntry, Now};
 use scenario::{DirectionFinderSettings, SimulatedDirectionFinder, Truth};
 
-use crate::Observer;
+use crate::WorldObserver;
 use crate::rows::RowSender;
 
 /// Simulated direction finder, see the module's documentation.
@@ -32,7 +32,7 @@ impl DirectionFinder {
     }
 }
 
-impl Observer for DirectionFinder {
+impl WorldObserver for DirectionFinder {
     fn due_s(&self) -> f64 {
         self.simulated.next_delivery_s()
     }

@@ -5,7 +5,7 @@ use asterix::{Category, registry};
 use deployment::Source;
 use messages::{NS_PER_S, SensorTrack};
 use outgoing::{HeightReference, SensorReports};
-use scenario::{Plot, SensorKind, SensorSettings, SimulatedSensor, Truth};
+use scenario::{RadarPlot, SensorKind, SensorSettings, SimulatedSensor, Truth};
 
 use crate::DATAGRAM_OCTETS_MAX;
 
@@ -16,17 +16,17 @@ const DELIVERY_MAX: usize = 4096;
 
 /// Simulated sensor with an encoder.
 #[derive(Debug)]
-pub struct Feed {
+pub struct SensorFeed {
     simulated: SimulatedSensor,
     pub(crate) reports: SensorReports,
     next_status_ns: i64,
     sends_plots: bool,
     start_utc_ns: i64,
     delivery: Vec<SensorTrack>,
-    plots: Vec<Plot>,
+    plots: Vec<RadarPlot>,
 }
 
-impl Feed {
+impl SensorFeed {
     /// Creates the sensor of `source` with these settings, in a scenario of this seed that starts at `start_utc_ns`
     /// (UTC, nanoseconds).
     ///

@@ -20,22 +20,22 @@ mod rows;
 mod sensor;
 mod wide_area;
 
-pub use feed::Feed;
+pub use feed::SensorFeed;
 
 use std::fmt;
 use std::net::SocketAddr;
 use std::time::Duration;
 
 use anyhow::Context as _;
-use deployment::{Input, Instrument, Process, Transport};
+use deployment::{Input, Instrument, Process, ReceiverTransport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use scenario::Truth;
 
 use crate::direction_finder::DirectionFinder;
-use crate::sensor::Sensor;
-use crate::wide_area::WideArea;
+use crate::sensor::AsterixSensor;
+use crate::wide_area::SimulatedWideArea;
 
 /// Maximum size of a datagram, bytes: the payload of one Ethernet frame.
 const DATAGRAM_OCTETS_MAX: usize = 1472;
@@ -49,7 +49,7 @@ pub fn run(process: &Process) -> anyhow::Result<()> {
 }
 
 /// Observer of the simulated world; sends the observations.
-trait Observer: fmt::Debug {
+trait WorldObserver: fmt::Debug {
     /// Returns the time of the next delivery, seconds from the scenario's start.
     fn due_s(&self) -> f64;
 
@@ -65,14 +65,14 @@ trait Observer: fmt::Debug {
 struct Simulator {
     truth: Truth,
     start_utc_ns: i64,
-    observers: Vec<Box<dyn Observer>>,
+    observers: Vec<Box<dyn WorldObserver>>,
 }
 
 impl Simulator {
     fn new(process: &Process) -> anyhow::Result<Self> {
         let config = &process.config;
         let world = config.scenario.as_ref().context("there is no [scenario]")?;
-        let mut observers: Vec<Box<dyn Observer>> = Vec::new();
+        let mut observers: Vec<Box<dyn WorldObserver>> = Vec::new();
         for source in &config.sources {
             let Input::Simulated(simulated) = &source.input else {
                 continue;
@@ -80,7 +80,7 @@ impl Simulator {
             let unusable = || format!("simulated sensor {}", source.name);
             observers.push(match &simulated.instrument {
                 Instrument::Sensor(settings) => {
-                    Box::new(Sensor::new(process, source, settings).with_context(unusable)?)
+                    Box::new(AsterixSensor::new(process, source, settings).with_context(unusable)?)
                 }
                 Instrument::DirectionFinder(settings) => {
                     Box::new(DirectionFinder::new(process, source, settings).with_context(unusable)?)
@@ -91,7 +91,7 @@ impl Simulator {
             if let Some(settings) = &sensor.simulated {
                 let unusable = || format!("simulated wide-area sensor {}", sensor.name);
                 observers.push(Box::new(
-                    WideArea::new(process, sensor, settings).with_context(unusable)?,
+                    SimulatedWideArea::new(process, sensor, settings).with_context(unusable)?,
                 ));
             }
         }
@@ -106,7 +106,7 @@ impl Simulator {
 /// Creates a socket to the receiver of a simulated source or sensor; the receiver has the name of the adapter.
 fn sender_to(process: &Process, adapter: &str) -> anyhow::Result<UdpSender> {
     let receiver = process.config.receiver(adapter).context("it has no receiver")?;
-    let Transport::Loopback { port } = receiver.transport else {
+    let ReceiverTransport::Loopback { port } = receiver.transport else {
         anyhow::bail!("its receiver is not the deployment's own");
     };
     let destination = SocketAddr::from((process.loopback, port));
@@ -116,7 +116,7 @@ fn sender_to(process: &Process, adapter: &str) -> anyhow::Result<UdpSender> {
 impl Agent for Simulator {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         let start_utc_ns = self.start_utc_ns;
-        let due_ns = |observer: &dyn Observer| start_utc_ns + (observer.due_s() * NS_PER_S) as i64;
+        let due_ns = |observer: &dyn WorldObserver| start_utc_ns + (observer.due_s() * NS_PER_S) as i64;
         let next = self
             .observers
             .iter_mut()

@@ -6,19 +6,19 @@ use net::UdpSender;
 use runtime::{HealthEntry, Now};
 use scenario::{SensorSettings, Truth};
 
-use crate::{Feed, Observer, sender_to};
+use crate::{SensorFeed, WorldObserver, sender_to};
 
 /// Simulated sensor, see the module's documentation.
 #[derive(Debug)]
-pub(crate) struct Sensor {
-    feed: Feed,
+pub(crate) struct AsterixSensor {
+    feed: SensorFeed,
     sender: UdpSender,
 }
 
-impl Sensor {
+impl AsterixSensor {
     pub(crate) fn new(process: &Process, source: &Source, settings: &SensorSettings) -> anyhow::Result<Self> {
         let (seed, start_utc_ns) = (process.options.seed, process.options.scenario_start_ns);
-        let mut feed = Feed::new(source, settings, seed, start_utc_ns)?;
+        let mut feed = SensorFeed::new(source, settings, seed, start_utc_ns)?;
         feed.restart_at(((Now::read().utc_ns - start_utc_ns) as f64 / NS_PER_S).max(0.0));
         Ok(Self {
             feed,
@@ -27,7 +27,7 @@ impl Sensor {
     }
 }
 
-impl Observer for Sensor {
+impl WorldObserver for AsterixSensor {
     fn due_s(&self) -> f64 {
         self.feed.due_s()
     }

@@ -9,18 +9,18 @@ use observations::WideAreaReport;
 use runtime::{HealthEntry, Now};
 use scenario::{SimulatedWideAreaSensor, Truth, WideAreaSettings};
 
-use crate::Observer;
+use crate::WorldObserver;
 use crate::rows::RowSender;
 
 /// Simulated wide-area sensor, see the module's documentation.
 #[derive(Debug)]
-pub(crate) struct WideArea {
+pub(crate) struct SimulatedWideArea {
     simulated: SimulatedWideAreaSensor,
     observed: Vec<WideAreaReport>,
     sender: RowSender,
 }
 
-impl WideArea {
+impl SimulatedWideArea {
     pub(crate) fn new(process: &Process, sensor: &WideAreaSensor, settings: &WideAreaSettings) -> anyhow::Result<Self> {
         let (seed, start_utc_ns) = (process.options.seed, process.options.scenario_start_ns);
         let mut simulated = SimulatedWideAreaSensor::new(settings, seed, sensor.number, start_utc_ns)?;
@@ -33,7 +33,7 @@ impl WideArea {
     }
 }
 
-impl Observer for WideArea {
+impl WorldObserver for SimulatedWideArea {
     fn due_s(&self) -> f64 {
         self.simulated.next_delivery_s()
     }

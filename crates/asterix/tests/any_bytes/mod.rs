@@ -4,7 +4,7 @@
 
 use asterix::encode_error::EncodeFault;
 use asterix::text::UNDEFINED;
-use asterix::{Category, Counts, Decoder, Error, Mode, NamedRecord, Record, Value, registry};
+use asterix::{Category, Decoder, DecoderCounts, Error, Mode, NamedRecord, Record, Value, registry};
 
 /// No byte makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;
@@ -17,7 +17,7 @@ pub(crate) struct Reading {
     /// The errors, in their order.
     pub(crate) errors: Vec<Error>,
     /// Counts of the decoder.
-    pub(crate) counts: Counts,
+    pub(crate) counts: DecoderCounts,
 }
 
 /// Reads the bytes in all ways, and gives what was read.

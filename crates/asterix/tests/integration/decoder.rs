@@ -1,6 +1,6 @@
 //! Blocks, tables and counters together.
 
-use asterix::{Counts, Decoder, Error, Mode};
+use asterix::{Decoder, DecoderCounts, Error, Mode};
 
 use crate::sample::{SAMPLE, block};
 
@@ -45,14 +45,14 @@ fn an_error_ends_its_block_and_not_the_reading() {
             }),
         ]
     );
-    let expected = Counts {
+    let expected = DecoderCounts {
         blocks: 4,
         records: 4,
         blocks_refused: 1,
         blocks_without_table: 1,
         blocks_cut: 1,
         octets_skipped: 2 + 4 + 4,
-        ..Counts::default()
+        ..DecoderCounts::default()
     };
     assert_eq!(decoder.counts(), &expected);
     assert_eq!(decoder.counts().entries()[5].2, 10);

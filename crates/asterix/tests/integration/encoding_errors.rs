@@ -1,6 +1,6 @@
 //! Each error of the encoder, with its whole message: where, what, and the limits.
 
-use asterix::encode_error::{EncodeFault, Place};
+use asterix::encode_error::{EncodeFault, RecordPlace};
 use asterix::named::UNKNOWN_EXTENSION;
 use asterix::{EncodeError, NamedRecord, Value};
 
@@ -29,7 +29,7 @@ fn list(numbers: &[u64]) -> Value {
 fn an_error_has_its_place_and_its_fault() {
     let value = Value::group([("U", 16u64.into()), ("S", 0i64.into())]);
     let expected = EncodeError {
-        place: Place {
+        place: RecordPlace {
             category: 250,
             path: vec!["040".to_owned(), "U".to_owned()],
         },

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::common::{Home, Line, PATIENCE, mark, send, shared_memory, take_all, topic, track, until};
 use bus::{
-    Bus, BusError, Heard, InProcess, Mark, Payload, Publisher, Role, Root, SharedMemory, Subscriber, Transport,
-    WaitMode, Waiter, Woken,
+    Bus, BusError, InProcess, Mark, Payload, PortRole, Publisher, PublisherRecord, Root, SharedMemory, Subscriber,
+    Transport, WaitMode, Waiter, Woken,
 };
 use messages::layout::Sample as _;
 use messages::{BatchHeader, SensorTrack, Topic};
@@ -402,7 +402,7 @@ fn places_are_limited_and_come_back<S: Transport>() {
     let error = line.bus.publisher(&line.topic, 9).unwrap_err();
     let expected = matches!(
         error,
-        BusError::Full { role: Role::Publisher, limit: stated, .. } if stated == limit
+        BusError::Full { role: PortRole::Publisher, limit: stated, .. } if stated == limit
     );
     assert!(expected, "{error}");
     publishers.pop();
@@ -558,7 +558,7 @@ fn a_waiting_subscriber_connects_before_the_first_slice<S: Transport>() {
 }
 
 fn heard<S: Transport, T: Payload>(subscriber: &Subscriber<S, T>) -> Vec<(u64, u64)> {
-    let pair = |heard: Heard| (heard.incarnation, heard.next_sequence);
+    let pair = |heard: PublisherRecord| (heard.incarnation, heard.next_sequence);
     subscriber.heard().map(pair).collect()
 }
 

@@ -5,7 +5,7 @@ use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 
 use crate::common::{Home, Line, send, shared_memory, take_all, track};
-use bus::{Life, Mark, SharedMemory};
+use bus::{Mark, PublisherState, SharedMemory};
 
 const DEPTH: usize = 4;
 
@@ -35,12 +35,12 @@ fn a_line_says_how_far_its_publisher_came_and_when() {
     let living = read();
     assert_eq!(living.len(), 1);
     assert_eq!((living[0].incarnation, living[0].next_sequence), (7, 5));
-    assert_eq!((living[0].heartbeat_ns, living[0].life), (123, Life::Lives));
+    assert_eq!((living[0].heartbeat_ns, living[0].life), (123, PublisherState::Lives));
     line.bus.remove_dead();
     assert_eq!(read(), living, "whoever lives is not marked");
     drop(publisher);
     let ended = read();
-    assert_eq!((ended[0].next_sequence, ended[0].life), (5, Life::Ended));
+    assert_eq!((ended[0].next_sequence, ended[0].life), (5, PublisherState::Ended));
 }
 
 #[test]

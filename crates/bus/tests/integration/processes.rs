@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use crate::common::{
     Home, Line, PATIENCE, memory_of, send, shared_memory, take_all, topic, track, until, without_hanging,
 };
-use bus::{Bus, BusError, Life, Mark, Root, SharedMemory, Subscriber, Unborn, WaitMode};
+use bus::{Bus, BusError, Mark, PublisherState, Root, SharedMemory, Subscriber, Unborn, WaitMode};
 use messages::{BatchHeader, SensorTrack};
 use rustix::process::{Pid, Signal, kill_process};
 
@@ -304,7 +304,7 @@ fn a_kill_at_any_moment_leaves_a_sum_that_the_publishers_line_confirms() {
         let lines = line.bus.publisher_lines(&line.topic).unwrap();
         let dead = lines.iter().find(|line| line.incarnation == publisher.pid().into());
         let dead = dead.unwrap();
-        assert_eq!(dead.life, Life::Died);
+        assert_eq!(dead.life, PublisherState::Died);
         numbered += dead.next_sequence;
         let counts = subscriber.counts();
         assert_eq!(counts.taken + counts.lost, numbered);

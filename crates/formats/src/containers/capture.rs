@@ -16,7 +16,7 @@ const NANOSECONDS: u8 = 9;
 
 /// Way of a datagram, as far as it is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Way {
+pub struct DatagramRoute {
     /// Sender.
     pub from: SocketAddr,
     /// Receiver, or the group.
@@ -50,7 +50,7 @@ pub fn begin_capture() -> Vec<u8> {
 ///
 /// # Errors
 /// If the payload is longer than any datagram's, or the time is before 1970; nothing is appended.
-pub fn capture(way: &Way, payload: &[u8], out: &mut Vec<u8>) -> io::Result<()> {
+pub fn capture(way: &DatagramRoute, payload: &[u8], out: &mut Vec<u8>) -> io::Result<()> {
     let builder = match (way.from.ip(), way.to.ip()) {
         (IpAddr::V4(from), IpAddr::V4(to)) => PacketBuilder::ipv4(from.octets(), to.octets(), HOPS),
         (from, to) => {
@@ -112,7 +112,7 @@ mod tests {
             for part in sent.chunks(sent.len().div_ceil(parts).max(1)) {
                 octets.extend(begin_capture());
                 for (from, to, received_utc_ns, payload) in part {
-                    let way = Way { from: *from, to: *to, received_utc_ns: *received_utc_ns };
+                    let way = DatagramRoute { from: *from, to: *to, received_utc_ns: *received_utc_ns };
                     capture(&way, payload, &mut octets).unwrap();
                 }
             }
@@ -129,7 +129,7 @@ mod tests {
         /// A capture that ends within a packet gives the earlier packets.
         #[test]
         fn a_torn_capture_gives_what_is_whole(payload in prop::collection::vec(any::<u8>(), 1..100), cut in 1usize..40) {
-            let way = Way {
+            let way = DatagramRoute {
                 from: "192.0.2.1:8600".parse().unwrap(),
                 to: "239.255.0.1:8600".parse().unwrap(),
                 received_utc_ns: 1,

@@ -9,7 +9,7 @@
 //! something to the recorder only, and are often 0.
 
 use super::skipped::{Reason, Skipped};
-use super::{Container, Datagram, TimeStamp};
+use super::{Container, RecordedDatagram, TimeStamp};
 
 const HEADER_OCTETS: usize = 8;
 const TRAILER: [u8; 4] = [0xA5; 4];
@@ -37,7 +37,7 @@ impl<'a> Frames<'a> {
         self.position
     }
 
-    pub(super) fn next(&mut self) -> Option<Result<Datagram<'a>, Skipped>> {
+    pub(super) fn next(&mut self) -> Option<Result<RecordedDatagram<'a>, Skipped>> {
         let (begin, rest) = (self.position, &self.bytes[self.position..]);
         if rest.is_empty() {
             return None;
@@ -53,7 +53,11 @@ impl<'a> Frames<'a> {
             ns: hundredths * TIME_NS,
         };
         let payload = &frame[HEADER_OCTETS..frame.len() - TRAILER.len()];
-        Some(Ok(Datagram::of(payload, Some(time_stamp), begin + HEADER_OCTETS)))
+        Some(Ok(RecordedDatagram::of(
+            payload,
+            Some(time_stamp),
+            begin + HEADER_OCTETS,
+        )))
     }
 
     /// Skips bytes outside frames, up to the end of the next trailer, where the next attempt begins.

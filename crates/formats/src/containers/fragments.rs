@@ -10,9 +10,9 @@ use std::collections::VecDeque;
 use etherparse::IpNumber;
 use etherparse::defrag::IpDefragBuf;
 
-use super::packet::{self, Fragment, Key, Packet};
+use super::packet::{self, Fragment, FragmentKey, Packet};
 use super::skipped::{Reason, Skipped};
-use super::{Datagram, TimeStamp};
+use super::{RecordedDatagram, TimeStamp};
 
 /// The most fragmented datagrams that are kept open at a time. Senders emit the fragments of one in a burst, so more
 /// than one per sender is rare.
@@ -21,12 +21,12 @@ pub const FRAGMENTED_MAX: usize = 64;
 /// The datagrams of which some fragments have come, the oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Fragments {
-    open: VecDeque<Open>,
+    open: VecDeque<OpenDatagram>,
 }
 
 #[derive(Debug)]
-struct Open {
-    key: Key,
+struct OpenDatagram {
+    key: FragmentKey,
     buffer: IpDefragBuf,
     time_stamp: Option<TimeStamp>,
     /// Place of the first to come in the recording.
@@ -44,10 +44,10 @@ impl Fragments {
         &mut self,
         fragment: &Fragment<'_>,
         packet: &Packet<'_>,
-    ) -> Option<Result<(Datagram<'static>, usize), Skipped>> {
+    ) -> Option<Result<(RecordedDatagram<'static>, usize), Skipped>> {
         let mut open = self
             .take(fragment.key)
-            .unwrap_or_else(|| Open::new(fragment.key, packet));
+            .unwrap_or_else(|| OpenDatagram::new(fragment.key, packet));
         open.fragments += 1;
         open.octets += packet.bytes.len();
         if open.buffer.add(fragment.offset, fragment.more, fragment.bytes).is_err() {
@@ -63,17 +63,17 @@ impl Fragments {
 
     /// Gives the oldest datagram up, at the end of the recording.
     pub(super) fn give_up(&mut self) -> Option<Skipped> {
-        self.open.pop_front().map(Open::give_up)
+        self.open.pop_front().map(OpenDatagram::give_up)
     }
 
-    fn take(&mut self, key: Key) -> Option<Open> {
+    fn take(&mut self, key: FragmentKey) -> Option<OpenDatagram> {
         let place = self.open.iter().position(|open| open.key == key)?;
         self.open.remove(place)
     }
 }
 
-impl Open {
-    fn new(key: Key, packet: &Packet<'_>) -> Self {
+impl OpenDatagram {
+    fn new(key: FragmentKey, packet: &Packet<'_>) -> Self {
         Self {
             key,
             buffer: IpDefragBuf::new(IpNumber::UDP, Vec::new(), Vec::new()),
@@ -84,11 +84,11 @@ impl Open {
         }
     }
 
-    fn complete(self) -> Result<(Datagram<'static>, usize), Skipped> {
+    fn complete(self) -> Result<(RecordedDatagram<'static>, usize), Skipped> {
         let Some(payload) = packet::udp(self.buffer.data()) else {
             return Err(self.give_up());
         };
-        let datagram = Datagram {
+        let datagram = RecordedDatagram {
             bytes: Cow::Owned(payload.to_vec()),
             time_stamp: self.time_stamp,
             offset: self.offset,

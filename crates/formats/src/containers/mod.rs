@@ -30,8 +30,8 @@
 //!
 //! The usual damage is a recording that ends within a packet: everything before the end is used. The same applies to
 //! packets captured only partly. A frame of the final format without its trailer is skipped up to the next trailer.
-//! pcap and pcapng have no mark for the next packet, so that an impossible length ends the recording. [`Counts`]
-//! accounts for every byte.
+//! pcap and pcapng have no mark for the next packet, so that an impossible length ends the recording.
+//! [`ContainerCounts`] accounts for every byte.
 //!
 //! # Limits
 //!
@@ -56,12 +56,12 @@ mod pcap;
 mod pcapng;
 mod skipped;
 
-pub use capture::{Way, begin_capture, capture};
+pub use capture::{DatagramRoute, begin_capture, capture};
 pub use fragments::FRAGMENTED_MAX;
-pub use skipped::{Counts, Reason, Skipped};
+pub use skipped::{ContainerCounts, Reason, Skipped};
 
 use fragments::Fragments;
-use packet::{Packet, Payload};
+use packet::{Packet, PacketPayload};
 
 /// Nanoseconds in a second.
 const NS_PER_S: i64 = 1_000_000_000;
@@ -73,7 +73,7 @@ pub fn datagrams(bytes: &[u8]) -> Datagrams<'_> {
 
 /// Datagram of a recording, with data blocks if it is ASTERIX.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Datagram<'a> {
+pub struct RecordedDatagram<'a> {
     /// Bytes of the datagram; owned only where they were put together from fragments.
     pub bytes: Cow<'a, [u8]>,
     /// Time of recording, where the container states one.
@@ -185,26 +185,26 @@ impl FromStr for Container {
 pub struct Datagrams<'a> {
     container: Container,
     bytes: &'a [u8],
-    source: Source<'a>,
+    source: ContainerReader<'a>,
     fragments: Fragments,
-    counts: Counts,
+    counts: ContainerCounts,
     /// The octets before this one are in `counts`, or waiting in `fragments`.
     accounted: usize,
 }
 
 /// Iterator over the parts of a recording, from start to end, with a position.
 #[derive(Debug)]
-enum Source<'a> {
+enum ContainerReader<'a> {
     Raw { bytes: &'a [u8], position: usize },
-    Pcap(pcap::Packets<'a>),
-    PcapNg(pcapng::Packets<'a>),
+    Pcap(pcap::PcapPackets<'a>),
+    PcapNg(pcapng::PcapngPackets<'a>),
     Final(final_format::Frames<'a>),
 }
 
 /// A piece of a recording.
 #[derive(Debug)]
-enum Piece<'a> {
-    Datagram(Datagram<'a>),
+enum ContainerPiece<'a> {
+    Datagram(RecordedDatagram<'a>),
     Packet(Packet<'a>),
 }
 
@@ -212,17 +212,17 @@ impl<'a> Datagrams<'a> {
     /// Returns the datagrams of a recording of this kind.
     pub fn new(container: Container, bytes: &'a [u8]) -> Self {
         let source = match container {
-            Container::Raw => Source::Raw { bytes, position: 0 },
-            Container::Pcap => Source::Pcap(pcap::Packets::new(bytes)),
-            Container::PcapNg => Source::PcapNg(pcapng::Packets::new(bytes)),
-            Container::Final => Source::Final(final_format::Frames::new(bytes)),
+            Container::Raw => ContainerReader::Raw { bytes, position: 0 },
+            Container::Pcap => ContainerReader::Pcap(pcap::PcapPackets::new(bytes)),
+            Container::PcapNg => ContainerReader::PcapNg(pcapng::PcapngPackets::new(bytes)),
+            Container::Final => ContainerReader::Final(final_format::Frames::new(bytes)),
         };
         Self {
             container,
             bytes,
             source,
             fragments: Fragments::default(),
-            counts: Counts::default(),
+            counts: ContainerCounts::default(),
             accounted: 0,
         }
     }
@@ -233,16 +233,16 @@ impl<'a> Datagrams<'a> {
     }
 
     /// Returns the counts up to the present position.
-    pub fn counts(&self) -> &Counts {
+    pub fn counts(&self) -> &ContainerCounts {
         &self.counts
     }
 
     /// Returns a packet's datagram; `None` while fragments of the datagram are missing.
-    fn unpack(&mut self, packet: &Packet<'a>, octets: usize) -> Option<Result<Datagram<'a>, Skipped>> {
+    fn unpack(&mut self, packet: &Packet<'a>, octets: usize) -> Option<Result<RecordedDatagram<'a>, Skipped>> {
         let framing = (octets - packet.bytes.len()) as u64;
         match packet::payload(packet) {
-            Ok(Payload::Whole { bytes, offset }) => {
-                let datagram = Datagram {
+            Ok(PacketPayload::Whole { bytes, offset }) => {
+                let datagram = RecordedDatagram {
                     bytes: Cow::Borrowed(bytes),
                     time_stamp: packet.time_stamp,
                     offset,
@@ -250,7 +250,7 @@ impl<'a> Datagrams<'a> {
                 self.counts.datagram(&datagram, octets);
                 Some(Ok(datagram))
             }
-            Ok(Payload::Fragment(fragment)) => {
+            Ok(PacketPayload::Fragment(fragment)) => {
                 self.counts.framing_octets += framing;
                 let (datagram, octets) = match self.fragments.add(&fragment, packet)? {
                     Ok(joined) => joined,
@@ -265,7 +265,7 @@ impl<'a> Datagrams<'a> {
     }
 
     /// Returns a datagram still incomplete at the end of the recording.
-    fn finish(&mut self) -> Option<Result<Datagram<'a>, Skipped>> {
+    fn finish(&mut self) -> Option<Result<RecordedDatagram<'a>, Skipped>> {
         self.counts.framing_octets += (self.bytes.len() - self.accounted) as u64;
         self.accounted = self.bytes.len();
         let skipped = self.fragments.give_up()?;
@@ -274,7 +274,7 @@ impl<'a> Datagrams<'a> {
 }
 
 impl<'a> Iterator for Datagrams<'a> {
-    type Item = Result<Datagram<'a>, Skipped>;
+    type Item = Result<RecordedDatagram<'a>, Skipped>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
@@ -284,11 +284,11 @@ impl<'a> Iterator for Datagrams<'a> {
             let octets = self.source.position() - self.accounted;
             self.accounted += octets;
             match piece {
-                Ok(Piece::Datagram(datagram)) => {
+                Ok(ContainerPiece::Datagram(datagram)) => {
                     self.counts.datagram(&datagram, octets);
                     return Some(Ok(datagram));
                 }
-                Ok(Piece::Packet(packet)) => {
+                Ok(ContainerPiece::Packet(packet)) => {
                     if let Some(outcome) = self.unpack(&packet, octets) {
                         return Some(outcome);
                     }
@@ -302,16 +302,22 @@ impl<'a> Iterator for Datagrams<'a> {
     }
 }
 
-impl<'a> Source<'a> {
-    fn next(&mut self) -> Option<Result<Piece<'a>, Skipped>> {
+impl<'a> ContainerReader<'a> {
+    fn next(&mut self) -> Option<Result<ContainerPiece<'a>, Skipped>> {
         match self {
             Self::Raw { bytes, position } => {
                 let begin = std::mem::replace(position, bytes.len());
-                (begin < bytes.len()).then(|| Ok(Piece::Datagram(Datagram::of(&bytes[begin..], None, begin))))
+                (begin < bytes.len()).then(|| {
+                    Ok(ContainerPiece::Datagram(RecordedDatagram::of(
+                        &bytes[begin..],
+                        None,
+                        begin,
+                    )))
+                })
             }
-            Self::Pcap(packets) => packets.next().map(|packet| packet.map(Piece::Packet)),
-            Self::PcapNg(packets) => packets.next().map(|packet| packet.map(Piece::Packet)),
-            Self::Final(frames) => frames.next().map(|datagram| datagram.map(Piece::Datagram)),
+            Self::Pcap(packets) => packets.next().map(|packet| packet.map(ContainerPiece::Packet)),
+            Self::PcapNg(packets) => packets.next().map(|packet| packet.map(ContainerPiece::Packet)),
+            Self::Final(frames) => frames.next().map(|datagram| datagram.map(ContainerPiece::Datagram)),
         }
     }
 
@@ -326,7 +332,7 @@ impl<'a> Source<'a> {
     }
 }
 
-impl<'a> Datagram<'a> {
+impl<'a> RecordedDatagram<'a> {
     fn of(bytes: &'a [u8], time_stamp: Option<TimeStamp>, offset: usize) -> Self {
         Self {
             bytes: Cow::Borrowed(bytes),

@@ -57,7 +57,7 @@ impl Packet<'_> {
 
 /// Key that the fragments of one datagram have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Key {
+pub(super) struct FragmentKey {
     pub(super) interface: u32,
     pub(super) source: IpAddr,
     pub(super) destination: IpAddr,
@@ -67,7 +67,7 @@ pub(super) struct Key {
 /// A part of a datagram.
 #[derive(Debug)]
 pub(super) struct Fragment<'a> {
-    pub(super) key: Key,
+    pub(super) key: FragmentKey,
     pub(super) offset: IpFragOffset,
     /// Whether it is not the last.
     pub(super) more: bool,
@@ -76,7 +76,7 @@ pub(super) struct Fragment<'a> {
 
 /// Payload of a packet.
 #[derive(Debug)]
-pub(super) enum Payload<'a> {
+pub(super) enum PacketPayload<'a> {
     /// A datagram, and where it lies in the recording.
     Whole { bytes: &'a [u8], offset: usize },
     /// A part of a datagram.
@@ -87,7 +87,7 @@ pub(super) enum Payload<'a> {
 ///
 /// # Errors
 /// If it has none that could be data blocks.
-pub(super) fn payload<'a>(packet: &Packet<'a>) -> Result<Payload<'a>, Reason> {
+pub(super) fn payload<'a>(packet: &Packet<'a>) -> Result<PacketPayload<'a>, Reason> {
     let bytes = packet.bytes;
     let behind = |octets, layer| bytes.get(octets..).ok_or_else(|| packet.unfit(layer));
     match packet.link_type {
@@ -111,13 +111,17 @@ fn ether_type(bytes: &[u8], at: usize, packet: &Packet<'_>) -> Result<EtherType,
     }
 }
 
-fn ethernet<'a>(packet: &Packet<'a>) -> Result<Payload<'a>, Reason> {
+fn ethernet<'a>(packet: &Packet<'a>) -> Result<PacketPayload<'a>, Reason> {
     let frame = Ethernet2Slice::from_slice_without_fcs(packet.bytes).map_err(|_| packet.unfit("Ethernet"))?;
     tagged(packet, frame.ether_type(), frame.payload_slice())
 }
 
 /// EtherType and payload behind the tags of virtual networks.
-fn tagged<'a>(packet: &Packet<'a>, mut ether_type: EtherType, mut bytes: &'a [u8]) -> Result<Payload<'a>, Reason> {
+fn tagged<'a>(
+    packet: &Packet<'a>,
+    mut ether_type: EtherType,
+    mut bytes: &'a [u8],
+) -> Result<PacketPayload<'a>, Reason> {
     const TAGS: [EtherType; 3] = [
         EtherType::VLAN_TAGGED_FRAME,
         EtherType::PROVIDER_BRIDGING,
@@ -138,7 +142,7 @@ fn tagged<'a>(packet: &Packet<'a>, mut ether_type: EtherType, mut bytes: &'a [u8
     }
 }
 
-fn logical_link<'a>(packet: &Packet<'a>, frame: &'a [u8]) -> Result<Payload<'a>, Reason> {
+fn logical_link<'a>(packet: &Packet<'a>, frame: &'a [u8]) -> Result<PacketPayload<'a>, Reason> {
     let &[service, _, control, ref bytes @ ..] = frame else {
         return Err(packet.unfit("802.2"));
     };
@@ -146,10 +150,10 @@ fn logical_link<'a>(packet: &Packet<'a>, frame: &'a [u8]) -> Result<Payload<'a>,
         return Err(Reason::LogicalLink { service, control });
     }
     let offset = packet.offset_of(bytes);
-    Ok(Payload::Whole { bytes, offset })
+    Ok(PacketPayload::Whole { bytes, offset })
 }
 
-fn ip<'a>(packet: &Packet<'a>, bytes: &'a [u8]) -> Result<Payload<'a>, Reason> {
+fn ip<'a>(packet: &Packet<'a>, bytes: &'a [u8]) -> Result<PacketPayload<'a>, Reason> {
     let ip = IpSlice::from_slice(bytes).map_err(|_| packet.unfit("IP"))?;
     let payload = ip.payload().clone();
     if payload.ip_number != IpNumber::UDP {
@@ -158,11 +162,11 @@ fn ip<'a>(packet: &Packet<'a>, bytes: &'a [u8]) -> Result<Payload<'a>, Reason> {
     }
     if payload.fragmented {
         let fragment = fragment(&ip, packet.interface, payload.payload);
-        return fragment.map(Payload::Fragment).ok_or_else(|| packet.unfit("IP"));
+        return fragment.map(PacketPayload::Fragment).ok_or_else(|| packet.unfit("IP"));
     }
     let bytes = udp(payload.payload).ok_or_else(|| packet.unfit("UDP"))?;
     let offset = packet.offset_of(bytes);
-    Ok(Payload::Whole { bytes, offset })
+    Ok(PacketPayload::Whole { bytes, offset })
 }
 
 /// The payload of a UDP datagram, bounded by its length.
@@ -191,7 +195,7 @@ fn fragment<'a>(ip: &IpSlice<'a>, interface: u32, bytes: &'a [u8]) -> Option<Fra
         }
     };
     Some(Fragment {
-        key: Key {
+        key: FragmentKey {
             interface,
             source: ip.source_addr(),
             destination: ip.destination_addr(),

@@ -23,14 +23,14 @@ pub(super) fn begins(bytes: &[u8]) -> bool {
 
 /// The packets of a capture.
 #[derive(Debug)]
-pub(super) struct Packets<'a> {
+pub(super) struct PcapPackets<'a> {
     bytes: &'a [u8],
     /// None where the bytes are no capture.
     header: Option<PcapHeader>,
     position: usize,
 }
 
-impl<'a> Packets<'a> {
+impl<'a> PcapPackets<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         let (header, position) = match parse_pcap_header(bytes) {
             Ok((rest, header)) => (Some(header), bytes.len() - rest.len()),

@@ -40,16 +40,16 @@ pub(super) fn begins(bytes: &[u8]) -> bool {
 
 /// The packets of a capture.
 #[derive(Debug)]
-pub(super) struct Packets<'a> {
+pub(super) struct PcapngPackets<'a> {
     bytes: &'a [u8],
     position: usize,
     big_endian: bool,
-    interfaces: Vec<Interface>,
+    interfaces: Vec<CaptureInterface>,
 }
 
 /// Interface that packets refer to.
 #[derive(Debug, Clone, Copy)]
-struct Interface {
+struct CaptureInterface {
     link_type: i32,
     /// The most bytes kept of a packet; 0 for no limit.
     snap_octets: u32,
@@ -58,7 +58,7 @@ struct Interface {
     offset_s: i64,
 }
 
-impl<'a> Packets<'a> {
+impl<'a> PcapngPackets<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self {
             bytes,
@@ -150,7 +150,7 @@ impl<'a> Packets<'a> {
         match parse(block) {
             Ok((_, Block::SectionHeader(_))) => self.interfaces.clear(),
             Ok((_, Block::InterfaceDescription(interface))) => {
-                self.interfaces.push(Interface::new(&interface, self.big_endian));
+                self.interfaces.push(CaptureInterface::new(&interface, self.big_endian));
             }
             Ok((_, Block::EnhancedPacket(packet))) => return self.enhanced(&packet, block, begin).map(Some),
             Ok((_, Block::SimplePacket(packet))) => return self.simple(&packet, block, begin).map(Some),
@@ -192,7 +192,7 @@ impl<'a> Packets<'a> {
         })
     }
 
-    fn interface(&self, number: u32) -> Result<&Interface, Reason> {
+    fn interface(&self, number: u32) -> Result<&CaptureInterface, Reason> {
         self.interfaces.get(number as usize).ok_or(Reason::Interface {
             interface: number,
             described: self.interfaces.len(),
@@ -209,7 +209,7 @@ impl<'a> Packets<'a> {
     }
 }
 
-impl Interface {
+impl CaptureInterface {
     fn new(block: &InterfaceDescriptionBlock<'_>, big_endian: bool) -> Self {
         let option = |code| block.options.iter().find(|option| option.code == code);
         let resolution = option(OptionCode::IfTsresol).and_then(|option| option.as_bytes().ok()?.first().copied());

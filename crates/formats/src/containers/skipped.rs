@@ -1,6 +1,6 @@
 //! Parts of a recording that gave no datagram: why, and their sum.
 
-use super::{Container, Datagram};
+use super::{Container, RecordedDatagram};
 
 /// A part of a recording that gave no datagram.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -147,7 +147,7 @@ impl Reason {
 
 /// Sums over a recording: every byte is in a datagram, in something skipped, or framing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Counts {
+pub struct ContainerCounts {
     /// Datagrams given.
     pub datagrams: u64,
     /// Datagrams that were put together from fragments.
@@ -168,7 +168,7 @@ pub struct Counts {
     pub damages: u64,
 }
 
-impl Counts {
+impl ContainerCounts {
     /// Returns label, description and value of each counter.
     pub fn entries(&self) -> [(&'static str, &'static str, u64); 9] {
         [
@@ -205,7 +205,7 @@ impl Counts {
     }
 
     /// Counts a datagram for which `octets` of the recording were used up.
-    pub(super) fn datagram(&mut self, datagram: &Datagram<'_>, octets: usize) {
+    pub(super) fn datagram(&mut self, datagram: &RecordedDatagram<'_>, octets: usize) {
         self.datagrams += 1;
         self.datagram_octets += datagram.bytes.len() as u64;
         self.framing_octets += (octets - datagram.bytes.len()) as u64;

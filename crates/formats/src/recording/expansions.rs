@@ -10,12 +10,12 @@ const EXPANSION_FIELD: &str = "RE";
 #[derive(Debug, Default)]
 pub struct Expansions {
     /// Rules that were chosen, in the order given.
-    pub rules: Vec<(&'static Expansion, Failures)>,
+    pub rules: Vec<(&'static Expansion, ExpansionFailures)>,
 }
 
 /// Fields that do not follow the coding rules.
 #[derive(Debug, Default)]
-pub struct Failures {
+pub struct ExpansionFailures {
     /// Number of them.
     pub count: u64,
     /// Fault of the first; empty where there is none.
@@ -26,7 +26,7 @@ impl Expansions {
     /// Coding rules among the chosen editions.
     pub fn new(editions: &[ChosenEdition]) -> Self {
         let rules = editions.iter().filter_map(|chosen| match chosen {
-            ChosenEdition::Expansion(rules) => Some((*rules, Failures::default())),
+            ChosenEdition::Expansion(rules) => Some((*rules, ExpansionFailures::default())),
             ChosenEdition::Category(_) => None,
         });
         Self { rules: rules.collect() }

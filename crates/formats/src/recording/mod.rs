@@ -16,8 +16,8 @@
 //! - A block with a latitude beyond a pole does not fit if another edition fits the block without such a value. An
 //!   edition that the caller has chosen is not doubted so.
 //!
-//! A recording is therefore read twice: first to [survey](Recording::survey) it, then for its
-//! [records](Recording::for_each). Finding the items of all records costs little compared with decoding.
+//! A recording is therefore read twice: first to [survey](RecordingBytes::survey) it, then for its
+//! [records](RecordingBytes::for_each). Finding the items of all records costs little compared with decoding.
 //!
 //! # Limits
 //!
@@ -28,13 +28,13 @@ mod expansions;
 mod refusals;
 mod statistics;
 
-pub use expansions::{Expansions, Failures};
-pub use refusals::{Refusal, Refusals};
-pub use statistics::{Rate, Sender, SenderSummary, Statistics};
+pub use expansions::{ExpansionFailures, Expansions};
+pub use refusals::{RefusalGroup, Refusals};
+pub use statistics::{Rate, RecordSender, SenderSummary, Statistics};
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::containers::{Container, Counts, Datagram, Datagrams, TimeStamp};
+use crate::containers::{Container, ContainerCounts, Datagrams, RecordedDatagram, TimeStamp};
 use asterix::choice::ChosenEdition;
 use asterix::field::{self, Elements};
 use asterix::{Block, Category, Edition, Error, Mode, Record, blocks_at, registry};
@@ -44,7 +44,7 @@ const POLE_DEG: f64 = 90.0;
 
 /// The bytes of a recording, and how to read them.
 #[derive(Debug, Clone)]
-pub struct Recording<'a> {
+pub struct RecordingBytes<'a> {
     bytes: &'a [u8],
     container: Container,
     tables: BTreeMap<u8, &'static Category>,
@@ -55,7 +55,7 @@ pub struct Recording<'a> {
 
 /// A record of a recording.
 #[derive(Debug, Clone, Copy)]
-pub struct Found<'r, 'b> {
+pub struct LocatedRecord<'r, 'b> {
     /// The record; its offset is relative to the start of the recording, unless its datagram was fragmented.
     pub record: &'r Record<'b>,
     /// Time at which its datagram was recorded, where that is known.
@@ -64,11 +64,11 @@ pub struct Found<'r, 'b> {
 
 /// Content of a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Survey {
+pub struct RecordingSurvey {
     /// The kind of the recording.
     pub container: Container,
     /// Sums over its octets on the way to datagrams.
-    pub unpacked: Counts,
+    pub unpacked: ContainerCounts,
     /// The categories of its blocks.
     pub categories: BTreeMap<u8, CategorySurvey>,
     /// Parts that are not given, by reason.
@@ -92,7 +92,7 @@ pub struct CategorySurvey {
     latitudes: Vec<Elements<1>>,
 }
 
-impl<'a> Recording<'a> {
+impl<'a> RecordingBytes<'a> {
     /// Returns a recording of the kind determined by its bytes, with the default edition of every category.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self {
@@ -132,7 +132,7 @@ impl<'a> Recording<'a> {
     }
 
     /// Looks at every block.
-    pub fn survey(&self) -> Survey {
+    pub fn survey(&self) -> RecordingSurvey {
         let mut datagrams = Datagrams::new(self.container, self.bytes);
         let (mut categories, mut refusals) = (BTreeMap::new(), Refusals::default());
         for piece in datagrams.by_ref() {
@@ -141,7 +141,7 @@ impl<'a> Recording<'a> {
                 Err(skipped) => refusals.skipped(&skipped),
             }
         }
-        Survey {
+        RecordingSurvey {
             container: self.container,
             unpacked: *datagrams.counts(),
             categories,
@@ -151,7 +151,7 @@ impl<'a> Recording<'a> {
 
     fn survey_datagram(
         &self,
-        datagram: &Datagram<'_>,
+        datagram: &RecordedDatagram<'_>,
         categories: &mut BTreeMap<u8, CategorySurvey>,
         refusals: &mut Refusals,
     ) {
@@ -182,7 +182,11 @@ impl<'a> Recording<'a> {
     ///
     /// # Errors
     /// The first that `visit` gives, which ends it.
-    pub fn for_each<E>(&self, survey: &Survey, mut visit: impl FnMut(Found<'_, '_>) -> Result<(), E>) -> Result<(), E> {
+    pub fn for_each<E>(
+        &self,
+        survey: &RecordingSurvey,
+        mut visit: impl FnMut(LocatedRecord<'_, '_>) -> Result<(), E>,
+    ) -> Result<(), E> {
         for datagram in Datagrams::new(self.container, self.bytes).flatten() {
             for block in blocks_at(datagram.offset, &datagram.bytes).flatten() {
                 let Some((table, category)) = self.believed(survey, block.category) else {
@@ -193,21 +197,25 @@ impl<'a> Recording<'a> {
                 }
                 for record in block.records(table, self.mode).flatten() {
                     let (record, time_stamp) = (&record, datagram.time_stamp);
-                    visit(Found { record, time_stamp })?;
+                    visit(LocatedRecord { record, time_stamp })?;
                 }
             }
         }
         Ok(())
     }
 
-    fn believed<'s>(&self, survey: &'s Survey, category: u8) -> Option<(&'static Category, &'s CategorySurvey)> {
+    fn believed<'s>(
+        &self,
+        survey: &'s RecordingSurvey,
+        category: u8,
+    ) -> Option<(&'static Category, &'s CategorySurvey)> {
         let surveyed = survey.categories.get(&category)?;
         let table = self.tables.get(&category)?;
         (!surveyed.is_withheld()).then_some((table, surveyed))
     }
 }
 
-impl Survey {
+impl RecordingSurvey {
     /// The blocks of all categories.
     pub fn blocks(&self) -> u64 {
         self.categories.values().map(|category| category.blocks).sum()

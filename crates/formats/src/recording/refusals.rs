@@ -12,7 +12,7 @@ use asterix::Error;
 
 /// Everything refused for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Refusal {
+pub struct RefusalGroup {
     /// The category of the blocks; none for packets and frames, and where no category could be read.
     pub category: Option<u8>,
     /// The item with the error, if within an item.
@@ -32,16 +32,16 @@ pub struct Refusal {
 /// Parts of a recording that were rejected.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Refusals {
-    by_reason: BTreeMap<Key, Refusal>,
+    by_reason: BTreeMap<RefusalKey, RefusalGroup>,
 }
 
 /// Category, reason, item.
-type Key = (Option<u8>, &'static str, Option<&'static str>);
+type RefusalKey = (Option<u8>, &'static str, Option<&'static str>);
 
 impl Refusals {
     /// The refusals, the most frequent first.
-    pub fn by_count(&self) -> Vec<&Refusal> {
-        let mut refusals: Vec<&Refusal> = self.by_reason.values().collect();
+    pub fn by_count(&self) -> Vec<&RefusalGroup> {
+        let mut refusals: Vec<&RefusalGroup> = self.by_reason.values().collect();
         refusals.sort_by_key(|refusal| std::cmp::Reverse(refusal.count));
         refusals
     }
@@ -58,9 +58,9 @@ impl Refusals {
         self.note(key, octets, error.offset(), || error.to_string());
     }
 
-    fn note(&mut self, key: Key, octets: usize, offset: usize, text: impl FnOnce() -> String) {
+    fn note(&mut self, key: RefusalKey, octets: usize, offset: usize, text: impl FnOnce() -> String) {
         let (category, reason, item) = key;
-        let refusal = self.by_reason.entry(key).or_insert_with(|| Refusal {
+        let refusal = self.by_reason.entry(key).or_insert_with(|| RefusalGroup {
             category,
             item,
             reason,

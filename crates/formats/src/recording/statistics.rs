@@ -18,7 +18,7 @@ use asterix::Record;
 
 /// A sender of records of one category.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-pub struct Sender {
+pub struct RecordSender {
     /// The category.
     pub category: u8,
     /// System area and identification codes, SAC and SIC; `None` where records carry none.
@@ -28,7 +28,7 @@ pub struct Sender {
 /// Records counted by sender and second.
 #[derive(Debug, Clone, Default)]
 pub struct Statistics {
-    senders: BTreeMap<Sender, Tally>,
+    senders: BTreeMap<RecordSender, SenderTally>,
 }
 
 /// Sums over one sender.
@@ -36,7 +36,7 @@ pub struct Statistics {
 pub struct SenderSummary {
     /// The sender.
     #[serde(flatten)]
-    pub sender: Sender,
+    pub sender: RecordSender,
     /// Number of records.
     pub records: u64,
     /// The earliest time, in seconds since midnight of the first record's day; less than 0 or more than 86,400 on
@@ -60,7 +60,7 @@ pub struct Rate {
 }
 
 #[derive(Debug, Clone, Default)]
-struct Tally {
+struct SenderTally {
     records: u64,
     times: Option<Times>,
 }
@@ -76,7 +76,7 @@ struct Times {
 impl Statistics {
     /// Counts a record and when it was recorded.
     pub fn add(&mut self, record: &Record<'_>, time_stamp: Option<TimeStamp>) {
-        let sender = Sender {
+        let sender = RecordSender {
             category: record.table().number,
             source: record.sender(),
         };

@@ -24,25 +24,25 @@ const VERTICAL_RATE_FTPMIN: RangeInclusive<f64> = -32_640.0..=32_640.0;
 
 /// One line.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Line {
+pub enum SbsLine {
     /// `MSG`: something that an aircraft sent.
-    Message(Message),
+    Message(SbsMessage),
     /// Something that happened at the receiver.
     Other(OtherKind),
 }
 
 /// Message of an aircraft, with the content of a single transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Message {
+pub struct SbsMessage {
     /// Number of the transmission, 1 to 8: identification, surface position, airborne position, velocity, altitude,
     /// altitude and code, air to air, all-call.
     pub transmission: u8,
     /// 24-bit address of the aircraft.
     pub address: u32,
     /// Time of receipt, by the receiver's clock.
-    pub received: Stamp,
+    pub received: SbsTime,
     /// Time at which the line was written, by the computer's clock.
-    pub written: Stamp,
+    pub written: SbsTime,
     /// Callsign, padded with blanks.
     pub callsign: Option<Callsign>,
     /// Pressure altitude, metres.
@@ -69,7 +69,7 @@ pub struct Message {
 
 /// A date and a time of day, of an unknown zone, each of which may be missing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stamp {
+pub struct SbsTime {
     /// The date.
     pub date: Option<Date>,
     /// Time of day, nanoseconds since midnight.
@@ -105,7 +105,7 @@ pub enum OtherKind {
 /// Why a line was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Rejection {
+pub enum LineRejection {
     /// The line is not text.
     Text,
     /// The line is of no known kind.
@@ -138,7 +138,7 @@ pub enum Rejection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SbsError<'a> {
     /// Why it was rejected.
-    pub rejection: Rejection,
+    pub rejection: LineRejection,
     /// Place of the value in the line, from 1; 0 if the line as a whole is wrong.
     pub place: usize,
     /// The value as written, or the line.
@@ -157,7 +157,7 @@ impl fmt::Display for SbsError<'_> {
     }
 }
 
-impl Rejection {
+impl LineRejection {
     /// Every reason, in the order of its code.
     pub const ALL: [Self; 13] = [
         Self::Text,
@@ -195,18 +195,18 @@ impl Rejection {
     }
 }
 
-impl Line {
+impl SbsLine {
     /// Reads a line without its end.
     ///
     /// # Errors
     /// [`SbsError`] for the first value that cannot be meant; then nothing of the line is used.
     pub fn parse(line: &[u8]) -> Result<Self, SbsError<'_>> {
         let text = std::str::from_utf8(line).map_err(|_| SbsError {
-            rejection: Rejection::Text,
+            rejection: LineRejection::Text,
             place: 0,
             value: "",
         })?;
-        let mut values = Values {
+        let mut values = LineValues {
             line: text,
             found: [""; VALUES_MAX],
         };
@@ -216,46 +216,46 @@ impl Line {
             count += 1;
         }
         let other = match values.found[0] {
-            "MSG" if count < VALUES_MIN => return Err(values.whole(Rejection::Length)),
+            "MSG" if count < VALUES_MIN => return Err(values.whole(LineRejection::Length)),
             "MSG" => return values.message().map(Self::Message),
             "SEL" => OtherKind::Selection,
             "ID" => OtherKind::Identification,
             "AIR" => OtherKind::Aircraft,
             "STA" => OtherKind::Status,
             "CLK" => OtherKind::Click,
-            _ => return Err(values.whole(Rejection::Kind)),
+            _ => return Err(values.whole(LineRejection::Kind)),
         };
         Ok(Self::Other(other))
     }
 }
 
 /// The values of a line, without blanks around them.
-struct Values<'a> {
+struct LineValues<'a> {
     line: &'a str,
     found: [&'a str; VALUES_MAX],
 }
 
-impl<'a> Values<'a> {
-    fn message(&self) -> Result<Message, SbsError<'a>> {
-        let transmission = self.required(2, Rejection::Transmission, |text| {
+impl<'a> LineValues<'a> {
+    fn message(&self) -> Result<SbsMessage, SbsError<'a>> {
+        let transmission = self.required(2, LineRejection::Transmission, |text| {
             text.parse().ok().filter(|kind| (1..=8).contains(kind))
         })?;
-        let speed_kt = self.number(13, Rejection::Velocity, SPEED_KT)?;
-        let altitude_ft = self.number(12, Rejection::Altitude, ALTITUDE_FT)?;
-        let rate_ftpmin = self.number(17, Rejection::VerticalRate, VERTICAL_RATE_FTPMIN)?;
-        let track_degrees = self.number(14, Rejection::Velocity, 0.0..=360.0)?;
-        Ok(Message {
+        let speed_kt = self.number(13, LineRejection::Velocity, SPEED_KT)?;
+        let altitude_ft = self.number(12, LineRejection::Altitude, ALTITUDE_FT)?;
+        let rate_ftpmin = self.number(17, LineRejection::VerticalRate, VERTICAL_RATE_FTPMIN)?;
+        let track_degrees = self.number(14, LineRejection::Velocity, 0.0..=360.0)?;
+        Ok(SbsMessage {
             transmission,
-            address: self.required(5, Rejection::Address, address)?,
+            address: self.required(5, LineRejection::Address, address)?,
             received: self.stamp(7)?,
             written: self.stamp(9)?,
-            callsign: self.optional(11, Rejection::Callsign, callsign)?,
+            callsign: self.optional(11, LineRejection::Callsign, callsign)?,
             altitude_m: altitude_ft.map(|altitude| altitude * M_PER_FT),
             ground_speed_mps: speed_kt.map(|speed| speed * MPS_PER_KT),
             track_rad: track_degrees.map(f64::to_radians),
             position_rad: self.position()?,
             vertical_rate_mps: rate_ftpmin.map(|rate| rate * M_PER_FT / 60.0),
-            mode_3a: self.optional(18, Rejection::Code, code)?.filter(|code| *code != 0),
+            mode_3a: self.optional(18, LineRejection::Code, code)?.filter(|code| *code != 0),
             alert: self.flag(19)?,
             emergency: self.flag(20)?,
             identifies: self.flag(21)?,
@@ -264,33 +264,33 @@ impl<'a> Values<'a> {
     }
 
     fn position(&self) -> Result<Option<[f64; 2]>, SbsError<'a>> {
-        let latitude = self.number(15, Rejection::Position, -90.0..=90.0)?;
-        let longitude = self.number(16, Rejection::Position, -180.0..=180.0)?;
+        let latitude = self.number(15, LineRejection::Position, -90.0..=90.0)?;
+        let longitude = self.number(16, LineRejection::Position, -180.0..=180.0)?;
         match (latitude, longitude) {
             (Some(latitude), Some(longitude)) => Ok(Some([latitude.to_radians(), longitude.to_radians()])),
             (None, None) => Ok(None),
-            (None, Some(_)) => Err(self.error(15, Rejection::Position)),
-            (Some(_), None) => Err(self.error(16, Rejection::Position)),
+            (None, Some(_)) => Err(self.error(15, LineRejection::Position)),
+            (Some(_), None) => Err(self.error(16, LineRejection::Position)),
         }
     }
 
     /// The date at `place` and the time behind it.
-    fn stamp(&self, place: usize) -> Result<Stamp, SbsError<'a>> {
-        Ok(Stamp {
-            date: self.optional(place, Rejection::Time, date)?,
-            time_of_day_ns: self.optional(place + 1, Rejection::Time, time_of_day_ns)?,
+    fn stamp(&self, place: usize) -> Result<SbsTime, SbsError<'a>> {
+        Ok(SbsTime {
+            date: self.optional(place, LineRejection::Time, date)?,
+            time_of_day_ns: self.optional(place + 1, LineRejection::Time, time_of_day_ns)?,
         })
     }
 
     fn flag(&self, place: usize) -> Result<Option<bool>, SbsError<'a>> {
         let flag = |text: &str| text.parse::<i32>().ok().map(|number| number != 0);
-        self.optional(place, Rejection::Flag, flag)
+        self.optional(place, LineRejection::Flag, flag)
     }
 
     fn number(
         &self,
         place: usize,
-        rejection: Rejection,
+        rejection: LineRejection,
         limits: RangeInclusive<f64>,
     ) -> Result<Option<f64>, SbsError<'a>> {
         // Limits refuse NaN and infinity too.
@@ -302,7 +302,7 @@ impl<'a> Values<'a> {
     fn optional<T>(
         &self,
         place: usize,
-        rejection: Rejection,
+        rejection: LineRejection,
         read: impl FnOnce(&str) -> Option<T>,
     ) -> Result<Option<T>, SbsError<'a>> {
         match self.found[place - 1] {
@@ -314,13 +314,13 @@ impl<'a> Values<'a> {
     fn required<T>(
         &self,
         place: usize,
-        rejection: Rejection,
+        rejection: LineRejection,
         read: impl FnOnce(&str) -> Option<T>,
     ) -> Result<T, SbsError<'a>> {
         read(self.found[place - 1]).ok_or_else(|| self.error(place, rejection))
     }
 
-    fn error(&self, place: usize, rejection: Rejection) -> SbsError<'a> {
+    fn error(&self, place: usize, rejection: LineRejection) -> SbsError<'a> {
         SbsError {
             rejection,
             place,
@@ -328,7 +328,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    fn whole(&self, rejection: Rejection) -> SbsError<'a> {
+    fn whole(&self, rejection: LineRejection) -> SbsError<'a> {
         SbsError {
             rejection,
             place: 0,
@@ -388,9 +388,9 @@ mod tests {
 
     use super::*;
 
-    fn message(line: &str) -> Message {
-        match Line::parse(line.as_bytes()) {
-            Ok(Line::Message(message)) => message,
+    fn message(line: &str) -> SbsMessage {
+        match SbsLine::parse(line.as_bytes()) {
+            Ok(SbsLine::Message(message)) => message,
             other => panic!("{line}: {other:?}"),
         }
     }
@@ -405,11 +405,11 @@ mod tests {
             month: 3,
             day: 4,
         };
-        let stamp = |ms: i64| Stamp {
+        let stamp = |ms: i64| SbsTime {
             date: Some(day),
             time_of_day_ns: Some(((7 * 3600 + 8 * 60 + 9) * 1000 + ms) * 1_000_000),
         };
-        let expected = Message {
+        let expected = SbsMessage {
             transmission: 3,
             address: 0x3c_1a2b,
             received: stamp(250),
@@ -420,10 +420,10 @@ mod tests {
             emergency: Some(true),
             identifies: Some(false),
             on_ground: Some(false),
-            ..Message::default()
+            ..SbsMessage::default()
         };
         assert!((found.altitude_m.unwrap() - 9_448.8).abs() < 1e-9);
-        let found = Message {
+        let found = SbsMessage {
             altitude_m: expected.altitude_m,
             ..found
         };
@@ -436,7 +436,7 @@ mod tests {
         assert!((found.ground_speed_mps.unwrap() - 51.444_444).abs() < 1e-5);
         assert!((found.track_rad.unwrap() - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
         assert!((found.vertical_rate_mps.unwrap() + 3.048).abs() < 1e-12);
-        assert_eq!((found.received, found.on_ground), (Stamp::default(), None));
+        assert_eq!((found.received, found.on_ground), (SbsTime::default(), None));
     }
 
     #[test]
@@ -461,7 +461,7 @@ mod tests {
             ("STA,,1,2,3C1A2B,3,,,,,RM", OtherKind::Status),
             ("CLK,,1,-1,,-1", OtherKind::Click),
         ] {
-            assert_eq!(Line::parse(line.as_bytes()), Ok(Line::Other(kind)), "{line}");
+            assert_eq!(SbsLine::parse(line.as_bytes()), Ok(SbsLine::Other(kind)), "{line}");
         }
     }
 
@@ -472,39 +472,39 @@ mod tests {
         ];
         message(&GOOD.join(","));
         for (place, value, rejection) in [
-            (2, "9", Rejection::Transmission),
-            (2, "", Rejection::Transmission),
-            (5, "", Rejection::Address),
-            (5, "~3C1A2B", Rejection::Address),
-            (5, "3C1A2G", Rejection::Address),
-            (5, "+3C1A2", Rejection::Address),
-            (7, "04/03/2026", Rejection::Time),
-            (7, "2026/13/01", Rejection::Time),
-            (8, "24:00:00.000", Rejection::Time),
-            (8, "12:00", Rejection::Time),
-            (8, "12:00:00.0000000001", Rejection::Time),
-            (8, "12:00:00.-5", Rejection::Time),
-            (10, "12:00:60", Rejection::Time),
-            (11, "NINECHARS", Rejection::Callsign),
-            (11, "A?B", Rejection::Callsign),
-            (12, "130000", Rejection::Altitude),
-            (12, "NaN", Rejection::Altitude),
-            (13, "-1", Rejection::Velocity),
-            (14, "361", Rejection::Velocity),
-            (15, "90.1", Rejection::Position),
-            (15, "", Rejection::Position),
-            (16, "", Rejection::Position),
-            (16, "inf", Rejection::Position),
-            (17, "1e9", Rejection::VerticalRate),
-            (18, "7800", Rejection::Code),
-            (18, "01234", Rejection::Code),
-            (19, "x", Rejection::Flag),
-            (22, "0.5", Rejection::Flag),
+            (2, "9", LineRejection::Transmission),
+            (2, "", LineRejection::Transmission),
+            (5, "", LineRejection::Address),
+            (5, "~3C1A2B", LineRejection::Address),
+            (5, "3C1A2G", LineRejection::Address),
+            (5, "+3C1A2", LineRejection::Address),
+            (7, "04/03/2026", LineRejection::Time),
+            (7, "2026/13/01", LineRejection::Time),
+            (8, "24:00:00.000", LineRejection::Time),
+            (8, "12:00", LineRejection::Time),
+            (8, "12:00:00.0000000001", LineRejection::Time),
+            (8, "12:00:00.-5", LineRejection::Time),
+            (10, "12:00:60", LineRejection::Time),
+            (11, "NINECHARS", LineRejection::Callsign),
+            (11, "A?B", LineRejection::Callsign),
+            (12, "130000", LineRejection::Altitude),
+            (12, "NaN", LineRejection::Altitude),
+            (13, "-1", LineRejection::Velocity),
+            (14, "361", LineRejection::Velocity),
+            (15, "90.1", LineRejection::Position),
+            (15, "", LineRejection::Position),
+            (16, "", LineRejection::Position),
+            (16, "inf", LineRejection::Position),
+            (17, "1e9", LineRejection::VerticalRate),
+            (18, "7800", LineRejection::Code),
+            (18, "01234", LineRejection::Code),
+            (19, "x", LineRejection::Flag),
+            (22, "0.5", LineRejection::Flag),
         ] {
             let mut values = GOOD;
             values[place - 1] = value;
             let line = values.join(",");
-            let error = Line::parse(line.as_bytes()).unwrap_err();
+            let error = SbsLine::parse(line.as_bytes()).unwrap_err();
             assert_eq!(
                 error,
                 SbsError {
@@ -515,12 +515,12 @@ mod tests {
                 "{line}"
             );
         }
-        let whole = |line: &'static [u8]| Line::parse(line).unwrap_err();
-        assert_eq!(whole(b"").rejection, Rejection::Kind);
-        assert_eq!(whole(b"MLAT,3,1,1,3C1A2B").rejection, Rejection::Kind);
-        assert_eq!(whole(b"MSG,3,1,1,3C1A2B,1,,,").rejection, Rejection::Length);
-        assert_eq!(whole(b"MSG,3,1,1,\xff").rejection, Rejection::Text);
-        let text = Line::parse(b"MSG,3,1,1,3C1A2B,1,,,,,,99,,,100,0")
+        let whole = |line: &'static [u8]| SbsLine::parse(line).unwrap_err();
+        assert_eq!(whole(b"").rejection, LineRejection::Kind);
+        assert_eq!(whole(b"MLAT,3,1,1,3C1A2B").rejection, LineRejection::Kind);
+        assert_eq!(whole(b"MSG,3,1,1,3C1A2B,1,,,").rejection, LineRejection::Length);
+        assert_eq!(whole(b"MSG,3,1,1,\xff").rejection, LineRejection::Text);
+        let text = SbsLine::parse(b"MSG,3,1,1,3C1A2B,1,,,,,,99,,,100,0")
             .unwrap_err()
             .to_string();
         assert_eq!(
@@ -531,7 +531,7 @@ mod tests {
 
     #[test]
     fn every_reason_stands_at_the_place_of_its_code() {
-        for (place, rejection) in Rejection::ALL.into_iter().enumerate() {
+        for (place, rejection) in LineRejection::ALL.into_iter().enumerate() {
             assert_eq!(rejection as usize, place);
         }
     }
@@ -539,12 +539,12 @@ mod tests {
     proptest! {
         #[test]
         fn any_octets_are_a_line_or_an_error(octets in prop::collection::vec(any::<u8>(), 0..200)) {
-            let _ = Line::parse(&octets);
+            let _ = SbsLine::parse(&octets);
         }
 
         #[test]
         fn any_values_are_a_message_or_an_error(values in prop::collection::vec("[-+.:/0-9a-fA-F]{0,8}", 0..25)) {
-            let _ = Line::parse(format!("MSG,3,,,ABCDEF,{}", values.join(",")).as_bytes()).map_err(|error| error.to_string());
+            let _ = SbsLine::parse(format!("MSG,3,,,ABCDEF,{}", values.join(",")).as_bytes()).map_err(|error| error.to_string());
         }
 
         #[test]

@@ -20,7 +20,7 @@ use frames::time::{NS_PER_DAY, NS_PER_S};
 use messages::{Callsign, Identity, TrackState, alert_bits};
 use rustc_hash::FxHashMap;
 
-use super::line::{Line, Message, Rejection, SbsError};
+use super::line::{LineRejection, SbsError, SbsLine, SbsMessage};
 use observations::Axes;
 use observations::Observation;
 
@@ -64,8 +64,8 @@ pub struct SbsCounters {
     pub messages: u64,
     /// Lines about the receiver's window.
     pub others: u64,
-    /// Lines that were rejected, by [`Rejection`].
-    pub rejected: [u64; Rejection::ALL.len()],
+    /// Lines that were rejected, by [`LineRejection`].
+    pub rejected: [u64; LineRejection::ALL.len()],
     /// Observations given.
     pub observations: u64,
     /// Messages that announce a position and hold none.
@@ -76,22 +76,22 @@ pub struct SbsCounters {
 
 impl SbsCounters {
     /// Lines rejected for one reason.
-    pub fn rejected(&self, reason: Rejection) -> u64 {
+    pub fn rejected(&self, reason: LineRejection) -> u64 {
         self.rejected[reason as usize]
     }
 }
 
 /// Puts the lines of each aircraft together.
 #[derive(Debug)]
-pub struct Merger {
+pub struct AircraftMerger {
     settings: SbsSettings,
-    aircraft: FxHashMap<u32, Heard>,
+    aircraft: FxHashMap<u32, AircraftValues>,
     counters: SbsCounters,
 }
 
 /// Latest values that one aircraft has sent.
 #[derive(Clone, Copy, Debug, Default)]
-struct Heard {
+struct AircraftValues {
     last_ns: i64,
     velocity: Option<Dated<[f64; 2]>>,
     vertical_rate: Option<Dated<f64>>,
@@ -109,7 +109,7 @@ struct Dated<T> {
     value: T,
 }
 
-impl Merger {
+impl AircraftMerger {
     /// Returns an empty merger with an allocated table.
     pub fn new(settings: SbsSettings) -> Self {
         let mut aircraft = FxHashMap::default();
@@ -128,12 +128,12 @@ impl Merger {
     /// [`SbsError`] if the line was rejected. The rejection is already counted; a caller with published counters
     /// needs no further action.
     pub fn take<'a>(&mut self, line: &'a [u8], received_utc_ns: i64) -> Result<Option<Observation>, SbsError<'a>> {
-        match Line::parse(line) {
-            Ok(Line::Message(message)) => {
+        match SbsLine::parse(line) {
+            Ok(SbsLine::Message(message)) => {
                 self.counters.messages += 1;
                 Ok(self.merge(&message, received_utc_ns))
             }
-            Ok(Line::Other(_)) => {
+            Ok(SbsLine::Other(_)) => {
                 self.counters.others += 1;
                 Ok(None)
             }
@@ -149,7 +149,7 @@ impl Merger {
         &self.counters
     }
 
-    fn merge(&mut self, message: &Message, received_utc_ns: i64) -> Option<Observation> {
+    fn merge(&mut self, message: &SbsMessage, received_utc_ns: i64) -> Option<Observation> {
         let time_ns = self.time_of_day_ns(message, received_utc_ns);
         if !self.has_room(message.address, time_ns) {
             self.counters.refused_aircraft += 1;
@@ -169,7 +169,7 @@ impl Merger {
     }
 
     /// UTC time of day: of reception, else of writing, else of receipt here.
-    fn time_of_day_ns(&self, message: &Message, received_utc_ns: i64) -> i64 {
+    fn time_of_day_ns(&self, message: &SbsMessage, received_utc_ns: i64) -> i64 {
         let ahead_ns = i64::from(self.settings.ahead_of_utc_min) * 60 * NS_PER_S;
         let stamped_ns = message.received.time_of_day_ns.or(message.written.time_of_day_ns);
         let utc_ns = stamped_ns.map_or(received_utc_ns, |stamped_ns| stamped_ns - ahead_ns);
@@ -188,8 +188,8 @@ impl Merger {
     }
 }
 
-impl Heard {
-    fn take(&mut self, message: &Message, time_ns: i64) {
+impl AircraftValues {
+    fn take(&mut self, message: &SbsMessage, time_ns: i64) {
         if !within(SILENCE_MAX_NS, time_ns, self.last_ns) {
             *self = Self::default();
             self.last_ns = time_ns;
@@ -208,7 +208,7 @@ impl Heard {
     }
 
     /// Returns the message's position with the message's own values, completed with stored values.
-    fn observation(&self, message: &Message, position: [f64; 2], time_ns: i64) -> Observation {
+    fn observation(&self, message: &SbsMessage, position: [f64; 2], time_ns: i64) -> Observation {
         let own = Own::of(message);
         let motion = MOTION_AGE_MAX_NS;
         let mut identity = Identity::default().with_address(message.address);
@@ -253,7 +253,7 @@ struct Own {
 }
 
 impl Own {
-    fn of(message: &Message) -> Self {
+    fn of(message: &SbsMessage) -> Self {
         let surface = message.transmission == SURFACE_POSITION;
         let velocity = message.ground_speed_mps.zip(message.track_rad);
         Self {
@@ -265,7 +265,7 @@ impl Own {
     }
 }
 
-fn alerts(message: &Message) -> Option<u8> {
+fn alerts(message: &SbsMessage) -> Option<u8> {
     let flags = [
         (message.alert, alert_bits::TRANSPONDER_ALERT),
         (message.emergency, alert_bits::EMERGENCY),
@@ -316,15 +316,15 @@ mod tests {
     /// The end of a line that holds a position.
     const PLACE: &str = "37000,,,51.5,-1.25,,,0,0,0,0";
 
-    fn merger() -> Merger {
-        Merger::new(SbsSettings {
+    fn merger() -> AircraftMerger {
+        AircraftMerger::new(SbsSettings {
             aircraft_max: 2,
             ..SbsSettings::default()
         })
     }
 
     /// Takes a line of an aircraft with a time of reception; the line continues with the callsign.
-    fn take(merger: &mut Merger, kind: u8, address: &str, time: &str, rest: &str) -> Option<Observation> {
+    fn take(merger: &mut AircraftMerger, kind: u8, address: &str, time: &str, rest: &str) -> Option<Observation> {
         let line = format!("MSG,{kind},1,1,{address},1,2026/01/02,{time},2026/01/02,23:00:00.000,{rest}");
         merger.take(line.as_bytes(), 0).unwrap()
     }
@@ -407,7 +407,7 @@ mod tests {
 
     #[test]
     fn times_are_brought_to_utc_and_replaced_where_missing() {
-        let mut merger = Merger::new(SbsSettings {
+        let mut merger = AircraftMerger::new(SbsSettings {
             ahead_of_utc_min: 120,
             ..SbsSettings::default()
         });
@@ -463,12 +463,12 @@ mod tests {
         );
         assert_eq!(
             (
-                counters.rejected(Rejection::Address),
-                counters.rejected(Rejection::Transmission)
+                counters.rejected(LineRejection::Address),
+                counters.rejected(LineRejection::Transmission)
             ),
             (1, 1)
         );
-        assert_eq!(counters.rejected(Rejection::Kind), 2);
+        assert_eq!(counters.rejected(LineRejection::Kind), 2);
         assert_eq!(counters.rejected.iter().sum::<u64>(), 4);
     }
 

@@ -21,7 +21,7 @@
 //! | 19 to 22 | code changed, emergency, identification pressed, on the ground: 0 for no, anything else for yes |
 //!
 //! A line contains only the data of a single transmission: a position, a velocity, or sometimes a callsign.
-//! [`Line::parse`] reads a line; [`Merger`] combines the recent lines of each aircraft, and gives an
+//! [`SbsLine::parse`] reads a line; [`AircraftMerger`] combines the recent lines of each aircraft, and gives an
 //! [`Observation`](observations::Observation) for each position. The other kinds of line, `SEL`, `ID`, `AIR`, `STA`
 //! and `CLK`, describe events in the receiver's window, and are ignored.
 //!
@@ -32,8 +32,8 @@ mod line;
 mod merger;
 mod moving;
 
-pub use line::{Date, Line, Message, OtherKind, Rejection, SbsError, Stamp};
+pub use line::{Date, LineRejection, OtherKind, SbsError, SbsLine, SbsMessage, SbsTime};
 pub use merger::{
-    CALLSIGN_AGE_MAX_NS, CODE_AGE_MAX_NS, MOTION_AGE_MAX_NS, Merger, SILENCE_MAX_NS, SbsCounters, SbsSettings,
+    AircraftMerger, CALLSIGN_AGE_MAX_NS, CODE_AGE_MAX_NS, MOTION_AGE_MAX_NS, SILENCE_MAX_NS, SbsCounters, SbsSettings,
 };
 pub use moving::{moved_line, stamped_ns};

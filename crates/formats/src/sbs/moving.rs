@@ -5,13 +5,13 @@ use std::io::Write as _;
 use jiff::civil::{self, DateTime};
 use jiff::{SignedDuration, tz::TimeZone};
 
-use super::line::{Line, Stamp};
+use super::line::{SbsLine, SbsTime};
 
 /// Places (from 0) of the two dates of a message, each before its time of day.
 const DATES: [usize; 2] = [6, 8];
 
 /// Time of a stamp, nanoseconds since 1970 in its own zone; `None` where date or time of day is missing.
-pub fn stamped_ns(stamp: Stamp) -> Option<i64> {
+pub fn stamped_ns(stamp: SbsTime) -> Option<i64> {
     let at = date_time(stamp)?.to_zoned(TimeZone::UTC).ok()?;
     i64::try_from(at.timestamp().as_nanosecond()).ok()
 }
@@ -19,7 +19,7 @@ pub fn stamped_ns(stamp: Stamp) -> Option<i64> {
 /// Appends `line` to `out` with its two times `by_ns` nanoseconds later; whether there was a time to move. Times are
 /// written to the millisecond, as receivers do.
 pub fn moved_line(line: &[u8], by_ns: i64, out: &mut Vec<u8>) -> bool {
-    let Ok(Line::Message(message)) = Line::parse(line) else {
+    let Ok(SbsLine::Message(message)) = SbsLine::parse(line) else {
         out.extend_from_slice(line);
         return false;
     };
@@ -55,7 +55,7 @@ pub fn moved_line(line: &[u8], by_ns: i64, out: &mut Vec<u8>) -> bool {
     moved.iter().any(Option::is_some)
 }
 
-fn date_time(stamp: Stamp) -> Option<DateTime> {
+fn date_time(stamp: SbsTime) -> Option<DateTime> {
     let date = stamp.date?;
     let day = civil::Date::new(
         date.year.try_into().ok()?,
@@ -105,10 +105,10 @@ mod tests {
 
     #[test]
     fn a_stamp_is_a_time_since_1970() {
-        let Ok(Line::Message(message)) = Line::parse(LINE.as_bytes()) else {
+        let Ok(SbsLine::Message(message)) = SbsLine::parse(LINE.as_bytes()) else {
             panic!()
         };
         assert_eq!(stamped_ns(message.received), Some(1_483_228_799_500_000_000));
-        assert_eq!(stamped_ns(Stamp::default()), None);
+        assert_eq!(stamped_ns(SbsTime::default()), None);
     }
 }

@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use formats::autoferry::{self, Scan, Sensor};
+use formats::autoferry::{self, FerryScan, FerrySensor};
 use formats::detections_csv::{DetectionReader, DetectionWriter};
 use test_support::recording;
 
 const DAY_NS: i64 = 86_400 * 1_000_000_000;
 
-fn scenario(number: u32) -> Option<Vec<Scan>> {
+fn scenario(number: u32) -> Option<Vec<FerryScan>> {
     let read = |kind: &str| recording(&format!("autoferry/scenario{number}/scenario{number}_{kind}.json"));
     Some(autoferry::read(&read("detections")?, &read("groundTruth")?).unwrap())
 }
@@ -19,15 +19,15 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// The distance of each scan's best detection to the nearest target: metres, or radians for a camera.
-fn misses(scans: &[Scan], sensor: Sensor) -> Vec<f64> {
-    let of_scan = |scan: &Scan| {
+fn misses(scans: &[FerryScan], sensor: FerrySensor) -> Vec<f64> {
+    let of_scan = |scan: &FerryScan| {
         let pairs = scan.detections.iter().flat_map(|detection| {
             scan.truth.iter().map(move |truth| {
                 let [east, north, _] = truth.position_m;
                 let [x, y, _] = detection.values;
                 match sensor {
-                    Sensor::Lidar | Sensor::Radar => (x - east).hypot(y - north),
-                    Sensor::InfraredCamera | Sensor::Camera => {
+                    FerrySensor::Lidar | FerrySensor::Radar => (x - east).hypot(y - north),
+                    FerrySensor::InfraredCamera | FerrySensor::Camera => {
                         let [own_east, own_north, _] = scan.platform_m;
                         let bearing = (east - own_east).atan2(north - own_north);
                         ((x - bearing + TAU / 2.0).rem_euclid(TAU) - TAU / 2.0).abs()
@@ -37,7 +37,7 @@ fn misses(scans: &[Scan], sensor: Sensor) -> Vec<f64> {
         });
         pairs.min_by(f64::total_cmp)
     };
-    let own = |scan: &&Scan| scan.sensor == sensor;
+    let own = |scan: &&FerryScan| scan.sensor == sensor;
     scans.iter().filter(own).filter_map(of_scan).collect()
 }
 
@@ -59,7 +59,7 @@ fn every_scan_is_read_and_detections_lie_at_the_targets() {
             late_expected,
             "scenario {number}: in the order of recording"
         );
-        for (sensor, expected) in Sensor::ALL.into_iter().zip(per_sensor) {
+        for (sensor, expected) in FerrySensor::ALL.into_iter().zip(per_sensor) {
             let own: Vec<_> = scans.iter().filter(|scan| scan.sensor == sensor).collect();
             assert_eq!(own.len(), expected, "scenario {number}, {sensor:?}");
             assert!(
@@ -68,8 +68,8 @@ fn every_scan_is_read_and_detections_lie_at_the_targets() {
             );
             assert!(own.iter().zip(0..).all(|(scan, number)| scan.number == number));
             let limit = match sensor {
-                Sensor::Lidar | Sensor::Radar => 10.0,
-                Sensor::InfraredCamera | Sensor::Camera => 0.1,
+                FerrySensor::Lidar | FerrySensor::Radar => 10.0,
+                FerrySensor::InfraredCamera | FerrySensor::Camera => 0.1,
             };
             let miss = median(misses(&scans, sensor));
             assert!(miss < limit, "scenario {number}, {sensor:?}: {miss}");

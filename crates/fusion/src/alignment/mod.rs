@@ -18,9 +18,9 @@ use messages::{Bias, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 pub(crate) use crate::alignment::findings::PairFindings;
-pub(crate) use crate::alignment::removal::Correction;
+pub(crate) use crate::alignment::removal::BiasCorrection;
 use crate::alignment::removal::Removal;
-use crate::alignment::search::Search;
+use crate::alignment::search::BiasSearch;
 use crate::alignment::verdict::Evidence;
 use crate::registration::ClockError;
 use crate::settings::{RegistrationSettings, SourceSettings};
@@ -30,7 +30,7 @@ use crate::settings::{RegistrationSettings, SourceSettings};
 pub(crate) struct Alignment {
     reference: Option<usize>,
     removes: bool,
-    search: Search,
+    search: BiasSearch,
     removal: Removal,
 }
 
@@ -40,7 +40,7 @@ impl Alignment {
         Self {
             reference: reference.map(|source| usize::from(source.number)),
             removes: settings.gross,
-            search: Search::new(sources),
+            search: BiasSearch::new(sources),
             removal: Removal::new(sources.len()),
         }
     }
@@ -51,12 +51,12 @@ impl Alignment {
     }
 
     /// Believed bias and correction of a source.
-    pub(crate) fn bias_of(&self, source: usize) -> (Option<Bias>, Option<Correction>) {
+    pub(crate) fn bias_of(&self, source: usize) -> (Option<Bias>, Option<BiasCorrection>) {
         self.removal.of(source)
     }
 
     /// Continues with a [bias](Self::bias_of) of a former process; corrections need the present settings' consent.
-    pub(crate) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<Correction>)) {
+    pub(crate) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<BiasCorrection>)) {
         self.removal.resume(source, bias, self.removes);
     }
 

@@ -12,18 +12,18 @@ use messages::{Bias, BiasKind, SensorTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::findings::bin;
-use crate::alignment::verdict::Verdict;
+use crate::alignment::verdict::BiasVerdict;
 use crate::gross;
 
 /// Kind and value of a bias that is subtracted from reports.
-pub(crate) type Correction = (BiasKind, [f64; 2]);
+pub(crate) type BiasCorrection = (BiasKind, [f64; 2]);
 
 /// Biases and corrections of all sources.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Removal {
     /// Believed bias of each source.
     errors: Vec<Option<Bias>>,
-    removed: Vec<Option<Correction>>,
+    removed: Vec<Option<BiasCorrection>>,
     /// Changes of each source's correction, modulo 256.
     epochs: Vec<u8>,
 }
@@ -38,12 +38,12 @@ impl Removal {
     }
 
     /// Believed bias and correction of a source.
-    pub(super) fn of(&self, source: usize) -> (Option<Bias>, Option<Correction>) {
+    pub(super) fn of(&self, source: usize) -> (Option<Bias>, Option<BiasCorrection>) {
         (self.errors[source], self.removed[source])
     }
 
     /// Continues with the bias and the correction of a former process, or without correction unless `removes`.
-    pub(super) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<Correction>), removes: bool) {
+    pub(super) fn resume(&mut self, source: usize, bias: (Option<Bias>, Option<BiasCorrection>), removes: bool) {
         let (error, removed) = bias;
         self.removed[source] = removed.filter(|_| removes);
         self.errors[source] = error.map(|error| Bias {
@@ -79,8 +79,8 @@ impl Removal {
     }
 
     /// Applies a verdict; true if the correction of the culprit has changed. Only with `removes` are biases removed.
-    pub(super) fn apply(&mut self, verdict: &Verdict, removes: bool) -> bool {
-        let Verdict {
+    pub(super) fn apply(&mut self, verdict: &BiasVerdict, removes: bool) -> bool {
+        let BiasVerdict {
             culprit,
             kind,
             value,

@@ -22,7 +22,7 @@ use messages::{BiasKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_tra
 use serde::{Deserialize, Serialize};
 
 use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, bin};
-use crate::gross::{Motion, Sigma};
+use crate::gross::{Sigma, TrackMotion};
 use crate::settings::{SourceSettings, longest_period_s};
 
 /// Tracks of one source that are compared at most, and at least.
@@ -67,7 +67,7 @@ struct TrackSample {
     track_number: u32,
     height_m: Option<f64>,
     identity: Identity,
-    motion: Motion,
+    motion: TrackMotion,
     /// Variances per axis, m² and m²/s².
     position_m2: f64,
     velocity_m2ps2: f64,
@@ -75,7 +75,7 @@ struct TrackSample {
 
 impl TrackSample {
     /// Motion at `time_ns`, and the deviation per axis that this adds, metres.
-    fn at(&self, time_ns: i64) -> (Motion, f64) {
+    fn at(&self, time_ns: i64) -> (TrackMotion, f64) {
         let seconds = (time_ns - self.time_ns) as f64 / NS_PER_S;
         let mut motion = self.motion;
         for axis in 0..2 {
@@ -113,22 +113,22 @@ enum Job {
 /// Histograms of the errors that pairs of tracks imply, and the fullest place of each so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Votes {
-    lines: [Line; HYPOTHESES.len()],
+    lines: [VoteAxis; HYPOTHESES.len()],
     #[serde(with = "serde_arrays")]
-    plane: [Line; ROW],
+    plane: [VoteAxis; ROW],
     /// Votes, and bins from the first.
     best: [(u32, [usize; 2]); HYPOTHESES.len()],
 }
 
 /// Votes along one axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Line(#[serde(with = "serde_arrays")] [u16; ROW]);
+struct VoteAxis(#[serde(with = "serde_arrays")] [u16; ROW]);
 
 impl Default for Votes {
     fn default() -> Self {
         Self {
-            lines: [Line([0; ROW]); HYPOTHESES.len()],
-            plane: [Line([0; ROW]); ROW],
+            lines: [VoteAxis([0; ROW]); HYPOTHESES.len()],
+            plane: [VoteAxis([0; ROW]); ROW],
             best: [(0, [BINS; 2]); HYPOTHESES.len()],
         }
     }
@@ -145,7 +145,7 @@ impl Votes {
             return;
         };
         let near = |at: usize| at.saturating_sub(1)..(at + 2).min(ROW);
-        let sum = |line: &Line| line.0[near(column)].iter().map(|votes| u32::from(*votes)).sum::<u32>();
+        let sum = |line: &VoteAxis| line.0[near(column)].iter().map(|votes| u32::from(*votes)).sum::<u32>();
         let votes = if kind == BiasKind::Position {
             self.plane[row].0[column] += 1;
             self.plane[near(row)].iter().map(sum).sum()
@@ -167,7 +167,7 @@ impl Votes {
 
 /// Search over all pairs of sources.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Search {
+pub(super) struct BiasSearch {
     places_m: Vec<Option<[f64; 2]>>,
     /// Tracks collected of each source.
     samples: Vec<Vec<TrackSample>>,
@@ -191,7 +191,7 @@ pub(super) struct Search {
     amiss: usize,
 }
 
-impl Search {
+impl BiasSearch {
     pub(super) fn new(sources: &[SourceSettings]) -> Self {
         let count = sources.len();
         Self {
@@ -277,7 +277,7 @@ impl Search {
             track_number: report.track_number,
             height_m: report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]),
             identity: report.identity,
-            motion: Motion {
+            motion: TrackMotion {
                 position_m: [x, y],
                 velocity_mps: [vx, vy],
                 place_m: self.places_m[source],
@@ -505,7 +505,7 @@ fn is_near(place_m: &[f64; 2], middle_m: &[f64; 2], reach_m: f64) -> bool {
 }
 
 /// The source with the error, and the source taken as true.
-fn sides<'a>(side: Side, own: &'a Motion, other: &'a Motion) -> (&'a Motion, &'a Motion) {
+fn sides<'a>(side: Side, own: &'a TrackMotion, other: &'a TrackMotion) -> (&'a TrackMotion, &'a TrackMotion) {
     match side {
         Side::First => (own, other),
         Side::Second => (other, own),
@@ -514,7 +514,7 @@ fn sides<'a>(side: Side, own: &'a Motion, other: &'a Motion) -> (&'a Motion, &'a
 
 /// Returns the other track at the time of the own track, and their permitted distance apart from a bias; `None` if
 /// they are certainly different targets.
-fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(Motion, Sigma)> {
+fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(TrackMotion, Sigma)> {
     let heights = own.height_m.zip(other.height_m);
     let speed = |sample: &TrackSample| sample.motion.velocity_mps[0].hypot(sample.motion.velocity_mps[1]);
     let velocity_mps = (own.velocity_m2ps2 + other.velocity_m2ps2)
@@ -539,7 +539,7 @@ fn comparable(own: &TrackSample, other: &TrackSample) -> Option<(Motion, Sigma)>
 }
 
 /// d² between two motions of one time with these deviations per axis; `None` beyond the gate.
-fn fits(a: &Motion, b: &Motion, sigma: Sigma) -> Option<f64> {
+fn fits(a: &TrackMotion, b: &TrackMotion, sigma: Sigma) -> Option<f64> {
     let squared = |a: [f64; 2], b: [f64; 2], sigma: f64| {
         let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
         (dx * dx + dy * dy) / (sigma * sigma)

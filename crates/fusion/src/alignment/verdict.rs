@@ -25,7 +25,7 @@ const ADDRESSES_MIN: u32 = 3;
 
 /// Bias of a source relative to its partner.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Verdict {
+pub(super) struct BiasVerdict {
     pub(super) culprit: usize,
     pub(super) partner: usize,
     pub(super) kind: BiasKind,
@@ -49,18 +49,18 @@ pub(super) struct Evidence<'a> {
 
 impl Evidence<'_> {
     /// Verdicts on all pairs of sources with a confirmed bias.
-    pub(super) fn verdicts(&self) -> impl Iterator<Item = Verdict> {
+    pub(super) fn verdicts(&self) -> impl Iterator<Item = BiasVerdict> {
         let count = self.places_m.len();
         let pairs = (0..count).flat_map(move |first| (first + 1..count).map(move |second| (first, second)));
         pairs.filter_map(|(first, second)| self.verdict(first, second))
     }
 
-    fn verdict(&self, first: usize, second: usize) -> Option<Verdict> {
+    fn verdict(&self, first: usize, second: usize) -> Option<BiasVerdict> {
         let findings = &self.pairs[first * self.places_m.len() + second];
         let (side, kind) = HYPOTHESES[findings.best()?];
         let (culprit, is_certain) = self.culprit((first, second), (side, kind), findings.addresses);
         let (kind, value) = self.bias_of(culprit, first, second)?;
-        Some(Verdict {
+        Some(BiasVerdict {
             culprit,
             partner: first + second - culprit,
             kind,

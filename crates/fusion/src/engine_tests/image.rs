@@ -4,7 +4,7 @@ use messages::FusionRule;
 use messages::layout::Sample as _;
 
 use super::*;
-use crate::checkpoint::Refused;
+use crate::checkpoint::MemoryRefusal;
 use crate::settings::RuleName;
 
 const TARGETS: u32 = 12;
@@ -89,10 +89,10 @@ fn an_image_of_other_settings_or_a_part_of_one_is_refused() {
     let mut others = settings(FusionRule::Auto);
     others.sources.pop();
     let mut other = Harness::new(others);
-    assert_eq!(other.engine.resume_image(&image), Err(Refused::Foreign));
+    assert_eq!(other.engine.resume_image(&image), Err(MemoryRefusal::Foreign));
     let mut same = Harness::new(settings(FusionRule::Auto));
     assert_eq!(
         same.engine.resume_image(&image[..image.len() / 2]),
-        Err(Refused::Damaged(1))
+        Err(MemoryRefusal::Damaged(1))
     );
 }

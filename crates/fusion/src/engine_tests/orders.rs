@@ -8,7 +8,7 @@ use messages::{Decision, DecisionKind, FusionRule, Order, OrderKind, OrderState,
 
 use super::*;
 use crate::Sink;
-use crate::checkpoint::{Clock, Memory, Snapshot};
+use crate::checkpoint::{CheckpointClock, Memory, Snapshot};
 use crate::settings::RuleName;
 
 /// Everything that the engine hands out.
@@ -523,9 +523,9 @@ fn orders_outlive_the_process_and_go_on_from_an_image() {
     let mut other = Desk::new(settings.clone());
     other.engine.resume_image(&desk.engine.image()).unwrap();
     let before = desk.heard.tracks.len();
-    desk.engine.keep_clock(Clock {
+    desk.engine.keep_clock(CheckpointClock {
         epoch: 1,
-        ..Clock::default()
+        ..CheckpointClock::default()
     });
     let snapshot = Snapshot::read(&memory.0, &desk.engine.checkpoint_layout()).unwrap();
     for desk in [&mut desk, &mut other] {
@@ -566,9 +566,9 @@ fn a_drop_that_has_lasted_for_long_outlives_the_process_too() {
     desk.order(OrderKind::Drop, |order| order.track = dropped).unwrap();
     // Far longer than a track lives without a report.
     desk.scans(6..600, &places);
-    desk.engine.keep_clock(Clock {
+    desk.engine.keep_clock(CheckpointClock {
         epoch: 1,
-        ..Clock::default()
+        ..CheckpointClock::default()
     });
     let snapshot = Snapshot::read(&memory.0, &desk.engine.checkpoint_layout()).unwrap();
     let mut next = Desk::new(settings);

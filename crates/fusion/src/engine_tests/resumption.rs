@@ -9,7 +9,7 @@ use messages::layout::Sample as _;
 use messages::{Bias, BiasKind};
 
 use super::*;
-use crate::checkpoint::{Clock, Memory, Refused, Snapshot};
+use crate::checkpoint::{CheckpointClock, Memory, MemoryRefusal, Snapshot};
 use crate::filter::Fit;
 use crate::testing::innovation;
 
@@ -56,9 +56,9 @@ fn kept(mut harness: Harness) -> (Harness, Shared) {
 }
 
 fn died(harness: &mut Harness, memory: &Shared) -> Snapshot {
-    harness.engine.keep_clock(Clock {
+    harness.engine.keep_clock(CheckpointClock {
         epoch: 1,
-        ..Clock::default()
+        ..CheckpointClock::default()
     });
     Snapshot::read(memory.words(), &harness.engine.checkpoint_layout()).unwrap()
 }
@@ -195,9 +195,9 @@ fn a_start_is_a_function_of_the_snapshot_alone() {
         SystemTrack::octets(&next.published).to_vec()
     };
     assert!(run(&snapshot, false) == run(&again, true));
-    assert_eq!(Snapshot::of_words(Vec::new(), &layout), Err(Refused::Foreign));
+    assert_eq!(Snapshot::of_words(Vec::new(), &layout), Err(MemoryRefusal::Foreign));
     let cut = snapshot.words()[..snapshot.words().len() - 1].to_vec();
-    assert_eq!(Snapshot::of_words(cut, &layout), Err(Refused::Damaged(1)));
+    assert_eq!(Snapshot::of_words(cut, &layout), Err(MemoryRefusal::Damaged(1)));
 }
 
 #[test]
@@ -253,7 +253,7 @@ proptest! {
         prop_assert!(found.iter().all(|number| all.contains(number)));
         prop_assert!(found.len() + 1 >= all.len());
         let refused = Snapshot::read(&memory.words()[1..], &layout);
-        prop_assert_eq!(refused, Err(Refused::Foreign));
+        prop_assert_eq!(refused, Err(MemoryRefusal::Foreign));
     }
 }
 

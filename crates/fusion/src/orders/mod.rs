@@ -10,10 +10,10 @@ mod tracks;
 
 use messages::{Order, OrderKind, OrderState, OrderStatus, Refusal};
 
-use crate::checkpoint::Kind;
+use crate::checkpoint::RecordKind;
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::order_table::{IN_FORCE_MAX, Orders, PLACES, Record};
+use crate::order_table::{IN_FORCE_MAX, OrderRecord, OrderTable, PLACES};
 
 impl Engine {
     /// Returns the state of the order that was obeyed under this token.
@@ -22,12 +22,12 @@ impl Engine {
         let obeyed = records
             .iter()
             .find(|record| record.number != 0 && record.order().token == token);
-        obeyed.map(Record::state)
+        obeyed.map(OrderRecord::state)
     }
 
     /// Returns the orders in force, oldest first.
     pub fn orders_in_force(&self) -> Vec<OrderState> {
-        let mut states: Vec<OrderState> = self.orders.in_force().map(Record::state).collect();
+        let mut states: Vec<OrderState> = self.orders.in_force().map(OrderRecord::state).collect();
         states.sort_unstable_by_key(|state| state.number);
         states
     }
@@ -69,12 +69,12 @@ impl Engine {
         let sink = &mut self.host_clock.outward(sink);
         let kind = order.kind().ok_or(Refusal::UnknownKind)?;
         let place = self.orders.free_place().ok_or(Refusal::TableFull)?;
-        let mut record = Record {
+        let mut record = OrderRecord {
             words: order.to_words(),
             number: self.orders.next_number,
             status: OrderStatus::Done.code(),
             changed_ns: self.schedule.now_ns(),
-            ..Record::FREE
+            ..OrderRecord::FREE
         };
         if kind.lasts() {
             record.status = OrderStatus::InForce.code();
@@ -154,7 +154,7 @@ impl Engine {
     /// Writes the record at `place` into the checkpoint.
     fn keep_order(&mut self, place: usize) {
         if let Some(checkpoint) = &mut self.tracks.checkpoint {
-            checkpoint.write(Kind::Orders, place, &self.orders.records[place]);
+            checkpoint.write(RecordKind::Orders, place, &self.orders.records[place]);
         }
     }
 
@@ -168,8 +168,8 @@ impl Engine {
     }
 
     /// Continues with the table of an image.
-    pub(crate) fn resume_order_table(&mut self, orders: Orders) {
-        self.orders = Orders {
+    pub(crate) fn resume_order_table(&mut self, orders: OrderTable) {
+        self.orders = OrderTable {
             configured: std::mem::take(&mut self.orders.configured),
             ..orders
         };
@@ -177,7 +177,7 @@ impl Engine {
     }
 
     /// Resumes the table of a former process, whose system tracks live already.
-    pub(crate) fn resume_orders(&mut self, records: impl Iterator<Item = (usize, Record)>, sink: &mut impl Sink) {
+    pub(crate) fn resume_orders(&mut self, records: impl Iterator<Item = (usize, OrderRecord)>, sink: &mut impl Sink) {
         for (place, record) in records {
             if let Some(to) = self.orders.records.get_mut(place) {
                 *to = record;

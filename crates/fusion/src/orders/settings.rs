@@ -4,7 +4,7 @@ use messages::{FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
 
 use crate::engine::Engine;
 use crate::rules::settings::OrderedEta;
-use crate::rules::{self, Method};
+use crate::rules::{self, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
 use crate::settings::RuleName;
 use crate::source_model::SourceModel;
@@ -47,7 +47,7 @@ impl Engine {
             }
             OrderKind::Rule => {
                 let rule = FusionRule::from_word(order.name()).ok_or(Refusal::UnknownRule)?;
-                let is_filter = matches!(rules::entry(rule).method, Method::Filter);
+                let is_filter = matches!(rules::entry(rule).method, RuleMethod::Filter);
                 return (is_filter || self.tracks.looks_back())
                     .then_some(())
                     .ok_or(Refusal::RuleWithoutReports);

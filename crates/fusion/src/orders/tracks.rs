@@ -9,11 +9,11 @@ use messages::{Decision, DecisionKind, Order, OrderKind, OrderStatus, Refusal, T
 
 use crate::engine::Engine;
 use crate::explanation::Sink;
-use crate::filter::Filter;
+use crate::filter::TargetFilter;
 use crate::life;
 use crate::linking::{Linking, Next};
 use crate::message::write;
-use crate::order_table::Record;
+use crate::order_table::OrderRecord;
 use crate::sensor_tracks::SensorSlot;
 use crate::system_tracks::{Bond, SystemSlot};
 
@@ -71,14 +71,14 @@ impl Engine {
             .max(self.tracks.systems.get(system).state.time_ns)
     }
 
-    fn tell(&self, system: SystemSlot, record: &Record, sink: &mut impl Sink) {
+    fn tell(&self, system: SystemSlot, record: &OrderRecord, sink: &mut impl Sink) {
         let time_ns = self.effect_ns(system);
         let value = f64::from(record.number);
         sink.decision(&self.tracks.decision_on(system, DecisionKind::Ordered, time_ns, value));
     }
 
     /// Ends a system track; its sensor tracks start no other.
-    pub(super) fn drop_track(&mut self, order: &Order, record: &mut Record, sink: &mut impl Sink) {
+    pub(super) fn drop_track(&mut self, order: &Order, record: &mut OrderRecord, sink: &mut impl Sink) {
         let Some(system) = self.live_track(order.track) else {
             return;
         };
@@ -96,7 +96,7 @@ impl Engine {
     }
 
     /// Makes one system track of two and keeps it together.
-    pub(super) fn join_tracks(&mut self, order: &Order, record: &mut Record, sink: &mut impl Sink) {
+    pub(super) fn join_tracks(&mut self, order: &Order, record: &mut OrderRecord, sink: &mut impl Sink) {
         let (Some(one), Some(other)) = (self.live_track(order.track), self.live_track(order.other_track)) else {
             return;
         };
@@ -117,7 +117,7 @@ impl Engine {
     }
 
     /// Gives a sensor track a system track of its own and keeps the two apart.
-    pub(super) fn split_track(&mut self, order: &Order, record: &mut Record, sink: &mut impl Sink) {
+    pub(super) fn split_track(&mut self, order: &Order, record: &mut OrderRecord, sink: &mut impl Sink) {
         let system = self.live_track(order.track);
         let sensor = self.tracks.sensors.find(order.source, order.other_track);
         let (Some(system), Some(sensor)) = (system, sensor) else {
@@ -150,7 +150,7 @@ impl Engine {
     }
 
     /// Gives a system track the next number; the old number ends.
-    pub(super) fn renumber_track(&mut self, order: &Order, record: &mut Record, sink: &mut impl Sink) {
+    pub(super) fn renumber_track(&mut self, order: &Order, record: &mut OrderRecord, sink: &mut impl Sink) {
         let Some(system) = self.live_track(order.track) else {
             return;
         };
@@ -168,7 +168,7 @@ impl Engine {
     }
 
     /// Sets the bonds of the tracks of one order.
-    fn bind(&mut self, record: &Record) {
+    fn bind(&mut self, record: &OrderRecord) {
         let bonds = match record.kind() {
             Some(OrderKind::Join) => [Bond::Joined, Bond::Free],
             Some(OrderKind::Split) => [Bond::Apart(record.tracks[1]), Bond::Apart(record.tracks[0])],
@@ -285,7 +285,7 @@ impl Engine {
     fn spread_d2(&self, system: SystemSlot) -> f64 {
         let now_ns = self.schedule.now_ns();
         let state = |member: SensorSlot| -> Gaussian {
-            let filter = Filter::of_report(&self.tracks.sensors.get(member).latest);
+            let filter = TargetFilter::of_report(&self.tracks.sensors.get(member).latest);
             filter.at(now_ns, self.sources.motion_of(&filter))
         };
         let fresh = || {

@@ -1,8 +1,8 @@
 //! Systematic errors of a source, and their effect on its reports.
 //!
 //! The errors are an offset of the place, an offset of the time, a range bias and an azimuth bias. A report is linear
-//! in them to first order: [`View::sensitivity`] is the matrix of its derivatives at the place and velocity of the
-//! target. `registration` estimates them from differences of reports by several sources.
+//! in them to first order: [`TargetView::sensitivity`] is the matrix of its derivatives at the place and velocity of
+//! the target. `registration` estimates them from differences of reports by several sources.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use messages::AXES;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::registration::model::Model;
+use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, ERRORS, Errors, RANGE, TIME};
 
 /// Standard deviations of the errors before anything is known.
@@ -53,7 +53,7 @@ pub(crate) fn clock_of(clocks: &[ClockError], source: usize) -> ClockError {
 
 /// One source's view of a target.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct View {
+pub(crate) struct TargetView {
     pub(crate) source: u16,
     /// Position as reported, nothing removed, metres.
     pub(crate) position_m: [f64; AXES],
@@ -64,7 +64,7 @@ pub(crate) struct View {
     pub(crate) place_m: Option<[f64; 2]>,
 }
 
-impl View {
+impl TargetView {
     /// Returns the displacement of the report of a target with this velocity by the source's biases.
     pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
         sensitivity(self.position_m, velocity_mps, self.place_m)
@@ -109,7 +109,7 @@ kept! {
         /// Errors that are being removed from the source's reports.
         pub removed: [bool; ERRORS],
         /// Model of the biases: the estimated kinds; all other biases are 0.
-        pub(crate) model: Model,
+        pub(crate) model: BiasModel,
     }
 }
 
@@ -126,7 +126,7 @@ impl SourceErrors {
             variances: prior_variances(),
             samples: 0.0,
             removed: [false; ERRORS],
-            model: Model::OFFSET,
+            model: BiasModel::OFFSET,
         }
     }
 

@@ -14,7 +14,7 @@
 use kept::kept;
 use serde::{Deserialize, Serialize};
 
-use crate::registration::rows::{AZIMUTH, Block, ERRORS, Errors, RANGE};
+use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, RANGE};
 
 /// Information that holds an error at 0.
 const HELD: f64 = 1e30;
@@ -24,7 +24,7 @@ const CHANGE_MIN: f64 = 12.0;
 kept! {
     /// Errors that are estimated.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-    pub(crate) struct Model {
+    pub(crate) struct BiasModel {
         offset: bool,
         range: bool,
         azimuth: bool,
@@ -32,18 +32,18 @@ kept! {
 }
 
 /// Models without and with the position of the sensor.
-const WITHOUT_PLACE: [Model; 2] = [Model::OFFSET, Model::new(true, false, true)];
-const WITH_PLACE: [Model; 7] = [
-    Model::OFFSET,
-    Model::new(false, false, true),
-    Model::new(false, true, false),
-    Model::new(false, true, true),
-    Model::new(true, false, true),
-    Model::new(true, true, false),
-    Model::new(true, true, true),
+const WITHOUT_PLACE: [BiasModel; 2] = [BiasModel::OFFSET, BiasModel::new(true, false, true)];
+const WITH_PLACE: [BiasModel; 7] = [
+    BiasModel::OFFSET,
+    BiasModel::new(false, false, true),
+    BiasModel::new(false, true, false),
+    BiasModel::new(false, true, true),
+    BiasModel::new(true, false, true),
+    BiasModel::new(true, true, false),
+    BiasModel::new(true, true, true),
 ];
 
-impl Model {
+impl BiasModel {
     /// A constant offset.
     pub(crate) const OFFSET: Self = Self::new(true, false, false);
 
@@ -72,7 +72,7 @@ impl Model {
     }
 
     /// Holds the errors at 0 that are not estimated.
-    pub(crate) fn hold(self, normal: &mut Block) {
+    pub(crate) fn hold(self, normal: &mut NormalMatrix) {
         for row in (0..ERRORS).filter(|row| !self.estimates(*row)) {
             normal[(row, row)] += HELD;
         }
@@ -94,7 +94,7 @@ impl Model {
 
     /// Returns twice the evidence of the model: the decrease of the weighted squares times `scale`, less the penalty
     /// of `samples` samples.
-    fn evidence(self, normal: &Block, right: &Errors, scale: f64, samples: f64) -> Option<f64> {
+    fn evidence(self, normal: &NormalMatrix, right: &Errors, scale: f64, samples: f64) -> Option<f64> {
         let mut held = *normal;
         self.hold(&mut held);
         let solved = held.cholesky()?.solve(right);
@@ -110,7 +110,7 @@ impl Model {
     /// `scale` is the ratio of the expected squares of the differences to the real ones.
     pub(crate) fn better(
         self,
-        normal: &Block,
+        normal: &NormalMatrix,
         right: &Errors,
         scale: f64,
         samples: f64,

@@ -16,8 +16,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::registration::model::Model;
-use crate::registration::rows::{AZIMUTH, Block, Errors, RANGE};
+use crate::registration::model::BiasModel;
+use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix, RANGE};
 
 /// Solutions of a new estimate before its latest differences are looked at.
 pub(crate) const SOLUTIONS_MIN: u8 = 5;
@@ -33,7 +33,7 @@ const STEP_MARGIN: f64 = 10.0;
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Recent {
     /// Σ HᵀWH.
-    normal: Block,
+    normal: NormalMatrix,
     /// Σ HᵀW·rest.
     right: Errors,
     /// Σ W (xx, xy, yy; 1/m²) and Σ W·rest (1/m), with the weights of the estimate.
@@ -48,7 +48,7 @@ pub(crate) struct Recent {
 impl Default for Recent {
     fn default() -> Self {
         Self {
-            normal: Block::zeros(),
+            normal: NormalMatrix::zeros(),
             right: Errors::zeros(),
             information: [0.0; 3],
             sum: [0.0; 2],
@@ -60,7 +60,7 @@ impl Default for Recent {
 
 impl Recent {
     /// Adds a difference: HᵀWH and HᵀW·rest.
-    pub(crate) fn add(&mut self, normal: &Block, right: &Errors) {
+    pub(crate) fn add(&mut self, normal: &NormalMatrix, right: &Errors) {
         self.normal += normal;
         self.right += right;
     }
@@ -97,7 +97,7 @@ impl Recent {
 
     /// Fades the sums by one tick, and tests them for a change of the errors that `model` contains. The others are no
     /// changes, but errors that the model does not contain yet.
-    pub(crate) fn look(&mut self, keep: f64, model: Model) {
+    pub(crate) fn look(&mut self, keep: f64, model: BiasModel) {
         let [xx, xy, yy] = [(0, 0), (0, 1), (1, 1)].map(|place| self.normal[place]);
         let offset = association::distance::squared2([self.right[0], self.right[1]], [xx, xy, yy]);
         let of_row = |row: usize| match self.normal[(row, row)] {

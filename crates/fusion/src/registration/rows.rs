@@ -7,7 +7,7 @@ pub const ERRORS: usize = 6;
 /// Offset east, north, up (m); time offset (s, late is positive); range bias (m); azimuth bias (rad, clockwise).
 pub type Errors = SVector<f64, ERRORS>;
 /// Matrix of normal equations.
-pub(crate) type Block = SMatrix<f64, ERRORS, ERRORS>;
+pub(crate) type NormalMatrix = SMatrix<f64, ERRORS, ERRORS>;
 
 /// Places of the time offset, the range bias and the azimuth bias among the errors.
 pub(crate) const TIME: usize = 3;

@@ -9,7 +9,7 @@
 //! Nothing in it is a threshold on a position or a speed: whether points are kept is decided by how far the detection
 //! points lie apart, compared with the sources' own measurement errors.
 
-use super::{Method, RuleEntry};
+use super::{RuleEntry, RuleMethod};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::Auto,
@@ -17,5 +17,5 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "as system-filter; differences that persist are systematic errors or detection points, not noise",
     claims_consistency: true,
     keeps_points: true,
-    method: Method::Filter,
+    method: RuleMethod::Filter,
 };

@@ -15,7 +15,7 @@ use messages::NS_PER_S;
 use nalgebra::{Matrix2, SMatrix};
 
 use super::matrices::{self, Combination};
-use super::{Memory, Method, RuleEntry, Share, Target};
+use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::rules::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
@@ -25,7 +25,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "errors of different sources are correlated by the target's manoeuvres, as in steady filters, and no more",
     keeps_points: false,
     claims_consistency: true,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
 /// Inputs of the model beside the states.
@@ -34,7 +34,7 @@ struct CommonNoise {
     period_s: f64,
 }
 
-fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     let periods = target.candidates.iter().map(|candidate| candidate.period_ns);
     let model = CommonNoise {
         density_m2ps3: settings.common_noise_m2ps3.unwrap_or(target.process_noise_m2ps3),

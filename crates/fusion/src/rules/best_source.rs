@@ -9,8 +9,8 @@
 //! minimum number of refreshes.
 
 use super::combination::combine;
-use super::{Candidate, Memory, Method, NO_SOURCE, RuleEntry, Share, Target};
-use crate::rules::settings::{Residual, RuleSettings, Tie};
+use super::{Candidate, NO_SOURCE, RuleEntry, RuleMemory, RuleMethod, Share, Target};
+use crate::rules::settings::{ResidualKind, RuleSettings, Tie};
 use crate::state::State;
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
@@ -19,11 +19,11 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
-fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
-    let (candidates, per_axis) = (target.candidates, settings.residual == Residual::PerAxis);
+fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
+    let (candidates, per_axis) = (target.candidates, settings.residual == ResidualKind::PerAxis);
     if candidates.iter().all(|candidate| candidate.stale) {
         return None;
     }
@@ -39,11 +39,11 @@ fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, share
 }
 
 /// The source to follow on one axis.
-fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &Memory, axis: usize) -> u16 {
+fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &RuleMemory, axis: usize) -> u16 {
     let last = memory.selected[axis];
     let fresh = || candidates.iter().filter(|candidate| !candidate.stale);
-    let keyed = || fresh().map(|candidate| Key::new(settings, candidate, last, axis));
-    let Some(best) = keyed().min_by(Key::compare) else {
+    let keyed = || fresh().map(|candidate| ComparisonKey::new(settings, candidate, last, axis));
+    let Some(best) = keyed().min_by(ComparisonKey::compare) else {
         return NO_SOURCE;
     };
     match keyed().find(|key| key.source == last) {
@@ -53,7 +53,7 @@ fn choose(settings: &RuleSettings, candidates: &[Candidate], memory: &Memory, ax
 }
 
 /// Criteria by which two sources are compared, most important first (TI-10, TI-11).
-struct Key {
+struct ComparisonKey {
     lambda: f64,
     alpha: f64,
     chosen_last: bool,
@@ -61,10 +61,10 @@ struct Key {
     source: u16,
 }
 
-impl Key {
+impl ComparisonKey {
     fn new(settings: &RuleSettings, candidate: &Candidate, last: u16, axis: usize) -> Self {
         let lambda = match candidate.residual {
-            Some(residual) if settings.residual == Residual::PerAxis => candidate.alpha * residual[axis].abs(),
+            Some(residual) if settings.residual == ResidualKind::PerAxis => candidate.alpha * residual[axis].abs(),
             _ => candidate.lambda,
         };
         Self {
@@ -125,14 +125,14 @@ mod tests {
     }
 
     /// A memory in which `source` was chosen last.
-    fn chosen(source: u16) -> Memory {
-        Memory {
+    fn chosen(source: u16) -> RuleMemory {
+        RuleMemory {
             selected: [source; 3],
-            ..Memory::default()
+            ..RuleMemory::default()
         }
     }
 
-    fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut Memory) -> [u16; 3] {
+    fn selected(settings: &RuleSettings, candidates: &[Candidate], memory: &mut RuleMemory) -> [u16; 3] {
         let target = testing::target(candidates);
         let mut shares = vec![Share::default(); candidates.len()];
         rules::fuse(fuse, settings, &target, memory, &mut shares).expect("there is a source");
@@ -143,7 +143,7 @@ mod tests {
     fn the_worked_check_hands_over_at_t4() {
         // Until t3 lambda_A < lambda_B, from t4 on lambda_B < lambda_A.
         let settings = defaults();
-        let mut memory = Memory::default();
+        let mut memory = RuleMemory::default();
         let lambdas = [(1.0, 2.0), (1.0, 2.0), (1.0, 2.0), (3.0, 2.0), (3.0, 2.0)];
         let chosen: Vec<u16> = lambdas
             .iter()
@@ -164,16 +164,16 @@ mod tests {
             candidate(0, 1.0, Some([4.0, 0.0, 0.0])),
             candidate(1, 10.0, Some([1.0, 0.0, 0.0])),
         ];
-        assert_eq!(selected(&defaults(), &both, &mut Memory::default()), [0; 3]);
+        assert_eq!(selected(&defaults(), &both, &mut RuleMemory::default()), [0; 3]);
     }
 
     #[test]
     fn a_source_without_residual_loses_and_is_scored_by_alpha_alone() {
         let settings = defaults();
         let both = [candidate(0, 1.0, None), candidate(1, 99.0, Some([50.0, 0.0, 0.0]))];
-        assert_eq!(selected(&settings, &both, &mut Memory::default()), [1; 3]);
+        assert_eq!(selected(&settings, &both, &mut RuleMemory::default()), [1; 3]);
         let neither = [candidate(0, 2.0, None), candidate(1, 1.0, None)];
-        assert_eq!(selected(&settings, &neither, &mut Memory::default()), [1; 3]);
+        assert_eq!(selected(&settings, &neither, &mut RuleMemory::default()), [1; 3]);
     }
 
     #[test]
@@ -183,7 +183,7 @@ mod tests {
         let mut last_was_1 = chosen(1);
         let equal = [candidate(0, 1.0, still), candidate(1, 1.0, still)];
         assert_eq!(selected(&settings, &equal, &mut last_was_1), [1; 3]);
-        assert_eq!(selected(&settings, &equal, &mut Memory::default()), [0; 3]);
+        assert_eq!(selected(&settings, &equal, &mut RuleMemory::default()), [0; 3]);
         let priority_only = RuleSettings {
             tie: Tie::Priority,
             ..defaults()
@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn per_axis_each_axis_chooses_for_itself() {
         let settings = RuleSettings {
-            residual: Residual::PerAxis,
+            residual: ResidualKind::PerAxis,
             name: crate::settings::RuleName(messages::FusionRule::BestSource),
             ..defaults()
         };
@@ -204,7 +204,7 @@ mod tests {
             candidate(0, 1.0, Some([1.0, 9.0, 0.0])),
             candidate(1, 1.0, Some([9.0, 1.0, 5.0])),
         ];
-        assert_eq!(selected(&settings, &both, &mut Memory::default()), [0, 1, 0]);
+        assert_eq!(selected(&settings, &both, &mut RuleMemory::default()), [0, 1, 0]);
     }
 
     #[test]
@@ -219,7 +219,7 @@ mod tests {
                 candidate(1, 1.0, Some([b, 0.0, 0.0])),
             ]
         };
-        let mut memory = Memory::default();
+        let mut memory = RuleMemory::default();
         assert_eq!(selected(&settings, &both(2.0, 3.0), &mut memory), [0; 3]);
         assert_eq!(
             selected(&settings, &both(4.0, 2.0), &mut memory),
@@ -231,7 +231,7 @@ mod tests {
             hold_refreshes: 3,
             ..defaults()
         };
-        let mut memory = Memory::default();
+        let mut memory = RuleMemory::default();
         let lambdas = [(1.0, 2.0), (2.0, 1.0), (2.0, 1.0), (2.0, 1.0), (1.0, 2.0)];
         let chosen = lambdas.map(|(a, b)| selected(&settings, &both(a, b), &mut memory)[0]);
         assert_eq!(

@@ -32,9 +32,9 @@ const MEASURE: Intersection = Intersection::Trace;
 const CORRELATION: f64 = 0.5;
 
 /// Combination of states that only manoeuvres correlate.
-struct Manoeuvres;
+struct ManoeuvreCombination;
 
-impl Combination for Manoeuvres {
+impl Combination for ManoeuvreCombination {
     fn combine<const D: usize>(&self, inputs: &[Estimate<D>], shares: &mut [f64]) -> Option<Estimate<D>> {
         let mut roots = [SMatrix::<f64, D, D>::zeros(); INPUTS_MAX];
         for (root, input) in roots.iter_mut().zip(inputs) {
@@ -64,7 +64,7 @@ pub(crate) fn join(
     });
     let mut halves = [Share::default(); 2];
     let joined = if shares_none {
-        matrices::fuse(&both, &Manoeuvres, &mut halves)
+        matrices::fuse(&both, &ManoeuvreCombination, &mut halves)
     } else {
         matrices::fuse(&both, &MEASURE, &mut halves)
     }?;

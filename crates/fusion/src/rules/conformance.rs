@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::testing::{fused_of, target};
 use super::*;
-use crate::rules::settings::{DropOut, HandOverSettings, Residual};
+use crate::rules::settings::{DropOut, HandOverSettings, ResidualKind};
 use test_support::S;
 
 /// The rules that make their states from candidates.
@@ -178,7 +178,7 @@ proptest! {
         per_axis in any::<bool>(),
     ) {
         let settings = RuleSettings {
-            residual: if per_axis { Residual::PerAxis } else { Residual::Position },
+            residual: if per_axis { ResidualKind::PerAxis } else { ResidualKind::Position },
             hand_over: HandOverSettings {
                 ramp: vec![0.25, 0.5, 0.75],
                 drop_out: DropOut::Blend,
@@ -186,10 +186,10 @@ proptest! {
             },
             ..RuleSettings::default()
         };
-        let Method::Candidates(rule) = entry(messages::FusionRule::BestSource).method else {
+        let RuleMethod::Candidates(rule) = entry(messages::FusionRule::BestSource).method else {
             unreachable!("it takes its states from nowhere else");
         };
-        let mut memory = Memory::default();
+        let mut memory = RuleMemory::default();
         let mut last: Option<State> = None;
         let spread = |axis: usize| {
             let places = states.map(|state| state.position_m[axis]);

@@ -7,7 +7,7 @@
 use estimation::{Criterion, Estimate, INPUTS_MAX, intersection_weights, weighted_information};
 
 use super::matrices::{self, Combination};
-use super::{Memory, Method, RuleEntry, Share, Target};
+use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::rules::settings::{Intersection, RuleSettings};
 use crate::state::State;
 
@@ -17,7 +17,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
 impl Combination for Intersection {
@@ -32,7 +32,7 @@ impl Combination for Intersection {
     }
 }
 
-fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(settings: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     matrices::fuse(target.candidates, &settings.intersection, shares)
 }
 
@@ -62,7 +62,7 @@ mod tests {
             };
             let mut shares = [Share::default(); 2];
             let target = testing::target(&candidates);
-            let state = rules::fuse(fuse, &settings, &target, &mut Memory::default(), &mut shares).unwrap();
+            let state = rules::fuse(fuse, &settings, &target, &mut RuleMemory::default(), &mut shares).unwrap();
             state.horizontal_trace_m2()
         };
         let (by_trace, by_determinant) = (trace_m2(Intersection::Trace), trace_m2(Intersection::Determinant));

@@ -6,7 +6,7 @@
 use estimation::{Estimate, information_sum};
 
 use super::matrices::{self, Combination};
-use super::{Memory, Method, RuleEntry, Share, Target};
+use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
@@ -16,7 +16,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "errors of different sources are independent; where they are not, the covariance is too small",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
 struct Sum;
@@ -27,7 +27,7 @@ impl Combination for Sum {
     }
 }
 
-fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     matrices::fuse(target.candidates, &Sum, shares)
 }
 

@@ -3,7 +3,7 @@
 //! Traces are taken over east and north for all sources, so that none wins because it has no height.
 
 use super::combination::combine;
-use super::{Memory, Method, RuleEntry, Share, Target};
+use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
@@ -13,10 +13,10 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
-fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     for (share, candidate) in shares.iter_mut().zip(target.candidates) {
         // Where the source delivers a trace that cannot be one, its covariance speaks for it.
         let usable = candidate.usable_trace_m2();

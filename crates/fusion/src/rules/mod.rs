@@ -48,7 +48,7 @@ pub struct RuleEntry {
     /// Whether a single reference point per target is kept if sources observe different points.
     pub keeps_points: bool,
     /// Origin of its states.
-    pub method: Method,
+    pub method: RuleMethod,
 }
 
 impl RuleEntry {
@@ -59,26 +59,26 @@ impl RuleEntry {
 
     /// Whether the rule takes states from the targets' filters.
     pub(crate) fn is_from_filter(&self) -> bool {
-        matches!(self.method, Method::Filter)
+        matches!(self.method, RuleMethod::Filter)
     }
 }
 
 /// Origin of the states of a rule.
 #[derive(Clone, Copy, Debug)]
-pub enum Method {
+pub enum RuleMethod {
     /// The state is the estimate of the target's filter, and a share is a source's contribution to the estimate. The
     /// rule keeps no memory of a target. Of candidates, source and share are filled in, the other values only if
     /// accuracy values are requested.
     Filter,
     /// State and shares are made from the candidates.
-    Candidates(Fuse),
+    Candidates(RuleFunction),
 }
 
 /// Fills the weights of one share per candidate and returns the state at the candidates' common time.
 ///
 /// For each axis the weights lie in [0, 1] and sum to 1. `None`, and no weight above 0, if the rule can use none of the
 /// candidates: then the system track coasts. Call it through [`fuse`].
-pub type Fuse = fn(&RuleSettings, &Target<'_>, &mut Memory, &mut [Share]) -> Option<State>;
+pub type RuleFunction = fn(&RuleSettings, &Target<'_>, &mut RuleMemory, &mut [Share]) -> Option<State>;
 
 /// Every rule there is.
 pub static REGISTRY: &[RuleEntry] = &[
@@ -120,10 +120,10 @@ pub(crate) mod by_code {
 /// Lets a rule weigh `target`. `shares` has a share per candidate, at least one; accuracy values are filled in for
 /// every rule (TI-9).
 pub fn fuse(
-    rule: Fuse,
+    rule: RuleFunction,
     settings: &RuleSettings,
     target: &Target<'_>,
-    memory: &mut Memory,
+    memory: &mut RuleMemory,
     shares: &mut [Share],
 ) -> Option<State> {
     for (share, candidate) in shares.iter_mut().zip(target.candidates) {
@@ -258,21 +258,21 @@ pub struct Share {
 
 /// Memory of a rule that works on candidates, per target between refreshes (TI-12).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
+pub struct RuleMemory {
     /// Source chosen last time, per axis; [`NO_SOURCE`] where the rule chooses none.
     pub selected: [u16; 3],
     /// Where the hand-over between sources stands, per axis (TI-13).
     pub(crate) hand_overs: [HandOver; 3],
 }
 
-impl Memory {
+impl RuleMemory {
     /// Whether the last stored report of `source` may still be needed though it has ceased to be fresh.
     pub(crate) fn holds(&self, source: u16) -> bool {
         self.hand_overs.iter().any(|hand_over| hand_over.holds(source))
     }
 }
 
-impl Default for Memory {
+impl Default for RuleMemory {
     fn default() -> Self {
         Self {
             selected: [NO_SOURCE; 3],
@@ -308,14 +308,14 @@ pub(crate) mod testing {
         };
         let mut shares = vec![Share::default(); candidates.len()];
         let state = match rule.method {
-            Method::Candidates(rule) => fuse(
+            RuleMethod::Candidates(rule) => fuse(
                 rule,
                 &settings,
                 &target(candidates),
-                &mut Memory::default(),
+                &mut RuleMemory::default(),
                 &mut shares,
             ),
-            Method::Filter => unreachable!("its states are the engine's"),
+            RuleMethod::Filter => unreachable!("its states are the engine's"),
         };
         (state, shares)
     }

@@ -7,7 +7,7 @@
 use messages::TrackState;
 
 use super::combination::combine;
-use super::{Candidate, Memory, Method, RuleEntry, Share, Target};
+use super::{Candidate, RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::history::moved;
 use crate::rules::settings::RuleSettings;
 use crate::state::State;
@@ -18,10 +18,10 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "none: one source at a time, so correlation between sources does not matter",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
-fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(settings: &RuleSettings, target: &Target<'_>, memory: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     let last = target.last;
     let place_m = moved(last.position_m, last.velocity_mps, target.reference_ns - last.time_ns);
     let list = settings.mosaic.list_at(place_m);
@@ -59,7 +59,7 @@ mod tests {
             },
             process_noise_m2ps3: 1.0,
         };
-        let mut memory = Memory::default();
+        let mut memory = RuleMemory::default();
         rules::fuse(
             fuse,
             settings,

@@ -6,7 +6,7 @@
 use messages::TrackState;
 
 use super::combination::combine;
-use super::{Memory, Method, RuleEntry, Share, Target};
+use super::{RuleEntry, RuleMemory, RuleMethod, Share, Target};
 use crate::rules::settings::RuleSettings;
 use crate::state::State;
 
@@ -16,10 +16,10 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "any: the covariance bounds the error whatever the correlation between sources",
     keeps_points: false,
     claims_consistency: false,
-    method: Method::Candidates(fuse),
+    method: RuleMethod::Candidates(fuse),
 };
 
-fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut Memory, shares: &mut [Share]) -> Option<State> {
+fn fuse(_: &RuleSettings, target: &Target<'_>, _: &mut RuleMemory, shares: &mut [Share]) -> Option<State> {
     let index = |place: usize| match target.candidates[place].life {
         TrackState::Tentative | TrackState::Suspended | TrackState::Terminated => 0,
         TrackState::Confirmed | TrackState::Coasted => target.candidates[place].quality,

@@ -19,7 +19,7 @@ settings::settings! {
         /// Residual V (TI-6): `position`, norm of the position difference over the axes; `velocity`, of the velocity
         /// difference; `per-axis`, position difference with an accuracy value, a choice and a weight per axis;
         /// `innovation`, |measured − predicted| where raw detections are delivered, else `position`.
-        residual: Residual = Residual::Position;
+        residual: ResidualKind = ResidualKind::Position;
         /// Weight of an earlier report relative to the next newer one in the mean of second positions (TI-5); 1 is
         /// plain.
         recency: f64 = 1.0, in [1e-6, 1];
@@ -116,7 +116,7 @@ pub struct OrderedEta {
 
 settings::words! {
     /// Variants of the residual V (TI-6).
-    pub enum Residual {
+    pub enum ResidualKind {
         /// Norm of the position difference over the axes.
         Position = "position",
         /// Norm of the velocity difference over the axes.

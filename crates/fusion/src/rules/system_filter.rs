@@ -8,7 +8,7 @@
 //! Shares are the contributions of sources to the present estimate: a measurement with gain g takes g of everything
 //! and leaves 1 − g to earlier measurements.
 
-use super::{Candidate, Method, RuleEntry, Share};
+use super::{Candidate, RuleEntry, RuleMethod, Share};
 
 pub(super) const ENTRY: RuleEntry = RuleEntry {
     code: messages::FusionRule::SystemFilter,
@@ -16,7 +16,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     assumption: "measurement errors are independent between sources and in time, once the sources' filters are undone",
     claims_consistency: true,
     keeps_points: false,
-    method: Method::Filter,
+    method: RuleMethod::Filter,
 };
 
 /// Fills the weights of a share per candidate, at least one.

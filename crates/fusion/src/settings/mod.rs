@@ -19,7 +19,7 @@ pub use crate::coverage::{CoverageArea, CoverageTable};
 pub use crate::existence::ExistenceSettings;
 pub use crate::registration::settings::RegistrationSettings;
 pub use crate::rules::settings::{
-    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, Residual, RuleName,
+    DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, ResidualKind, RuleName,
     RuleSettings, Tie,
 };
 pub use crate::settings::target_size::TargetSizeSettings;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use messages::NS_PER_S;
-use settings::{Degrees, Node, Place, Range, Seconds, SettingsError, Value};
+use settings::{Degrees, KeyValue, Node, Place, Range, Seconds, SettingsError};
 
 use crate::coverage::{CoverageArea, CoverageTable};
 use crate::source_ref::SourceRef;
@@ -91,14 +91,14 @@ impl Default for Shares {
     }
 }
 
-impl Value for Shares {
+impl KeyValue for Shares {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         if node.get_ref().as_str() == Some(UNKNOWN) {
             *self = Self::Unknown;
             return Ok(());
         }
         let mut sources = Vec::new();
-        Value::read(&mut sources, node, range, at)?;
+        KeyValue::read(&mut sources, node, range, at)?;
         *self = Self::With(sources);
         Ok(())
     }

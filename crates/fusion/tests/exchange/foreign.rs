@@ -8,7 +8,9 @@ use frames::{Geodetic, SensorFrame, SystemFrame};
 use messages::{SensorTrack, SystemTrack};
 use outgoing::SystemReports;
 use reception::observation::{self, Reading};
-use reception::{Converter, CovarianceFrom, CovarianceModel, Limits, Method, PositionForm, SourceModel};
+use reception::{
+    ConversionModel, Converter, CovarianceFrom, CovarianceModel, Method, PlausibilityLimits, PositionForm,
+};
 
 /// One centre's way to another one: its gateway, and there the adapter of its source.
 pub(crate) struct Line {
@@ -23,7 +25,7 @@ impl Line {
         let place = Geodetic::from_degrees(41.0, 2.0, 0.0).unwrap();
         let system = SystemFrame::at(place);
         let table = registry::default_edition(62).unwrap();
-        let model = SourceModel {
+        let model = ConversionModel {
             number: source,
             sac_sic: Some((1, 2)),
             method: Method::Any,
@@ -33,7 +35,7 @@ impl Line {
             height_m: 0.0,
             assumed_height_m: 0.0,
             qnh_hpa: reception::STANDARD_PRESSURE_HPA,
-            limits: Limits::default(),
+            limits: PlausibilityLimits::default(),
             covariance: CovarianceModel {
                 from: CovarianceFrom::Report,
                 // The floors of what is reported.

@@ -26,7 +26,7 @@
 use std::f64::consts::PI;
 
 use super::array::AntennaArray;
-use super::null_spectrum::Minimum;
+use super::null_spectrum::SpectrumMinimum;
 
 /// Standard deviation of a bearing of which nothing is known: uniform over the circle.
 const UNKNOWN_RAD: f64 = PI / 1.732_050_807_568_877_2;
@@ -35,15 +35,15 @@ const DEPTH_DEVIATIONS: f64 = 4.5;
 
 /// Quantities that the accuracy of all bearings of a measurement depends on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Accuracy {
+pub(super) struct AccuracyInputs {
     pub(super) snapshots: usize,
     pub(super) sources: usize,
     pub(super) phase_sigma_rad: f64,
 }
 
-impl Accuracy {
+impl AccuracyInputs {
     /// Standard deviation of the bearing at a minimum, radians.
-    pub(super) fn sigma_rad(&self, minimum: &Minimum, array: &AntennaArray) -> f64 {
+    pub(super) fn sigma_rad(&self, minimum: &SpectrumMinimum, array: &AntennaArray) -> f64 {
         let by_noise = 0.5 * self.deviation(minimum) / minimum.sharpness;
         let by_phases = self.phase_sigma_rad.powi(2) / minimum.sharpness;
         let of_search = (by_noise + by_phases).sqrt();
@@ -64,7 +64,7 @@ impl Accuracy {
     }
 
     /// Returns whether a minimum is deep enough for a source.
-    pub(super) fn may_be_a_source(&self, minimum: &Minimum, antennas: usize) -> bool {
+    pub(super) fn may_be_a_source(&self, minimum: &SpectrumMinimum, antennas: usize) -> bool {
         let noise_vectors = (antennas - self.sources) as f64;
         let by_noise = 0.5 * self.deviation(minimum) * chi_square_limit(2.0 * noise_vectors);
         let by_phases = self.phase_sigma_rad.powi(2) * chi_square_limit(noise_vectors);
@@ -74,7 +74,7 @@ impl Accuracy {
     }
 
     /// Mean of the null spectrum at the source's true bearing, per noise eigenvector.
-    fn deviation(&self, minimum: &Minimum) -> f64 {
+    fn deviation(&self, minimum: &SpectrumMinimum) -> f64 {
         minimum.deviation / self.snapshots as f64
     }
 }

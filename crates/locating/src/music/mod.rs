@@ -17,9 +17,9 @@
 //! 4. the accuracy of each (`accuracy`), and whether its minimum is as deep as a true bearing's would be.
 //!
 //! Ambiguities are reported. Antennas in a line receive waves from the left and from the right alike, and antennas
-//! more than half a wavelength apart may receive several bearings alike: then a transmitter has several [`Bearing`]s
-//! with the same `source`, all marked ambiguous. Transmitters too weak or too close together to be separated are
-//! counted in [`Measured::unresolved`].
+//! more than half a wavelength apart may receive several bearings alike: then a transmitter has several
+//! [`WaveBearing`]s with the same `source`, all marked ambiguous. Transmitters too weak or too close together to be
+//! separated are counted in [`BearingSet::unresolved`].
 //!
 //! Limits: waves come along the plane of the array (a wave from an elevation *e* looks as if its frequency were cos *e*
 //! times as high); signals are narrow-band; fully correlated signals (one transmitter over two paths) are one source to
@@ -45,12 +45,12 @@ pub use array::AntennaArray;
 pub use bound::stochastic_bound;
 pub use error::MusicError;
 pub use order::SourceCount;
-pub use settings::{ArraySettings, Criterion, ElementPosition};
+pub use settings::{ArraySettings, ElementPosition, ModelOrderCriterion};
 pub use simulation::{SimulatedArray, SimulatedWaves};
 
 pub use nalgebra::Complex;
 
-use accuracy::Accuracy;
+use accuracy::AccuracyInputs;
 use eigen::EigenSystem;
 use null_spectrum::NullSpectrum;
 
@@ -78,7 +78,7 @@ pub struct Snapshots<'a> {
 
 /// Bearing of a wave; for an ambiguous array, a possible bearing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
+pub struct WaveBearing {
     /// Number of the transmitter within this measurement, from 0; several bearings with one number are alternatives.
     pub source: usize,
     /// Radians clockwise from the array's forward axis, 0 to 2π.
@@ -91,9 +91,9 @@ pub struct Bearing {
 
 /// Bearings measured from one set of snapshots.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct BearingSet {
     /// Bearings by source, and within a source by bearing.
-    pub bearings: Vec<Bearing>,
+    pub bearings: Vec<WaveBearing>,
     /// Number of transmitters, as given or estimated.
     pub sources: usize,
     /// Number of transmitters that have no bearing of their own: hidden in the noise, or not separable from another
@@ -111,7 +111,7 @@ pub struct Music {
     spectrum: NullSpectrum,
     covariance: Vec<Complex<f64>>,
     eigen: EigenSystem,
-    measured: Measured,
+    measured: BearingSet,
 }
 
 impl Music {
@@ -131,9 +131,9 @@ impl Music {
         Ok(Self {
             covariance: vec![Complex::ZERO; antennas * antennas],
             eigen: EigenSystem::new(antennas),
-            measured: Measured {
+            measured: BearingSet {
                 bearings: Vec::with_capacity(spectrum.capacity() * array.images()),
-                ..Measured::default()
+                ..BearingSet::default()
             },
             spectrum,
             array,
@@ -152,7 +152,7 @@ impl Music {
     /// # Errors
     /// Snapshots that cannot be used: none, a part of one, a sample that is no number, fewer than the sources need, a
     /// frequency above the highest, or no power at all.
-    pub fn measure(&mut self, snapshots: &Snapshots<'_>) -> Result<&Measured, MusicError> {
+    pub fn measure(&mut self, snapshots: &Snapshots<'_>) -> Result<&BearingSet, MusicError> {
         let count = self.take_covariance(snapshots.samples)?;
         self.spectrum.set_frequency(&self.array, snapshots.frequency_hz)?;
         if !self.eigen.decompose(&self.covariance) {
@@ -173,7 +173,7 @@ impl Music {
     /// show.
     fn find_bearings(&mut self, snapshots: usize, sources: usize) -> usize {
         let array = &self.array;
-        let accuracy = Accuracy {
+        let accuracy = AccuracyInputs {
             snapshots,
             sources,
             phase_sigma_rad: self.settings.phase_sigma_rad,
@@ -187,7 +187,7 @@ impl Music {
         for minimum in minima {
             let alike = minima.iter().filter(|other| other.source == minimum.source).count() > 1;
             let mirrored_rad = array.mirrored(minimum.bearing_rad);
-            let bearing = Bearing {
+            let bearing = WaveBearing {
                 source: minimum.source,
                 bearing_rad: minimum.bearing_rad,
                 sigma_rad: accuracy.sigma_rad(minimum, array),
@@ -196,11 +196,11 @@ impl Music {
             };
             self.measured.bearings.push(bearing);
             if let Some(bearing_rad) = mirrored_rad {
-                self.measured.bearings.push(Bearing { bearing_rad, ..bearing });
+                self.measured.bearings.push(WaveBearing { bearing_rad, ..bearing });
             }
         }
         let by_source =
-            |a: &Bearing, b: &Bearing| a.source.cmp(&b.source).then(a.bearing_rad.total_cmp(&b.bearing_rad));
+            |a: &WaveBearing, b: &WaveBearing| a.source.cmp(&b.source).then(a.bearing_rad.total_cmp(&b.bearing_rad));
         self.measured.bearings.sort_unstable_by(by_source);
         separated
     }

@@ -32,7 +32,7 @@ const LIKENESS_OF_ONE_SOURCE: f64 = 0.9999;
 
 /// A minimum of the null spectrum, with the inputs of its accuracy.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Minimum {
+pub(super) struct SpectrumMinimum {
     /// Radians clockwise from forward, 0 to 2π.
     pub(super) bearing_rad: f64,
     /// Squared length of the steering vector's part in the noise subspace.
@@ -64,7 +64,7 @@ pub(super) struct NullSpectrum {
     steering: Vec<Complex<f64>>,
     /// Value at each point of the grid.
     values: Vec<f64>,
-    minima: Vec<Minimum>,
+    minima: Vec<SpectrumMinimum>,
     /// Responses of the antennas at the bearing that is being refined.
     responses: Vec<Response>,
 }
@@ -161,12 +161,12 @@ impl NullSpectrum {
     }
 
     /// The minima that were found, the deepest first.
-    pub(super) fn minima(&self) -> &[Minimum] {
+    pub(super) fn minima(&self) -> &[SpectrumMinimum] {
         &self.minima
     }
 
     /// Forgets the minima that are not to be kept.
-    pub(super) fn retain(&mut self, keep: impl FnMut(&Minimum) -> bool) {
+    pub(super) fn retain(&mut self, keep: impl FnMut(&SpectrumMinimum) -> bool) {
         self.minima.retain(keep);
     }
 
@@ -175,8 +175,9 @@ impl NullSpectrum {
         let mut sources = 0;
         for index in 0..self.minima.len() {
             let bearing_rad = self.minima[index].bearing_rad;
-            let alike =
-                |other: &&Minimum| self.likeness(array, other.bearing_rad, bearing_rad) > LIKENESS_OF_ONE_SOURCE;
+            let alike = |other: &&SpectrumMinimum| {
+                self.likeness(array, other.bearing_rad, bearing_rad) > LIKENESS_OF_ONE_SOURCE
+            };
             self.minima[index].source = match self.minima[..index].iter().find(alike) {
                 Some(other) => other.source,
                 None => {
@@ -208,7 +209,7 @@ impl NullSpectrum {
         array: &AntennaArray,
         eigen: &EigenSystem,
         (sources, noise_variance): (usize, f64),
-    ) -> Minimum {
+    ) -> SpectrumMinimum {
         let mut bearing_rad = self.begin_rad + point as f64 * self.step_rad;
         let (mut low_rad, mut high_rad) = (bearing_rad - self.step_rad, bearing_rad + self.step_rad);
         for _ in 0..STEPS_MAX {
@@ -263,7 +264,7 @@ impl NullSpectrum {
         array: &AntennaArray,
         eigen: &EigenSystem,
         (sources, noise_variance): (usize, f64),
-    ) -> Minimum {
+    ) -> SpectrumMinimum {
         self.responses.clear();
         self.responses.extend(array.response(self.wave_number, bearing_rad));
         let along = |vector: &[Complex<f64>], of: fn(&Response) -> Complex<f64>| {
@@ -278,7 +279,7 @@ impl NullSpectrum {
             let noise_share = noise_variance / value;
             noise_share / (1.0 - noise_share).powi(2) * along(vector, |response| response.value)
         });
-        Minimum {
+        SpectrumMinimum {
             bearing_rad: bearing_rad.rem_euclid(TAU),
             depth: noise(|response| response.value),
             sharpness: noise(|response| response.value * response.search_slope),

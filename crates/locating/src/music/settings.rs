@@ -23,7 +23,7 @@ settings::settings! {
         transmitters: Option<usize> = None, in [1, 1000], usually "estimated";
         /// Estimator of the number: minimum description length, or Akaike's criterion, which finds weak transmitters
         /// earlier but sometimes one too many.
-        criterion: Criterion = Criterion::Mdl;
+        criterion: ModelOrderCriterion = ModelOrderCriterion::Mdl;
         /// Standard deviation of the phase error of an antenna after calibration.
         phase_sigma_deg: Degrees = Degrees::of(0.0), in [0, 180];
     }
@@ -40,7 +40,7 @@ settings::settings! {
 
 settings::words! {
     /// How the number of transmitters is estimated.
-    pub enum Criterion {
+    pub enum ModelOrderCriterion {
         /// Minimum description length.
         Mdl = "mdl",
         /// Akaike's information criterion.
@@ -55,8 +55,8 @@ impl ArraySettings {
     /// As [`AntennaArray::new`] and [`Music::new`].
     pub fn music(&self) -> Result<Music, MusicError> {
         let estimated = match self.criterion {
-            Criterion::Mdl => SourceCount::Mdl,
-            Criterion::Aic => SourceCount::Aic,
+            ModelOrderCriterion::Mdl => SourceCount::Mdl,
+            ModelOrderCriterion::Aic => SourceCount::Aic,
         };
         let settings = MusicSettings {
             sources: self.transmitters.map_or(estimated, SourceCount::Given),

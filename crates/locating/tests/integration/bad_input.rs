@@ -2,7 +2,7 @@
 
 use crate::common::{Noise, S, bearing};
 use locating::settings::FilterChoice;
-use locating::{EmitterReport, Locator, OWN_NUMBERS, Rejection, Settings};
+use locating::{BearingRejection, EmitterReport, Locator, OWN_NUMBERS, Settings};
 use messages::TrackState;
 use observations::Bearing;
 use proptest::prelude::*;
@@ -139,7 +139,7 @@ fn impossible_values_are_refused_and_counted() {
     ];
     for bearing in &bad {
         assert!(
-            matches!(locator.bearing(bearing), Err(Rejection::Unusable(_))),
+            matches!(locator.bearing(bearing), Err(BearingRejection::Unusable(_))),
             "{bearing:?}"
         );
     }
@@ -159,7 +159,7 @@ fn times_backwards_are_refused_and_equal_times_are_not() {
             time_of_measurement_ns: measured.time_of_measurement_ns - 1,
             ..measured
         };
-        assert_eq!(locator.bearing(&late), Err(Rejection::OutOfOrder));
+        assert_eq!(locator.bearing(&late), Err(BearingRejection::OutOfOrder));
     }
     assert_eq!((locator.counts().bearings, locator.counts().out_of_order), (200, 100));
 }
@@ -174,7 +174,7 @@ fn a_full_table_refuses_until_an_emitter_has_been_silent_for_long() {
     for id in 0..4 {
         locator.bearing(&of(id, f64::from(id))).unwrap();
     }
-    assert_eq!(locator.bearing(&of(9, 10.0)), Err(Rejection::TableFull));
+    assert_eq!(locator.bearing(&of(9, 10.0)), Err(BearingRejection::TableFull));
     locator.bearing(&of(0, 500.0)).unwrap();
     // Emitter 1 was silent longest.
     assert!(locator.bearing(&of(9, 602.0)).is_ok());

@@ -3,7 +3,7 @@
 use crate::common::{Noise, bearing};
 use locating::selection::Select;
 use locating::settings::FilterChoice;
-use locating::{EmitterReport, Locator, Motion, Settings};
+use locating::{EmitterReport, Locator, MotionModel, Settings};
 use observations::Bearing;
 
 /// The last report of a flight.
@@ -120,7 +120,7 @@ fn a_drifting_emitter_is_followed_and_a_still_one_is_known_to_be_still() {
     for seed in 1..=10 {
         let (bearings, truth) = drifting(seed, 1_800, [3.5, 2.0]);
         let report = located(with_filter(FilterChoice::Auto), bearings).unwrap();
-        assert_eq!(report.raw.motion, Motion::Straight);
+        assert_eq!(report.raw.motion, MotionModel::Straight);
         assert!(normalised(&report, truth) < 16.0);
         assert!((report.raw.velocity_mps[0] - 3.5).abs() < 0.3 && (report.raw.velocity_mps[1] - 2.0).abs() < 0.3);
         let off: f64 = (0..2)
@@ -130,7 +130,7 @@ fn a_drifting_emitter_is_followed_and_a_still_one_is_known_to_be_still() {
 
         let (bearings, truth) = drifting(seed, 1_800, [0.0, 0.0]);
         let report = located(with_filter(FilterChoice::Auto), bearings).unwrap();
-        assert_eq!(report.raw.motion, Motion::Fixed);
+        assert_eq!(report.raw.motion, MotionModel::Fixed);
         assert!(normalised(&report, truth) < 16.0);
     }
 }
@@ -152,13 +152,13 @@ fn an_emitter_that_starts_to_move_is_noticed() {
         let measured = bearing(time, platform, truth, sigma, sigma * noise.next());
         last = locator.bearing(&measured).unwrap();
         if time == 1_500.0 {
-            assert_eq!(last.unwrap().raw.motion, Motion::Fixed);
+            assert_eq!(last.unwrap().raw.motion, MotionModel::Fixed);
         }
     }
     let raw = last.unwrap().raw;
     let off = (raw.position_m[0] - truth[0]).hypot(raw.position_m[1] - truth[1]);
     assert!(
-        raw.motion != Motion::Fixed && off < 150.0,
+        raw.motion != MotionModel::Fixed && off < 150.0,
         "{} off by {off} m",
         raw.motion.word()
     );
@@ -207,7 +207,7 @@ fn wrong_bearings_in_a_turn_are_set_aside_and_the_output_does_not_jump() {
         let last = before.unwrap();
         let set_aside = locator.counts().set_aside;
         assert!((10..100).contains(&set_aside), "{set_aside} bearings set aside");
-        assert_eq!(last.raw.motion, Motion::Fixed);
+        assert_eq!(last.raw.motion, MotionModel::Fixed);
         squared += (last.raw.position_m[0].powi(2) + last.raw.position_m[1].powi(2)) / 20.0;
     }
     // The bound without the turn's bearings is 16.7 m; 20 runs know a root mean square to 11 %.

@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use locating::music::{
-    AntennaArray, Bearing, Complex, ElementPosition, Measured, Music, MusicError, MusicSettings, SimulatedArray,
-    SimulatedWaves, Snapshots, SourceCount, stochastic_bound,
+    AntennaArray, BearingSet, Complex, ElementPosition, Music, MusicError, MusicSettings, SimulatedArray,
+    SimulatedWaves, Snapshots, SourceCount, WaveBearing, stochastic_bound,
 };
 use proptest::prelude::*;
 
@@ -31,7 +31,7 @@ fn waves(bearings_rad: &[f64], snr_db: f64, snapshots: usize) -> SimulatedWaves 
 }
 
 /// Measures `runs` sets of snapshots of `waves`, each handed to `each`.
-fn measure(music: &mut Music, waves: &SimulatedWaves, runs: u64, mut each: impl FnMut(&Measured)) {
+fn measure(music: &mut Music, waves: &SimulatedWaves, runs: u64, mut each: impl FnMut(&BearingSet)) {
     let simulated = SimulatedArray::new(music.array(), waves.clone(), 7).expect("usable");
     let mut samples = Vec::new();
     for run in 0..runs {
@@ -49,8 +49,8 @@ fn apart(a_rad: f64, b_rad: f64) -> f64 {
     (a_rad - b_rad + PI).rem_euclid(TAU) - PI
 }
 
-fn nearest(measured: &Measured, bearing_rad: f64) -> Bearing {
-    let distance = |bearing: &&Bearing| apart(bearing.bearing_rad, bearing_rad).abs();
+fn nearest(measured: &BearingSet, bearing_rad: f64) -> WaveBearing {
+    let distance = |bearing: &&WaveBearing| apart(bearing.bearing_rad, bearing_rad).abs();
     let of = measured
         .bearings
         .iter()
@@ -206,7 +206,7 @@ fn along_the_line_of_the_antennas() {
 /// A line hears left and right alike; antennas a wavelength apart hear more bearings alike.
 #[test]
 fn what_the_geometry_cannot_tell() {
-    let left_and_right = |measured: &Measured| {
+    let left_and_right = |measured: &BearingSet| {
         let [a, b] = measured.bearings[..] else {
             panic!("{measured:?}")
         };

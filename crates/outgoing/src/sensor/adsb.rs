@@ -31,7 +31,7 @@
 use messages::alert_bits;
 
 use super::super::{items, quantity};
-use super::{Report, Site};
+use super::{SensorReport, Site};
 use asterix::categories::{CAT021_V2, CAT023};
 use asterix::field::{Elements, Field, NAUTICAL_MILE_M, elements, field, item, whole};
 use asterix::{Frn, RecordWriter};
@@ -114,7 +114,7 @@ pub(super) fn longest_sigma([xx, xy, yy]: [f64; 3]) -> Option<f64> {
     quantity::sigma(mean + half.hypot(xy))
 }
 
-pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+pub(super) fn write(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let (track, identity) = (report.track, &report.track.identity);
     let time_ns = track.time_of_measurement_ns;
     let velocity = report.velocity_mps();
@@ -154,7 +154,7 @@ pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter)
     }
 }
 
-fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     const STEP_UNKNOWN: i64 = 2;
     // A second part would have to state whether a selected altitude is available. No second part is sent.
     let has_second_part = report.on_ground() || site.simulated;
@@ -166,7 +166,7 @@ fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         .put(SAA, has_second_part);
 }
 
-fn quality(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn quality(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let Some(position) = site.position_covariance(report).and_then(longest_sigma) else {
         return;
     };
@@ -186,7 +186,7 @@ fn quality(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
 }
 
 /// Writes I021/200: the emergency, and the surveillance status of Mode S.
-fn target_status(report: &Report<'_>, record: &mut RecordWriter) {
+fn target_status(report: &SensorReport<'_>, record: &mut RecordWriter) {
     let alerts = report.track.alerts;
     let emergency = items::emergency(alerts);
     let surveillance_status = if alerts & items::EMERGENCIES != 0 {

@@ -9,7 +9,7 @@
 
 use super::super::items;
 use super::adsb::{RADIUS95_SIGMAS, VELOCITY_BOUNDS_MPS, class, longest_sigma};
-use super::{Report, Site};
+use super::{SensorReport, Site};
 use asterix::categories::{CAT021_V0, CAT021_V0_26};
 use asterix::field::{Elements, NAUTICAL_MILE_M, elements, whole};
 use asterix::{Category, RecordWriter};
@@ -46,12 +46,12 @@ const NUCP_BOUNDS_M: [f64; 9] = [
 
 /// Differences between editions.
 #[derive(Debug)]
-pub(super) struct Form {
+pub(super) struct AdsbForm {
     position: Elements<2>,
     has_mode_3a: bool,
 }
 
-impl Form {
+impl AdsbForm {
     pub(super) fn new(table: &'static Category) -> Self {
         Self {
             position: elements(&[table], "130", ["LAT", "LON"]),
@@ -59,7 +59,7 @@ impl Form {
         }
     }
 
-    pub(super) fn write(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+    pub(super) fn write(&self, site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
         let (track, identity) = (report.track, &report.track.identity);
         items::source(record, &SOURCE, site.source);
         descriptor(site, report, record);
@@ -101,7 +101,7 @@ impl Form {
     }
 }
 
-fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     const NO_SELECTED_ALTITUDE: i64 = 1;
     const ICAO_ADDRESS: i64 = 1;
     let flags = [report.on_ground(), site.simulated, report.special_identification()];

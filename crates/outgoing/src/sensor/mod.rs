@@ -15,10 +15,10 @@ mod surface;
 use frames::{SensorFrame, SystemFrame};
 use messages::{SensorTrack, TrackState, sensor_track_bits as bits};
 
-use super::place::{self, Axis, Place};
+use super::place::{self, Axis, TargetPlace};
 use super::track_numbers::TrackNumbers;
 use super::{
-    HeightReference, Outbox, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category, items, quantity,
+    BlockOutbox, HeightReference, OutgoingCounts, OutgoingError, SendBlock, Unsent, check_category, items, quantity,
 };
 use asterix::categories::{CAT010_V1_1, CAT020, CAT021_V0, CAT021_V2, CAT048};
 use asterix::{Category, RecordWriter, registry};
@@ -29,12 +29,12 @@ const NUMBER_MAX: u16 = 4095;
 /// Sends one sensor's tracks and status messages.
 #[derive(Debug)]
 pub struct SensorReports {
-    outbox: Outbox,
+    outbox: BlockOutbox,
     record: RecordWriter,
-    status: (RecordWriter, Outbox),
+    status: (RecordWriter, BlockOutbox),
     numbers: TrackNumbers<()>,
     site: Site,
-    form: Form,
+    form: ReportForm,
 }
 
 /// The sensor, and the common settings of its records.
@@ -51,21 +51,21 @@ struct Site {
 
 /// Form of the reports, by category.
 #[derive(Debug)]
-enum Form {
-    Radar(radar::Form),
-    Multilateration(multilateration::Form),
+enum ReportForm {
+    Radar(radar::RadarForm),
+    Multilateration(multilateration::MultilaterationForm),
     AdsB,
-    EarlyAdsB(adsb_early::Form),
+    EarlyAdsB(adsb_early::AdsbForm),
     Surface,
 }
 
 /// Report of a track, with the values needed by every category.
-struct Report<'t> {
+struct SensorReport<'t> {
     track: &'t SensorTrack,
     state: TrackState,
     number: u16,
     /// Place of the target; `None` at the end of a track.
-    place: Option<Place>,
+    place: Option<TargetPlace>,
 }
 
 impl SensorReports {
@@ -84,11 +84,14 @@ impl SensorReports {
         system: SystemFrame,
         block_octets_max: usize,
     ) -> Result<Self, OutgoingError> {
-        let (form, status) = Form::new(table)?;
+        let (form, status) = ReportForm::new(table)?;
         Ok(Self {
-            outbox: Outbox::new(table.number, block_octets_max)?,
+            outbox: BlockOutbox::new(table.number, block_octets_max)?,
             record: RecordWriter::new(table),
-            status: (RecordWriter::new(status), Outbox::new(status.number, block_octets_max)?),
+            status: (
+                RecordWriter::new(status),
+                BlockOutbox::new(status.number, block_octets_max)?,
+            ),
             numbers: TrackNumbers::new(NUMBER_MAX, usize::from(NUMBER_MAX)),
             site: Site {
                 source: [sac, sic],
@@ -128,9 +131,9 @@ impl SensorReports {
     /// Sends a radar's plot: the measurement at `time_ns` (UTC, nanoseconds) of a position in the system frame.
     /// Without `height_known`, the target's reply contained no height. Other sensors report no plots.
     pub fn plot(&mut self, time_ns: i64, position_m: [f64; 3], height_known: bool, send: &mut SendBlock<'_>) {
-        let place = Place::new(&self.site.system, position_m).ok_or(Unsent::Position);
+        let place = TargetPlace::new(&self.site.system, position_m).ok_or(Unsent::Position);
         let written = match &self.form {
-            Form::Radar(form) => place.and_then(|place| {
+            ReportForm::Radar(form) => place.and_then(|place| {
                 let height_m = height_known.then(|| place.geodetic.height_m());
                 form.write_plot(&self.site, time_ns, position_m, height_m, &mut self.record)
             }),
@@ -152,10 +155,10 @@ impl SensorReports {
     pub fn status(&mut self, now_utc_ns: i64, send: &mut SendBlock<'_>) {
         let record = &mut self.status.0;
         match self.form {
-            Form::Radar(_) => radar::north_marker(&self.site, now_utc_ns, record),
-            Form::Multilateration(_) => multilateration::status(&self.site, now_utc_ns, record),
-            Form::AdsB | Form::EarlyAdsB(_) => adsb::status(&self.site, now_utc_ns, record),
-            Form::Surface => surface::status(&self.site, now_utc_ns, record),
+            ReportForm::Radar(_) => radar::north_marker(&self.site, now_utc_ns, record),
+            ReportForm::Multilateration(_) => multilateration::status(&self.site, now_utc_ns, record),
+            ReportForm::AdsB | ReportForm::EarlyAdsB(_) => adsb::status(&self.site, now_utc_ns, record),
+            ReportForm::Surface => surface::status(&self.site, now_utc_ns, record),
         }
         self.send_status(send);
     }
@@ -163,7 +166,7 @@ impl SensorReports {
     /// Sends the message that a radar's antenna enters the sector at this azimuth (rad, clockwise from the sensor's
     /// north), after all earlier reports. Other sensors have no turning antenna, and send nothing.
     pub fn sector(&mut self, now_utc_ns: i64, azimuth_rad: f64, send: &mut SendBlock<'_>) {
-        if let Form::Radar(_) = self.form {
+        if let ReportForm::Radar(_) = self.form {
             radar::sector_crossing(&self.site, now_utc_ns, azimuth_rad, &mut self.status.0);
             self.send_status(send);
         }
@@ -194,7 +197,7 @@ impl SensorReports {
             (None, entry.number)
         } else {
             self.form.check(track, state)?;
-            let place = Place::new(&self.site.system, track.position_m).ok_or(Unsent::Position)?;
+            let place = TargetPlace::new(&self.site.system, track.position_m).ok_or(Unsent::Position)?;
             let number = if self.form.has_track_numbers() {
                 self.numbers.report(key, now_ns).ok_or(Unsent::Number)?.number
             } else {
@@ -205,7 +208,7 @@ impl SensorReports {
         if place.is_none() && self.form.is_adsb() {
             return Err(Unsent::Withheld);
         }
-        let report = Report {
+        let report = SensorReport {
             track,
             state,
             number,
@@ -213,27 +216,30 @@ impl SensorReports {
         };
         let (site, record) = (&self.site, &mut self.record);
         match &self.form {
-            Form::Radar(form) => form.write(site, &report, record)?,
-            Form::Multilateration(form) => form.write(site, &report, record),
-            Form::AdsB => adsb::write(site, &report, record),
-            Form::EarlyAdsB(form) => form.write(site, &report, record),
-            Form::Surface => surface::write(site, &report, record),
+            ReportForm::Radar(form) => form.write(site, &report, record)?,
+            ReportForm::Multilateration(form) => form.write(site, &report, record),
+            ReportForm::AdsB => adsb::write(site, &report, record),
+            ReportForm::EarlyAdsB(form) => form.write(site, &report, record),
+            ReportForm::Surface => surface::write(site, &report, record),
         }
         Ok(())
     }
 }
 
-impl Form {
+impl ReportForm {
     /// The form of a table, and the table of its status messages.
     fn new(table: &'static Category) -> Result<(Self, &'static Category), OutgoingError> {
         let (form, status) = if table.is_one_of(CAT048) {
-            (Self::Radar(radar::Form::new(table)), 34)
+            (Self::Radar(radar::RadarForm::new(table)), 34)
         } else if table.is_one_of(CAT020) {
-            (Self::Multilateration(multilateration::Form::new(table)), 19)
+            (
+                Self::Multilateration(multilateration::MultilaterationForm::new(table)),
+                19,
+            )
         } else if table.is_one_of(CAT021_V2) {
             (Self::AdsB, 23)
         } else if table.is_one_of(CAT021_V0) {
-            (Self::EarlyAdsB(adsb_early::Form::new(table)), 23)
+            (Self::EarlyAdsB(adsb_early::AdsbForm::new(table)), 23)
         } else {
             check_category(table, &[&CAT010_V1_1], "CAT048, CAT020, CAT021 and CAT010")?;
             (Self::Surface, 10)
@@ -263,7 +269,7 @@ impl Form {
     }
 }
 
-impl Report<'_> {
+impl SensorReport<'_> {
     fn has(&self, valid: u16) -> bool {
         self.track.has(valid)
     }
@@ -348,7 +354,7 @@ impl Site {
     }
 
     /// Covariance of a report's position (xx, xy, yy; m²) along the sensor's own axes, where it is known.
-    fn position_covariance(&self, report: &Report<'_>) -> Option<[f64; 3]> {
+    fn position_covariance(&self, report: &SensorReport<'_>) -> Option<[f64; 3]> {
         let [x, y] = self.plane(report.has(bits::HEIGHT));
         let covariance = |a, b| place::position_covariance(&report.track.covariance, a, b);
         let [xx, xy, yy] = [covariance(x, x), covariance(x, y), covariance(y, y)];
@@ -363,7 +369,7 @@ impl Site {
     }
 
     /// Components of velocity along the sensor's own x and y, metres per second, where known.
-    fn velocity_mps(&self, report: &Report<'_>) -> Option<[f64; 2]> {
+    fn velocity_mps(&self, report: &SensorReport<'_>) -> Option<[f64; 2]> {
         let known = report.has(bits::VELOCITY) && !report.is_ended();
         let axes = self.plane(report.has(bits::VERTICAL_RATE));
         known.then(|| axes.map(|axis| place::along(axis, report.track.velocity_mps)))

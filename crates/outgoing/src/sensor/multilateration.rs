@@ -17,7 +17,7 @@
 use messages::alert_bits;
 
 use super::super::{items, quantity};
-use super::{Report, Site};
+use super::{SensorReport, Site};
 use asterix::categories::{CAT019, CAT020};
 use asterix::field::{Elements, Field, added, elements, field, item, subitem, whole};
 use asterix::{Category, Frn, RecordWriter};
@@ -77,19 +77,19 @@ const FLIGHT_STATUS_ALERTS: u8 =
 
 /// Differences between editions.
 #[derive(Debug)]
-pub(super) struct Form {
+pub(super) struct MultilaterationForm {
     /// True if I020/020 states the kind of address.
     has_address_kind: bool,
 }
 
-impl Form {
+impl MultilaterationForm {
     pub(super) fn new(table: &'static Category) -> Self {
         Self {
             has_address_kind: table.edition >= CF.since,
         }
     }
 
-    pub(super) fn write(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+    pub(super) fn write(&self, site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
         let (track, identity) = (report.track, &report.track.identity);
         items::source(record, &SOURCE, site.source);
         self.descriptor(site, report, record);
@@ -118,7 +118,7 @@ impl Form {
         }
     }
 
-    fn descriptor(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+    fn descriptor(&self, site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
         const ADDRESS_KIND_UNKNOWN: u8 = 3;
         let mode_s = report.track.identity.address().is_some();
         record
@@ -132,7 +132,7 @@ impl Form {
     }
 }
 
-fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
+fn status_of(report: &SensorReport<'_>, record: &mut RecordWriter) {
     record
         .item(STATUS)
         .put(CNF, report.is_tentative())
@@ -143,7 +143,7 @@ fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
 }
 
 /// Writes deviations of x, y and of the geometric height, where they are known and fit.
-fn accuracy(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn accuracy(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let position = site.position_covariance(report).and_then(|[xx, xy, yy]| {
         let (x, y) = (xx.sqrt(), yy.sqrt());
         let correlation = quantity::capped(SDP_XY, (xy / (x * y)).min(1.0));

@@ -32,7 +32,7 @@
 use messages::sensor_track_bits as bits;
 
 use super::super::{Unsent, items, quantity};
-use super::{Report, Site};
+use super::{SensorReport, Site};
 use asterix::categories::{CAT034, CAT048};
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Category, Frn, RecordWriter};
@@ -75,29 +75,34 @@ const SECTOR_SLACK: f64 = 1e-6;
 
 /// Differences between editions.
 #[derive(Debug)]
-pub(super) struct Form {
+pub(super) struct RadarForm {
     /// Flight level: signed in the last edition only.
     flight_level: Elements<1>,
 }
 
 /// Part of the radar that saw a target.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Detection {
+enum DetectionType {
     Primary,
     Secondary,
     ModeS,
 }
 
-impl Form {
+impl RadarForm {
     pub(super) fn new(table: &'static Category) -> Self {
         Self {
             flight_level: elements(&[table], "090", ["FL"]),
         }
     }
 
-    pub(super) fn write(&self, site: &Site, report: &Report<'_>, record: &mut RecordWriter) -> Result<(), Unsent> {
+    pub(super) fn write(
+        &self,
+        site: &Site,
+        report: &SensorReport<'_>,
+        record: &mut RecordWriter,
+    ) -> Result<(), Unsent> {
         let track = report.track;
-        let position = Position::new(site, report)?;
+        let position = RadarPosition::new(site, report)?;
         items::source(record, &SOURCE, site.source);
         items::time_of_day(record, &TIME, track.time_of_measurement_ns);
         descriptor(site, report, record);
@@ -161,16 +166,16 @@ fn polar(range_m: f64, azimuth_rad: f64) -> Option<[i64; 2]> {
 }
 
 /// The numbers of a report's position.
-struct Position {
+struct RadarPosition {
     /// Slant range and azimuth.
     polar: [i64; 2],
     /// x and y.
     cartesian: [i64; 2],
 }
 
-impl Position {
+impl RadarPosition {
     /// `None` at the end of a track.
-    fn new(site: &Site, report: &Report<'_>) -> Result<Option<Self>, Unsent> {
+    fn new(site: &Site, report: &SensorReport<'_>) -> Result<Option<Self>, Unsent> {
         if report.is_ended() {
             return Ok(None);
         }
@@ -190,23 +195,23 @@ impl Position {
     }
 }
 
-fn detection(report: &Report<'_>) -> Detection {
+fn detection(report: &SensorReport<'_>) -> DetectionType {
     let identity = &report.track.identity;
     if identity.address().is_some() {
-        Detection::ModeS
+        DetectionType::ModeS
     } else if identity.mode_3a().is_some() || report.has(bits::HEIGHT) {
-        Detection::Secondary
+        DetectionType::Secondary
     } else {
-        Detection::Primary
+        DetectionType::Primary
     }
 }
 
-fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let kind = match detection(report) {
         _ if report.is_coasted() || report.is_ended() => 0,
-        Detection::Primary => 1,
-        Detection::Secondary => 2,
-        Detection::ModeS => 5, // roll-call: it is tracked
+        DetectionType::Primary => 1,
+        DetectionType::Secondary => 2,
+        DetectionType::ModeS => 5, // roll-call: it is tracked
     };
     record
         .item(DESCRIPTOR)
@@ -215,8 +220,12 @@ fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         .put(SPI, report.special_identification());
 }
 
-fn status(report: &Report<'_>, record: &mut RecordWriter) {
-    let maintained_by = if detection(report) == Detection::Primary { 1 } else { 2 };
+fn status(report: &SensorReport<'_>, record: &mut RecordWriter) {
+    let maintained_by = if detection(report) == DetectionType::Primary {
+        1
+    } else {
+        2
+    };
     record
         .item(STATUS)
         .put(CNF, report.is_tentative())
@@ -226,7 +235,7 @@ fn status(report: &Report<'_>, record: &mut RecordWriter) {
 }
 
 /// Deviations of x, y, ground speed and course, where all are known and fit.
-fn deviations(site: &Site, report: &Report<'_>) -> Option<[i64; 4]> {
+fn deviations(site: &Site, report: &SensorReport<'_>) -> Option<[i64; 4]> {
     let [xx, _, yy] = site.position_covariance(report)?;
     let [east, north] = report.velocity_mps()?;
     let [ee, en, nn] = report.velocity_covariance()?;

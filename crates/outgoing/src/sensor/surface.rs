@@ -20,7 +20,7 @@
 use messages::sensor_track_bits as bits;
 
 use super::super::{HeightReference, items, quantity};
-use super::{Report, Site};
+use super::{SensorReport, Site};
 use asterix::categories::CAT010;
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Frn, RecordWriter};
@@ -57,7 +57,7 @@ const CST: Field = field(CAT010, &["170", "CST"]);
 const TCC: Field = field(CAT010, &["170", "TCC"]);
 const STH: Field = field(CAT010, &["170", "STH"]);
 
-pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+pub(super) fn write(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let (track, identity) = (report.track, &report.track.identity);
     items::source(record, &SOURCE, site.source);
     record.write(&MESSAGE_TYPE, [1]);
@@ -81,7 +81,7 @@ pub(super) fn write(site: &Site, report: &Report<'_>, record: &mut RecordWriter)
     }
 }
 
-fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let identity = &report.track.identity;
     let kind = match (identity.address(), identity.mode_3a()) {
         (Some(_), _) => 1,
@@ -96,7 +96,7 @@ fn descriptor(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
         .put(SPI, report.special_identification());
 }
 
-fn positions(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn positions(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let Some(place) = &report.place else { return };
     let track = report.track;
     items::geodetic(record, &GEODETIC_POSITION, &place.geodetic);
@@ -111,7 +111,7 @@ fn positions(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
     items::quantities(record, &CARTESIAN_POSITION, [x, y]);
 }
 
-fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
+fn status_of(report: &SensorReport<'_>, record: &mut RecordWriter) {
     record
         .item(STATUS)
         .put(CNF, report.is_tentative())
@@ -121,7 +121,7 @@ fn status_of(report: &Report<'_>, record: &mut RecordWriter) {
         .put(STH, true);
 }
 
-fn height(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
+fn height(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
     let Some(height_m) = report.height_m() else { return };
     match site.height {
         HeightReference::Barometric => items::level(record, &FLIGHT_LEVEL, Some(height_m)),
@@ -133,7 +133,7 @@ fn height(site: &Site, report: &Report<'_>, record: &mut RecordWriter) {
 }
 
 /// Deviations of x and y and their covariance, where all fit.
-fn deviation(site: &Site, report: &Report<'_>) -> Option<[i64; 3]> {
+fn deviation(site: &Site, report: &SensorReport<'_>) -> Option<[i64; 3]> {
     let [xx, xy, yy] = site.position_covariance(report)?;
     let [sigma_x, sigma_y, covariance] = DEVIATION.fields;
     Some([

@@ -18,7 +18,7 @@ use messages::{Counter, TrackState};
 use super::Converter;
 use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
-use crate::placing::{Height, Placed, place};
+use crate::placing::{Height, SystemPosition, place};
 use observations::sensor_id;
 use observations::{Detection, DetectionKind};
 use observations::{Observation, Position};
@@ -98,7 +98,7 @@ impl Converter {
     /// Straight range, bearing and elevation with their standard deviations.
     fn in_space(
         &self,
-        placed: &Placed,
+        placed: &SystemPosition,
         platform_m: [f64; 3],
         sigma: PolarSigma,
     ) -> (DetectionKind, [f64; 3], [f64; 3]) {
@@ -116,7 +116,11 @@ impl Converter {
 }
 
 /// Range along the ground and bearing with their standard deviations.
-fn along_the_ground(placed: &Placed, platform_m: [f64; 3], sigma: PolarSigma) -> (DetectionKind, [f64; 3], [f64; 3]) {
+fn along_the_ground(
+    placed: &SystemPosition,
+    platform_m: [f64; 3],
+    sigma: PolarSigma,
+) -> (DetectionKind, [f64; 3], [f64; 3]) {
     let [east, north, _] = offset(placed, platform_m);
     let ground_m = east.hypot(north);
     let variance_m2 = placed.slant.map_or(sigma.range_m.powi(2), |slant| {
@@ -131,12 +135,12 @@ fn along_the_ground(placed: &Placed, platform_m: [f64; 3], sigma: PolarSigma) ->
 
 /// Standard deviation of a bearing, radians: the antenna's error is one of angle times the straight distance, however
 /// high the target.
-fn across(placed: &Placed, ground_m: f64, sigma: PolarSigma) -> f64 {
+fn across(placed: &SystemPosition, ground_m: f64, sigma: PolarSigma) -> f64 {
     let straight_m = placed.slant.map_or(ground_m, |slant| slant.range_m());
     (sigma.azimuth_rad * straight_m / ground_m.max(1.0)).clamp(sigma.azimuth_rad, FRAC_PI_4)
 }
 
-fn offset(placed: &Placed, platform_m: [f64; 3]) -> [f64; 3] {
+fn offset(placed: &SystemPosition, platform_m: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|axis| placed.position_m[axis] - platform_m[axis])
 }
 

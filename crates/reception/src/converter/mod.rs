@@ -12,10 +12,10 @@ use rustc_hash::FxHashMap;
 
 use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
 use super::atmosphere::altitude_correction_m;
-use super::placing::{Height, Placed, place};
+use super::placing::{Height, SystemPosition, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
-use super::{Method, PositionForm, SourceModel};
+use super::{ConversionModel, Method, PositionForm};
 use observations::{Axes, Observation, Position};
 
 /// A track's last height is used for so long where its reports have none, nanoseconds.
@@ -44,7 +44,7 @@ impl Stamp {
 /// Converter from a source's observations to sensor tracks; counts rejected observations.
 #[derive(Debug)]
 pub struct Converter {
-    model: SourceModel,
+    model: ConversionModel,
     day: Option<DayUnroller>,
     first_day_ns: i64,
     /// Time of receipt of the present observation, UTC and by a steady clock, nanoseconds; `None` for recordings.
@@ -62,7 +62,7 @@ pub struct Converter {
 impl Converter {
     /// Returns a converter for a source with a first report on the day that begins at `first_day_ns` (UTC,
     /// nanoseconds).
-    pub fn new(model: SourceModel, first_day_ns: i64) -> Self {
+    pub fn new(model: ConversionModel, first_day_ns: i64) -> Self {
         Self {
             model,
             day: None,
@@ -304,7 +304,7 @@ impl Converter {
     }
 
     /// The velocity that the source delivers, in the system frame, and checked.
-    fn velocity(&self, observation: &Observation, placed: &Placed) -> Result<Velocity, Counter> {
+    fn velocity(&self, observation: &Observation, placed: &SystemPosition) -> Result<Velocity, Counter> {
         let Some(velocity) = observation.velocity else {
             return Ok(Velocity::Unknown);
         };
@@ -330,7 +330,7 @@ impl Converter {
         &mut self,
         number: u32,
         time_ns: i64,
-        placed: &Placed,
+        placed: &SystemPosition,
         height: Height,
         delivered: Velocity,
     ) -> Result<Velocity, Counter> {

@@ -3,7 +3,7 @@
 use frames::{Geodetic, SystemFrame};
 
 use super::*;
-use crate::{CovarianceFrom, CovarianceModel, Limits, PoorQuality, STANDARD_PRESSURE_HPA};
+use crate::{CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, STANDARD_PRESSURE_HPA};
 use observations::{Detection, DetectionKind};
 use observations::{Plane, Quality};
 use test_support::S;
@@ -13,7 +13,7 @@ const DAY: i64 = 16_931 * 86_400 * S;
 fn converter() -> Converter {
     let place = Geodetic::from_degrees(41.297063, 2.078447, 0.0).unwrap();
     let system = SystemFrame::at(place);
-    let model = SourceModel {
+    let model = ConversionModel {
         number: 1,
         sac_sic: Some((0, 107)),
         method: Default::default(),
@@ -23,7 +23,7 @@ fn converter() -> Converter {
         height_m: 0.0,
         assumed_height_m: 5000.0,
         qnh_hpa: STANDARD_PRESSURE_HPA,
-        limits: Limits {
+        limits: PlausibilityLimits {
             range_m: 50e3,
             height_min_m: -500.0,
             height_max_m: 20e3,

@@ -86,7 +86,7 @@ pub(super) fn read(record: &Record<'_>) -> Option<Reading> {
 fn observation(record: &Record<'_>) -> Observation {
     let edition = record.table().edition;
     let (status, code) = (record.octets(STATUS), record.octets(MODE_3A));
-    let (aircraft, accuracy) = (Aircraft::of(record), Accuracy::of(record));
+    let (aircraft, accuracy) = (Aircraft::of(record), EstimatedAccuracy::of(record));
     let geodetic = GEODETIC.quantities(record);
     let is_refuted = edition >= V.since && (V.is_set(code) || G.is_set(code));
     let (in_standard, above_sea) = match BAROMETRIC_ALTITUDE.quantities(record) {
@@ -185,7 +185,7 @@ impl Aircraft {
 
 /// I062/500: the system's estimate of its errors.
 #[derive(Default)]
-struct Accuracy {
+struct EstimatedAccuracy {
     /// Standard deviations of x and y, metres.
     position: Option<[f64; 2]>,
     /// Covariance of x and y, m².
@@ -196,7 +196,7 @@ struct Accuracy {
     velocity: Option<[f64; 2]>,
 }
 
-impl Accuracy {
+impl EstimatedAccuracy {
     fn of(record: &Record<'_>) -> Self {
         let mut accuracy = Self::default();
         for (position, octets) in record.subitems(ACCURACY) {

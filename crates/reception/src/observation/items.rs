@@ -7,7 +7,7 @@ use asterix::text::icao_character;
 use asterix::{Frn, Record};
 use messages::{Callsign, Identity, TrackState, alert_bits};
 
-use observations::{Quality, Service};
+use observations::{Quality, ServiceMessage};
 
 use super::Reading;
 
@@ -53,7 +53,7 @@ pub(super) fn nanoseconds(ticks: u64) -> i64 {
 
 /// A message of the sensor about itself, with its time of day.
 pub(super) fn service(record: &Record<'_>, time: &Elements<1>, turn_begins: bool, turn_ns: Option<i64>) -> Reading {
-    Reading::Service(Service {
+    Reading::Service(ServiceMessage {
         sac_sic: record.sender(),
         time_of_day_ns: time_of_day_ns(record, time),
         turn_begins,

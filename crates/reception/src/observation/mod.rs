@@ -16,7 +16,7 @@ mod services;
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Frn, Record};
 use messages::{TrackState, alert_bits};
-use observations::{Axes, Observation, Plane, Quality, Service};
+use observations::{Axes, Observation, Plane, Quality, ServiceMessage};
 
 use items::{
     Reply, alerts_of_advisory, alerts_of_emergency, callsign, components, covariance, flight_status, identity,
@@ -33,7 +33,7 @@ pub enum Reading {
     /// A target report.
     Target(Observation),
     /// A record about the sensor itself.
-    Service(Service),
+    Service(ServiceMessage),
     /// A record of a category that reports no targets in any form known here.
     Other,
 }

@@ -476,7 +476,7 @@ fn messages_about_the_source_give_its_time() {
         (service(&CAT065_V1_6, &[0xD0], &[1]), false),
         (service(&CAT010_V1_1, &[0xD0], &[2]), true),
     ] {
-        let expected = Service {
+        let expected = ServiceMessage {
             sac_sic: Some((25, 201)),
             time_of_day_ns: Some(NOON_NS),
             turn_begins,

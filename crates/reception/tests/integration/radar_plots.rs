@@ -13,7 +13,8 @@ use messages::{Counter, Counters, SensorTrack, sensor_track_bits as bits};
 use observations::Observation;
 use reception::observation::{self, Reading};
 use reception::{
-    Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
+    ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
+    STANDARD_PRESSURE_HPA,
 };
 use test_support::S;
 use test_support::recording;
@@ -24,10 +25,10 @@ const PLOTS: &str = "akapetanovic/Jahorina.raw";
 const TRACKS: &str = "cro/cat_034_048.pcap";
 
 /// The system around the radar's supposed place, 100 km to the south-east.
-fn model() -> SourceModel {
+fn model() -> ConversionModel {
     let system = SystemFrame::at(Geodetic::from_degrees(43.0, 19.3, 0.0).unwrap());
     let place = Geodetic::from_degrees(43.72, 18.57, 1900.0).unwrap();
-    SourceModel {
+    ConversionModel {
         number: 0,
         sac_sic: Some((23, 2)),
         method: Default::default(),
@@ -37,7 +38,7 @@ fn model() -> SourceModel {
         height_m: place.height_m(),
         assumed_height_m: 5000.0,
         qnh_hpa: STANDARD_PRESSURE_HPA,
-        limits: Limits {
+        limits: PlausibilityLimits {
             range_m: 400e3,
             height_min_m: -500.0,
             height_max_m: 20e3,
@@ -202,7 +203,7 @@ fn a_track_lies_where_its_plot_does() {
             };
             // Numbers of different radars are different tracks; each report gets a converter of its own.
             let mut converter = Converter::new(
-                SourceModel {
+                ConversionModel {
                     sac_sic: None,
                     ..model()
                 },

@@ -1,8 +1,8 @@
 //! Detections of targets in formation by a radar of limited resolution.
 
-use observations::Truth as Of;
+use observations::DetectionTruth as Of;
 use proptest::prelude::*;
-use scenario::{FormationSettings, Plot, ScenarioSettings, SensorKind, SensorSettings, SimulatedSensor, Truth};
+use scenario::{FormationSettings, RadarPlot, ScenarioSettings, SensorKind, SensorSettings, SimulatedSensor, Truth};
 
 /// Pairs from the north, straight towards the radar, so that they straddle the azimuth at which its turns begin.
 fn pairs(spacing_m: f64) -> Truth {
@@ -34,7 +34,7 @@ fn radar(detection_probability: f64, resolved_probability: f64) -> SensorSetting
     }
 }
 
-fn plots(settings: &SensorSettings, truth: &Truth, seed: u64, until_s: f64) -> Vec<Plot> {
+fn plots(settings: &SensorSettings, truth: &Truth, seed: u64, until_s: f64) -> Vec<RadarPlot> {
     let mut sensor = SimulatedSensor::new(settings, seed, 1, 0).expect("valid");
     let (mut tracks, mut plots) = (Vec::new(), Vec::new());
     while sensor.next_scan_time_s() < until_s {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use messages::{SensorTrack, SystemTrack, TrackState};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, TargetState, Truth};
-use scoring::{Accuracy, AccuracyReport, PictureTarget, PictureTrack};
+use scoring::{AccuracyReport, AccuracySums, PictureTarget, PictureTrack};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
 
@@ -14,7 +14,7 @@ fn scored(settings: &SensorSettings) -> AccuracyReport {
     let mut sensor = SimulatedSensor::new(settings, 11, 0, START_NS).expect("valid");
     let mut latest: BTreeMap<u32, SystemTrack> = BTreeMap::new();
     let mut reports: Vec<SensorTrack> = Vec::new();
-    let mut accuracy = Accuracy::default();
+    let mut accuracy = AccuracySums::default();
     for second in 0..120 {
         let time_s = f64::from(second);
         while sensor.next_scan_time_s() <= time_s {

@@ -4,7 +4,7 @@ use super::identification::Identities;
 
 /// State after a scan.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Carried {
+pub(crate) struct SupportState {
     /// Reports that arrived up to this time, nanoseconds, have been used.
     pub(crate) reports_ns: i64,
     /// Emissions that were received up to this time, nanoseconds, have been used.
@@ -13,7 +13,7 @@ pub(crate) struct Carried {
     pub(crate) identities: Identities,
 }
 
-impl Carried {
+impl SupportState {
     /// Before the first scan, with room for `tracks_max` tracks and `types` types of targets.
     pub(crate) fn new(tracks_max: usize, types: usize) -> Self {
         Self {

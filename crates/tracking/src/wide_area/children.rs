@@ -4,7 +4,7 @@ use super::correction::Gains;
 use crate::counts::TrackerCounts;
 use crate::explanation::{CorrectionRecord, Explanation, Observer};
 use crate::hypothesis_store::HypothesisStore;
-use crate::joined::Joined;
+use crate::joined::JoinedClusters;
 use crate::log_sum::log_sum;
 use crate::parents::Parents;
 
@@ -35,7 +35,7 @@ impl ChildCorrection {
     /// their parents.
     pub(crate) fn run(
         &self,
-        joined: &Joined<'_>,
+        joined: &JoinedClusters<'_>,
         parents: &mut Parents,
         store: &mut HypothesisStore,
         counts: &mut TrackerCounts,
@@ -48,7 +48,7 @@ impl ChildCorrection {
         counts.wide_area_corrections += u64::from(parents.corrected);
     }
 
-    fn correct(&self, joined: &Joined<'_>, parents: &mut Parents, store: &mut HypothesisStore) {
+    fn correct(&self, joined: &JoinedClusters<'_>, parents: &mut Parents, store: &mut HypothesisStore) {
         let Some(rule) = joined.support.correction() else {
             return;
         };
@@ -79,7 +79,7 @@ impl ChildCorrection {
 
     /// Records the correction of the clusters before the scan and of the children, with the share of children that
     /// had enough tracks before.
-    fn explain(&self, joined: &Joined<'_>, observer: &dyn Observer, store: &HypothesisStore, before: f64) {
+    fn explain(&self, joined: &JoinedClusters<'_>, observer: &dyn Observer, store: &HypothesisStore, before: f64) {
         let hypotheses = &joined.scan.before.hypotheses;
         for (place, cluster) in joined.clusters() {
             let range = cluster.hypotheses.start as usize..cluster.hypotheses.end as usize;

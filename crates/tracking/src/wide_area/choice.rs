@@ -5,7 +5,7 @@
 //! the nearest one is meant, unless even that is too far away.
 //!
 //! Limit: a false detection that happens to be nearer is a cluster, too. `tracks_min` of
-//! [`WideArea`](super::settings::WideArea) passes over clusters in which hardly a track is believed.
+//! [`SupportSettings`](super::settings::SupportSettings) passes over clusters in which hardly a track is believed.
 
 use messages::AXES;
 

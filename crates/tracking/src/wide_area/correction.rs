@@ -15,7 +15,7 @@
 //!
 //! Source: patent JP4702010B2, embodiment 1.
 
-use settings::{Node, Place, Range, SettingsError, Table, Value};
+use settings::{KeyTable, KeyValue, Node, Place, Range, SettingsError};
 
 use crate::log_sum::{log_add, log_sum};
 
@@ -69,17 +69,17 @@ impl Default for Rule {
     }
 }
 
-impl Value for Rule {
+impl KeyValue for Rule {
     fn read(&mut self, node: &Node<'_>, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
         let mut keys = RuleKeys::default();
-        Value::read(&mut keys, node, range, at)?;
+        KeyValue::read(&mut keys, node, range, at)?;
         let share = keys.share.map(Self::Share);
         *self = share.or(keys.factor.map(Self::Factor)).unwrap_or_default();
         Ok(())
     }
 
     fn check(&self, range: Range, at: &Place<'_>) -> Result<(), SettingsError> {
-        Value::check(&RuleKeys::from(*self), range, at)
+        KeyValue::check(&RuleKeys::from(*self), range, at)
     }
 
     fn kind(&self) -> String {
@@ -93,7 +93,7 @@ impl Value for Rule {
         }
     }
 
-    fn table(&self) -> Option<Box<dyn Table>> {
+    fn table(&self) -> Option<Box<dyn KeyTable>> {
         Some(Box::new(RuleKeys::from(*self)))
     }
 }

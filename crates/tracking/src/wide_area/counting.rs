@@ -44,7 +44,7 @@ pub struct CountingTotals {
 
 /// Counts of a wide-area sensor that are made of another system's tracks.
 #[derive(Debug)]
-pub struct Counting {
+pub struct TrackCounter {
     period_ns: i64,
     group_m: f64,
     /// Number of the period at hand.
@@ -55,7 +55,7 @@ pub struct Counting {
     counts: CountingTotals,
 }
 
-impl Counting {
+impl TrackCounter {
     /// Pictures of `period_ns` nanoseconds (at least 1), groups of tracks no farther than `group_m` metres from the
     /// next.
     pub fn new(period_ns: i64, group_m: f64) -> Self {
@@ -170,7 +170,7 @@ mod tests {
         }
     }
 
-    fn all(counting: &mut Counting, tracks: &[CountedTrack]) -> Vec<WideAreaReport> {
+    fn all(counting: &mut TrackCounter, tracks: &[CountedTrack]) -> Vec<WideAreaReport> {
         let mut reports = Vec::new();
         for track in tracks {
             counting.take(*track, track.time_ns + S / 2, &mut reports);
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn tracks_of_one_period_near_each_other_are_one_report() {
-        let mut counting = Counting::new(4 * S, 500.0);
+        let mut counting = TrackCounter::new(4 * S, 500.0);
         let tracks = [
             track(1, 0.5, 0.0),
             track(2, 1.0, 9000.0),
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_clock_that_is_ahead_makes_no_negative_delay() {
-        let mut counting = Counting::new(S, 0.0);
+        let mut counting = TrackCounter::new(S, 0.0);
         let mut reports = Vec::new();
         counting.take(track(1, 100.0, 0.0), 5 * S, &mut reports);
         counting.complete(6 * S, &mut reports);
@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn more_tracks_than_there_is_room_for_are_counted() {
-        let mut counting = Counting::new(S, 10.0);
+        let mut counting = TrackCounter::new(S, 10.0);
         let tracks: Vec<CountedTrack> = (0..TRACKS_MAX as u32 + 3)
             .map(|number| track(number, 0.5, 1e3 * f64::from(number)))
             .collect();
@@ -257,7 +257,7 @@ mod tests {
         fn every_track_of_a_picture_is_counted_once(mut tracks in any_tracks(), group_m in 0.0..3e3f64) {
             tracks.sort_by_key(|track| track.time_ns);
             let period_ns = 3 * S;
-            let mut counting = Counting::new(period_ns, group_m);
+            let mut counting = TrackCounter::new(period_ns, group_m);
             let mut reports = all(&mut counting, &tracks);
             counting.complete(20 * S, &mut reports);
             let mut seen: Vec<(i64, u32)> = tracks.iter().map(|track| (track.time_ns.div_euclid(period_ns), track.number)).collect();
@@ -281,7 +281,7 @@ mod tests {
             tracks.sort_by_key(|track| (track.number, track.time_ns));
             tracks.dedup_by_key(|track| track.number);
             let report = |tracks: &[CountedTrack]| {
-                let mut counting = Counting::new(S, 1e3);
+                let mut counting = TrackCounter::new(S, 1e3);
                 let mut reports = Vec::new();
                 tracks.iter().for_each(|track| counting.take(*track, 2 * S, &mut reports));
                 counting.complete(2 * S, &mut reports);

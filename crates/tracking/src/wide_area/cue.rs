@@ -8,7 +8,7 @@ use messages::{AXES, StageTimes};
 use observations::{Detection, Sampled, sensor_id};
 
 use crate::gate::gates;
-use crate::measurement::Measurement;
+use crate::measurement::DetectionMeasurement;
 use crate::motion::MotionSettings;
 use crate::track_report::TrackReport;
 
@@ -63,12 +63,12 @@ impl Sampled for Cue {
 
 /// Times of the sensors' next looks: one period after the last look of each.
 #[derive(Clone, Debug, Default)]
-pub struct Looks {
+pub struct LookTimes {
     /// (sensor, last time, period), nanoseconds.
     sensors: Vec<(u32, i64, Option<i64>)>,
 }
 
-impl Looks {
+impl LookTimes {
     /// For these sensors.
     pub fn of(sensors: impl Iterator<Item = u32>) -> Self {
         Self {
@@ -103,7 +103,7 @@ impl Looks {
 pub fn sigma_m(detections: &[Detection], sigmas: Option<[f64; 4]>) -> Option<f64> {
     let places = detections
         .iter()
-        .filter_map(|detection| Measurement::of(detection, sigmas)?.place());
+        .filter_map(|detection| DetectionMeasurement::of(detection, sigmas)?.place());
     let (sum_m, count) = places.fold((0.0, 0.0), |(sum_m, count), (_, sigma_m)| {
         (sum_m + sigma_m, count + 1.0)
     });

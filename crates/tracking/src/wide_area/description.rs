@@ -8,7 +8,7 @@ use super::emission::Emissions;
 use super::expectation::Expectations;
 use super::group::Group;
 use super::identification::Whereabouts;
-use super::settings::WideArea;
+use super::settings::SupportSettings;
 use crate::counts::TrackerCounts;
 use crate::explanation::{Explanation, Observer};
 use crate::motion::MotionSettings;
@@ -18,13 +18,13 @@ use crate::track_report::{BestBranch, TrackReport, find_best, report_of};
 
 /// Working memory for one population after the other.
 #[derive(Clone, Debug)]
-pub(crate) struct Description {
+pub(crate) struct DescriptionWorkspace {
     /// By cluster of the population at hand.
     expectations: Expectations,
     best: Vec<BestBranch>,
 }
 
-impl Description {
+impl DescriptionWorkspace {
     pub(crate) fn new(tracks_max: usize) -> Self {
         Self {
             expectations: Expectations::new(tracks_max),
@@ -40,7 +40,7 @@ impl Description {
         before: &Population,
         next: &mut Population,
         time_ns: i64,
-        settings: &WideArea,
+        settings: &SupportSettings,
         counts: &mut TrackerCounts,
     ) {
         let knowledge = &settings.knowledge;
@@ -119,7 +119,7 @@ impl Description {
     }
 
     /// WA-7: returns the group of a cluster with unresolved targets.
-    fn group(&self, population: &Population, cluster: u32, settings: &WideArea) -> Option<Group> {
+    fn group(&self, population: &Population, cluster: u32, settings: &SupportSettings) -> Option<Group> {
         let groups = settings.groups?;
         let targets = self.expectations.of(cluster).targets?;
         let hypotheses = &population.clusters[cluster as usize].hypotheses;

@@ -11,7 +11,7 @@ use super::choice::{Centre, nearest};
 use super::distribution::share;
 use super::identification::Origin;
 use super::report;
-use super::settings::WideArea;
+use super::settings::SupportSettings;
 use crate::counts::TrackerCounts;
 use crate::population::{Cluster, Population};
 use crate::track::Track;
@@ -81,7 +81,7 @@ impl Expectations {
         before: &Population,
         time_ns: i64,
         reports: &[WideAreaReport],
-        settings: &WideArea,
+        settings: &SupportSettings,
         lasting: bool,
         counts: &mut TrackerCounts,
     ) {
@@ -112,7 +112,7 @@ impl Expectations {
         }
     }
 
-    fn find_centres(&mut self, before: &Population, settings: &WideArea) {
+    fn find_centres(&mut self, before: &Population, settings: &SupportSettings) {
         self.centres.clear();
         // Most clusters are clutter: they need no centre.
         let is_believed = |cluster: &Cluster| {
@@ -155,7 +155,7 @@ impl Expectations {
         &mut self,
         reports: &[WideAreaReport],
         place: usize,
-        settings: &WideArea,
+        settings: &SupportSettings,
         matters: impl Fn(&WideAreaReport) -> bool,
     ) -> WideAreaReport {
         let mut sum = reports[place];
@@ -180,7 +180,7 @@ impl Expectations {
     }
 
     /// Adds a report to its clusters. `false` if no cluster fits. The centres are at `reference_ns`.
-    fn take(&mut self, report: &WideAreaReport, is_due: bool, reference_ns: i64, settings: &WideArea) -> bool {
+    fn take(&mut self, report: &WideAreaReport, is_due: bool, reference_ns: i64, settings: &SupportSettings) -> bool {
         if report.targets == 0 {
             // Nothing to correct; absence is another matter.
             return true;
@@ -225,7 +225,13 @@ impl Expectations {
     }
 
     /// WA-8: silence or lack of coverage is not absence.
-    fn find_absences(&mut self, before: &Population, time_ns: i64, reports: &[WideAreaReport], settings: &WideArea) {
+    fn find_absences(
+        &mut self,
+        before: &Population,
+        time_ns: i64,
+        reports: &[WideAreaReport],
+        settings: &SupportSettings,
+    ) {
         let coverage = settings.deletion.and_then(|early| early.coverage);
         for (expectation, cluster) in self.list.iter_mut().zip(&before.clusters) {
             let centre = centre_of(cluster, before);

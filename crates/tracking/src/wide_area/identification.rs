@@ -37,7 +37,7 @@ const GATE: f64 = 3.0;
 /// Knowledge of the confirmed tracks of a population, by their numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Identities {
-    tracks: Vec<Known>,
+    tracks: Vec<TrackIdentification>,
     /// By track, then by type, then of any other type: logarithm of the product of the emissions' likelihoods.
     log_likelihoods: Vec<f64>,
     /// Number of likelihoods per track.
@@ -45,7 +45,7 @@ pub(crate) struct Identities {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Known {
+struct TrackIdentification {
     number: u32,
     origin: Option<Origin>,
     emissions: u32,
@@ -123,7 +123,7 @@ impl Identities {
             let earlier = before.tracks[place..].iter();
             place += earlier.take_while(|known| known.number < number).count();
             let known = before.tracks.get(place).filter(|known| known.number == number);
-            self.tracks.push(known.copied().unwrap_or(Known {
+            self.tracks.push(known.copied().unwrap_or(TrackIdentification {
                 number,
                 origin: None,
                 emissions: 0,

@@ -44,4 +44,4 @@ pub(crate) mod support;
 pub use emission::{Emission, EmissionRejection};
 pub use observations::WideAreaReport;
 pub use report::{ReportRejection, TARGETS_MAX, fault_in};
-pub use settings::WideArea;
+pub use settings::SupportSettings;

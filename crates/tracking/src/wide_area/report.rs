@@ -88,11 +88,11 @@ pub(crate) fn is_due(report: &WideAreaReport, used_ns: i64, time_ns: i64) -> boo
 
 /// Reports that may still matter, in the order of arrival.
 #[derive(Clone, Debug)]
-pub(crate) struct Reports {
+pub(crate) struct ReportList {
     list: Vec<WideAreaReport>,
 }
 
-impl Reports {
+impl ReportList {
     pub(crate) fn new() -> Self {
         Self {
             list: Vec::with_capacity(REPORTS_MAX),

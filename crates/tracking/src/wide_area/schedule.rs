@@ -8,12 +8,12 @@ const BEHIND_MAX: i64 = 100;
 
 /// Even times, one after the other.
 #[derive(Clone, Debug)]
-pub struct Schedule {
+pub struct OutputSchedule {
     period_ns: i64,
     next_ns: Option<i64>,
 }
 
-impl Schedule {
+impl OutputSchedule {
     /// Every `period_ns`, at least one nanosecond.
     pub fn new(period_ns: i64) -> Self {
         Self {
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn pictures_come_at_even_times_whatever_comes_between() {
-        let mut schedule = Schedule::new(10);
+        let mut schedule = OutputSchedule::new(10);
         let mut found = Vec::new();
         for now_ns in [-3, 4, 5, 9, 31, 31, 40] {
             while let Some(time_ns) = schedule.next(now_ns) {
@@ -57,14 +57,14 @@ mod tests {
 
     #[test]
     fn a_long_pause_is_not_made_up_for_whole() {
-        let mut schedule = Schedule::new(10);
+        let mut schedule = OutputSchedule::new(10);
         assert_eq!(schedule.next(0), Some(0));
         let mut found = Vec::new();
         while let Some(time_ns) = schedule.next(1_000_000_005) {
             found.push(time_ns);
         }
         assert_eq!((found.len(), found.last()), (100, Some(&1_000_000_000)));
-        let mut extreme = Schedule::new(i64::MAX);
+        let mut extreme = OutputSchedule::new(i64::MAX);
         while extreme.next(i64::MAX).is_some_and(|time_ns| time_ns < i64::MAX) {}
     }
 }

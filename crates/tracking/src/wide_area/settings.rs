@@ -30,7 +30,7 @@ fn earlier() -> Deletion {
 
 settings::settings! {
     /// Use of a wide-area sensor's reports (WA).
-    pub struct WideArea with knowledge: Knowledge {
+    pub struct SupportSettings with knowledge: Knowledge {
         /// Correction of reliabilities in the scan in which a report is due (WA-4).
         correction: Option<Rule> = Some(Rule::Share(0.6));
         /// Only clusters with a confirmed track are corrected, so that the search for a second target does not delay
@@ -88,7 +88,7 @@ impl EarlyConfirmation {
     }
 }
 
-impl WideArea {
+impl SupportSettings {
     /// Returns whether valid reports affect scans without a due report.
     pub(crate) fn lasts(&self) -> bool {
         self.held.is_some() || self.confirmation.is_some() || self.deletion.is_some()

@@ -6,11 +6,11 @@
 use observations::WideAreaReport;
 
 use super::correction::{Gains, Rule, has_enough, lacking};
-use super::description::Description;
+use super::description::DescriptionWorkspace;
 use super::emission::{Emission, EmissionRejection, Emissions};
 use super::expectation::{Expectation, Expectations};
-use super::report::{self, ReportRejection, Reports};
-use super::settings::{EarlyConfirmation, WideArea};
+use super::report::{self, ReportList, ReportRejection};
+use super::settings::{EarlyConfirmation, SupportSettings};
 use crate::counts::TrackerCounts;
 use crate::explanation::{CorrectionRecord, Observer};
 use crate::hypothesis_store::HypothesisStore;
@@ -22,20 +22,20 @@ use crate::track_report::{BestBranch, TrackReport};
 /// Wide-area support of one tracker.
 #[derive(Clone, Debug)]
 pub(crate) struct Support {
-    reports: Reports,
+    reports: ReportList,
     emissions: Emissions,
     /// By cluster before the scan at hand.
     expectations: Expectations,
-    description: Description,
+    description: DescriptionWorkspace,
 }
 
 impl Support {
-    pub(crate) fn new(settings: &WideArea, tracks_max: usize) -> Self {
+    pub(crate) fn new(settings: &SupportSettings, tracks_max: usize) -> Self {
         Self {
-            reports: Reports::new(),
+            reports: ReportList::new(),
             emissions: Emissions::new(settings.knowledge.types.len()),
             expectations: Expectations::new(tracks_max),
-            description: Description::new(tracks_max),
+            description: DescriptionWorkspace::new(tracks_max),
         }
     }
 
@@ -47,7 +47,7 @@ impl Support {
         &mut self,
         report: &WideAreaReport,
         closed_ns: i64,
-        settings: &WideArea,
+        settings: &SupportSettings,
         counts: &mut TrackerCounts,
     ) -> Result<i64, ReportRejection> {
         let due_ns = report.arrival_ns.max(closed_ns.saturating_add(1));
@@ -71,7 +71,7 @@ impl Support {
         &mut self,
         emission: &Emission,
         closed_ns: i64,
-        settings: &WideArea,
+        settings: &SupportSettings,
         counts: &mut TrackerCounts,
     ) -> Result<i64, EmissionRejection> {
         let due_ns = self.emissions.keep(emission, closed_ns, settings.delay_max_s.ns());
@@ -85,7 +85,7 @@ impl Support {
         &mut self,
         before: &Population,
         time_ns: i64,
-        settings: &WideArea,
+        settings: &SupportSettings,
         counts: &mut TrackerCounts,
     ) {
         let reports = self.reports.list();
@@ -99,7 +99,7 @@ impl Support {
         &'a self,
         clusters: &'a [(u32, u32)],
         confirmed: usize,
-        settings: &'a WideArea,
+        settings: &'a SupportSettings,
     ) -> ClusterSupport<'a> {
         ClusterSupport {
             settings,
@@ -115,7 +115,7 @@ impl Support {
         before: &Population,
         next: &mut Population,
         time_ns: i64,
-        settings: &WideArea,
+        settings: &SupportSettings,
         counts: &mut TrackerCounts,
     ) {
         let heard = (self.reports.list(), &self.emissions);
@@ -141,7 +141,7 @@ impl Support {
 /// Support of the update of joined clusters.
 #[derive(Clone, Copy)]
 pub(crate) struct ClusterSupport<'a> {
-    settings: &'a WideArea,
+    settings: &'a SupportSettings,
     expectations: &'a Expectations,
     clusters: &'a [(u32, u32)],
     confirmed: usize,

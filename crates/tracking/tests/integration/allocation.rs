@@ -4,7 +4,7 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use observations::{Detection, DetectionKind};
 use settings::Degrees;
 use test_support::S;
-use tracking::settings::{Capacity, Limit, SensorModel, SensorSettings};
+use tracking::settings::{Limit, SensorFacts, SensorModel, TrackerCapacity};
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
 use tracking::wide_area::prior::{Circle, EmissionBand, Prior, TargetType};
@@ -61,7 +61,7 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
 #[test]
 fn scans_allocate_nothing() {
     let mut settings = Settings {
-        sensors: vec![SensorSettings {
+        sensors: vec![SensorFacts {
             sensor_id: 1,
             model: SensorModel {
                 resolution_m: Some(2.0),
@@ -72,9 +72,9 @@ fn scans_allocate_nothing() {
                 }),
                 ..SensorModel::default()
             },
-            ..SensorSettings::default()
+            ..SensorFacts::default()
         }],
-        capacity: Capacity {
+        capacity: TrackerCapacity {
             tracks: Some(120),
             detections: Some(200),
             open_scans: 2,

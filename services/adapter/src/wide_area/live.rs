@@ -9,23 +9,23 @@ use runtime::clock::mono_ns;
 use runtime::{HealthEntry, Now};
 use tracking::wide_area::WideAreaReport;
 
-use super::rows::Rows;
-use super::tracks::Tracks;
-use crate::receiver::{Datagrams, Received};
+use super::rows::CountRows;
+use super::tracks::OtherSystemTracks;
+use crate::receiver::{DatagramReader, ReceiptTime};
 
 /// Reader of the datagrams.
 #[derive(Debug)]
-enum Reader {
+enum CountReader {
     /// Rows of counts.
-    Rows(Rows),
+    Rows(CountRows),
     /// Another system's tracks.
-    Tracks(Box<Tracks>),
+    Tracks(Box<OtherSystemTracks>),
 }
 
 /// Counts in datagrams.
 #[derive(Debug)]
-pub(super) struct Live {
-    reader: Reader,
+pub(super) struct LiveCounts {
+    reader: CountReader,
     sensor: u16,
     publisher: Publisher<SharedMemory, WideArea>,
     reports: Vec<WideAreaReport>,
@@ -33,13 +33,15 @@ pub(super) struct Live {
     arrived_ns: i64,
 }
 
-impl Live {
+impl LiveCounts {
     pub(super) fn new(process: &Process, sensor: &WideAreaSensor) -> anyhow::Result<Self> {
         let topic = messages::wide_area(&sensor.name);
         Ok(Self {
             reader: match &sensor.input {
-                WideAreaInput::Tracks(tracks) => Reader::Tracks(Box::new(Tracks::new(tracks, process.first_day_ns()))),
-                _ => Reader::Rows(Rows::default()),
+                WideAreaInput::Tracks(tracks) => {
+                    CountReader::Tracks(Box::new(OtherSystemTracks::new(tracks, process.first_day_ns())))
+                }
+                _ => CountReader::Rows(CountRows::default()),
             },
             sensor: sensor.number,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
@@ -49,11 +51,11 @@ impl Live {
     }
 }
 
-impl Datagrams for Live {
-    fn take(&mut self, bytes: &[u8], received: Received) -> anyhow::Result<()> {
+impl DatagramReader for LiveCounts {
+    fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
         match &mut self.reader {
-            Reader::Rows(rows) => rows.take(bytes, received.utc_ns, &mut self.reports),
-            Reader::Tracks(tracks) => {
+            CountReader::Rows(rows) => rows.take(bytes, received.utc_ns, &mut self.reports),
+            CountReader::Tracks(tracks) => {
                 tracks.take(blocks(bytes), bytes.len(), Some(received.utc_ns), &mut self.reports);
             }
         }
@@ -61,7 +63,7 @@ impl Datagrams for Live {
     }
 
     fn publish(&mut self, count: usize, now: Now) -> anyhow::Result<()> {
-        if let (0, Reader::Tracks(tracks)) = (count, &mut self.reader) {
+        if let (0, CountReader::Tracks(tracks)) = (count, &mut self.reader) {
             tracks.silent(now.utc_ns, &mut self.reports);
         }
         let Some(latest_ns) = self.reports.iter().map(|report| report.arrival_ns).max() else {
@@ -95,8 +97,8 @@ impl Datagrams for Live {
 
     fn health(&self, whole: &mut HealthEntry, _sources: &mut Vec<HealthEntry>) {
         match &self.reader {
-            Reader::Rows(rows) => rows.count(&mut whole.counters),
-            Reader::Tracks(tracks) => tracks.count(&mut whole.counters),
+            CountReader::Rows(rows) => rows.count(&mut whole.counters),
+            CountReader::Tracks(tracks) => tracks.count(&mut whole.counters),
         }
         whole.progress_ns = self.arrived_ns;
         whole.set(Counter::Published, self.publisher.counts().samples);

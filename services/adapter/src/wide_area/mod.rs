@@ -7,7 +7,7 @@
 //!
 //! A tracker of a recorded source does not wait for what is published: it reads the recording itself, so that its
 //! tracks do not depend on which process is faster. That of a live source takes what has been published
-//! ([`Channel`](crate::channel::Channel)).
+//! ([`SourceChannel`](crate::channel::SourceChannel)).
 
 mod live;
 pub(crate) mod recorded;
@@ -20,9 +20,9 @@ use messages::{Counter, Counters, Stream, StreamId};
 use runtime::Agent;
 use tracking::wide_area::{ReportRejection, WideAreaReport, fault_in};
 
-use self::live::Live;
-use crate::receiver::Receiver;
-use crate::replay::{Published, Replay};
+use self::live::LiveCounts;
+use crate::receiver::DatagramAgent;
+use crate::replay::{Published, ReplayAgent};
 
 /// The agent of a wide-area sensor.
 ///
@@ -39,7 +39,7 @@ pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Resul
             },
             sensor_uid: None,
         };
-        return Ok(Box::new(Replay::new(
+        return Ok(Box::new(ReplayAgent::new(
             process,
             recording,
             published.open(process, &[])?,
@@ -48,19 +48,19 @@ pub(crate) fn agent(process: &Process, sensor: &WideAreaSensor) -> anyhow::Resul
     }
     let receiver = sensor.receiver().and_then(|name| process.config.receiver(name));
     let receiver = receiver.with_context(|| format!("wide-area sensor {} is behind no receiver", sensor.name))?;
-    let live = Live::new(process, sensor)?;
-    Ok(Box::new(Receiver::open(process, &receiver.transport, live)?))
+    let live = LiveCounts::new(process, sensor)?;
+    Ok(Box::new(DatagramAgent::open(process, &receiver.transport, live)?))
 }
 
 /// Reports that a check has rejected, by reason.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rejected {
+struct RejectedReports {
     place: u64,
     time: u64,
     targets: u64,
 }
 
-impl Rejected {
+impl RejectedReports {
     /// Whether a report can be one; counts why not.
     fn passes(&mut self, report: &WideAreaReport) -> bool {
         match fault_in(report) {

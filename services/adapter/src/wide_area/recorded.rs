@@ -12,14 +12,14 @@ use observations::Sampled;
 use tracking::wide_area::WideAreaReport;
 use tracking::wide_area::arrivals::order;
 
-use super::Rejected;
-use super::tracks::Tracks;
+use super::RejectedReports;
+use super::tracks::OtherSystemTracks;
 use crate::content::Packed;
 use crate::replay::Replayed;
 
 /// A recording's reports, in the order of their arrival.
 #[derive(Debug)]
-pub(crate) struct Recorded {
+pub(crate) struct RecordedReports {
     sensor: u16,
     pub(crate) reports: Vec<WideAreaReport>,
     counters: Counters,
@@ -32,17 +32,17 @@ pub(crate) struct Recorded {
 ///
 /// # Errors
 /// If it cannot be read, or lacks a column.
-pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> anyhow::Result<Recorded> {
+pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> anyhow::Result<RecordedReports> {
     let file = sensor.recording().context("the wide-area sensor has no recording")?;
     let path = data.join(file);
-    let mut read = Recorded {
+    let mut read = RecordedReports {
         sensor: sensor.number,
         reports: Vec::new(),
         counters: Counters::default(),
         next: 0,
     };
     let done = match &sensor.input {
-        WideAreaInput::Tracks(tracks) => read.tracks(Tracks::new(tracks, first_day_ns), &path),
+        WideAreaInput::Tracks(tracks) => read.tracks(OtherSystemTracks::new(tracks, first_day_ns), &path),
         _ => read.rows(&path, first_day_ns),
     };
     done.with_context(|| format!("reading {}", path.display()))?;
@@ -50,7 +50,7 @@ pub(crate) fn read(sensor: &WideAreaSensor, data: &Path, first_day_ns: i64) -> a
     Ok(read)
 }
 
-impl Replayed for Recorded {
+impl Replayed for RecordedReports {
     type Sample = WideArea;
     const WAITS_FOR: &'static str = "the recorder";
 
@@ -73,10 +73,10 @@ impl Replayed for Recorded {
     }
 }
 
-impl Recorded {
+impl RecordedReports {
     fn rows(&mut self, path: &Path, first_day_ns: i64) -> anyhow::Result<()> {
         let file = std::fs::File::open(path)?;
-        let mut rejected = Rejected::default();
+        let mut rejected = RejectedReports::default();
         for row in WideAreaReader::new(BufReader::new(file), first_day_ns)? {
             self.counters[Counter::Records] += 1;
             match row {
@@ -92,7 +92,7 @@ impl Recorded {
         Ok(())
     }
 
-    fn tracks(&mut self, mut tracks: Tracks, path: &Path) -> anyhow::Result<()> {
+    fn tracks(&mut self, mut tracks: OtherSystemTracks, path: &Path) -> anyhow::Result<()> {
         let mut packed = Packed::new(std::fs::read(path)?);
         while !packed.is_exhausted() {
             let (block, length) = packed.next_block();

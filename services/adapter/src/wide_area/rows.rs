@@ -11,20 +11,20 @@ use formats::wide_area_csv::WideAreaReader;
 use messages::Counters;
 use tracking::wide_area::WideAreaReport;
 
-use super::Rejected;
-use crate::tables::{Tables, utc_ns};
+use super::RejectedReports;
+use crate::tables::{TableCounts, utc_ns};
 
 /// Longest time after its receipt for the stated arrival of a report, nanoseconds.
 const AHEAD_MAX_NS: i64 = 60_000_000_000;
 
 /// Reader of tables of counts.
 #[derive(Debug, Default)]
-pub(super) struct Rows {
-    tables: Tables,
-    rejected: Rejected,
+pub(super) struct CountRows {
+    tables: TableCounts,
+    rejected: RejectedReports,
 }
 
-impl Rows {
+impl CountRows {
     /// Takes the rows of a datagram that was received at `received_ns` (UTC, nanoseconds).
     pub(super) fn take(&mut self, bytes: &[u8], received_ns: i64, reports: &mut Vec<WideAreaReport>) {
         for row in self.tables.rows(bytes, WideAreaReader::new) {
@@ -67,7 +67,7 @@ mod tests {
     const NOON_NS: i64 = 20_000 * NS_PER_DAY + 43_205_000_000_000;
 
     fn take(rows: &str) -> (Vec<WideAreaReport>, Counters) {
-        let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), Counters::default());
+        let (mut table, mut reports, mut counters) = (CountRows::default(), Vec::new(), Counters::default());
         table.take(format!("{HEADER}{rows}").as_bytes(), NOON_NS, &mut reports);
         table.count(&mut counters);
         (reports, counters)
@@ -114,7 +114,7 @@ mod tests {
             let place = place.min(datagram.len());
             datagram.splice(place..place, bytes.iter().copied().take(3));
             for bytes in [&bytes[..], &datagram] {
-                let (mut table, mut reports, mut counters) = (Rows::default(), Vec::new(), Counters::default());
+                let (mut table, mut reports, mut counters) = (CountRows::default(), Vec::new(), Counters::default());
                 table.take(bytes, NOON_NS, &mut reports);
                 table.count(&mut counters);
                 let of = |counter: Counter| counters[counter];

@@ -12,31 +12,31 @@ use messages::{Counter, Counters, TrackState};
 use reception::Converter;
 use reception::observation::{self, Reading};
 use tracking::wide_area::WideAreaReport;
-use tracking::wide_area::counting::{CountedTrack, Counting};
+use tracking::wide_area::counting::{CountedTrack, TrackCounter};
 
 use crate::counted::decoded;
 
 /// Counter of another system's tracks.
 #[derive(Debug)]
-pub(super) struct Tracks {
+pub(super) struct OtherSystemTracks {
     period_ns: i64,
     decoder: Decoder,
     converter: Converter,
-    counting: Counting,
+    counting: TrackCounter,
     /// Arrival of the latest track, UTC, nanoseconds.
     arrived_ns: Option<i64>,
     blocks_rejected: u64,
     bytes_rejected: u64,
 }
 
-impl Tracks {
+impl OtherSystemTracks {
     /// The first track is of the day that begins at `first_day_ns` (UTC, nanoseconds).
     pub(super) fn new(settings: &CountedTracks, first_day_ns: i64) -> Self {
         Self {
             period_ns: settings.period_ns,
             decoder: settings.asterix.decoder(),
             converter: Converter::new(settings.model, first_day_ns),
-            counting: Counting::new(settings.period_ns, settings.group_m),
+            counting: TrackCounter::new(settings.period_ns, settings.group_m),
             arrived_ns: None,
             blocks_rejected: 0,
             bytes_rejected: 0,
@@ -143,14 +143,14 @@ mod tests {
     /// Noon of some day.
     const NOON_NS: i64 = 20_000 * 86_400 * S + 43_200 * S;
 
-    fn tracks() -> (Tracks, SystemReports) {
+    fn tracks() -> (OtherSystemTracks, SystemReports) {
         let config = Config::parse(Path::new("t.toml"), SITE, &[]).unwrap();
         let WideAreaInput::Tracks(settings) = &config.wide_area_sensors[0].input else {
             panic!("{config:?}");
         };
         let table = registry::default_edition(62).unwrap();
         let sender = SystemReports::new(table, 1, 1, config.frame, &[], 1400).unwrap();
-        (Tracks::new(settings, 0), sender.with_tentative())
+        (OtherSystemTracks::new(settings, 0), sender.with_tentative())
     }
 
     /// Three tracks near each other at a time: confirmed, coasted, and one more.

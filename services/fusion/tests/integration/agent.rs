@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root, Subscriber};
+use bus::{Bus, InProcess, Mark, Publisher, Root, Subscriber, TopicHold};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use messages::{
@@ -42,7 +42,7 @@ const AT_ONCE: &str = "[fusion.association]\nscan_wait = 0.0\n";
 
 struct Bench {
     _folder: tempfile::TempDir,
-    _held: Vec<Held>,
+    _held: Vec<TopicHold>,
     agent: FusionAgent<InProcess>,
     sources: [Publisher<InProcess, SensorTrack>; 2],
     queues: Arc<Queues>,
@@ -63,7 +63,7 @@ impl Bench {
         let folder = tempfile::tempdir().unwrap();
         let bus: Bus<InProcess> = Bus::open(&Root::in_base(folder.path(), "t").unwrap(), "test").unwrap();
         let topics = ["a", "b"].map(messages::sensor_tracks);
-        let mut held: Vec<Held> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
+        let mut held: Vec<TopicHold> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let system = bus.subscriber(&messages::system_tracks(), || 1).unwrap();

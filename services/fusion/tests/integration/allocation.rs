@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::Config;
 use fusion_service::FusionAgent;
 use heap::{Counting, SMALL_BYTES, heap_use};
@@ -106,7 +106,7 @@ fn the_loop_allocates_nothing() {
         let folder = tempfile::tempdir().unwrap();
         let bus: Bus<InProcess> = Bus::open(&Root::in_base(folder.path(), "t").unwrap(), "test").unwrap();
         let topics = ["a", "b", "c"].map(messages::sensor_tracks);
-        let mut held: Vec<Held> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
+        let mut held: Vec<TopicHold> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
         let queues = Queues::new(true);

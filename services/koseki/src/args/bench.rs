@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use bench_service::relay::RelayOptions;
-use bench_service::{Extra, Flood, Outputs, Settings, Wait};
+use bench_service::{Extra, Flood, OutputFiles, Settings, Wait};
 use clap::{Args, Subcommand, ValueEnum};
 use offline::values::above_zero;
 use runtime::cores::Placement;
@@ -69,22 +69,22 @@ Examples:
 
 /// `koseki bench`.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Bench {
+pub(crate) enum BenchCommand {
     /// Measure the latency of a report at given rates
     #[command(after_help = LATENCY_EXAMPLES)]
     Latency(Latency),
     /// Find the highest rate without loss, and the behaviour at higher rates
     #[command(after_help = THROUGHPUT_EXAMPLES)]
-    Throughput(Throughput),
+    Throughput(ThroughputArgs),
     /// Measure the cost of fusing a report, without processes
     #[command(after_help = ENGINE_EXAMPLES)]
-    Engine(Engine),
+    Engine(EngineArgs),
     /// Measure the cost of a reader for fusion: pairs of runs with and without the reader
     #[command(after_help = WATCH_EXAMPLES)]
-    Watch(Watch),
+    Watch(WatchArgs),
     /// Compare two files of the same command, before and after a change
     #[command(after_help = COMPARE_EXAMPLES)]
-    Compare(Compare),
+    Compare(CompareArgs),
 }
 
 /// Traffic and placement of a measurement.
@@ -97,8 +97,8 @@ pub(crate) struct Common {
     #[arg(long, value_name = "K", default_value_t = 4)]
     sources: u16,
     /// Kind of waiting of fusion, and of the relay in the place of fusion
-    #[arg(long, value_enum, default_value_t = WaitWord::Spin)]
-    wait: WaitWord,
+    #[arg(long, value_enum, default_value_t = WaitArg::Spin)]
+    wait: WaitArg,
     /// Core of the bench's own threads
     #[arg(long, value_name = "CORE", default_value_t = 0)]
     bench_core: usize,
@@ -120,7 +120,7 @@ pub(crate) struct Common {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum WaitWord {
+enum WaitArg {
     /// Poll without a pause
     Spin,
     /// Sleep until woken
@@ -131,7 +131,7 @@ enum WaitWord {
 
 /// Output files.
 #[derive(Debug, Args)]
-pub(crate) struct Files {
+pub(crate) struct FileArgs {
     /// Write all figures to this file
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -143,9 +143,9 @@ pub(crate) struct Files {
     percentiles: Option<PathBuf>,
 }
 
-impl Files {
-    fn outputs(self) -> Outputs {
-        Outputs {
+impl FileArgs {
+    fn outputs(self) -> OutputFiles {
+        OutputFiles {
             json: self.json,
             picture: self.picture,
             percentiles: self.percentiles,
@@ -177,12 +177,12 @@ pub(crate) struct Latency {
     #[command(flatten)]
     common: Common,
     #[command(flatten)]
-    files: Files,
+    files: FileArgs,
 }
 
 /// `koseki bench throughput`.
 #[derive(Debug, Args)]
-pub(crate) struct Throughput {
+pub(crate) struct ThroughputArgs {
     /// Number of reports of a source sent together
     #[arg(long, value_name = "B", default_value_t = 64)]
     batch: usize,
@@ -195,12 +195,12 @@ pub(crate) struct Throughput {
     #[command(flatten)]
     common: Common,
     #[command(flatten)]
-    files: Files,
+    files: FileArgs,
 }
 
-impl Throughput {
+impl ThroughputArgs {
     /// Returns the settings, the length of a probe in seconds, and the output files.
-    pub(crate) fn orders(self) -> (Settings, f64, Outputs) {
+    pub(crate) fn orders(self) -> (Settings, f64, OutputFiles) {
         let settings = self.common.settings(Vec::new(), self.batch, self.seconds, 1, None);
         (settings, self.probe_seconds, self.files.outputs())
     }
@@ -208,7 +208,7 @@ impl Throughput {
 
 /// `koseki bench engine`.
 #[derive(Debug, Args)]
-pub(crate) struct Engine {
+pub(crate) struct EngineArgs {
     /// Targets
     #[arg(long, value_name = "N", default_value_t = 1000)]
     targets: u32,
@@ -241,9 +241,9 @@ pub(crate) struct Engine {
     percentiles: Option<PathBuf>,
 }
 
-impl Engine {
+impl EngineArgs {
     /// Returns the settings and the output files.
-    pub(crate) fn orders(self) -> (Settings, Outputs) {
+    pub(crate) fn orders(self) -> (Settings, OutputFiles) {
         let settings = Settings {
             rates_per_s: vec![RATE_SPIN],
             targets: self.targets,
@@ -260,7 +260,7 @@ impl Engine {
             flood: None,
             subscribers: 0,
         };
-        let outputs = Outputs {
+        let outputs = OutputFiles {
             json: self.json,
             picture: None,
             percentiles: self.percentiles,
@@ -271,7 +271,7 @@ impl Engine {
 
 /// `koseki bench watch`.
 #[derive(Debug, Args)]
-pub(crate) struct Watch {
+pub(crate) struct WatchArgs {
     /// Added: monitor, stopped-subscriber, subscribers=N, link=MIRRORS (with koseki-link), flood=FACTOR (of source 0)
     #[arg(long, value_name = "EXTRA", value_parser = extra)]
     with: Extra,
@@ -294,7 +294,7 @@ pub(crate) struct Watch {
     json: Option<PathBuf>,
 }
 
-impl Watch {
+impl WatchArgs {
     /// Returns the settings, the added reader, and the file for the figures.
     pub(crate) fn orders(self) -> (Settings, Extra, Option<PathBuf>) {
         let rate = self.rate.unwrap_or_else(|| self.common.wait.usual_rate());
@@ -307,7 +307,7 @@ impl Watch {
 
 /// `koseki bench compare`.
 #[derive(Debug, Args)]
-pub(crate) struct Compare {
+pub(crate) struct CompareArgs {
     /// Figures (--json) before the change
     #[arg(value_name = "A.json")]
     pub(crate) before: PathBuf,
@@ -319,7 +319,7 @@ pub(crate) struct Compare {
     pub(crate) force: bool,
 }
 
-impl WaitWord {
+impl WaitArg {
     /// Where processes must be woken, a rate at which they can sleep.
     fn usual_rate(self) -> f64 {
         match self {
@@ -359,7 +359,7 @@ impl Common {
 
 impl Latency {
     /// Returns the settings, whether the run is a sweep, and the output files.
-    pub(crate) fn orders(self) -> (Settings, bool, Outputs) {
+    pub(crate) fn orders(self) -> (Settings, bool, OutputFiles) {
         let rates = match (self.sweep, self.rate.is_empty()) {
             (true, _) => SWEEP.to_vec(),
             (false, false) => self.rate,
@@ -372,12 +372,12 @@ impl Latency {
     }
 }
 
-impl From<WaitWord> for Wait {
-    fn from(word: WaitWord) -> Self {
+impl From<WaitArg> for Wait {
+    fn from(word: WaitArg) -> Self {
         match word {
-            WaitWord::Spin => Self::Spin,
-            WaitWord::Event => Self::Event,
-            WaitWord::Hybrid => Self::Hybrid,
+            WaitArg::Spin => Self::Spin,
+            WaitArg::Event => Self::Event,
+            WaitArg::Hybrid => Self::Hybrid,
         }
     }
 }
@@ -390,7 +390,7 @@ pub(crate) struct BenchRelay {
     #[arg(long)]
     launcher: u32,
     #[arg(long, value_enum)]
-    wait: WaitWord,
+    wait: WaitArg,
     #[arg(long)]
     core: usize,
     #[arg(long)]

@@ -24,7 +24,7 @@ encoded with another edition. The whole file is read into memory.";
 
 /// `koseki decode`.
 #[derive(Debug, Args)]
-pub(crate) struct Decode {
+pub(crate) struct DecodeArgs {
     /// The recording
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,

@@ -24,7 +24,7 @@ command with exit code 2, without output.";
 
 /// `koseki encode`.
 #[derive(Debug, Args)]
-pub(crate) struct Encode {
+pub(crate) struct EncodeArgs {
     /// The records, a JSON object per line; - for standard input
     #[arg(value_name = "FILE")]
     pub(crate) file: PathBuf,

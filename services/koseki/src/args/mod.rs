@@ -25,16 +25,16 @@ use crate::instances;
 use bearings::BEARINGS_EXAMPLES;
 pub(crate) use bearings::MeasureBearings;
 use bench::BENCH_EXAMPLES;
-pub(crate) use bench::{Bench, BenchRelay};
+pub(crate) use bench::{BenchCommand, BenchRelay};
 use decode::DECODE_EXAMPLES;
-pub(crate) use decode::Decode;
+pub(crate) use decode::DecodeArgs;
 use encode::ENCODE_EXAMPLES;
-pub(crate) use encode::Encode;
+pub(crate) use encode::EncodeArgs;
 pub(crate) use order::GiveOrder;
 use recording::RECORDING_EXAMPLES;
-pub(crate) use recording::{Recording, RecordingCut, RecordingExport, RecordingInfo, RecordingMerge};
+pub(crate) use recording::{RecordingCommand, RecordingCut, RecordingExport, RecordingInfo, RecordingMerge};
 use replay::REPLAY_EXAMPLES;
-pub(crate) use replay::Replay;
+pub(crate) use replay::ReplayArgs;
 use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
@@ -110,24 +110,24 @@ pub(crate) enum Command {
     Order(GiveOrder),
     /// Order a weather condition: short for `koseki order condition name=NAME`
     #[command(after_help = CONDITION_EXAMPLES)]
-    Condition(Condition),
+    Condition(ConditionArgs),
     /// Write the samples of a topic as lines of text, or serve the lines at a socket
     #[command(after_help = TAP_EXAMPLES)]
     Tap(Tap),
     /// Summarise, cut, merge or export a recording of all topics
     #[command(after_help = RECORDING_EXAMPLES, subcommand)]
-    Recording(Recording),
+    Recording(RecordingCommand),
     /// Fuse a recording of all topics again: with the same result, bit for bit, or with other settings
     #[command(after_help = REPLAY_EXAMPLES)]
-    Replay(Replay),
+    Replay(ReplayArgs),
     /// Decode a recording of ASTERIX into JSON records or statistics
     #[command(after_help = DECODE_EXAMPLES)]
-    Decode(Decode),
+    Decode(DecodeArgs),
     /// Encode JSON records, in the form of `decode`, into ASTERIX
     #[command(after_help = ENCODE_EXAMPLES)]
-    Encode(Encode),
+    Encode(EncodeArgs),
     #[command(flatten)]
-    OnTables(offline::Command),
+    OnTables(offline::TableCommand),
     /// Measure bearings of emitters from snapshots of an antenna array
     #[command(after_help = BEARINGS_EXAMPLES)]
     Bearings(MeasureBearings),
@@ -136,7 +136,7 @@ pub(crate) enum Command {
     Send(Send),
     /// Measure latency and throughput of the real processes, beside a bare relay on the same machine
     #[command(after_help = BENCH_EXAMPLES, subcommand)]
-    Bench(Bench),
+    Bench(BenchCommand),
     /// Inject random faults into a separate deployment, and judge the effects on a subscriber
     #[command(after_help = torture::EXAMPLES)]
     Torture(Torture),
@@ -166,7 +166,7 @@ pub(crate) enum Command {
     Link(Serve),
     /// Show the track picture in browsers: run the display in a running deployment, or show a recording
     #[command(after_help = DISPLAY_EXAMPLES)]
-    Display(Display),
+    Display(DisplayArgs),
     /// Run the simulator in a running deployment: data of simulated sensors, in ASTERIX
     #[command(after_help = SERVE_EXAMPLES)]
     Simulator(Serve),
@@ -225,7 +225,7 @@ pub(crate) struct Up {
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
     pub(crate) seconds: Option<Duration>,
     #[command(flatten)]
-    pub(crate) shared: Shared,
+    pub(crate) shared: DeploymentArgs,
 }
 
 const CHECK_EXAMPLES: &str = "\
@@ -364,7 +364,7 @@ less accurate while it rains. \"normal\" holds at the start and has factor 1 eve
 
 /// `koseki condition`.
 #[derive(Debug, Args)]
-pub(crate) struct Condition {
+pub(crate) struct ConditionArgs {
     /// The condition: a name with a factor in some source's accuracy, or "normal"
     pub(crate) name: String,
     /// The instance that receives the order
@@ -424,7 +424,7 @@ pub(crate) struct Serve {
     #[arg(long, value_name = "NAME")]
     pub(crate) name: Option<String>,
     #[command(flatten)]
-    pub(crate) shared: Shared,
+    pub(crate) shared: DeploymentArgs,
     /// Process number of the launcher; this process ends with the launcher
     #[arg(long, value_name = "PID", hide = true)]
     pub(crate) launcher: Option<u32>,
@@ -432,7 +432,7 @@ pub(crate) struct Serve {
 
 /// `koseki display`.
 #[derive(Debug, Args)]
-pub(crate) struct Display {
+pub(crate) struct DisplayArgs {
     /// Show this recording (a folder, or a file of a recording); excludes all other options
     #[arg(long, value_name = "RECORDING", exclusive = true)]
     pub(crate) recording: Option<PathBuf>,
@@ -442,7 +442,7 @@ pub(crate) struct Display {
 
 /// Options that a deployment and each of its processes have in common.
 #[derive(Debug, Args)]
-pub(crate) struct Shared {
+pub(crate) struct DeploymentArgs {
     /// Folder with recordings [default: $KOSEKI_DATA, else ../shared/data]
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
@@ -471,7 +471,7 @@ pub(crate) struct Shared {
 ///
 /// # Errors
 /// If the configuration is invalid.
-pub(crate) fn deployment(path: &std::path::Path, shared: Shared) -> anyhow::Result<(Config, Options)> {
+pub(crate) fn deployment(path: &std::path::Path, shared: DeploymentArgs) -> anyhow::Result<(Config, Options)> {
     // Checked before the file is read: an invalid name is wrong with any file.
     if let Some(instance) = &shared.instance {
         instances::named(instance)?;

@@ -17,7 +17,7 @@ Examples:
 
 /// `koseki recording`.
 #[derive(Debug, Subcommand)]
-pub(crate) enum Recording {
+pub(crate) enum RecordingCommand {
     /// Print topics, times, counts, losses and origin of a recording of all topics
     Info(RecordingInfo),
     /// Copy a part of a recording

@@ -24,7 +24,7 @@ state. With --config sources are matched by name. With --live at another speed t
 
 /// `koseki replay`.
 #[derive(Debug, Args)]
-pub(crate) struct Replay {
+pub(crate) struct ReplayArgs {
     /// The folder of a recording, or a file in the folder
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,

@@ -31,7 +31,7 @@ times of day in its records. Ctrl-C ends the command. Failures to send are count
 pub(crate) struct Send {
     /// The recordings, each with its own address if different from --to
     #[arg(value_name = "FILE[=ADDRESS:PORT]", required = true, value_parser = sent)]
-    pub(crate) files: Vec<Sent>,
+    pub(crate) files: Vec<SentRecording>,
     /// Destination of datagrams: address and port, or a multicast group; for lines, the address of the TCP server
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) to: Option<SocketAddr>,
@@ -54,22 +54,22 @@ pub(crate) struct Send {
 
 /// A recording, and its own destination, if any.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Sent {
+pub(crate) struct SentRecording {
     pub(crate) file: PathBuf,
     pub(crate) to: Option<SocketAddr>,
 }
 
-fn sent(text: &str) -> Result<Sent, String> {
+fn sent(text: &str) -> Result<SentRecording, String> {
     // A file name may contain a =.
     let with_address = text.rsplit_once('=').filter(|_| !PathBuf::from(text).exists());
     let Some((file, to)) = with_address else {
-        return Ok(Sent {
+        return Ok(SentRecording {
             file: text.into(),
             to: None,
         });
     };
     let to = to.parse().map_err(|_| format!("{to} is no ADDRESS:PORT"))?;
-    Ok(Sent {
+    Ok(SentRecording {
         file: file.into(),
         to: Some(to),
     })

@@ -16,10 +16,10 @@ use asterix::choice::ChosenEdition;
 use asterix::{Mode, NamedRecord};
 use formats::containers::TimeStamp;
 use formats::foreign::Foreign;
-use formats::recording::{Expansions, Recording, Statistics, Survey};
+use formats::recording::{Expansions, RecordingBytes, RecordingSurvey, Statistics};
 use offline::{Usage, is_same_file};
 
-use crate::args::Decode;
+use crate::args::DecodeArgs;
 
 /// Value of `--out` that means standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -30,14 +30,14 @@ const PROGRESS_BYTES_MIN: usize = 64 << 20;
 ///
 /// # Errors
 /// If the arguments are invalid, a file cannot be read or written, or no record can be decoded.
-pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
+pub(crate) fn run(decode: &DecodeArgs) -> anyhow::Result<()> {
     check(decode)?;
     let bytes = fs::read(&decode.file).with_context(|| format!("{} cannot be read", decode.file.display()))?;
     let recording = open(decode, &bytes);
     let survey = recording.survey();
     let mut expansions = Expansions::new(&decode.editions);
     if let Some(out) = &decode.out {
-        let lines = Lines {
+        let lines = RecordLines {
             recording: &recording,
             survey: &survey,
             bytes: bytes.len(),
@@ -62,7 +62,7 @@ pub(crate) fn run(decode: &Decode) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn check(decode: &Decode) -> Result<(), Usage> {
+fn check(decode: &DecodeArgs) -> Result<(), Usage> {
     let refuse = |what: &str| Err(Usage(format!("{what} (see `koseki decode --help`)")));
     let to_standard_output = decode.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
     match &decode.out {
@@ -98,8 +98,8 @@ fn subject(chosen: &ChosenEdition) -> String {
     }
 }
 
-fn open<'a>(decode: &Decode, bytes: &'a [u8]) -> Recording<'a> {
-    let mut recording = Recording::new(bytes);
+fn open<'a>(decode: &DecodeArgs, bytes: &'a [u8]) -> RecordingBytes<'a> {
+    let mut recording = RecordingBytes::new(bytes);
     if let Some(container) = decode.container {
         recording = recording.in_container(container);
     }
@@ -110,13 +110,13 @@ fn open<'a>(decode: &Decode, bytes: &'a [u8]) -> Recording<'a> {
 }
 
 /// The records of a recording as lines.
-struct Lines<'r, 'b> {
-    recording: &'r Recording<'b>,
-    survey: &'r Survey,
+struct RecordLines<'r, 'b> {
+    recording: &'r RecordingBytes<'b>,
+    survey: &'r RecordingSurvey,
     bytes: usize,
 }
 
-impl Lines<'_, '_> {
+impl RecordLines<'_, '_> {
     fn write_to(&self, out: &Path, expansions: &mut Expansions) -> anyhow::Result<()> {
         if out == Path::new(STANDARD_OUTPUT) {
             return match self.write(io::stdout().lock(), expansions) {
@@ -131,7 +131,7 @@ impl Lines<'_, '_> {
 
     fn write(&self, out: impl Write, expansions: &mut Expansions) -> io::Result<()> {
         let mut out = BufWriter::with_capacity(1 << 16, out);
-        let mut progress = Progress::new(self.bytes);
+        let mut progress = DecodeProgress::new(self.bytes);
         let mut line = Vec::new();
         self.recording.for_each(self.survey, |found| {
             let mut named = NamedRecord::new(found.record);
@@ -148,13 +148,13 @@ impl Lines<'_, '_> {
 }
 
 /// How far a long recording is decoded, on a terminal.
-struct Progress {
+struct DecodeProgress {
     bytes: usize,
     percent: usize,
     is_shown: bool,
 }
 
-impl Progress {
+impl DecodeProgress {
     fn new(bytes: usize) -> Self {
         Self {
             bytes,
@@ -172,7 +172,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for DecodeProgress {
     fn drop(&mut self) {
         if self.percent > 0 {
             let _ = write!(io::stderr(), "\r     \r");
@@ -180,7 +180,7 @@ impl Drop for Progress {
     }
 }
 
-fn gather(recording: &Recording<'_>, survey: &Survey) -> Statistics {
+fn gather(recording: &RecordingBytes<'_>, survey: &RecordingSurvey) -> Statistics {
     let mut statistics = Statistics::default();
     let Ok(()) = recording.for_each(survey, |found| {
         statistics.add(found.record, found.time_stamp);

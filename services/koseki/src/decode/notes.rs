@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use asterix::Edition;
-use formats::recording::{CategorySurvey, Expansions, Refusal, Survey};
+use formats::recording::{CategorySurvey, Expansions, RecordingSurvey, RefusalGroup};
 use telemetry::table::count;
 
-use crate::args::Decode;
+use crate::args::DecodeArgs;
 
 /// Reasons that are shown; `--statistics` shows all.
 const REASONS_SHOWN_MAX: usize = 20;
@@ -16,7 +16,7 @@ const CATEGORIES_SHOWN_MAX: usize = 8;
 const EDITIONS_SHOWN_MAX: usize = 4;
 
 /// Returns notes on a recording: a line with its content, and a line for each omission.
-pub(super) fn notes(decode: &Decode, survey: &Survey) -> String {
+pub(super) fn notes(decode: &DecodeArgs, survey: &RecordingSurvey) -> String {
     let mut text = format!(
         "koseki: {}: {} of {} in {} ({})\n",
         decode.file.display(),
@@ -68,7 +68,7 @@ pub(super) fn of_expansions(expansions: &Expansions) -> String {
     notes.collect()
 }
 
-pub(super) fn records_given(survey: &Survey) -> u64 {
+pub(super) fn records_given(survey: &RecordingSurvey) -> u64 {
     let given = survey.categories.values().filter(|category| !category.is_withheld());
     given.map(|category| category.records).sum()
 }
@@ -117,7 +117,7 @@ fn remedy(number: u8, category: &CategorySurvey, strict: bool) -> String {
 }
 
 /// Returns a note on categories without a decoder; a capture with other traffic may have many.
-fn without_table(survey: &Survey) -> Option<String> {
+fn without_table(survey: &RecordingSurvey) -> Option<String> {
     let categories = survey
         .categories
         .iter()
@@ -138,7 +138,7 @@ fn without_table(survey: &Survey) -> Option<String> {
     })
 }
 
-fn sentence(refusal: &Refusal) -> String {
+fn sentence(refusal: &RefusalGroup) -> String {
     let place = match (refusal.category, refusal.item) {
         (Some(category), Some(item)) => format!(" in I{category:03}/{item}"),
         (Some(category), None) => format!(" in category {category:03}"),

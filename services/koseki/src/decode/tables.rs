@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use formats::recording::{Rate, Statistics, Survey};
+use formats::recording::{Rate, RecordingSurvey, Statistics};
 use serde_json::json;
-use telemetry::table::{Align, Table, count};
+use telemetry::table::{Align, TextTable, count};
 
 /// Everything in tables, one below the other.
-pub(super) fn tables(file: &Path, survey: &Survey, statistics: &Statistics) -> String {
+pub(super) fn tables(file: &Path, survey: &RecordingSurvey, statistics: &Statistics) -> String {
     let mut text = format!("{}, {}\n", file.display(), survey.container);
-    let mut section = |table: Table| write!(text, "\n{table}").unwrap_or(());
+    let mut section = |table: TextTable| write!(text, "\n{table}").unwrap_or(());
     section(table_of_octets(survey));
     section(table_of_categories(survey));
     section(table_of_senders(statistics));
@@ -20,8 +20,8 @@ pub(super) fn tables(file: &Path, survey: &Survey, statistics: &Statistics) -> S
     text
 }
 
-fn table_of_octets(survey: &Survey) -> Table {
-    let mut table = Table::new(&[("counted", Align::Right), ("", Align::Left)]);
+fn table_of_octets(survey: &RecordingSurvey) -> TextTable {
+    let mut table = TextTable::new(&[("counted", Align::Right), ("", Align::Left)]);
     for (_, sentence, value) in survey.unpacked.entries() {
         if value > 0 {
             table.row([count(value), sentence.to_owned()]);
@@ -30,8 +30,8 @@ fn table_of_octets(survey: &Survey) -> Table {
     table
 }
 
-fn table_of_categories(survey: &Survey) -> Table {
-    let mut table = Table::new(&[
+fn table_of_categories(survey: &RecordingSurvey) -> TextTable {
+    let mut table = TextTable::new(&[
         ("category", Align::Left),
         ("edition", Align::Left),
         ("blocks", Align::Right),
@@ -55,8 +55,8 @@ fn table_of_categories(survey: &Survey) -> Table {
     table
 }
 
-fn table_of_senders(statistics: &Statistics) -> Table {
-    let mut table = Table::new(&[
+fn table_of_senders(statistics: &Statistics) -> TextTable {
+    let mut table = TextTable::new(&[
         ("category", Align::Left),
         ("source", Align::Left),
         ("records", Align::Right),
@@ -84,8 +84,8 @@ fn table_of_senders(statistics: &Statistics) -> Table {
     table
 }
 
-fn table_of_refusals(survey: &Survey) -> Table {
-    let mut table = Table::new(&[
+fn table_of_refusals(survey: &RecordingSurvey) -> TextTable {
+    let mut table = TextTable::new(&[
         ("refused", Align::Right),
         ("octets", Align::Right),
         ("category", Align::Left),
@@ -128,7 +128,7 @@ fn time_of_day(seconds: f64) -> String {
 }
 
 /// The same as an object.
-pub(super) fn as_json(survey: &Survey, statistics: &Statistics) -> serde_json::Value {
+pub(super) fn as_json(survey: &RecordingSurvey, statistics: &Statistics) -> serde_json::Value {
     let counters = survey
         .unpacked
         .entries()

@@ -14,11 +14,11 @@ const CLOCK_SETTERS: [&str; 6] = ["chronyd", "ntpd", "openntpd", "systemd-timesy
 
 /// Machine with its files below a folder.
 #[derive(Debug)]
-pub(super) struct Machine {
+pub(super) struct MachineFiles {
     root: PathBuf,
 }
 
-impl Machine {
+impl MachineFiles {
     /// The machine below `root`: `/` is this one.
     pub(super) fn at(root: impl Into<PathBuf>) -> Self {
         Self { root: root.into() }

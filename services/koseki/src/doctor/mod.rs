@@ -9,20 +9,20 @@ mod machine;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use deployment::{Transport, WaitWord};
+use deployment::{ReceiverTransport, WaitWord};
 use messages::codes;
 use serde::{Serialize, Serializer};
 
 use crate::args::Doctor;
 use crate::config::Config;
-use machine::Machine;
+use machine::MachineFiles;
 
 /// Smallest limit of open files: each process has several for each topic and process that it meets.
 const FILES_WANTED: u64 = 4096;
 
 codes! {
     /// Verdict on a result.
-    enum Verdict {
+    enum RunVerdict {
         /// As wanted.
         Good, "good";
         /// Koseki runs, but would run better with the requirement fulfilled.
@@ -32,7 +32,7 @@ codes! {
     }
 }
 
-impl Serialize for Verdict {
+impl Serialize for RunVerdict {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.word())
     }
@@ -40,9 +40,9 @@ impl Serialize for Verdict {
 
 /// One question's answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Finding {
+struct FindingKind {
     subject: &'static str,
-    verdict: Verdict,
+    verdict: RunVerdict,
     found: String,
     wanted: String,
     /// Command that mends it; `None` where nothing is to be mended, or no command can.
@@ -67,8 +67,8 @@ struct Wants {
 impl Wants {
     fn of(config: &Config) -> Self {
         let fusion = &config.fusion;
-        let buffer = |transport: &Transport| match transport {
-            Transport::Udp(settings) => settings.receive_buffer_octets as u64,
+        let buffer = |transport: &ReceiverTransport| match transport {
+            ReceiverTransport::Udp(settings) => settings.receive_buffer_octets as u64,
             _ => 0,
         };
         let buffers = config.receivers.iter().map(|receiver| buffer(&receiver.transport));
@@ -85,10 +85,10 @@ impl Wants {
     }
 
     /// Verdict on a right that was asked for and is not granted.
-    fn refused(&self) -> Verdict {
+    fn refused(&self) -> RunVerdict {
         match self.required {
-            true => Verdict::Lacking,
-            false => Verdict::Improvable,
+            true => RunVerdict::Lacking,
+            false => RunVerdict::Improvable,
         }
     }
 }
@@ -104,12 +104,12 @@ pub(crate) fn run(doctor: &Doctor) -> anyhow::Result<()> {
         .unwrap_or(Path::new(configuration::BUILT_IN_DEMO));
     let wants = Wants::of(&Config::read(path, &doctor.set)?);
     let free = bus::free_space().ok();
-    let findings = examine(&Machine::at("/"), &wants, free);
+    let findings = examine(&MachineFiles::at("/"), &wants, free);
     match doctor.json {
         true => crate::print(&(serde_json::to_string_pretty(&findings)? + "\n"))?,
         false => crate::print(&text(&findings))?,
     }
-    let lacking = count(&findings, Verdict::Lacking);
+    let lacking = count(&findings, RunVerdict::Lacking);
     anyhow::ensure!(
         lacking == 0,
         "{lacking} requirements of {} cannot be satisfied",
@@ -118,15 +118,15 @@ pub(crate) fn run(doctor: &Doctor) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn count(findings: &[Finding], verdict: Verdict) -> usize {
+fn count(findings: &[FindingKind], verdict: RunVerdict) -> usize {
     findings.iter().filter(|finding| finding.verdict == verdict).count()
 }
 
-fn text(findings: &[Finding]) -> String {
+fn text(findings: &[FindingKind]) -> String {
     let mut text = String::new();
     for finding in findings {
         let wanted = match finding.verdict {
-            Verdict::Good => String::new(),
+            RunVerdict::Good => String::new(),
             _ => format!("; wanted: {}", finding.wanted),
         };
         // Writing to a string cannot fail.
@@ -142,7 +142,7 @@ fn text(findings: &[Finding]) -> String {
         }
     }
     let [good, improvable, lacking] =
-        [Verdict::Good, Verdict::Improvable, Verdict::Lacking].map(|verdict| count(findings, verdict));
+        [RunVerdict::Good, RunVerdict::Improvable, RunVerdict::Lacking].map(|verdict| count(findings, verdict));
     let _ = writeln!(
         text,
         "\n{good} of {} as wanted, {improvable} could be better, {lacking} lacking; docs/real-time.md explains the requirements",
@@ -152,7 +152,7 @@ fn text(findings: &[Finding]) -> String {
 }
 
 /// Asks every question; `free` octets of shared memory are left, if that is known.
-fn examine(machine: &Machine, wants: &Wants, free: Option<u64>) -> Vec<Finding> {
+fn examine(machine: &MachineFiles, wants: &Wants, free: Option<u64>) -> Vec<FindingKind> {
     vec![
         cores(machine, wants),
         isolation(machine, wants),
@@ -173,21 +173,21 @@ fn examine(machine: &Machine, wants: &Wants, free: Option<u64>) -> Vec<Finding> 
 /// A finding that is good if `is_good`, else `otherwise` with a command that mends it.
 fn finding(
     subject: &'static str,
-    (is_good, otherwise): (bool, Verdict),
+    (is_good, otherwise): (bool, RunVerdict),
     found: impl Into<String>,
     wanted: impl Into<String>,
     mend: impl Into<String>,
-) -> Finding {
-    Finding {
+) -> FindingKind {
+    FindingKind {
         subject,
-        verdict: if is_good { Verdict::Good } else { otherwise },
+        verdict: if is_good { RunVerdict::Good } else { otherwise },
         found: found.into(),
         wanted: wanted.into(),
         mend: (!is_good).then(|| mend.into()).filter(|mend| !mend.is_empty()),
     }
 }
 
-fn cores(machine: &Machine, wants: &Wants) -> Finding {
+fn cores(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let online = machine.cores("sys/devices/system/cpu/online");
     let found = format!("{} switched on", online.len());
     match wants.core {
@@ -200,7 +200,7 @@ fn cores(machine: &Machine, wants: &Wants) -> Finding {
         ),
         None => finding(
             "cores",
-            (online.len() > 1, Verdict::Improvable),
+            (online.len() > 1, RunVerdict::Improvable),
             found,
             "at least 2: one for fusion, and one for all others",
             "",
@@ -208,7 +208,7 @@ fn cores(machine: &Machine, wants: &Wants) -> Finding {
     }
 }
 
-fn isolation(machine: &Machine, wants: &Wants) -> Finding {
+fn isolation(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let isolated = machine.cores("sys/devices/system/cpu/isolated");
     let found = match isolated.is_empty() {
         true => "none".to_owned(),
@@ -216,18 +216,18 @@ fn isolation(machine: &Machine, wants: &Wants) -> Finding {
     };
     let Some(core) = wants.core else {
         let wanted = "nothing: fusion has no core of its own (fusion.core)";
-        return finding("isolated cores", (true, Verdict::Good), found, wanted, "");
+        return finding("isolated cores", (true, RunVerdict::Good), found, wanted, "");
     };
     finding(
         "isolated cores",
-        (isolated.contains(&core), Verdict::Improvable),
+        (isolated.contains(&core), RunVerdict::Improvable),
         found,
         format!("core {core}: nothing else runs on fusion's core"),
         format!("add the kernel parameters isolcpus=managed_irq,domain,{core} nohz_full={core} rcu_nocbs={core}"),
     )
 }
 
-fn governor(machine: &Machine) -> Finding {
+fn governor(machine: &MachineFiles) -> FindingKind {
     let cores = machine.cores("sys/devices/system/cpu/online");
     let path = |core: &usize| format!("sys/devices/system/cpu/cpu{core}/cpufreq/scaling_governor");
     let governors: Vec<String> = cores.iter().filter_map(|core| machine.text(&path(core))).collect();
@@ -239,14 +239,14 @@ fn governor(machine: &Machine) -> Finding {
     };
     finding(
         "governor",
-        (slow == 0, Verdict::Improvable),
+        (slow == 0, RunVerdict::Improvable),
         found,
         "performance on every core",
         "cpupower frequency-set -g performance",
     )
 }
 
-fn idle_states(machine: &Machine, wants: &Wants) -> Finding {
+fn idle_states(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let deepest = machine.deepest_idle_us();
     let found = match deepest {
         None => "none here: the host decides".to_owned(),
@@ -254,14 +254,14 @@ fn idle_states(machine: &Machine, wants: &Wants) -> Finding {
     };
     finding(
         "idle states",
-        (wants.spins || deepest.is_none_or(|us| us <= 10), Verdict::Improvable),
+        (wants.spins || deepest.is_none_or(|us| us <= 10), RunVerdict::Improvable),
         found,
         "at most 10 µs, since fusion sleeps between reports",
         "cpupower idle-set -D 10; or hold /dev/cpu_dma_latency open with 0 written to it",
     )
 }
 
-fn realtime_priority(machine: &Machine, wants: &Wants) -> Finding {
+fn realtime_priority(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let wished = wants.realtime_priority.unwrap_or(0);
     let limit = machine.limit("Max realtime priority");
     let (is_granted, found) = match (machine.may(machine::CAP_SYS_NICE), limit) {
@@ -278,12 +278,12 @@ fn realtime_priority(machine: &Machine, wants: &Wants) -> Finding {
     )
 }
 
-fn realtime_throttling(machine: &Machine, wants: &Wants) -> Finding {
+fn realtime_throttling(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let runtime_us: Option<i64> = machine.number("proc/sys/kernel/sched_rt_runtime_us");
     let matters = wants.spins && wants.realtime_priority.is_some() && !wants.rests;
     finding(
         "real-time throttling",
-        (!matters || runtime_us == Some(-1), Verdict::Improvable),
+        (!matters || runtime_us == Some(-1), RunVerdict::Improvable),
         match runtime_us {
             Some(-1) => "off".to_owned(),
             Some(us) => format!("real-time threads may have {us} µs of each second"),
@@ -294,7 +294,7 @@ fn realtime_throttling(machine: &Machine, wants: &Wants) -> Finding {
     )
 }
 
-fn locked_memory(machine: &Machine, wants: &Wants) -> Finding {
+fn locked_memory(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let limit = machine.limit("Max locked memory");
     let is_free = machine.may(machine::CAP_IPC_LOCK) || limit == Some(u64::MAX);
     let found = match (is_free, limit) {
@@ -311,23 +311,23 @@ fn locked_memory(machine: &Machine, wants: &Wants) -> Finding {
     )
 }
 
-fn open_files(machine: &Machine) -> Finding {
+fn open_files(machine: &MachineFiles) -> FindingKind {
     let limit = machine.limit("Max open files");
     finding(
         "open files",
-        (limit.is_some_and(|limit| limit >= FILES_WANTED), Verdict::Improvable),
+        (limit.is_some_and(|limit| limit >= FILES_WANTED), RunVerdict::Improvable),
         limit.map_or("unknown".to_owned(), |limit| format!("up to {limit} for each process")),
         format!("at least {FILES_WANTED}"),
         "LimitNOFILE=65536 in the unit; or `ulimit -n 65536`",
     )
 }
 
-fn receive_buffer(machine: &Machine, wants: &Wants) -> Finding {
+fn receive_buffer(machine: &MachineFiles, wants: &Wants) -> FindingKind {
     let granted: Option<u64> = machine.number("proc/sys/net/core/rmem_max");
     let wished = wants.receive_buffer;
     finding(
         "receive buffer",
-        (granted.is_some_and(|granted| granted >= wished), Verdict::Improvable),
+        (granted.is_some_and(|granted| granted >= wished), RunVerdict::Improvable),
         granted.map_or("unknown".to_owned(), |granted| {
             format!("up to {granted} octets for each socket")
         }),
@@ -336,11 +336,11 @@ fn receive_buffer(machine: &Machine, wants: &Wants) -> Finding {
     )
 }
 
-fn shared_memory(wants: &Wants, free: Option<u64>) -> Finding {
+fn shared_memory(wants: &Wants, free: Option<u64>) -> FindingKind {
     let needed = wants.shared_memory;
     finding(
         "shared memory",
-        (free.is_none_or(|free| free >= needed), Verdict::Lacking),
+        (free.is_none_or(|free| free >= needed), RunVerdict::Lacking),
         free.map_or("unknown".to_owned(), |free| {
             format!("{} free", crate::check::size(free))
         }),
@@ -349,12 +349,12 @@ fn shared_memory(wants: &Wants, free: Option<u64>) -> Finding {
     )
 }
 
-fn huge_pages(machine: &Machine) -> Finding {
+fn huge_pages(machine: &MachineFiles) -> FindingKind {
     let defrag = machine.chosen("sys/kernel/mm/transparent_hugepage/defrag");
     let is_calm = defrag.as_deref().is_none_or(|word| word != "always");
     finding(
         "huge pages",
-        (is_calm, Verdict::Improvable),
+        (is_calm, RunVerdict::Improvable),
         defrag.map_or("not in this kernel".to_owned(), |word| {
             format!("made on demand: {word}")
         }),
@@ -363,24 +363,24 @@ fn huge_pages(machine: &Machine) -> Finding {
     )
 }
 
-fn clock_source(machine: &Machine) -> Finding {
+fn clock_source(machine: &MachineFiles) -> FindingKind {
     let source = machine.text("sys/devices/system/clocksource/clocksource0/current_clocksource");
     let slow = ["hpet", "acpi_pm", "jiffies", "xen", "refined-jiffies"];
     let is_fast = source.as_deref().is_some_and(|source| !slow.contains(&source));
     finding(
         "clock source",
-        (is_fast, Verdict::Improvable),
+        (is_fast, RunVerdict::Improvable),
         source.unwrap_or_else(|| "unknown".to_owned()),
         "one that is read without a system call, as tsc",
         "kernel parameter clocksource=tsc, if the processor's counter is invariant",
     )
 }
 
-fn clock_service(machine: &Machine) -> Finding {
+fn clock_service(machine: &MachineFiles) -> FindingKind {
     let setter = machine.clock_setter();
     finding(
         "clock's service",
-        (setter.is_some(), Verdict::Improvable),
+        (setter.is_some(), RunVerdict::Improvable),
         setter.unwrap_or_else(|| "none runs here; a host or container may set the clock from outside".to_owned()),
         "a service that keeps UTC: sensors' times are compared with it",
         "systemctl enable --now chrony   (or systemd-timesyncd, ptp4l)",
@@ -396,14 +396,14 @@ mod tests {
     const FREE: u64 = 1 << 30;
 
     /// A machine of files, and the folder that they are in.
-    fn machine(files: &[(&str, &str)]) -> (tempfile::TempDir, Machine) {
+    fn machine(files: &[(&str, &str)]) -> (tempfile::TempDir, MachineFiles) {
         let folder = tempfile::tempdir().unwrap();
         for (path, text) in files {
             let path = folder.path().join(path);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, text).unwrap();
         }
-        let machine = Machine::at(folder.path());
+        let machine = MachineFiles::at(folder.path());
         (folder, machine)
     }
 
@@ -457,7 +457,7 @@ Max realtime priority     0                    0
         let findings = examine(&machine, &demanding(), Some(FREE));
         let bad: Vec<_> = findings
             .iter()
-            .filter(|finding| finding.verdict != Verdict::Good)
+            .filter(|finding| finding.verdict != RunVerdict::Good)
             .collect();
         assert!(bad.is_empty(), "{bad:#?}");
         assert!(
@@ -475,7 +475,7 @@ Max realtime priority     0                    0
             let findings = examine(&machine, wants, Some(FREE));
             let differing: Vec<_> = findings
                 .iter()
-                .filter(|finding| finding.verdict != Verdict::Good)
+                .filter(|finding| finding.verdict != RunVerdict::Good)
                 .collect();
             let subjects: Vec<_> = differing.iter().map(|finding| finding.subject).collect();
             assert_eq!(subjects, [subject], "{path}");
@@ -486,49 +486,49 @@ Max realtime priority     0                    0
                 "sys/devices/system/cpu/isolated",
                 "\n",
                 "isolated cores",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "nohz_full=1",
             ),
             (
                 "sys/devices/system/cpu/cpu0/cpufreq/scaling_governor",
                 "powersave\n",
                 "governor",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "-g performance",
             ),
             (
                 "proc/sys/kernel/sched_rt_runtime_us",
                 "950000\n",
                 "real-time throttling",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "=-1",
             ),
             (
                 "proc/sys/net/core/rmem_max",
                 "212992\n",
                 "receive buffer",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "rmem_max=4194304",
             ),
             (
                 "sys/kernel/mm/transparent_hugepage/defrag",
                 "[always] never\n",
                 "huge pages",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "echo never",
             ),
             (
                 "sys/devices/system/clocksource/clocksource0/current_clocksource",
                 "hpet\n",
                 "clock source",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "clocksource=tsc",
             ),
             (
                 "proc/902/comm",
                 "bash\n",
                 "clock's service",
-                Verdict::Improvable,
+                RunVerdict::Improvable,
                 "chrony",
             ),
         ] {
@@ -559,7 +559,7 @@ Max realtime priority     0                    0
             let findings = examine(&machine, wants, free);
             let of = |verdict| findings.iter().filter(move |finding| finding.verdict == verdict);
             let names = |verdict| of(verdict).map(|finding| finding.subject).collect::<Vec<_>>();
-            (names(Verdict::Lacking), names(Verdict::Improvable))
+            (names(RunVerdict::Lacking), names(RunVerdict::Improvable))
         };
         let rights = vec!["real-time priority", "locked memory"];
         assert_eq!(verdicts(&demanding(), Some(FREE)), (rights, vec!["open files"]));

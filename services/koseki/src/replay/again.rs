@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use deployment::ReportOrder;
 use fusion::checkpoint::Snapshot;
-use fusion::event_log::{Event, Reader};
+use fusion::event_log::{Event, EventReader};
 use fusion::{Driver, Engine, ReportNumber, Settings};
 use messages::{NO_SOURCE, Order, OrderKind, Restored, SensorTrack, SystemTrack, WorkStep};
 
@@ -18,7 +18,7 @@ const PATIENCE_NS: u64 = 10_000_000_000;
 
 /// Result of the work.
 #[derive(Debug)]
-pub(crate) enum Outcome<'a> {
+pub(crate) enum RunOutcome<'a> {
     /// Fusion begins, with this start-up number, or is known again from the state with this number on.
     Began(u64, u64),
     /// A state of a system track.
@@ -64,10 +64,10 @@ pub(crate) struct Again {
     work: VecDeque<Work>,
     /// The log that the latest step is of, and the number of the next one.
     next_step: Option<(u64, u64)>,
-    log: Reader,
-    run: Option<Run>,
+    log: EventReader,
+    run: Option<FusionRun>,
     /// The fusion before that one.
-    before: Option<Run>,
+    before: Option<FusionRun>,
     /// Parts of what each fusion has found, by its start-up number.
     restored: BTreeMap<u64, Vec<Restored>>,
     /// Parts of images, by the time that they have.
@@ -90,7 +90,7 @@ enum Work {
 
 /// A fusion since its beginning.
 #[derive(Debug)]
-struct Run {
+struct FusionRun {
     driver: Box<Driver<()>>,
     epoch: u64,
     /// Number of the next state.
@@ -103,7 +103,7 @@ impl Again {
             plan,
             reports: BTreeMap::new(),
             work: VecDeque::new(),
-            log: Reader::default(),
+            log: EventReader::default(),
             next_step: None,
             run: None,
             before: None,
@@ -154,7 +154,7 @@ impl Again {
     ///
     /// # Errors
     /// If the settings cannot work.
-    pub(crate) fn work(&mut self, read_ns: u64, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<()> {
+    pub(crate) fn work(&mut self, read_ns: u64, out: &mut impl FnMut(RunOutcome<'_>)) -> anyhow::Result<()> {
         while let Some(work) = self.work.front() {
             let Work::Event(event, taken_ns) = *work else {
                 self.break_off(out);
@@ -174,14 +174,14 @@ impl Again {
     }
 
     /// Applies an event. `false` if the event waits for samples of the recording that may follow: it `is_early`.
-    fn apply(&mut self, event: &Event, is_early: bool, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<bool> {
+    fn apply(&mut self, event: &Event, is_early: bool, out: &mut impl FnMut(RunOutcome<'_>)) -> anyhow::Result<bool> {
         let can_wait = self.run.is_some() && is_early;
         match *event {
             Event::Begin { epoch } => {
                 self.spans.last_ns = None;
                 self.before = self.run.take();
-                self.run = Some(Run::begin(&self.plan, epoch)?);
-                out(Outcome::Began(epoch, 0));
+                self.run = Some(FusionRun::begin(&self.plan, epoch)?);
+                out(RunOutcome::Began(epoch, 0));
             }
             Event::Report {
                 source,
@@ -190,8 +190,8 @@ impl Again {
                 is_wild,
                 passed_ns,
             } => match self.find(source, publisher, sequence) {
-                Found::NotYet if can_wait => return Ok(false),
-                Found::Report(report) => {
+                ReportSearch::NotYet if can_wait => return Ok(false),
+                ReportSearch::Report(report) => {
                     let report = SensorTrack { source, ..*report };
                     let number = ReportNumber {
                         publisher,
@@ -200,7 +200,7 @@ impl Again {
                     };
                     self.take(report, number, passed_ns, out);
                 }
-                Found::NotYet | Found::Missing => {
+                ReportSearch::NotYet | ReportSearch::Missing => {
                     self.missing += 1;
                     if !self.plan.tolerates {
                         self.break_off(out);
@@ -215,7 +215,7 @@ impl Again {
                 ..
             } => {
                 let found = self.find(source, publisher, sequence);
-                return Ok(!(matches!(found, Found::NotYet) && can_wait));
+                return Ok(!(matches!(found, ReportSearch::NotYet) && can_wait));
             }
             Event::Time { passed_ns } => self.drive(out, |driver, mut sink| driver.advance(passed_ns, &mut sink)),
             Event::Condition { condition, passed_ns } => {
@@ -254,7 +254,7 @@ impl Again {
     }
 
     /// Lets the present fusion go on from what it had found. `false` if that is not in the recording.
-    fn restore(&mut self, out: &mut impl FnMut(Outcome<'_>)) -> bool {
+    fn restore(&mut self, out: &mut impl FnMut(RunOutcome<'_>)) -> bool {
         let (plan, Some(run)) = (&self.plan, &mut self.run) else {
             return true;
         };
@@ -284,7 +284,7 @@ impl Again {
     }
 
     /// Goes on from the image with this time. `false` if that is not in the recording, or is of another build.
-    fn resume_image(&mut self, time_ns: i64, out: &mut impl FnMut(Outcome<'_>)) -> anyhow::Result<bool> {
+    fn resume_image(&mut self, time_ns: i64, out: &mut impl FnMut(RunOutcome<'_>)) -> anyhow::Result<bool> {
         let Some(parts) = self.images.get_mut(&time_ns).filter(|parts| is_whole(parts)) else {
             return Ok(false);
         };
@@ -293,42 +293,42 @@ impl Again {
         let Some((next, image)) = octets.split_first_chunk() else {
             return Ok(false);
         };
-        let mut run = Run {
+        let mut run = FusionRun {
             sequence: u64::from_le_bytes(*next),
-            ..Run::begin(&self.plan, parts[0].epoch)?
+            ..FusionRun::begin(&self.plan, parts[0].epoch)?
         };
         if self.plan.restores && run.driver.resume_snapshot(image).is_err() {
             return Ok(false);
         }
-        out(Outcome::Began(run.epoch, run.sequence));
+        out(RunOutcome::Began(run.epoch, run.sequence));
         self.run = Some(run);
         self.spans.last_ns = None;
         Ok(true)
     }
 
-    fn break_off(&mut self, out: &mut impl FnMut(Outcome<'_>)) {
+    fn break_off(&mut self, out: &mut impl FnMut(RunOutcome<'_>)) {
         if let Some(run) = self.run.take() {
-            out(Outcome::Broke(run.epoch));
+            out(RunOutcome::Broke(run.epoch));
         }
     }
 
     /// Finds the report of `source` with this number of the publisher. Fusion never took the reports before it.
-    fn find(&mut self, source: u16, publisher: u64, number: u32) -> Found {
+    fn find(&mut self, source: u16, publisher: u64, number: u32) -> ReportSearch {
         let Some(waiting) = self.reports.get_mut(&(source, publisher)) else {
-            return Found::NotYet;
+            return ReportSearch::NotYet;
         };
         while let Some((next, report)) = waiting.front() {
             let ahead = next.wrapping_sub(number).cast_signed();
             let report = *report;
             if ahead > 0 {
-                return Found::Missing;
+                return ReportSearch::Missing;
             }
             waiting.pop_front();
             if ahead == 0 {
-                return Found::Report(Box::new(report));
+                return ReportSearch::Report(Box::new(report));
             }
         }
-        Found::NotYet
+        ReportSearch::NotYet
     }
 
     fn take(
@@ -336,7 +336,7 @@ impl Again {
         mut report: SensorTrack,
         number: ReportNumber,
         passed_ns: i64,
-        out: &mut impl FnMut(Outcome<'_>),
+        out: &mut impl FnMut(RunOutcome<'_>),
     ) {
         let Some(source) = self.plan.source(report.source).filter(|_| self.run.is_some()) else {
             return;
@@ -349,7 +349,7 @@ impl Again {
     }
 
     /// Obeys an order, if its sources take part.
-    fn obey(&mut self, order: &Order, passed_ns: i64, out: &mut impl FnMut(Outcome<'_>)) {
+    fn obey(&mut self, order: &Order, passed_ns: i64, out: &mut impl FnMut(RunOutcome<'_>)) {
         let number = |source: u16| match source {
             NO_SOURCE => Some(NO_SOURCE),
             source => self.plan.source(source),
@@ -370,7 +370,7 @@ impl Again {
     }
 
     /// Lets the present fusion act, if there is one.
-    fn drive<O: FnMut(Outcome<'_>)>(
+    fn drive<O: FnMut(RunOutcome<'_>)>(
         &mut self,
         out: &mut O,
         act: impl FnOnce(&mut Driver<()>, &mut dyn FnMut(&SystemTrack)),
@@ -398,13 +398,13 @@ fn words(parts: &[Restored]) -> impl Iterator<Item = u64> {
         .flat_map(|part| part.words.iter().take(part.count as usize).copied())
 }
 
-enum Found {
+enum ReportSearch {
     Report(Box<SensorTrack>),
     NotYet,
     Missing,
 }
 
-impl Run {
+impl FusionRun {
     /// Begins with a new engine.
     fn begin(plan: &Plan, epoch: u64) -> anyhow::Result<Self> {
         let engine = Engine::new(plan.settings.clone())?;
@@ -416,7 +416,7 @@ impl Run {
     }
 
     /// Lets the driver act; each state has the numbers that fusion's output gives it.
-    fn drive<O: FnMut(Outcome<'_>)>(
+    fn drive<O: FnMut(RunOutcome<'_>)>(
         &mut self,
         origin: u32,
         out: &mut O,
@@ -435,7 +435,7 @@ impl Run {
                 ..*state
             };
             *sequence += 1;
-            out(Outcome::State(&state));
+            out(RunOutcome::State(&state));
         });
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use deployment::ReportOrder;
 use messages::{Covariance, SensorTrack, StepKind, TrackState, WorkStep};
 
-use super::again::{Again, Outcome, Plan};
+use super::again::{Again, Plan, RunOutcome};
 
 use crate::config::Config;
 
@@ -63,10 +63,10 @@ fn a_report_in_quarantine_has_no_effect_and_breaks_nothing_off() {
         again.step(1, number, step, 0);
     }
     let mut places = Vec::new();
-    let mut take = |outcome: Outcome<'_>| match outcome {
-        Outcome::State(state) => places.push((state.position_m[0] / 1e4).round() as i32),
-        Outcome::Began(..) => {}
-        Outcome::Broke(epoch) => panic!("broken off: {epoch}"),
+    let mut take = |outcome: RunOutcome<'_>| match outcome {
+        RunOutcome::State(state) => places.push((state.position_m[0] / 1e4).round() as i32),
+        RunOutcome::Began(..) => {}
+        RunOutcome::Broke(epoch) => panic!("broken off: {epoch}"),
     };
     again.work(u64::MAX, &mut take).unwrap();
     assert_eq!(places, [0, 2]);

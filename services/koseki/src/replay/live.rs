@@ -19,7 +19,7 @@ use recording::Item;
 use runtime::signals::Stop;
 use runtime::{Now, Speed};
 
-use crate::args::Replay;
+use crate::args::ReplayArgs;
 use crate::config::Config;
 
 /// Longest sleep before it is looked whether the command shall end, nanoseconds.
@@ -29,7 +29,7 @@ const LOOK_NS: i64 = 100_000_000;
 ///
 /// # Errors
 /// If the instance does not run or has not the sources, or a file cannot be read.
-pub(crate) fn run(replay: &Replay, recorded: &Config, files: &[PathBuf]) -> anyhow::Result<()> {
+pub(crate) fn run(replay: &ReplayArgs, recorded: &Config, files: &[PathBuf]) -> anyhow::Result<()> {
     let instance = replay.instance.as_deref().unwrap_or(&recorded.name);
     let root = crate::instances::named(instance)?;
     let bus = Bus::<SharedMemory>::open(&root, "replay")?;
@@ -41,7 +41,7 @@ pub(crate) fn run(replay: &Replay, recorded: &Config, files: &[PathBuf]) -> anyh
         let publisher = bus.publisher(&topic, now.mono_ns as u64)?;
         Ok((topic.name.as_str().to_owned(), publisher))
     });
-    let mut live = Live {
+    let mut live = LiveReplay {
         topics: topics.collect::<anyhow::Result<_>>()?,
         factor: match replay.speed {
             Some(Speed::Max) => f64::INFINITY,
@@ -66,7 +66,7 @@ pub(crate) fn run(replay: &Replay, recorded: &Config, files: &[PathBuf]) -> anyh
     Ok(())
 }
 
-struct Live {
+struct LiveReplay {
     topics: BTreeMap<String, Publisher<SharedMemory, SensorTrack>>,
     /// Seconds of the recording per second.
     factor: f64,
@@ -81,7 +81,7 @@ struct Live {
     sent: u64,
 }
 
-impl Live {
+impl LiveReplay {
     fn item(&mut self, item: Item<'_>) -> anyhow::Result<()> {
         match item {
             Item::Slice {

@@ -28,10 +28,10 @@ use offline::{OutputFile, Usage, check_outputs};
 use recording::{Facts, Item};
 use runtime::Speed;
 
-use crate::args::Replay;
+use crate::args::ReplayArgs;
 use crate::config::Config;
 use crate::recording_info::files;
-use again::{Again, Outcome, Plan, Spans};
+use again::{Again, Plan, RunOutcome, Spans};
 use verification::Verification;
 
 /// Fact: text of the configuration.
@@ -41,7 +41,7 @@ const CONFIGURATION: &str = "configuration";
 ///
 /// # Errors
 /// If the recording cannot be used or the result not be written, or if it is not what was recorded.
-pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
+pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
     let files = files(&replay.recording)?;
     check_outputs(files.iter().chain(&replay.config), &[("--out", replay.out.as_ref())])?;
     let recorded = configuration(&facts(&files[0])?, &files[0])?;
@@ -60,15 +60,15 @@ pub(crate) fn run(replay: &Replay) -> anyhow::Result<()> {
     let plan = plan(replay, &recorded, &used);
     let topics = recorded.sources.iter().map(|source| {
         let topic = messages::sensor_tracks(&source.name);
-        (topic.name.as_str().to_owned(), Topic::Reports(source.number))
+        (topic.name.as_str().to_owned(), ReplayTopic::Reports(source.number))
     });
     let own = [
-        (messages::event_log().name, Topic::Steps),
-        (messages::system_tracks().name, Topic::States),
-        (messages::restored().name, Topic::Restored),
+        (messages::event_log().name, ReplayTopic::Steps),
+        (messages::system_tracks().name, ReplayTopic::States),
+        (messages::restored().name, ReplayTopic::Restored),
     ];
     let own = own.map(|(name, topic)| (name.as_str().to_owned(), topic));
-    let mut reading = Reading {
+    let mut reading = ReplayReading {
         topics: topics.chain(own).collect(),
         slice: BatchHeader::default(),
         place: 0,
@@ -105,7 +105,7 @@ pub(crate) fn show(recording: &Path) -> anyhow::Result<()> {
 
 /// A topic that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Topic {
+enum ReplayTopic {
     /// Reports of a source.
     Reports(u16),
     /// The order of work.
@@ -118,12 +118,12 @@ enum Topic {
 
 /// The recording, as it is read.
 #[derive(Debug)]
-struct Reading {
-    topics: BTreeMap<String, Topic>,
+struct ReplayReading {
+    topics: BTreeMap<String, ReplayTopic>,
     /// Header of the slice at hand, the place of its next sample, its topic, and when it was taken.
     slice: BatchHeader,
     place: u64,
-    topic: Option<Topic>,
+    topic: Option<ReplayTopic>,
     taken_ns: u64,
     again: Again,
     result: Result,
@@ -142,11 +142,11 @@ struct Result {
     states: u64,
 }
 
-impl Reading {
+impl ReplayReading {
     fn item(&mut self, item: Item<'_>) -> anyhow::Result<()> {
         match item {
             Item::Topic { name, missing, .. } => {
-                if let (Some(Topic::States), Some(verification)) =
+                if let (Some(ReplayTopic::States), Some(verification)) =
                     (self.topics.get(name), &mut self.result.verification)
                 {
                     verification.pass_over(missing);
@@ -180,24 +180,24 @@ impl Reading {
         let number = header.first_sequence.wrapping_add(self.place);
         self.place += 1;
         match self.topic {
-            Some(Topic::Reports(source)) => {
+            Some(ReplayTopic::Reports(source)) => {
                 if let Some(report) = SensorTrack::of_octets(octets) {
                     self.again.report(source, header.incarnation, number, &report);
                 }
             }
-            Some(Topic::Steps) => {
+            Some(ReplayTopic::Steps) => {
                 if let Some(step) = WorkStep::of_octets(octets) {
                     self.again.step(header.incarnation, number, step, self.taken_ns);
                 }
             }
-            Some(Topic::States) => {
+            Some(ReplayTopic::States) => {
                 if let (Some(verification), Some(state)) =
                     (&mut self.result.verification, SystemTrack::of_octets(octets))
                 {
                     verification.record(&state);
                 }
             }
-            Some(Topic::Restored) => {
+            Some(ReplayTopic::Restored) => {
                 if let Some(part) = Restored::of_octets(octets) {
                     self.again.restored(&part);
                 }
@@ -214,19 +214,19 @@ impl Reading {
 }
 
 impl Result {
-    fn take(&mut self, outcome: Outcome<'_>) {
+    fn take(&mut self, outcome: RunOutcome<'_>) {
         match outcome {
-            Outcome::Began(epoch, sequence) => {
+            RunOutcome::Began(epoch, sequence) => {
                 if let Some(verification) = &mut self.verification {
                     verification.begin(epoch, sequence);
                 }
             }
-            Outcome::Broke(epoch) => {
+            RunOutcome::Broke(epoch) => {
                 if let Some(verification) = &mut self.verification {
                     verification.break_off(epoch);
                 }
             }
-            Outcome::State(state) => {
+            RunOutcome::State(state) => {
                 if let Some(verification) = &mut self.verification {
                     verification.give(state);
                 }
@@ -333,7 +333,7 @@ pub(crate) fn configuration(facts: &Facts, path: &Path) -> anyhow::Result<Config
     Ok(Config::parse_whole(path, text)?)
 }
 
-fn check_sources(replay: &Replay, recorded: &Config) -> std::result::Result<(), Usage> {
+fn check_sources(replay: &ReplayArgs, recorded: &Config) -> std::result::Result<(), Usage> {
     for name in &replay.sources {
         if !recorded.sources.iter().any(|source| source.name == *name) {
             let known: Vec<&str> = recorded.sources.iter().map(|source| source.name.as_str()).collect();
@@ -347,7 +347,7 @@ fn check_sources(replay: &Replay, recorded: &Config) -> std::result::Result<(), 
 }
 
 /// How the recording is fused again: the sources of `recorded` by the settings of `used`.
-fn plan(replay: &Replay, recorded: &Config, used: &Config) -> Plan {
+fn plan(replay: &ReplayArgs, recorded: &Config, used: &Config) -> Plan {
     let number = |source: &Source| {
         let is_wanted = replay.sources.is_empty() || replay.sources.contains(&source.name);
         let used = used.sources.iter().find(|other| other.name == source.name);

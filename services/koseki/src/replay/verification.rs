@@ -12,7 +12,7 @@ use messages::layout::Sample as _;
 #[derive(Debug, Default)]
 pub(crate) struct Verification {
     /// By start-up number of fusion.
-    runs: BTreeMap<u64, Run>,
+    runs: BTreeMap<u64, RunStates>,
     /// States compared.
     pub(crate) states: u64,
     pub(crate) differences: u64,
@@ -27,7 +27,7 @@ pub(crate) struct Verification {
 
 /// States of one run of fusion, by sequence number.
 #[derive(Debug, Default)]
-struct Run {
+struct RunStates {
     given: VecDeque<SystemTrack>,
     recorded: VecDeque<SystemTrack>,
     /// Numbers of states that are not given, since it is not known what fusion knew.
@@ -53,7 +53,7 @@ impl Verification {
 
     /// From the state with this number on, the run is given.
     pub(crate) fn begin(&mut self, epoch: u64, sequence: u64) {
-        let run = self.runs.entry(epoch).or_insert_with(Run::unknown);
+        let run = self.runs.entry(epoch).or_insert_with(RunStates::unknown);
         if let Some(unknown) = run.unknown.back_mut().filter(|unknown| unknown.end == u64::MAX) {
             unknown.end = sequence;
         }
@@ -69,14 +69,14 @@ impl Verification {
     }
 
     pub(crate) fn give(&mut self, state: &SystemTrack) {
-        let run = self.runs.entry(state.epoch).or_insert_with(Run::unknown);
+        let run = self.runs.entry(state.epoch).or_insert_with(RunStates::unknown);
         run.next = state.sequence + 1;
         run.given.push_back(*state);
         self.settle(state.epoch);
     }
 
     pub(crate) fn record(&mut self, state: &SystemTrack) {
-        let run = self.runs.entry(state.epoch).or_insert_with(Run::unknown);
+        let run = self.runs.entry(state.epoch).or_insert_with(RunStates::unknown);
         run.recorded.push_back(*state);
         self.settle(state.epoch);
     }
@@ -125,7 +125,7 @@ impl Verification {
     }
 }
 
-impl Run {
+impl RunStates {
     /// A run of which nothing is known yet.
     fn unknown() -> Self {
         let mut run = Self::default();

@@ -68,7 +68,7 @@ pub(crate) fn run(send: &Send) -> anyhow::Result<()> {
             ))
         })?;
         let way_out = WayOut::open(to, send.interface.as_ref(), pieces.kind());
-        feeds.push(Feed {
+        feeds.push(RecordingFeed {
             pieces,
             timed,
             offset_ns: *offset_ns,
@@ -89,7 +89,7 @@ fn read(file: &Path) -> anyhow::Result<Vec<u8>> {
 }
 
 /// A recording on its way.
-struct Feed<'p> {
+struct RecordingFeed<'p> {
     pieces: &'p Pieces<'p>,
     timed: Peekable<Timed<'p, 'p>>,
     /// Time from the begin of the earliest recording to the begin of this one.
@@ -97,7 +97,7 @@ struct Feed<'p> {
     way_out: WayOut,
 }
 
-impl Feed<'_> {
+impl RecordingFeed<'_> {
     /// Returns the time of its next piece since the start of the earliest recording; `None` at its end.
     fn due_ns(&mut self) -> Option<i64> {
         let (since_ns, _) = self.timed.peek()?;
@@ -108,19 +108,19 @@ impl Feed<'_> {
 /// Sends the pieces of all recordings at their times, until the end or a stop request.
 fn send_all(
     send: &Send,
-    feeds: &mut [Feed<'_>],
+    feeds: &mut [RecordingFeed<'_>],
     moves_times: bool,
     begins: &[Option<i64>],
     stop: &Stop,
-) -> anyhow::Result<Sent> {
+) -> anyhow::Result<SendCounts> {
     let begun = Now::read();
     let earliest = feeds.iter().position(|feed| feed.offset_ns == 0);
     let earliest_ns = earliest.and_then(|index| begins[index]).filter(|_| moves_times);
     let mut mover = earliest_ns.map(|begins_ns| Mover::new(begins_ns, begun.utc_ns));
     let all: usize = feeds.iter().map(|feed| feed.pieces.octets).sum();
-    let mut sent = Sent::default();
+    let mut sent = SendCounts::default();
     loop {
-        let due = |(index, feed): (usize, &mut Feed<'_>)| Some((feed.due_ns()?, index));
+        let due = |(index, feed): (usize, &mut RecordingFeed<'_>)| Some((feed.due_ns()?, index));
         let next = feeds.iter_mut().enumerate().filter_map(due).min();
         let Some((due_ns, index)) = next else { break };
         if let Speed::Factor(factor) = send.speed
@@ -163,7 +163,7 @@ fn sleep_until(due_ns: i64, stop: &Stop) -> bool {
 
 /// Counts of sent pieces.
 #[derive(Debug, Default)]
-struct Sent {
+struct SendCounts {
     pieces: u64,
     octets: u64,
     times_moved: u64,
@@ -172,7 +172,7 @@ struct Sent {
     told_ns: i64,
 }
 
-impl Sent {
+impl SendCounts {
     /// Prints the progress, relative to `all` bytes, to a terminal.
     fn progress(&mut self, all: usize) {
         let now_ns = mono_ns();

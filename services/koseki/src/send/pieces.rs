@@ -6,7 +6,7 @@ use asterix::choice::ChosenEdition;
 use asterix::times::{TICKS_PER_S, first_time_of_day, move_times};
 use asterix::{Category, blocks, registry};
 use formats::containers::{Container, Datagrams, TimeStamp};
-use formats::sbs::{Line, moved_line, stamped_ns};
+use formats::sbs::{SbsLine, moved_line, stamped_ns};
 use frames::time::{NS_PER_DAY, NS_PER_S};
 
 /// Nanoseconds in a tick of ASTERIX.
@@ -14,7 +14,7 @@ const TICK_NS: i64 = NS_PER_S / TICKS_PER_S as i64;
 
 /// Kind of pieces that a recording is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FaultKind {
     /// Data blocks.
     Asterix,
     /// Lines of a transponder receiver.
@@ -43,7 +43,7 @@ impl Piece<'_> {
 pub(super) struct Pieces<'a> {
     content: &'a [u8],
     tables: Vec<&'static Category>,
-    kind: Kind,
+    kind: FaultKind,
     /// Length of the recording.
     pub(super) octets: usize,
 }
@@ -58,26 +58,26 @@ impl<'a> Pieces<'a> {
         let is_line = content
             .split(|octet| *octet == b'\n')
             .next()
-            .is_some_and(|line| Line::parse(line).is_ok());
+            .is_some_and(|line| SbsLine::parse(line).is_ok());
         Self {
             content,
             tables: editions.iter().filter_map(table).collect(),
-            kind: if is_line { Kind::Lines } else { Kind::Asterix },
+            kind: if is_line { FaultKind::Lines } else { FaultKind::Asterix },
             octets: content.len(),
         }
     }
 
-    pub(super) fn kind(&self) -> Kind {
+    pub(super) fn kind(&self) -> FaultKind {
         self.kind
     }
 
     /// All, in the order of the recording.
     pub(super) fn iter(&self) -> Box<dyn Iterator<Item = Piece<'a>> + '_> {
         match (self.kind, Container::detect(self.content)) {
-            (Kind::Lines, _) => Box::new(self.lines()),
+            (FaultKind::Lines, _) => Box::new(self.lines()),
             // The recording does not contain its datagrams.
-            (Kind::Asterix, Container::Raw) => Box::new(self.blocks()),
-            (Kind::Asterix, container) => Box::new(self.datagrams(container)),
+            (FaultKind::Asterix, Container::Raw) => Box::new(self.blocks()),
+            (FaultKind::Asterix, container) => Box::new(self.datagrams(container)),
         }
     }
 
@@ -112,8 +112,8 @@ impl<'a> Pieces<'a> {
 
     fn lines(&self) -> impl Iterator<Item = Piece<'a>> + '_ {
         self.content.split_inclusive(|octet| *octet == b'\n').map(|line| {
-            let stamped_ns = match Line::parse(line) {
-                Ok(Line::Message(message)) => stamped_ns(message.received),
+            let stamped_ns = match SbsLine::parse(line) {
+                Ok(SbsLine::Message(message)) => stamped_ns(message.received),
                 _ => None,
             };
             Piece {
@@ -211,12 +211,12 @@ impl Mover {
         let moved = &mut self.moved;
         moved.clear();
         match pieces.kind() {
-            Kind::Asterix => {
+            FaultKind::Asterix => {
                 moved.extend_from_slice(&piece.octets);
                 let by = self.by_ns.rem_euclid(NS_PER_DAY) / TICK_NS;
                 self.count += move_times(moved, by as u32, |category| pieces.table(category)) as u64;
             }
-            Kind::Lines => self.count += u64::from(moved_line(&piece.octets, self.by_ns, moved)),
+            FaultKind::Lines => self.count += u64::from(moved_line(&piece.octets, self.by_ns, moved)),
         }
         moved
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use asterix::registry;
-use bus::{Bus, Received, SharedMemory, WaitMode};
+use bus::{Bus, ReceiveOutcome, SharedMemory, WaitMode};
 use frames::{Geodetic, SystemFrame};
 use messages::SystemTrack;
 use messages::layout::Sample as _;
@@ -22,9 +22,9 @@ const CATEGORY: u8 = 62;
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Writes system tracks.
-pub(super) struct Blocks(SystemReports);
+pub(super) struct TapBlocks(SystemReports);
 
-impl Blocks {
+impl TapBlocks {
     /// Returns a writer for the deployment on `bus`; `None` after a stop or the deployment's end before the frame
     /// arrives.
     ///
@@ -62,7 +62,7 @@ fn frame(bus: &Bus<SharedMemory>, stop: &Stop) -> anyhow::Result<Option<SystemFr
     let mut waiter = bus.waiter(WaitMode::Event);
     waiter.watch(bus, &topic)?;
     while !stop.requested() && bus.goes_on()? {
-        if let Received::Slice(slice) = origins.receive()?
+        if let ReceiveOutcome::Slice(slice) = origins.receive()?
             && let Some(origin) = slice.samples().last()
         {
             let place = Geodetic::from_degrees(origin.latitude_deg, origin.longitude_deg, origin.height_m)?;

@@ -2,7 +2,7 @@
 
 use std::io::Write as _;
 
-use messages::layout::{ALL, Field, Layout};
+use messages::layout::{ALL, Layout, SampleField};
 
 /// Form of a line.
 #[derive(Clone, Copy, Debug)]
@@ -14,12 +14,12 @@ pub(super) enum LineFormat {
 }
 
 /// Writes samples of one layout.
-pub(super) struct Lines {
+pub(super) struct LineWriter {
     layout: &'static Layout,
     format: LineFormat,
 }
 
-impl Lines {
+impl LineWriter {
     pub(super) fn new(layout: &'static Layout, format: LineFormat) -> Self {
         Self { layout, format }
     }
@@ -63,8 +63,8 @@ fn layout_of(element: &str) -> Option<&'static Layout> {
 }
 
 /// Returns the fields with content.
-fn fields(layout: &Layout) -> impl Iterator<Item = &'static Field> + use<> {
-    let is_spare = |field: &&Field| field.name == "spare" || field.name.starts_with("reserved");
+fn fields(layout: &Layout) -> impl Iterator<Item = &'static SampleField> + use<> {
+    let is_spare = |field: &&SampleField| field.name == "spare" || field.name.starts_with("reserved");
     layout.fields.iter().filter(move |field| !is_spare(field))
 }
 
@@ -188,7 +188,7 @@ mod tests {
 
     fn line(format: LineFormat, track: SystemTrack) -> String {
         let mut text = Vec::new();
-        Lines::new(&SystemTrack::LAYOUT, format).write(SystemTrack::octets(&[track]), &mut text);
+        LineWriter::new(&SystemTrack::LAYOUT, format).write(SystemTrack::octets(&[track]), &mut text);
         String::from_utf8(text).unwrap()
     }
 
@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn every_csv_line_has_the_columns_of_the_head() {
-        let lines = Lines::new(&SystemTrack::LAYOUT, LineFormat::Csv);
+        let lines = LineWriter::new(&SystemTrack::LAYOUT, LineFormat::Csv);
         let table = [lines.head(), line(LineFormat::Csv, track()).into_bytes()].concat();
         let mut reader = csv::Reader::from_reader(&table[..]);
         let head = reader.headers().unwrap().clone();

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::time::Duration;
 
 use anyhow::bail;
-use bus::{Bus, Payload, Received, SharedMemory, WaitMode, Woken};
+use bus::{Bus, Payload, ReceiveOutcome, SharedMemory, WaitMode, Woken};
 use messages::{Topic, Visitor};
 use net::LineServer;
 use offline::Usage;
@@ -18,8 +18,8 @@ use runtime::signals::Stop;
 
 use crate::args::{Tap, TapFormat};
 use crate::instances;
-use blocks::Blocks;
-use lines::{LineFormat, Lines};
+use blocks::TapBlocks;
+use lines::{LineFormat, LineWriter};
 
 /// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
@@ -32,16 +32,16 @@ const BLOCK: usize = 1 << 16;
 /// If the instance does not run, has no such topic, or the lines cannot be handed on.
 pub(crate) fn run(tap: &Tap) -> anyhow::Result<()> {
     let unknown = || Usage(format!("\"{}\" is no topic: see koseki tap --help", tap.topic));
-    messages::visit(&tap.topic, Reader { tap }).ok_or_else(unknown)?
+    messages::visit(&tap.topic, TapReader { tap }).ok_or_else(unknown)?
 }
 
 /// Output form of samples.
-enum Form {
-    Lines(Lines),
-    Blocks(Box<Blocks>),
+enum SampleForm {
+    Lines(LineWriter),
+    Blocks(Box<TapBlocks>),
 }
 
-impl Form {
+impl SampleForm {
     fn head(&self) -> Vec<u8> {
         match self {
             Self::Lines(lines) => lines.head(),
@@ -65,12 +65,12 @@ impl Form {
 }
 
 /// Where they go.
-enum Way {
+enum LineDestination {
     Out(io::StdoutLock<'static>),
     Server(LineServer),
 }
 
-impl Way {
+impl LineDestination {
     fn open(tap: &Tap) -> anyhow::Result<Self> {
         Ok(match (&tap.unix, tap.tcp) {
             (Some(path), _) => Self::Server(LineServer::open_unix(path, tap.mode, tap.group)?),
@@ -93,11 +93,11 @@ impl Way {
     }
 }
 
-struct Reader<'a> {
+struct TapReader<'a> {
     tap: &'a Tap,
 }
 
-impl Visitor for Reader<'_> {
+impl Visitor for TapReader<'_> {
     type Output = anyhow::Result<()>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> anyhow::Result<()> {
@@ -105,10 +105,10 @@ impl Visitor for Reader<'_> {
         let stop = Stop::on_signals()?;
         let bus = Bus::<SharedMemory>::open(&root, "tap")?;
         let mut form = match self.tap.format {
-            TapFormat::Json => Form::Lines(Lines::new(&T::LAYOUT, LineFormat::Json)),
-            TapFormat::Csv => Form::Lines(Lines::new(&T::LAYOUT, LineFormat::Csv)),
-            TapFormat::Cat062 => match Blocks::open(self.tap, &bus, &stop)? {
-                Some(blocks) => Form::Blocks(Box::new(blocks)),
+            TapFormat::Json => SampleForm::Lines(LineWriter::new(&T::LAYOUT, LineFormat::Json)),
+            TapFormat::Csv => SampleForm::Lines(LineWriter::new(&T::LAYOUT, LineFormat::Csv)),
+            TapFormat::Cat062 => match TapBlocks::open(self.tap, &bus, &stop)? {
+                Some(blocks) => SampleForm::Blocks(Box::new(blocks)),
                 None => return Ok(()),
             },
         };
@@ -116,18 +116,18 @@ impl Visitor for Reader<'_> {
         let mut subscriber = bus.subscriber(&topic, || mono_ns() as u64)?;
         let mut waiter = bus.waiter(WaitMode::Event);
         waiter.watch(&bus, &topic)?;
-        let mut way = Way::open(self.tap)?;
-        if let Way::Out(out) = &mut way {
+        let mut way = LineDestination::open(self.tap)?;
+        if let LineDestination::Out(out) = &mut way {
             out.write_all(&head)?;
         }
         let (mut text, mut left, mut lost) = (Vec::new(), self.tap.count.unwrap_or(u64::MAX), 0);
         let mut looked = instant();
         while left > 0 && !stop.requested() {
             let slice = match subscriber.receive()? {
-                Received::Slice(slice) => Some(slice),
-                Received::Rejected => bail!("topic {}: its publisher is of another build", subscriber.topic()),
-                Received::OfOlderEpoch => continue,
-                Received::Nothing => None,
+                ReceiveOutcome::Slice(slice) => Some(slice),
+                ReceiveOutcome::Rejected => bail!("topic {}: its publisher is of another build", subscriber.topic()),
+                ReceiveOutcome::OfOlderEpoch => continue,
+                ReceiveOutcome::Nothing => None,
             };
             for sample in slice.iter().flat_map(|slice| slice.samples()).take(left as usize) {
                 form.write(T::octets(std::slice::from_ref(sample)), &mut text);

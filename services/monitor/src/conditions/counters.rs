@@ -4,7 +4,7 @@ use alarms::{AlarmKind, Finding, Round, Subject};
 use messages::{Counter, NO_SOURCE, ProcessKind};
 use observed::process_title as title;
 
-use super::{Conditions, Sight};
+use super::{Conditions, RoundView};
 use crate::text::several;
 
 /// Counters that should not grow: alarm, counters, counted objects, and the process that counts.
@@ -71,7 +71,7 @@ const GROWING: &[Growing] = {
 
 impl Conditions {
     /// Growth of the counters of [`GROWING`].
-    pub(super) fn growing_counters(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(super) fn growing_counters(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         for (kind, source, latest) in sight.observed.book().all() {
             // A process's message as a whole repeats the counts of its sources.
             let counters = match source {
@@ -104,7 +104,7 @@ impl Conditions {
     }
 
     /// Conditions of received data outside the configuration.
-    pub(super) fn misfits(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(super) fn misfits(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         for (kind, source, latest) in sight
             .observed
             .book()

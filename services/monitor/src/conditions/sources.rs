@@ -2,10 +2,10 @@
 
 use alarms::{AlarmKind, Finding, Round, Subject, Usual, above};
 use messages::{Counter, LifeState, ProcessKind, Registration};
-use observed::{Process, Source, State};
+use observed::{ObservedProcess, ProcessState, SourceFacts};
 use runtime::Now;
 
-use super::{Conditions, Sight};
+use super::{Conditions, RoundView};
 use crate::text::{elapsed, several};
 
 /// Period of the search for sources that never join, nanoseconds.
@@ -22,16 +22,16 @@ const DETECTION_LOSS: f64 = 0.15;
 
 /// Source, as far as its alarms need.
 #[derive(Debug)]
-pub(super) struct Watched {
-    pub(super) facts: Source,
+pub(super) struct SourceWatch {
+    pub(super) facts: SourceFacts,
     usual: [Usual; ERRORS.len()],
     usual_detection: Usual,
     /// Fusion process of the estimates, and the number of reports taken by its predecessors.
     learner: (u64, u64),
 }
 
-impl Watched {
-    pub(super) fn new(facts: Source) -> Self {
+impl SourceWatch {
+    pub(super) fn new(facts: SourceFacts) -> Self {
         Self {
             facts,
             usual: [Usual::default(); ERRORS.len()],
@@ -75,12 +75,13 @@ const ERRORS: [SourceError; 5] = [
 
 impl Conditions {
     /// Sources without records for longer than their configuration allows.
-    pub(super) fn silent_sources(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(super) fn silent_sources(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         for (index, source) in self.sources.iter().enumerate() {
-            let is_adapter =
-                |process: &&Process| process.kind == Some(ProcessKind::Adapter) && process.name == source.facts.adapter;
+            let is_adapter = |process: &&ObservedProcess| {
+                process.kind == Some(ProcessKind::Adapter) && process.name == source.facts.adapter
+            };
             let adapter = sight.processes.iter().find(is_adapter);
-            let runs = |process: &Process| process.state == State::Life(LifeState::Running);
+            let runs = |process: &ObservedProcess| process.state == ProcessState::Life(LifeState::Running);
             let is_expected = source.facts.is_external || adapter.is_some_and(runs);
             let delivered = sight.observed.delivered(source.facts.number);
             let may_be_silent = !is_expected || source.facts.silent_after_ns.is_none();
@@ -107,8 +108,8 @@ impl Conditions {
 
     /// Finds the wrong clock where sources' clocks and the machine's differ, by the offset of sound clocks against
     /// the machine's, seconds.
-    fn machine_clock(&self, sight: Sight<'_>, round: &mut Round<'_>) -> f64 {
-        let known = |source: &&Watched| {
+    fn machine_clock(&self, sight: RoundView<'_>, round: &mut Round<'_>) -> f64 {
+        let known = |source: &&SourceWatch| {
             sight
                 .observed
                 .book()
@@ -116,14 +117,14 @@ impl Conditions {
                 .clock_offset_sigma_s
                 > 0.0
         };
-        let offset_s = |source: &Watched| sight.observed.book().registration(source.facts.number).clock_offset_s;
+        let offset_s = |source: &SourceWatch| sight.observed.book().registration(source.facts.number).clock_offset_s;
         let sources = || self.sources.iter().filter(known);
         let agreeing = |of_s: f64| sources().filter(move |source| (offset_s(source) - of_s).abs() <= CLOCKS_AGREE_S);
         let limit_s = self.limits.clock_off_s.s();
         let found_s = sight.observed.book().host_offset_ns() as f64 / messages::NS_PER_S;
         // Below the limit on time steps, fusion leaves all times unchanged; most sources show the offset all the
         // same.
-        let is_off = |source: &&Watched| source.clock_excess_s(offset_s(source)) - CLOCKS_AGREE_S > limit_s;
+        let is_off = |source: &&SourceWatch| source.clock_excess_s(offset_s(source)) - CLOCKS_AGREE_S > limit_s;
         let most = sources().filter(is_off).map(offset_s).find(|of_s| {
             let count = agreeing(*of_s).count();
             count >= 2 && 2 * count > sources().count()
@@ -151,7 +152,7 @@ impl Conditions {
     }
 
     /// Conditions of fusion's estimates of the sources.
-    pub(super) fn source_errors(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(super) fn source_errors(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let common_s = self.machine_clock(sight, round);
         for source in &self.sources {
             let known = sight.observed.book().registration(source.facts.number);
@@ -197,7 +198,7 @@ impl Conditions {
     }
 
     /// Conditions of changes: of biases, and of the sources' probabilities of detection.
-    pub(super) fn changed(&mut self, sight: Sight<'_>, round: &mut Round<'_>) {
+    pub(super) fn changed(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
         let now_ns = sight.now.mono_ns;
         for source in &mut self.sources {
             let known = sight.observed.book().registration(source.facts.number);

@@ -1,6 +1,6 @@
 //! Tables that give up columns until they fit.
 
-use telemetry::table::{Align, Table};
+use telemetry::table::{Align, TextTable};
 
 /// Blanks between two columns.
 const GAP: usize = 2;
@@ -19,20 +19,20 @@ pub(crate) enum Tone {
 
 /// Lines of one table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Lines {
+pub(crate) struct TableLines {
     pub(crate) heading: String,
     pub(crate) rows: Vec<(Tone, String)>,
 }
 
 /// Table of text that must fit into a width.
 #[derive(Clone, Debug)]
-pub(crate) struct Columns {
-    columns: Vec<Column>,
+pub(crate) struct FittedTable {
+    columns: Vec<ScreenColumn>,
     tones: Vec<Tone>,
 }
 
 #[derive(Clone, Debug)]
-struct Column {
+struct ScreenColumn {
     heading: String,
     align: Align,
     /// Rank by which columns are left out, largest first; 0: never.
@@ -40,11 +40,11 @@ struct Column {
     cells: Vec<String>,
 }
 
-impl Columns {
+impl FittedTable {
     /// A table without rows. Each column has a heading, an alignment, and a rank by which it is left out where there is
     /// too little room, largest first; one of rank 0 stays.
     pub(crate) fn new(columns: &[(&str, Align, u8)]) -> Self {
-        let column = |(heading, align, rank): &(&str, Align, u8)| Column {
+        let column = |(heading, align, rank): &(&str, Align, u8)| ScreenColumn {
             heading: (*heading).to_owned(),
             align: *align,
             rank: *rank,
@@ -66,7 +66,7 @@ impl Columns {
     }
 
     /// The lines, at most `width` characters long unless the columns that always stay need more.
-    pub(crate) fn lines(mut self, width: usize) -> Lines {
+    pub(crate) fn lines(mut self, width: usize) -> TableLines {
         while self.width() > width {
             let least = self.columns.iter().map(|column| column.rank).max().unwrap_or(0);
             if least == 0 {
@@ -79,20 +79,20 @@ impl Columns {
             .iter()
             .map(|column| (column.heading.as_str(), column.align))
             .collect();
-        let mut table = Table::new(&headings);
+        let mut table = TextTable::new(&headings);
         for row in 0..self.tones.len() {
             table.row(self.columns.iter().map(|column| column.cells[row].as_str()));
         }
         let text = table.to_string();
         let mut lines = text.lines().map(str::to_owned);
-        Lines {
+        TableLines {
             heading: lines.next().unwrap_or_default(),
             rows: self.tones.into_iter().zip(lines).collect(),
         }
     }
 
     fn width(&self) -> usize {
-        let widest = |column: &Column| {
+        let widest = |column: &ScreenColumn| {
             let cells = column.cells.iter().chain([&column.heading]);
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
         };
@@ -105,8 +105,8 @@ impl Columns {
 mod tests {
     use super::*;
 
-    fn table() -> Columns {
-        let mut table = Columns::new(&[
+    fn table() -> FittedTable {
+        let mut table = FittedTable::new(&[
             ("name", Align::Left, 0),
             ("seldom", Align::Right, 2),
             ("often", Align::Right, 1),

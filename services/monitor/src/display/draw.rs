@@ -6,7 +6,7 @@ use ratatui::style::{Color, Style, Stylize as _};
 use ratatui::text::{Line, Span as Piece};
 use ratatui::widgets::{Paragraph, Widget as _, Wrap};
 
-use super::columns::{Lines, Tone};
+use super::columns::{TableLines, Tone};
 use super::overview::Overview;
 use super::pages;
 use super::view::{Page, View};
@@ -37,12 +37,12 @@ const ALARMS_MAX: usize = 3;
 
 /// Looks of a screen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Looks {
+pub(crate) struct ScreenStyle {
     /// Whether colours may be used.
     pub(crate) colours: bool,
 }
 
-impl Looks {
+impl ScreenStyle {
     /// Looks that the user's environment asks for: without colours if `NO_COLOR` is set and not empty
     /// (<https://no-color.org>).
     pub(crate) fn of_environment() -> Self {
@@ -77,7 +77,7 @@ pub(crate) fn rows(overview: Option<&Overview>, view: &View) -> usize {
 }
 
 /// Draws one screen of `koseki top`; before the first interval is over, there is no overview yet.
-pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overview>, view: &View, looks: Looks) {
+pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overview>, view: &View, looks: ScreenStyle) {
     let [title, tabs, body, help] = Layout::vertical([
         Constraint::Length(1),
         Constraint::Length(2),
@@ -122,7 +122,7 @@ pub(crate) fn draw(buffer: &mut Buffer, instance: &str, overview: Option<&Overvi
 }
 
 /// Draws the screen of a monitor, which nobody can press keys at.
-pub(crate) fn draw_unattended(buffer: &mut Buffer, overview: &Overview, looks: Looks) {
+pub(crate) fn draw_unattended(buffer: &mut Buffer, overview: &Overview, looks: ScreenStyle) {
     let [title, _, body] =
         Layout::vertical([Constraint::Length(1), Constraint::Length(1), Constraint::Fill(1)]).areas(buffer.area);
     Line::from(pages::title(overview))
@@ -131,7 +131,7 @@ pub(crate) fn draw_unattended(buffer: &mut Buffer, overview: &Overview, looks: L
     draw_sources(buffer, body, overview, &View::default(), None, looks);
 }
 
-fn tab_line(view: &View, looks: Looks) -> Line<'static> {
+fn tab_line(view: &View, looks: ScreenStyle) -> Line<'static> {
     let mut pieces = Vec::new();
     for (index, page) in Page::ALL.into_iter().enumerate() {
         let tab = Piece::from(format!(" {} {} ", index + 1, page.word()));
@@ -151,7 +151,7 @@ fn draw_sources(
     overview: &Overview,
     view: &View,
     selected: Option<usize>,
-    looks: Looks,
+    looks: ScreenStyle,
 ) {
     let width = usize::from(body.width);
     let sources = pages::page_lines(overview, Page::Sources, view.span, width);
@@ -193,7 +193,7 @@ fn draw_sources(
 }
 
 /// The heading, and as many rows as fit: so that the `selected` one is among them, or with a word on the others.
-fn draw_lines(buffer: &mut Buffer, area: Rect, lines: &Lines, selected: Option<usize>, looks: Looks) {
+fn draw_lines(buffer: &mut Buffer, area: Rect, lines: &TableLines, selected: Option<usize>, looks: ScreenStyle) {
     let [heading, body] = Layout::vertical([Constraint::Length(1), Constraint::Fill(1)]).areas(area);
     Line::from(lines.heading.as_str()).bold().render(heading, buffer);
     let height = usize::from(body.height);
@@ -220,11 +220,11 @@ mod tests {
     use super::*;
     use crate::display::overview::SourceRow;
     use crate::display::sample::overview;
-    use crate::display::view::Key;
+    use crate::display::view::ViewKey;
     use crate::golden;
 
     const SIZES: [(u16, u16); 2] = [(80, 24), (200, 50)];
-    const COLOURS: Looks = Looks { colours: true };
+    const COLOURS: ScreenStyle = ScreenStyle { colours: true };
 
     fn empty(width: u16, height: u16) -> Buffer {
         Buffer::empty(Rect::new(0, 0, width, height))
@@ -237,7 +237,7 @@ mod tests {
     }
 
     /// The screen as text, and which of its lines are set off.
-    fn screen(width: u16, height: u16, overview: Option<&Overview>, keys: &[Key]) -> (String, Vec<usize>) {
+    fn screen(width: u16, height: u16, overview: Option<&Overview>, keys: &[ViewKey]) -> (String, Vec<usize>) {
         let mut view = View::default();
         for key in keys {
             assert!(view.press(*key, rows(overview, &view)));
@@ -256,7 +256,12 @@ mod tests {
         let (text, selected) = screen(80, 24, Some(&overview), &[]);
         golden::assert("top_sources.txt", &text);
         assert_eq!(selected, [4], "all sources");
-        let (text, selected) = screen(200, 50, Some(&overview), &[Key::Move(1), Key::Move(1), Key::Span]);
+        let (text, selected) = screen(
+            200,
+            50,
+            Some(&overview),
+            &[ViewKey::Move(1), ViewKey::Move(1), ViewKey::Span],
+        );
         golden::assert("top_source_total.txt", &text);
         assert_eq!(selected, [6], "ads-b");
     }
@@ -271,7 +276,7 @@ mod tests {
             (Page::Processes, "top_processes.txt"),
             (Page::Alarms, "top_alarms.txt"),
         ] {
-            let (text, _) = screen(80, 24, Some(&overview), &[Key::Page(page), Key::Pause]);
+            let (text, _) = screen(80, 24, Some(&overview), &[ViewKey::Page(page), ViewKey::Pause]);
             golden::assert(file, &text);
         }
     }
@@ -279,23 +284,23 @@ mod tests {
     #[test]
     fn a_small_terminal_shows_the_selected_row_and_no_terminal_is_too_small() {
         let overview = overview();
-        let keys = [Key::Page(Page::Counters), Key::Move(100)];
+        let keys = [ViewKey::Page(Page::Counters), ViewKey::Move(100)];
         let (text, selected) = screen(40, 7, Some(&overview), &keys);
         golden::assert("top_small.txt", &text);
         assert_eq!(selected, [4]);
         for page in Page::ALL {
             for (width, height) in [(1, 1), (3, 2), (80, 3), (10, 60)] {
-                screen(width, height, Some(&overview), &[Key::Page(page), Key::Move(3)]);
+                screen(width, height, Some(&overview), &[ViewKey::Page(page), ViewKey::Move(3)]);
             }
         }
     }
 
     #[test]
     fn before_anything_was_heard_and_the_help() {
-        let (text, _) = screen(80, 24, None, &[Key::Move(1)]);
+        let (text, _) = screen(80, 24, None, &[ViewKey::Move(1)]);
         assert!(text.starts_with("Koseki demo   listening …\n"), "{text}");
         assert!(text.ends_with(&format!("{HELP_LINE}\n")), "{text}");
-        let (text, _) = screen(80, 24, Some(&overview()), &[Key::Help]);
+        let (text, _) = screen(80, 24, Some(&overview()), &[ViewKey::Help]);
         for line in HELP {
             assert!(text.contains(line), "{line} is cut: {text}");
         }
@@ -326,6 +331,6 @@ mod tests {
             found.into_iter().collect::<Vec<_>>().join(" ")
         };
         assert_eq!(colours(COLOURS), "Cyan Red Reset");
-        assert_eq!(colours(Looks { colours: false }), "Reset");
+        assert_eq!(colours(ScreenStyle { colours: false }), "Reset");
     }
 }

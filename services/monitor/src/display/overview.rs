@@ -1,7 +1,7 @@
 //! State of a deployment at the end of an interval.
 
 use messages::{Alarm, Counter};
-use observed::{AlarmRow, Deployment, Process, SourceState, State, TrackCounts};
+use observed::{Deployment, ObservedProcess, ProcessState, SourceState, StandingAlarm, TrackCounts};
 use serde::{Serialize, Serializer};
 use telemetry::{Span, Stage, Stages, Summary};
 
@@ -30,7 +30,7 @@ pub(crate) struct Overview {
     pub(crate) counters: Vec<CounterRow>,
     pub(crate) processes: Vec<ProcessRow>,
     /// Alarms that stand, the worst first.
-    pub(crate) alarms: Vec<AlarmRow>,
+    pub(crate) alarms: Vec<StandingAlarm>,
     /// Whether recordings are worked off as fast as fusion can: reports wait in full queues then.
     pub(crate) queues_are_full: bool,
     /// System-track states that were missed here: latencies rest on fewer.
@@ -94,7 +94,7 @@ pub(crate) struct CounterRow {
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct ProcessRow {
     pub(crate) title: String,
-    pub(crate) state: State,
+    pub(crate) state: ProcessState,
     pub(crate) pid: Option<u32>,
     pub(crate) restarts: u32,
     /// How it last ended when it should not have, and what it has to say.
@@ -121,7 +121,7 @@ impl Overview {
     /// its own.
     pub(crate) fn new(
         observed: &Deployment,
-        processes: &[Process],
+        processes: &[ObservedProcess],
         alarms: &[Alarm],
         measured: impl Fn(Stage) -> bool,
     ) -> Self {
@@ -130,7 +130,7 @@ impl Overview {
             picture: observed.track_counts(),
             stages: stage_rows(observed.stages(), &sources, measured),
             processes: processes.iter().map(ProcessRow::new).collect(),
-            alarms: alarms.iter().map(AlarmRow::from).collect(),
+            alarms: alarms.iter().map(StandingAlarm::from).collect(),
             sources,
             ..Self::default()
         }
@@ -154,7 +154,7 @@ impl Overview {
 
 impl ProcessRow {
     /// Row of what is known of a process.
-    pub(crate) fn new(process: &Process) -> Self {
+    pub(crate) fn new(process: &ObservedProcess) -> Self {
         Self {
             title: process.title(),
             state: process.state,

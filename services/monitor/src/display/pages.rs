@@ -1,11 +1,11 @@
 //! An overview as lines of text, for a screen or a pipe.
 
 use messages::CounterClass;
-use observed::AlarmRow;
+use observed::StandingAlarm;
 use telemetry::table::{self, Align, count};
 use telemetry::{Span, Stage};
 
-use super::columns::{Columns, Lines, Tone};
+use super::columns::{FittedTable, TableLines, Tone};
 use super::overview::{Overview, SourceRow};
 use super::view::Page;
 use crate::text::{elapsed, several, time_of_day};
@@ -151,7 +151,7 @@ pub(crate) fn remark(overview: &Overview) -> Option<String> {
 }
 
 /// The table of a page, in lines that are no longer than `width` where its columns allow that.
-pub(crate) fn page_lines(overview: &Overview, page: Page, span: Span, width: usize) -> Lines {
+pub(crate) fn page_lines(overview: &Overview, page: Page, span: Span, width: usize) -> TableLines {
     match page {
         Page::Sources => sources(overview, span, width),
         Page::Tracks => tracks(overview, width),
@@ -163,8 +163,8 @@ pub(crate) fn page_lines(overview: &Overview, page: Page, span: Span, width: usi
 }
 
 /// Alarms that stand.
-fn alarms(overview: &Overview, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn alarms(overview: &Overview, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         ("since", Align::Left, 0),
         ("severity", Align::Left, 2),
         ("alarm", Align::Left, 1),
@@ -178,7 +178,7 @@ fn alarms(overview: &Overview, width: usize) -> Lines {
     rows.lines(width)
 }
 
-fn tone(alarm: &AlarmRow) -> Tone {
+fn tone(alarm: &StandingAlarm) -> Tone {
     match alarm.severity {
         "warning" => Tone::Warning,
         _ => Tone::Alarm,
@@ -200,8 +200,8 @@ pub(crate) fn worst_alarms(overview: &Overview, most: usize) -> Vec<(Tone, Strin
 }
 
 /// All sources together, then each.
-fn sources(overview: &Overview, span: Span, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn sources(overview: &Overview, span: Span, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         ("source", Align::Left, 0),
         ("reports", Align::Right, 0),
         ("per s", Align::Right, 0),
@@ -257,8 +257,8 @@ fn sources(overview: &Overview, span: Span, width: usize) -> Lines {
 }
 
 /// Every system track, with its place in the world.
-fn tracks(overview: &Overview, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn tracks(overview: &Overview, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         ("track", Align::Right, 0),
         ("identity", Align::Left, 0),
         ("state", Align::Left, 3),
@@ -310,7 +310,7 @@ fn tracks(overview: &Overview, width: usize) -> Lines {
 }
 
 /// Every stage of all sources, then of each.
-fn stages(overview: &Overview, span: Span, width: usize) -> Lines {
+fn stages(overview: &Overview, span: Span, width: usize) -> TableLines {
     let rows = overview
         .stages
         .iter()
@@ -323,15 +323,15 @@ fn stages(overview: &Overview, span: Span, width: usize) -> Lines {
 }
 
 /// The stages of one source, or of all.
-pub(crate) fn stages_of(overview: &Overview, source: Option<u16>, span: Span, width: usize) -> Lines {
+pub(crate) fn stages_of(overview: &Overview, source: Option<u16>, span: Span, width: usize) -> TableLines {
     let rows = overview.stages.iter().filter(|row| row.source == source);
     let rows = rows.map(|row| (row.stage.label().to_owned(), row.summary(span)));
     let of = source.map_or("all sources", |number| overview.source_name(number));
     latencies(&heading(overview, of, span), rows, width)
 }
 
-fn latencies(heading: &str, stages: impl Iterator<Item = (String, telemetry::Summary)>, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn latencies(heading: &str, stages: impl Iterator<Item = (String, telemetry::Summary)>, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         (heading, Align::Left, 0),
         ("count", Align::Right, 3),
         ("p50", Align::Right, 0),
@@ -378,8 +378,8 @@ pub(crate) fn span_word(span: Span) -> &'static str {
     }
 }
 
-fn counters(overview: &Overview, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn counters(overview: &Overview, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         ("by", Align::Left, 0),
         ("of", Align::Left, 0),
         ("counter", Align::Left, 0),
@@ -407,8 +407,8 @@ fn counters(overview: &Overview, width: usize) -> Lines {
     rows.lines(width)
 }
 
-fn processes(overview: &Overview, width: usize) -> Lines {
-    let mut rows = Columns::new(&[
+fn processes(overview: &Overview, width: usize) -> TableLines {
+    let mut rows = FittedTable::new(&[
         ("process", Align::Left, 0),
         ("state", Align::Left, 0),
         ("pid", Align::Right, 1),

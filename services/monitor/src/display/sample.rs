@@ -1,7 +1,7 @@
 //! An overview for tests of what is shown.
 
 use messages::{Counter, LifeState};
-use observed::{AlarmRow, State, TrackCounts};
+use observed::{ProcessState, StandingAlarm, TrackCounts};
 use telemetry::{Stage, Summary};
 
 use super::overview::{CounterRow, Overview, ProcessRow, SourceRow, StageRow};
@@ -49,7 +49,7 @@ pub(crate) fn overview() -> Overview {
         restarts,
         note: note.to_owned(),
     };
-    let running = State::Life(LifeState::Running);
+    let running = ProcessState::Life(LifeState::Running);
     Overview {
         instance: "demo".to_owned(),
         utc_ns: 1_700_000_000_000_000_000,
@@ -112,10 +112,10 @@ pub(crate) fn overview() -> Overview {
         ],
         processes: vec![
             process("launcher", running, 0, ""),
-            process("adapter ads-b", State::Silent { for_ns: 1_500_000_000 }, 0, ""),
+            process("adapter ads-b", ProcessState::Silent { for_ns: 1_500_000_000 }, 0, ""),
             process("fusion", running, 1, "the last one was killed by SIGKILL"),
         ],
-        alarms: vec![AlarmRow {
+        alarms: vec![StandingAlarm {
             severity: "major",
             alarm: "source-silent",
             raised_ns: 1_699_999_990_000_000_000,

@@ -45,7 +45,7 @@ impl Page {
 
 /// A key that means something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Key {
+pub(crate) enum ViewKey {
     Quit,
     NextPage,
     PreviousPage,
@@ -89,29 +89,29 @@ impl View {
     }
 
     /// Does what a key says, on a page of `rows` rows. `false`: it was the last.
-    pub(crate) fn press(&mut self, key: Key, rows: usize) -> bool {
+    pub(crate) fn press(&mut self, key: ViewKey, rows: usize) -> bool {
         let pages = Page::ALL.len();
         if std::mem::take(&mut self.help) {
             // Whatever the key: it closes the explanation.
             return true;
         }
         match key {
-            Key::Quit => return false,
-            Key::NextPage => self.page = Page::ALL[(self.page as usize + 1) % pages],
-            Key::PreviousPage => self.page = Page::ALL[(self.page as usize + pages - 1) % pages],
-            Key::Page(page) => self.page = page,
-            Key::Move(by) => {
+            ViewKey::Quit => return false,
+            ViewKey::NextPage => self.page = Page::ALL[(self.page as usize + 1) % pages],
+            ViewKey::PreviousPage => self.page = Page::ALL[(self.page as usize + pages - 1) % pages],
+            ViewKey::Page(page) => self.page = page,
+            ViewKey::Move(by) => {
                 let moved = self.selected(rows).saturating_add_signed(by);
                 self.selected[self.page as usize] = moved.min(rows.saturating_sub(1));
             }
-            Key::Span => {
+            ViewKey::Span => {
                 self.span = match self.span {
                     Span::Interval => Span::Total,
                     Span::Total => Span::Interval,
                 }
             }
-            Key::Pause => self.paused = !self.paused,
-            Key::Help => self.help = true,
+            ViewKey::Pause => self.paused = !self.paused,
+            ViewKey::Help => self.help = true,
         }
         true
     }
@@ -124,27 +124,32 @@ mod tests {
     #[test]
     fn keys_turn_pages_move_and_end() {
         let mut view = View::default();
-        for key in [Key::Page(Page::Stages), Key::NextPage, Key::Move(2), Key::Move(100)] {
+        for key in [
+            ViewKey::Page(Page::Stages),
+            ViewKey::NextPage,
+            ViewKey::Move(2),
+            ViewKey::Move(100),
+        ] {
             assert!(view.press(key, 5));
         }
         assert_eq!((view.page, view.selected(5)), (Page::Counters, 4));
         assert_eq!(view.selected(2), 1, "there are fewer rows now");
-        view.press(Key::Move(-100), 5);
+        view.press(ViewKey::Move(-100), 5);
         assert_eq!(view.selected(5), 0);
-        view.press(Key::Move(1), 0);
+        view.press(ViewKey::Move(1), 0);
         assert_eq!(view.selected(0), 0);
-        view.press(Key::Page(Page::Sources), 5);
-        view.press(Key::PreviousPage, 5);
+        view.press(ViewKey::Page(Page::Sources), 5);
+        view.press(ViewKey::PreviousPage, 5);
         assert_eq!(view.page, Page::Alarms);
-        view.press(Key::NextPage, 5);
+        view.press(ViewKey::NextPage, 5);
         assert_eq!(view.page, Page::Sources);
-        view.press(Key::Span, 5);
-        view.press(Key::Pause, 5);
+        view.press(ViewKey::Span, 5);
+        view.press(ViewKey::Pause, 5);
         assert_eq!((view.span, view.paused), (Span::Total, true));
-        view.press(Key::Help, 5);
+        view.press(ViewKey::Help, 5);
         assert!(view.help);
-        assert!(view.press(Key::Quit, 5), "the first key closes the help");
+        assert!(view.press(ViewKey::Quit, 5), "the first key closes the help");
         assert!(!view.help);
-        assert!(!view.press(Key::Quit, 5));
+        assert!(!view.press(ViewKey::Quit, 5));
     }
 }

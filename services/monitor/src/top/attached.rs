@@ -10,7 +10,7 @@ use bus::{Bus, BusError, Root, SharedMemory, Subscriber, Transport};
 use messages::{Alarm, FrameOrigin, Health, SystemTrack};
 use runtime::Now;
 
-use super::watch::Watch;
+use super::watch::DeploymentWatch;
 use crate::display::overview::Overview;
 
 /// Name under which it joins.
@@ -25,7 +25,7 @@ pub(super) struct Attached<S: Transport> {
     origins: Subscriber<S, FrameOrigin>,
     alarms: Subscriber<S, Alarm>,
     _bus: Bus<S>,
-    watch: Watch,
+    watch: DeploymentWatch,
     clock: fn() -> Now,
     /// When the interval at hand began.
     begun: Now,
@@ -94,7 +94,7 @@ impl<S: Transport> Attached<S> {
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
             alarms: bus.subscriber(&messages::alarms(), now_ns)?,
             _bus: bus,
-            watch: Watch::new(root.instance(), begun),
+            watch: DeploymentWatch::new(root.instance(), begun),
             clock,
             begun,
             interval_ns: interval.as_nanos() as i64,

@@ -68,14 +68,14 @@ pub fn run(root: &Root, settings: Settings) -> anyhow::Result<()> {
                 Form::Text => pages::everything(overview),
                 Form::Json => serde_json::to_string_pretty(overview)? + "\n",
             })?;
-            Ok(Shown::Enough)
+            Ok(ReaderPresence::Enough)
         })?
     } else if io::stdout().is_terminal() {
         terminal::show(attached, &stop)?
     } else {
         watch(attached, &stop, |overview| print(&pages::line(overview)))?
     };
-    if end == End::OfInstance {
+    if end == EndReason::OfInstance {
         print(&format!("instance {} has ended\n", root.instance()))?;
     }
     Ok(())
@@ -83,7 +83,7 @@ pub fn run(root: &Root, settings: Settings) -> anyhow::Result<()> {
 
 /// Why looking on has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+enum EndReason {
     /// The deployment has.
     OfInstance,
     /// Whoever looked has seen enough.
@@ -92,7 +92,7 @@ enum End {
 
 /// Whether there is somebody who reads on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shown {
+enum ReaderPresence {
     More,
     Enough,
 }
@@ -101,28 +101,28 @@ enum Shown {
 fn watch(
     mut attached: Attached<bus::SharedMemory>,
     stop: &Stop,
-    mut show: impl FnMut(&Overview) -> anyhow::Result<Shown>,
-) -> anyhow::Result<End> {
+    mut show: impl FnMut(&Overview) -> anyhow::Result<ReaderPresence>,
+) -> anyhow::Result<EndReason> {
     while !stop.requested() {
         match attached.look(Now::read())? {
-            Look::Ended => return Ok(End::OfInstance),
+            Look::Ended => return Ok(EndReason::OfInstance),
             Look::Interval(overview) => {
-                if show(&overview)? == Shown::Enough {
+                if show(&overview)? == ReaderPresence::Enough {
                     break;
                 }
             }
             Look::Nothing => std::thread::sleep(LOOK_EVERY),
         }
     }
-    Ok(End::OfInterest)
+    Ok(EndReason::OfInterest)
 }
 
 /// Prints; a reader that has gone (`| head`) has seen enough.
-fn print(text: &str) -> anyhow::Result<Shown> {
+fn print(text: &str) -> anyhow::Result<ReaderPresence> {
     let mut out = io::stdout();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Ok(()) => Ok(Shown::More),
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(Shown::Enough),
+        Ok(()) => Ok(ReaderPresence::More),
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(ReaderPresence::Enough),
         Err(error) => Err(error.into()),
     }
 }

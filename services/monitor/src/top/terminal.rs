@@ -18,10 +18,10 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use super::attached::{Attached, Look};
-use super::{End, LOOK_EVERY};
-use crate::display::draw::{self, Looks};
+use super::{EndReason, LOOK_EVERY};
+use crate::display::draw::{self, ScreenStyle};
 use crate::display::overview::Overview;
-use crate::display::view::{Key, Page, View};
+use crate::display::view::{Page, View, ViewKey};
 
 /// Rows that a page key moves.
 const PAGE_ROWS: isize = 10;
@@ -32,16 +32,16 @@ const KEYS_PER_LOOK: usize = 16;
 ///
 /// # Errors
 /// If the terminal cannot be used, or shared memory fails.
-pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow::Result<End> {
+pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow::Result<EndReason> {
     let instance = attached.instance().to_owned();
-    let mut screen = Screen::open()?;
+    let mut screen = TerminalScreen::open()?;
     let mut view = View::default();
     let mut overview: Option<Box<Overview>> = None;
     screen.draw(&instance, None, &view)?;
     while !stop.requested() {
         let mut changed = false;
         match attached.look(Now::read())? {
-            Look::Ended => return Ok(End::OfInstance),
+            Look::Ended => return Ok(EndReason::OfInstance),
             Look::Interval(latest) if !view.paused || overview.is_none() => {
                 overview = Some(latest);
                 changed = true;
@@ -53,13 +53,13 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
         for _ in 0..KEYS_PER_LOOK {
             match screen.event(patience)? {
                 None => break,
-                Some(Input::Key(key)) => {
+                Some(TerminalEvent::Key(key)) => {
                     if !view.press(key, draw::rows(overview.as_deref(), &view)) {
-                        return Ok(End::OfInterest);
+                        return Ok(EndReason::OfInterest);
                     }
                 }
-                Some(Input::Resized) => {}
-                Some(Input::Gone) => return Ok(End::OfInterest),
+                Some(TerminalEvent::Resized) => {}
+                Some(TerminalEvent::Gone) => return Ok(EndReason::OfInterest),
             }
             changed = true;
             patience = Duration::ZERO;
@@ -68,33 +68,33 @@ pub(super) fn show(mut attached: Attached<SharedMemory>, stop: &Stop) -> anyhow:
             screen.draw(&instance, overview.as_deref(), &view)?;
         }
     }
-    Ok(End::OfInterest)
+    Ok(EndReason::OfInterest)
 }
 
 /// A terminal in our hands.
-struct Screen {
+struct TerminalScreen {
     terminal: DefaultTerminal,
     /// Keys come from here.
     keys: OwnedFd,
-    looks: Looks,
+    looks: ScreenStyle,
 }
 
 /// Event of the terminal.
-enum Input {
-    Key(Key),
+enum TerminalEvent {
+    Key(ViewKey),
     Resized,
     /// The terminal has gone.
     Gone,
 }
 
-impl Screen {
+impl TerminalScreen {
     fn open() -> anyhow::Result<Self> {
         let keys = keys().context("finding the terminal")?;
         match ratatui::try_init() {
             Ok(terminal) => Ok(Self {
                 terminal,
                 keys,
-                looks: Looks::of_environment(),
+                looks: ScreenStyle::of_environment(),
             }),
             Err(error) => {
                 // It may have been prepared in part.
@@ -113,23 +113,23 @@ impl Screen {
     }
 
     /// The next thing that means something, if it comes within `patience`.
-    fn event(&self, patience: Duration) -> anyhow::Result<Option<Input>> {
+    fn event(&self, patience: Duration) -> anyhow::Result<Option<TerminalEvent>> {
         // The library reads a terminal that has gone for ever: its end is looked for before.
         if is_gone(&self.keys, patience).context("waiting for a key")? {
-            return Ok(Some(Input::Gone));
+            return Ok(Some(TerminalEvent::Gone));
         }
         if !event::poll(Duration::ZERO).context("waiting for a key")? {
             return Ok(None);
         }
         Ok(match event::read().context("reading a key")? {
-            Event::Key(event) if event.is_press() => meaning(event).map(Input::Key),
-            Event::Resize(..) => Some(Input::Resized),
+            Event::Key(event) if event.is_press() => meaning(event).map(TerminalEvent::Key),
+            Event::Resize(..) => Some(TerminalEvent::Resized),
             _ => None,
         })
     }
 }
 
-impl Drop for Screen {
+impl Drop for TerminalScreen {
     fn drop(&mut self) {
         // A terminal that has gone cannot be restored.
         let _ = ratatui::try_restore();
@@ -162,26 +162,26 @@ fn is_gone(keys: &OwnedFd, patience: Duration) -> io::Result<bool> {
 }
 
 /// Meaning of a key; `None` if it has none.
-fn meaning(event: KeyEvent) -> Option<Key> {
+fn meaning(event: KeyEvent) -> Option<ViewKey> {
     let control = event.modifiers.contains(KeyModifiers::CONTROL);
     Some(match event.code {
-        KeyCode::Char('c') if control => Key::Quit,
-        KeyCode::Char('q') | KeyCode::Esc => Key::Quit,
-        KeyCode::Tab | KeyCode::Right => Key::NextPage,
-        KeyCode::BackTab | KeyCode::Left => Key::PreviousPage,
+        KeyCode::Char('c') if control => ViewKey::Quit,
+        KeyCode::Char('q') | KeyCode::Esc => ViewKey::Quit,
+        KeyCode::Tab | KeyCode::Right => ViewKey::NextPage,
+        KeyCode::BackTab | KeyCode::Left => ViewKey::PreviousPage,
         KeyCode::Char(digit @ '1'..='9') => {
             let number = digit.to_digit(10)? as usize;
-            Key::Page(*Page::ALL.get(number - 1)?)
+            ViewKey::Page(*Page::ALL.get(number - 1)?)
         }
-        KeyCode::Down => Key::Move(1),
-        KeyCode::Up => Key::Move(-1),
-        KeyCode::PageDown => Key::Move(PAGE_ROWS),
-        KeyCode::PageUp => Key::Move(-PAGE_ROWS),
-        KeyCode::Home => Key::Move(isize::MIN),
-        KeyCode::End => Key::Move(isize::MAX),
-        KeyCode::Char('i') => Key::Span,
-        KeyCode::Char('p') => Key::Pause,
-        KeyCode::Char('h' | '?') | KeyCode::F(1) => Key::Help,
+        KeyCode::Down => ViewKey::Move(1),
+        KeyCode::Up => ViewKey::Move(-1),
+        KeyCode::PageDown => ViewKey::Move(PAGE_ROWS),
+        KeyCode::PageUp => ViewKey::Move(-PAGE_ROWS),
+        KeyCode::Home => ViewKey::Move(isize::MIN),
+        KeyCode::End => ViewKey::Move(isize::MAX),
+        KeyCode::Char('i') => ViewKey::Span,
+        KeyCode::Char('p') => ViewKey::Pause,
+        KeyCode::Char('h' | '?') | KeyCode::F(1) => ViewKey::Help,
         _ => return None,
     })
 }

@@ -13,14 +13,14 @@ const TRACKS_MAX: usize = 20_000;
 
 /// Watch over a deployment.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(crate) struct DeploymentWatch {
     instance: String,
     begun: Now,
     pub(crate) observed: Deployment,
     states: LatestStates,
 }
 
-impl Watch {
+impl DeploymentWatch {
     /// Nothing is known yet of the deployment that runs as `instance`.
     pub(crate) fn new(instance: &str, begun: Now) -> Self {
         Self {
@@ -120,13 +120,13 @@ mod tests {
         health.with_name(name)
     }
 
-    fn closed(watch: &mut Watch, s: f64) -> Overview {
+    fn closed(watch: &mut DeploymentWatch, s: f64) -> Overview {
         watch.close_interval(now(s), S, SubscriberCounts::default())
     }
 
     #[test]
     fn sources_are_put_together_from_what_adapter_fusion_and_monitor_say() {
-        let mut watch = Watch::new("demo", now(0.0));
+        let mut watch = DeploymentWatch::new("demo", now(0.0));
         let (adapter, fusion, monitor) = (ProcessKind::Adapter, ProcessKind::Fusion, ProcessKind::Monitor);
         let rejected = [(Counter::RejectedJump, 3), (Counter::RejectedTime, 2)];
         watch
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_restarted_fusion_counts_on() {
-        let mut watch = Watch::new("demo", now(0.0));
+        let mut watch = DeploymentWatch::new("demo", now(0.0));
         let fusion = |s, incarnation, taken| Health {
             incarnation,
             ..said(s, ProcessKind::Fusion, "fusion", 0, &[(Counter::Taken, taken)])
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn latencies_end_where_fusion_has_published() {
-        let mut watch = Watch::new("demo", now(0.0));
+        let mut watch = DeploymentWatch::new("demo", now(0.0));
         let received = now(0.5);
         let header = BatchHeader {
             incarnation: 1,
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn the_launchers_last_word_is_the_end_and_its_children_are_listed() {
-        let mut watch = Watch::new("demo", now(0.0));
+        let mut watch = DeploymentWatch::new("demo", now(0.0));
         let launcher = ProcessKind::Launcher;
         watch
             .observed
@@ -239,7 +239,7 @@ mod tests {
 
     #[test]
     fn every_counter_that_is_not_zero_is_listed_with_its_rate() {
-        let mut watch = Watch::new("demo", now(0.0));
+        let mut watch = DeploymentWatch::new("demo", now(0.0));
         let counters: Vec<(Counter, u64)> = Counter::ALL.iter().map(|counter| (*counter, 5)).collect();
         watch
             .observed

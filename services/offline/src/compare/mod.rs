@@ -17,11 +17,11 @@ use serde::Serialize;
 use crate::args::{Compare, CompareWhat};
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::{Refusals, Setup, drive};
+use crate::reading::{Setup, SkippedRows, drive};
 
 /// Result of one rule.
 #[derive(Debug, Serialize)]
-struct Outcome {
+struct RuleOutcome {
     rule: &'static str,
     /// Score against the truth, if a truth is given.
     #[serde(flatten)]
@@ -62,7 +62,7 @@ fn rules(compare: &Compare, host: &dyn Host) -> anyhow::Result<()> {
     let mut setup = Setup::of(host, &compare.input)?;
     setup.settings.refresh_s = Some(settings::Seconds::of_ns(compare.refresh.as_nanos() as i64));
     let mut outcomes = Vec::new();
-    let mut refusals = Refusals::default();
+    let mut refusals = SkippedRows::default();
     for rule in REGISTRY {
         setup.settings.rule.name.0 = rule.code;
         let (mut outcome, tracks, refused) = fuse(host, rule, &setup, settings.age_max_s)?;
@@ -86,7 +86,7 @@ fn fuse(
     rule: &'static RuleEntry,
     setup: &Setup<'_>,
     age_max_s: f64,
-) -> anyhow::Result<(Outcome, Timeline, Refusals)> {
+) -> anyhow::Result<(RuleOutcome, Timeline, SkippedRows)> {
     let engine = Engine::new(setup.settings.clone())?;
     let mut tracks = Timeline::empty(age_max_s);
     let (mut rows, mut coasted) = (0, 0);
@@ -103,7 +103,7 @@ fn fuse(
     let driven = drive(host, engine, &mut reports, row, |_| Ok(()));
     let (engine, driven) = driven.with_context(|| format!("rule {}", rule.name()))?;
     let count = |counter| engine.counts().get(counter);
-    let outcome = Outcome {
+    let outcome = RuleOutcome {
         rule: rule.name(),
         score: None,
         confirmed_tracks: count(Counter::TracksConfirmed),

@@ -1,9 +1,9 @@
 //! The comparison as a table: a row for each rule, a column for each figure.
 
 use serde_json::Value;
-use telemetry::table::{Align, Table};
+use telemetry::table::{Align, TextTable};
 
-use super::Outcome;
+use super::RuleOutcome;
 use crate::score::digits;
 
 /// Columns that need a truth, and columns that need none, in display order.
@@ -30,7 +30,7 @@ const ALONE: [&str; 5] = ["confirmed_tracks", "hand_overs", "rows", "coasted", "
 ///
 /// # Errors
 /// Never: figures can all be shown as JSON.
-pub(super) fn table(outcomes: &[Outcome], markdown: bool) -> anyhow::Result<String> {
+pub(super) fn table(outcomes: &[RuleOutcome], markdown: bool) -> anyhow::Result<String> {
     let scored = outcomes.iter().any(|outcome| outcome.score.is_some());
     let columns: Vec<&str> = match scored {
         true => AGAINST_TRUTH.into_iter().chain(ALONE).collect(),
@@ -53,7 +53,7 @@ pub(super) fn table(outcomes: &[Outcome], markdown: bool) -> anyhow::Result<Stri
 fn as_text(columns: &[&str], rows: Vec<Vec<String>>) -> String {
     let figures = columns.iter().map(|name| (*name, Align::Right));
     let headings: Vec<_> = [("rule", Align::Left)].into_iter().chain(figures).collect();
-    let mut table = Table::new(&headings);
+    let mut table = TextTable::new(&headings);
     for row in rows {
         table.row(row);
     }

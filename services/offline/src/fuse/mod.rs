@@ -20,10 +20,10 @@ use crate::args::Fuse;
 use crate::files::check_outputs;
 use crate::host::Host;
 use crate::reading::{Setup, drive, rule};
-use picture::Picture;
-use rows::Rows;
+use picture::TrackDrawing;
+use rows::StateSink;
 use settings::Seconds;
-use summary::Summary;
+use summary::FuseSummary;
 
 /// Runs the fusion.
 ///
@@ -48,7 +48,8 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let mut reports = setup.reports()?;
     let out = host.begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
-    let mut rows = Rows::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
+    let mut rows =
+        StateSink::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
     let begin = |path: &PathBuf| {
         let table = DecisionWriter::begin(host.begin(path)?, 0)
             .with_context(|| format!("{} cannot be written", path.display()))?;
@@ -56,7 +57,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     };
     let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
     let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));
-    let mut picture = fuse.picture.as_ref().map(|_| Picture::new(fuse.track));
+    let mut picture = fuse.picture.as_ref().map(|_| TrackDrawing::new(fuse.track));
     let row = |state: &SystemTrack| {
         if let Some(picture) = &mut picture {
             picture.state(state);
@@ -76,7 +77,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         }
         picture.draw(file, &setup.sensor_ids)?;
     }
-    let summary = Summary {
+    let summary = FuseSummary {
         out: &fuse.out,
         setup: &setup,
         engine: &engine,

@@ -25,20 +25,20 @@ const SENSORS: [RGBColor; 7] = [
 ];
 
 /// East and north, kilometres.
-type Place = (f64, f64);
+type MapPoint = (f64, f64);
 
 /// Positions to draw.
 #[derive(Debug)]
-pub(super) struct Picture {
+pub(super) struct TrackDrawing {
     /// System track to draw; `None` for all.
     about: Option<u32>,
     /// By source number.
-    reports_km: BTreeMap<u16, Vec<Place>>,
+    reports_km: BTreeMap<u16, Vec<MapPoint>>,
     /// By the system track's number.
-    tracks_km: BTreeMap<u32, Vec<Place>>,
+    tracks_km: BTreeMap<u32, Vec<MapPoint>>,
 }
 
-impl Picture {
+impl TrackDrawing {
     /// Creates an empty picture of one system track and its surroundings, or of everything.
     pub(super) fn new(about: Option<u32>) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Picture {
         let places = self.tracks_km.iter().filter(|(number, _)| shown(number));
         let map = (SIZE.0 - ASIDE, SIZE.1 - ASIDE);
         let (east, north, pixel_km) = equal_scales(places.flat_map(|(_, places)| places), map);
-        let inside = |at: &Place| east.contains(&at.0) && north.contains(&at.1);
+        let inside = |at: &MapPoint| east.contains(&at.0) && north.contains(&at.1);
         let title = match self.about {
             Some(number) => format!("System track {number}, its surroundings, and their reports"),
             None => format!("{} system tracks, and their reports", self.tracks_km.len()),
@@ -111,20 +111,20 @@ impl Picture {
     }
 }
 
-fn kilometres(position_m: &[f64; 3]) -> Place {
+fn kilometres(position_m: &[f64; 3]) -> MapPoint {
     (position_m[0] * 1e-3, position_m[1] * 1e-3)
 }
 
 /// Keeps one place in each square of `size_km`.
-fn one_a_pixel(places: impl Iterator<Item = Place>, size_km: f64) -> Vec<Place> {
+fn one_a_pixel(places: impl Iterator<Item = MapPoint>, size_km: f64) -> Vec<MapPoint> {
     let mut taken = BTreeSet::new();
-    let square = |place: &Place| ((place.0 / size_km) as i64, (place.1 / size_km) as i64);
+    let square = |place: &MapPoint| ((place.0 / size_km) as i64, (place.1 / size_km) as i64);
     places.filter(|place| taken.insert(square(place))).collect()
 }
 
 /// Thins a line: drops points nearer than `pixel_km` to the previous point, but not the last point.
-fn thinned(line: &[Place], pixel_km: f64) -> Vec<Place> {
-    let mut thin: Vec<Place> = Vec::new();
+fn thinned(line: &[MapPoint], pixel_km: f64) -> Vec<MapPoint> {
+    let mut thin: Vec<MapPoint> = Vec::new();
     for (number, at) in line.iter().enumerate() {
         let is_far = thin
             .last()

@@ -11,7 +11,7 @@ use messages::{SystemTrack, TrackState};
 
 /// Writes rows.
 #[derive(Debug)]
-pub(crate) struct Rows<W: Write> {
+pub(crate) struct StateSink<W: Write> {
     writer: SystemTrackWriter<W>,
     refresh_ns: Option<i64>,
     /// States of one time, by track; written when a later state arrives.
@@ -19,7 +19,7 @@ pub(crate) struct Rows<W: Write> {
     written: u64,
 }
 
-impl<W: Write> Rows<W> {
+impl<W: Write> StateSink<W> {
     /// Writes the header.
     ///
     /// # Errors

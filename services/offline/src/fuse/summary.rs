@@ -8,15 +8,15 @@ use messages::{Counter, NS_PER_S, TrackState};
 use serde_json::{Value, json};
 
 use crate::host::Host;
-use crate::reading::{Driven, Refusals, Setup};
+use crate::reading::{DriveTotals, Setup, SkippedRows};
 
 /// Figures of the summary.
-pub(crate) struct Summary<'a> {
+pub(crate) struct FuseSummary<'a> {
     pub(crate) out: &'a Path,
     pub(crate) setup: &'a Setup<'a>,
     pub(crate) engine: &'a Engine,
-    pub(crate) refusals: &'a Refusals,
-    pub(crate) driven: Driven,
+    pub(crate) refusals: &'a SkippedRows,
+    pub(crate) driven: DriveTotals,
     /// Rows written.
     pub(crate) written: u64,
 }
@@ -40,7 +40,7 @@ const OF_TRACKS: [Counter; 6] = [
     Counter::HandOvers,
 ];
 
-impl Summary<'_> {
+impl FuseSummary<'_> {
     /// Shows the summary: as JSON on standard output, else as text on standard error.
     ///
     /// # Errors

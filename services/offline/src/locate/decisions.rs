@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use locating::Decision;
 
-use crate::host::{Host, Output};
+use crate::host::{Host, TableOutput};
 use crate::locate_columns::DECISION_COLUMNS;
 
 /// Table of decisions.
 #[derive(Debug)]
 pub(super) struct Decisions {
     path: PathBuf,
-    out: Box<dyn Output>,
+    out: Box<dyn TableOutput>,
 }
 
 impl Decisions {

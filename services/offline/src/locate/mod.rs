@@ -17,17 +17,17 @@ use anyhow::Context as _;
 use formats::bearings_csv::BearingReader;
 use locating::selection::Select;
 use locating::settings::{FilterChoice, Settings};
-use locating::{Locator, Rejection};
+use locating::{BearingRejection, Locator};
 use observations::Bearing;
 
 use crate::args::Locate;
 use crate::files::{InputError, Usage, check_outputs};
 use crate::host::Host;
 use crate::locate_columns::FIX_COLUMNS;
-use crate::reading::{Counting, Progress, Refusals};
+use crate::reading::{CountingInput, Progress, SkippedRows};
 use decisions::Decisions;
 use picture::Paths;
-use summary::Summary;
+use summary::LocateSummary;
 
 /// Capacity for emitters without a configured limit: more than any file of measurements has. Memory is allocated on
 /// demand.
@@ -45,7 +45,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     ];
     check_outputs(std::iter::once(&locate.bearings).chain(&locate.config), &outputs)?;
     let mut locator = Locator::new(settings(locate, host)?).map_err(|fault| Usage(fault.to_string()))?;
-    let mut input = Input::open(host, &locate.bearings)?;
+    let mut input = BearingInput::open(host, &locate.bearings)?;
     let mut out = host.begin(&locate.out)?;
     let unwritten = || format!("{} cannot be written", locate.out.display());
     writeln!(out, "{}", FIX_COLUMNS).with_context(unwritten)?;
@@ -55,7 +55,7 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         .map(|path| Decisions::begin(host, path))
         .transpose()?;
     let mut paths = locate.picture.as_ref().map(|_| Paths::new(locate.emitter));
-    let mut summary = Summary::default();
+    let mut summary = LocateSummary::default();
     let progress = Progress::new(host, input.octets);
     while let Some((line, bearing)) = input.next()? {
         let begin_ns = runtime::clock::mono_ns();
@@ -118,27 +118,27 @@ fn not_known(option: &str, word: &str, words: &[&str]) -> Usage {
 }
 
 /// Bearing file. Unusable rows are skipped and counted.
-struct Input<'a> {
+struct BearingInput<'a> {
     path: &'a Path,
-    reader: BearingReader<Counting>,
+    reader: BearingReader<CountingInput>,
     octets: u64,
     octets_read: Rc<RefCell<u64>>,
-    refusals: Refusals,
+    refusals: SkippedRows,
     rows: u64,
 }
 
-impl<'a> Input<'a> {
+impl<'a> BearingInput<'a> {
     fn open(host: &dyn Host, path: &'a Path) -> Result<Self, InputError> {
         let file = host.open(path)?;
         let octets = file.length;
         let octets_read = Rc::default();
-        let reader = BearingReader::new(Counting::new(file, Rc::clone(&octets_read)), 0);
+        let reader = BearingReader::new(CountingInput::new(file, Rc::clone(&octets_read)), 0);
         Ok(Self {
             path,
             reader: reader.map_err(|error| InputError::new(path, error))?,
             octets,
             octets_read,
-            refusals: Refusals::default(),
+            refusals: SkippedRows::default(),
             rows: 0,
         })
     }
@@ -162,11 +162,11 @@ impl<'a> Input<'a> {
         Ok(None)
     }
 
-    fn refuse(&mut self, line: u64, refusal: Rejection) {
+    fn refuse(&mut self, line: u64, refusal: BearingRejection) {
         let reason = match refusal {
-            Rejection::Unusable(_) => "a value that cannot be",
-            Rejection::OutOfOrder => "order of time",
-            Rejection::TableFull => "want of places",
+            BearingRejection::Unusable(_) => "a value that cannot be",
+            BearingRejection::OutOfOrder => "order of time",
+            BearingRejection::TableFull => "want of places",
         };
         self.refusals.refused(reason, self.path, line, refusal);
     }

@@ -3,17 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
-use locating::{Decision, DecisionKind, Locator};
+use locating::{Decision, Locator, LocatorDecisionKind};
 use messages::NS_PER_S;
 use serde_json::{Value, json};
 
 use crate::args::Locate;
 use crate::host::Host;
-use crate::reading::Refusals;
+use crate::reading::SkippedRows;
 
 /// Counts during the run.
 #[derive(Debug, Default)]
-pub(super) struct Summary {
+pub(super) struct LocateSummary {
     /// Emitters with a fix.
     pub(super) emitters: BTreeSet<u32>,
     /// Time spent in the locator alone, nanoseconds.
@@ -24,14 +24,14 @@ pub(super) struct Summary {
     restarts: u64,
 }
 
-impl Summary {
+impl LocateSummary {
     /// Counts the decisions on a bearing.
     pub(super) fn count(&mut self, decisions: &[Decision]) {
         for decision in decisions {
             match decision.kind {
-                DecisionKind::ModelChosen(motion) => _ = self.models.insert(decision.emitter, motion.word()),
-                DecisionKind::BearingsSetAside(_) => self.times_set_aside += 1,
-                DecisionKind::ModelRestarted(_) => self.restarts += 1,
+                LocatorDecisionKind::ModelChosen(motion) => _ = self.models.insert(decision.emitter, motion.word()),
+                LocatorDecisionKind::BearingsSetAside(_) => self.times_set_aside += 1,
+                LocatorDecisionKind::ModelRestarted(_) => self.restarts += 1,
                 _ => {}
             }
         }
@@ -46,13 +46,13 @@ impl Summary {
         host: &dyn Host,
         locate: &Locate,
         locator: &Locator,
-        refusals: &Refusals,
+        refusals: &SkippedRows,
     ) -> anyhow::Result<()> {
         let json = locate.json.then(|| self.as_json(locate, locator, refusals));
         host.show(json, || self.as_text(locate, locator, refusals))
     }
 
-    fn as_json(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> Value {
+    fn as_json(&self, locate: &Locate, locator: &Locator, refusals: &SkippedRows) -> Value {
         let (counts, settings) = (locator.counts(), locator.settings());
         json!({
             "out": locate.out.display().to_string(),
@@ -76,7 +76,7 @@ impl Summary {
         })
     }
 
-    fn as_text(&self, locate: &Locate, locator: &Locator, refusals: &Refusals) -> String {
+    fn as_text(&self, locate: &Locate, locator: &Locator, refusals: &SkippedRows) -> String {
         let (counts, settings) = (locator.counts(), locator.settings());
         let mut text = refusals.as_text();
         let models: Vec<String> = (self.by_model().iter())

@@ -5,7 +5,7 @@ use std::io;
 use fusion::{Driver, Engine, ReportNumber, Sink};
 use messages::{Decision, SystemTrack};
 
-use super::merged::Merged;
+use super::merged::MergedRows;
 use super::progress::Progress;
 use crate::host::Host;
 
@@ -15,7 +15,7 @@ const STEP_NS: i64 = 1_000_000_000;
 
 /// Sums over the processed reports.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Driven {
+pub(crate) struct DriveTotals {
     /// Number of processed reports.
     pub(crate) reports: u64,
     /// Number of processed reports by source.
@@ -28,12 +28,12 @@ pub(crate) struct Driven {
 
 /// States and decisions emitted by the engine for one report.
 #[derive(Debug, Default)]
-struct HandedOut {
+struct EngineOutput {
     states: Vec<SystemTrack>,
     decisions: Vec<Decision>,
 }
 
-impl Sink for HandedOut {
+impl Sink for EngineOutput {
     fn track(&mut self, track: &SystemTrack) {
         self.states.push(*track);
     }
@@ -52,18 +52,18 @@ impl Sink for HandedOut {
 pub(crate) fn drive(
     host: &dyn Host,
     engine: Engine,
-    reports: &mut Merged,
+    reports: &mut MergedRows,
     mut row: impl FnMut(&SystemTrack) -> io::Result<()>,
     mut explain: impl FnMut(&Decision) -> io::Result<()>,
-) -> anyhow::Result<(Engine, Driven)> {
-    let mut driven = Driven {
+) -> anyhow::Result<(Engine, DriveTotals)> {
+    let mut driven = DriveTotals {
         by_source: vec![0; engine.settings().sources.len()],
-        ..Driven::default()
+        ..DriveTotals::default()
     };
     // A file needs no log: the rows are all events.
     let mut driver = Driver::begin(engine, (), 0);
-    let mut out = HandedOut::default();
-    let mut pass_on = |out: &mut HandedOut| -> io::Result<()> {
+    let mut out = EngineOutput::default();
+    let mut pass_on = |out: &mut EngineOutput| -> io::Result<()> {
         out.states.drain(..).try_for_each(|state| row(&state))?;
         out.decisions.drain(..).try_for_each(|decision| explain(&decision))
     };

@@ -16,8 +16,8 @@ use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
 use messages::SensorTrack;
 
-use super::progress::Counting;
-use super::refusals::Refusals;
+use super::progress::CountingInput;
+use super::refusals::SkippedRows;
 use crate::files::InputError;
 use crate::host::Host;
 
@@ -57,33 +57,33 @@ impl Sensors {
 type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
 
 /// Rows of several files, merged by time.
-pub(crate) struct Merged {
-    lanes: Vec<Lane>,
+pub(crate) struct MergedRows {
+    lanes: Vec<FileLane>,
     pub(crate) sensors: Rc<RefCell<Sensors>>,
-    pub(crate) refusals: Refusals,
+    pub(crate) refusals: SkippedRows,
     /// Bytes read so far, and in total.
     pub(crate) octets: Rc<RefCell<u64>>,
     pub(crate) octets_in_all: u64,
 }
 
 /// One file.
-struct Lane {
+struct FileLane {
     path: PathBuf,
-    reader: SensorTrackReader<Counting, SourceOf>,
+    reader: SensorTrackReader<CountingInput, SourceOf>,
     /// Next row, and the rows after it.
-    next: Option<Waiting>,
-    ahead: VecDeque<Waiting>,
+    next: Option<WaitingRow>,
+    ahead: VecDeque<WaitingRow>,
     /// Time of the last returned row.
     given_ns: i64,
 }
 
 #[derive(Clone, Copy)]
-struct Waiting {
+struct WaitingRow {
     track: SensorTrack,
     line: u64,
 }
 
-impl Merged {
+impl MergedRows {
     /// Opens the files.
     ///
     /// # Errors
@@ -92,18 +92,18 @@ impl Merged {
         let mut merged = Self {
             lanes: Vec::new(),
             sensors: Rc::new(RefCell::new(sensors)),
-            refusals: Refusals::default(),
+            refusals: SkippedRows::default(),
             octets: Rc::default(),
             octets_in_all: 0,
         };
         for path in files {
             let file = host.open(path)?;
             merged.octets_in_all += file.length;
-            let input = Counting::new(file, Rc::clone(&merged.octets));
+            let input = CountingInput::new(file, Rc::clone(&merged.octets));
             let sensors = Rc::clone(&merged.sensors);
             let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
             let reader = SensorTrackReader::new(input, 0, source_of);
-            let mut lane = Lane {
+            let mut lane = FileLane {
                 path: path.clone(),
                 reader: reader.map_err(|error| InputError::new(path, error))?,
                 next: None,
@@ -121,7 +121,7 @@ impl Merged {
     /// # Errors
     /// If reading a file fails.
     pub(crate) fn next(&mut self) -> Result<Option<SensorTrack>, InputError> {
-        let order = |lane: &Lane| {
+        let order = |lane: &FileLane| {
             lane.next
                 .map(|row| (row.track.time_of_measurement_ns, row.track.source))
         };
@@ -135,9 +135,9 @@ impl Merged {
     }
 }
 
-impl Lane {
+impl FileLane {
     /// Advances to the next row.
-    fn step(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+    fn step(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
         if let Some(given) = self.next {
             self.given_ns = given.track.time_of_measurement_ns;
         }
@@ -151,7 +151,7 @@ impl Lane {
                 self.next = self.next_ahead(refusals)?;
                 continue;
             }
-            let earlier = |row: &Waiting| row.track.time_of_measurement_ns < next_ns;
+            let earlier = |row: &WaitingRow| row.track.time_of_measurement_ns < next_ns;
             let Some(after) = self.ahead.front().copied().filter(earlier) else {
                 break;
             };
@@ -168,7 +168,7 @@ impl Lane {
 
     /// Whether the time of `next` is far beyond most following rows of other sensors, or, without other sensors, of
     /// its own sensor.
-    fn runs_away(&self, next: &Waiting) -> bool {
+    fn runs_away(&self, next: &WaitingRow) -> bool {
         let (latest_ns, source) = (
             next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
             next.track.source,
@@ -187,13 +187,13 @@ impl Lane {
         against > for_it
     }
 
-    fn next_ahead(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+    fn next_ahead(&mut self, refusals: &mut SkippedRows) -> Result<Option<WaitingRow>, InputError> {
         self.look_ahead(refusals)?;
         Ok(self.ahead.pop_front())
     }
 
     /// Fills the read-ahead buffer.
-    fn look_ahead(&mut self, refusals: &mut Refusals) -> Result<(), InputError> {
+    fn look_ahead(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
         while self.ahead.len() < AHEAD
             && let Some(row) = self.read(refusals)?
         {
@@ -203,11 +203,11 @@ impl Lane {
     }
 
     /// Returns the next readable row.
-    fn read(&mut self, refusals: &mut Refusals) -> Result<Option<Waiting>, InputError> {
+    fn read(&mut self, refusals: &mut SkippedRows) -> Result<Option<WaitingRow>, InputError> {
         while let Some(row) = self.reader.next() {
             if let Some(track) = refusals.usable(&self.path, row)? {
                 let line = self.reader.line();
-                return Ok(Some(Waiting { track, line }));
+                return Ok(Some(WaitingRow { track, line }));
             }
         }
         Ok(None)

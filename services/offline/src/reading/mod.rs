@@ -8,8 +8,8 @@ mod refusals;
 mod setup;
 mod survey;
 
-pub(crate) use drive::{Driven, drive};
+pub(crate) use drive::{DriveTotals, drive};
 pub(crate) use merged::named_twice;
-pub(crate) use progress::{Counting, Progress};
-pub use refusals::Refusals;
+pub(crate) use progress::{CountingInput, Progress};
+pub use refusals::SkippedRows;
 pub(crate) use setup::{Setup, rule};

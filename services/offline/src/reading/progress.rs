@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::io::{self, BufReader, Read};
 use std::rc::Rc;
 
-use crate::host::{Host, Input};
+use crate::host::{Host, TableInput};
 
 /// Size of the read buffer, bytes.
 const BUFFER_OCTETS: usize = 1 << 18;
@@ -37,14 +37,14 @@ impl Drop for Progress<'_> {
 }
 
 /// Input that counts the bytes read; several inputs may share a counter.
-pub(crate) struct Counting {
-    input: BufReader<Input>,
+pub(crate) struct CountingInput {
+    input: BufReader<TableInput>,
     octets: Rc<RefCell<u64>>,
 }
 
-impl Counting {
+impl CountingInput {
     /// Creates an input that adds the bytes read to `octets`.
-    pub(crate) fn new(input: Input, octets: Rc<RefCell<u64>>) -> Self {
+    pub(crate) fn new(input: TableInput, octets: Rc<RefCell<u64>>) -> Self {
         Self {
             input: BufReader::with_capacity(BUFFER_OCTETS, input),
             octets,
@@ -52,7 +52,7 @@ impl Counting {
     }
 }
 
-impl Read for Counting {
+impl Read for CountingInput {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.input.read(buffer)?;
         *self.octets.borrow_mut() += count as u64;

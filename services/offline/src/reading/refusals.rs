@@ -12,14 +12,14 @@ const SHOWN_MAX: usize = 5;
 
 /// Skipped rows.
 #[derive(Clone, Debug, Default)]
-pub struct Refusals {
+pub struct SkippedRows {
     /// Rows by reason.
     pub by_reason: BTreeMap<String, u64>,
     /// The first skipped rows, with file, line, value and remedy.
     pub first: Vec<String>,
 }
 
-impl Refusals {
+impl SkippedRows {
     /// Returns the value of a row of `file` if the row is readable; else counts the row as skipped.
     ///
     /// # Errors

@@ -7,8 +7,8 @@ use fusion::Settings;
 use fusion::settings::SOURCES_MAX;
 use messages::FusionRule;
 
-use super::merged::{Merged, Sensors, named_twice};
-use super::survey::Survey;
+use super::merged::{MergedRows, Sensors, named_twice};
+use super::survey::FileSurvey;
 use crate::args::OfflineInput;
 use crate::files::{InputError, Usage};
 use crate::host::Host;
@@ -23,7 +23,7 @@ pub(crate) struct Setup<'a> {
 }
 
 /// Configuration given by `--config`.
-enum Given {
+enum FuseConfiguration {
     Deployment(Box<Config>),
     Offline(Box<Offline>),
 }
@@ -39,18 +39,18 @@ impl<'a> Setup<'a> {
         }
         let given = match &input.config {
             Some(path) => given(host, path)?,
-            None => Given::Offline(Box::default()),
+            None => FuseConfiguration::Offline(Box::default()),
         };
-        let survey = Survey::of(host, &input.tracks)?;
+        let survey = FileSurvey::of(host, &input.tracks)?;
         let (sensor_ids, settings) = match given {
-            Given::Deployment(config) => {
+            FuseConfiguration::Deployment(config) => {
                 let ids = config
                     .sources
                     .iter()
                     .map(|source| observations::sensor_id(source.number));
                 (ids.collect(), config.engine)
             }
-            Given::Offline(config) => {
+            FuseConfiguration::Offline(config) => {
                 check(input, &survey)?;
                 let found = config.settings(&survey.sensors)?;
                 (found.sensor_ids, found.engine)
@@ -68,16 +68,16 @@ impl<'a> Setup<'a> {
     ///
     /// # Errors
     /// If a file cannot be read.
-    pub(crate) fn reports(&self) -> Result<Merged, InputError> {
+    pub(crate) fn reports(&self) -> Result<MergedRows, InputError> {
         let sensors = Sensors {
             ids: self.sensor_ids.clone(),
             ..Sensors::default()
         };
-        Merged::open(self.host, &self.input.tracks, sensors)
+        MergedRows::open(self.host, &self.input.tracks, sensors)
     }
 }
 
-fn check(input: &OfflineInput, survey: &Survey) -> Result<(), InputError> {
+fn check(input: &OfflineInput, survey: &FileSurvey) -> Result<(), InputError> {
     let file = &input.tracks[0];
     if let Some(id) = survey.excess {
         let what = format!("sensor_id {id} is one too many: fusion takes up to {SOURCES_MAX} sensors");
@@ -94,13 +94,13 @@ fn check(input: &OfflineInput, survey: &Survey) -> Result<(), InputError> {
 }
 
 /// Reads a configuration: a file with sources is a deployment; any other file configures file input.
-fn given(host: &dyn Host, path: &Path) -> anyhow::Result<Given> {
+fn given(host: &dyn Host, path: &Path) -> anyhow::Result<FuseConfiguration> {
     let text = host.text(path)?;
     let is_deployment = Config::is_deployment(&text);
     Ok(if is_deployment {
-        Given::Deployment(Box::new(host.deployment(path, &text, &[])?))
+        FuseConfiguration::Deployment(Box::new(host.deployment(path, &text, &[])?))
     } else {
-        Given::Offline(Box::new(Offline::parse(path, &text)?))
+        FuseConfiguration::Offline(Box::new(Offline::parse(path, &text)?))
     })
 }
 

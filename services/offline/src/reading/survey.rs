@@ -7,7 +7,7 @@ use configuration::SeenSensor;
 use messages::SensorTrack;
 use rustc_hash::FxHashMap;
 
-use super::merged::{Merged, Sensors};
+use super::merged::{MergedRows, Sensors};
 use super::progress::Progress;
 use crate::host::Host;
 
@@ -18,7 +18,7 @@ const LIVE_NS: i64 = 60_000_000_000;
 
 /// Sensors in the files.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Survey {
+pub(crate) struct FileSurvey {
     /// By `sensor_id`.
     pub(crate) sensors: Vec<SeenSensor>,
     /// First unusable row.
@@ -28,14 +28,14 @@ pub(crate) struct Survey {
 }
 
 #[derive(Default)]
-struct Sensor {
+struct SurveyedSensor {
     intervals_ns: Vec<i64>,
     sigmas_m: Vec<f64>,
     live: usize,
     live_max: usize,
 }
 
-impl Survey {
+impl FileSurvey {
     /// Reads all of `files` once.
     ///
     /// # Errors
@@ -45,9 +45,9 @@ impl Survey {
             open: true,
             ..Sensors::default()
         };
-        let mut merged = Merged::open(host, files, open)?;
+        let mut merged = MergedRows::open(host, files, open)?;
         let progress = Progress::new(host, merged.octets_in_all);
-        let mut sensors: Vec<Sensor> = Vec::new();
+        let mut sensors: Vec<SurveyedSensor> = Vec::new();
         let mut latest: FxHashMap<(u16, u32), i64> = FxHashMap::default();
         let mut pruned_ns = i64::MIN;
         while let Some(report) = merged.next()? {
@@ -61,7 +61,7 @@ impl Survey {
                 });
             }
             let source = usize::from(report.source);
-            sensors.resize_with(sensors.len().max(source + 1), Sensor::default);
+            sensors.resize_with(sensors.len().max(source + 1), SurveyedSensor::default);
             let before_ns = latest.insert((report.source, report.track_number), now_ns);
             sensors[source].add(&report, before_ns);
             progress.at(*merged.octets.borrow())?;
@@ -78,7 +78,7 @@ impl Survey {
     }
 }
 
-impl Sensor {
+impl SurveyedSensor {
     fn add(&mut self, report: &SensorTrack, before_ns: Option<i64>) {
         match before_ns.map(|before_ns| report.time_of_measurement_ns - before_ns) {
             Some(interval_ns) if interval_ns > 0 => sample(&mut self.intervals_ns, interval_ns),

@@ -9,7 +9,7 @@ use std::path::Path;
 use anyhow::Context as _;
 use tracking::explanation::{ClusterRecord, CorrectionRecord, Explanation, Observer, TrackEvent, TrackRecord};
 
-use crate::host::{Host, Output};
+use crate::host::{Host, TableOutput};
 
 const COLUMNS: &str = "time_s,sensor_id,cluster,event,hypothesis,track,sensor_track_id,detection_ids,tracks,hypotheses,\
                        considered,forbidden,merged,dropped,probability,value,limit";
@@ -22,7 +22,7 @@ pub(super) struct Explained {
 
 #[derive(Debug)]
 struct Inner {
-    out: Box<dyn Output>,
+    out: Box<dyn TableOutput>,
     time_s: f64,
     sensor_id: u32,
     /// Number of the cluster within the scan, from 1.
@@ -36,7 +36,7 @@ struct Inner {
 
 /// Row; columns that do not apply are empty.
 #[derive(Default)]
-struct Row<'a> {
+struct ExplanationRow<'a> {
     event: &'a str,
     hypothesis: Option<u32>,
     track: Option<u32>,
@@ -126,13 +126,13 @@ impl Observer for Explained {
                 limit,
             } => {
                 inner.cluster = 0;
-                inner.write(&Row {
+                inner.write(&ExplanationRow {
                     event: "group",
                     number: Some(*number),
                     probability: Some(*probability),
                     value: Some(f64::from(*members)),
                     limit: Some(*limit),
-                    ..Row::default()
+                    ..ExplanationRow::default()
                 });
             }
             Explanation::Member(track) => {
@@ -153,11 +153,11 @@ impl Inner {
         self.time_s = frames::time::seconds(time_ns);
         self.sensor_id = sensor_id;
         (self.cluster, self.hypothesis) = (0, 0);
-        self.write(&Row {
+        self.write(&ExplanationRow {
             event: "scan",
             value: Some(detections as f64),
             limit: Some(clutter_density),
-            ..Row::default()
+            ..ExplanationRow::default()
         });
         self.cluster = 1;
     }
@@ -178,7 +178,7 @@ impl Inner {
         if event == TrackEvent::Started {
             self.cluster = 0;
         }
-        self.write(&Row {
+        self.write(&ExplanationRow {
             event: event.word(),
             track: Some(track.root),
             number: Some(track.number).filter(|_| track.is_confirmed()),
@@ -186,13 +186,13 @@ impl Inner {
             probability: Some(track.reliability),
             value: number(value),
             limit: number(limit),
-            ..Row::default()
+            ..ExplanationRow::default()
         });
         self.cluster = cluster;
     }
 
     fn correction(&mut self, correction: &CorrectionRecord) {
-        self.write(&Row {
+        self.write(&ExplanationRow {
             event: if correction.of_children {
                 "corrected_children"
             } else {
@@ -201,7 +201,7 @@ impl Inner {
             probability: Some(correction.after),
             value: Some(correction.before),
             limit: Some(correction.targets).filter(|targets| targets.is_finite()),
-            ..Row::default()
+            ..ExplanationRow::default()
         });
     }
 
@@ -211,7 +211,7 @@ impl Inner {
             let joint = if ids.is_empty() { "" } else { "|" };
             let _ = write!(ids, "{joint}{id}");
         }
-        self.write(&Row {
+        self.write(&ExplanationRow {
             event: "cluster",
             detection_ids: &ids,
             counts: [
@@ -224,23 +224,23 @@ impl Inner {
             ]
             .map(Some),
             probability: Some(cluster.dropped_probability),
-            ..Row::default()
+            ..ExplanationRow::default()
         });
     }
 
     fn end_hypothesis(&mut self) {
         if let Some((reliability, tracks)) = self.waiting.take() {
-            self.write(&Row {
+            self.write(&ExplanationRow {
                 event: "hypothesis",
                 hypothesis: Some(self.hypothesis),
                 detection_ids: &tracks,
                 probability: Some(reliability),
-                ..Row::default()
+                ..ExplanationRow::default()
             });
         }
     }
 
-    fn write(&mut self, row: &Row<'_>) {
+    fn write(&mut self, row: &ExplanationRow<'_>) {
         let cluster = Some(self.cluster).filter(|cluster| *cluster > 0);
         let of_track = [row.hypothesis, row.track, row.number].map(shown);
         let counts = row.counts.map(shown);

@@ -14,22 +14,22 @@ use tracking::scans::ScanOfDetections;
 
 use crate::files::InputError;
 use crate::host::{self, Host};
-use crate::reading::Refusals;
+use crate::reading::SkippedRows;
 
 const BUFFER_OCTETS: usize = 1 << 18;
 
 /// Detections from the files.
 #[derive(Debug)]
-pub(super) struct Input {
+pub(super) struct DetectionInput {
     first_file: PathBuf,
     pub(super) detections: Vec<Detection>,
     /// Scans known to have no detections: sensor, number, time in nanoseconds.
     pub(super) silent: Vec<(u32, u32, i64)>,
-    pub(super) refusals: Refusals,
+    pub(super) refusals: SkippedRows,
     pub(super) octets: u64,
 }
 
-impl Input {
+impl DetectionInput {
     /// Reads all files. Unusable rows are skipped and counted.
     ///
     /// # Errors
@@ -39,7 +39,7 @@ impl Input {
             first_file: files[0].clone(),
             detections: Vec::new(),
             silent: Vec::new(),
-            refusals: Refusals::default(),
+            refusals: SkippedRows::default(),
             octets: 0,
         };
         for path in files {
@@ -75,7 +75,7 @@ impl Input {
     }
 
     /// Reads a recording; times count from midnight of the first scan's day.
-    fn read_autoferry(&mut self, path: &Path, mut file: host::Input, begun: &[u8]) -> Result<(), InputError> {
+    fn read_autoferry(&mut self, path: &Path, mut file: host::TableInput, begun: &[u8]) -> Result<(), InputError> {
         let mut json = begun.to_vec();
         file.read_to_end(&mut json)
             .map_err(|error| InputError::new(path, format!("cannot be read: {error}")))?;

@@ -15,35 +15,35 @@ use std::path::Path;
 use configuration::{Config, SeenDetections, Tracking};
 use deployment::Source;
 use observations::sensor_id;
-use sources::{Outputs, Scan, ScanTracker};
+use sources::{Outputs, ScanTracker, SensorScan};
 use tracking::Settings;
 use tracking::explanation::Observer;
 use tracking::scans::scans_of;
 use tracking::wide_area::arrivals::Arrivals;
 
-use crate::args::Track;
+use crate::args::TrackArgs;
 use crate::files::{InputError, Usage, check_outputs};
 use crate::host::Host;
 use crate::reading::Progress;
 use explain::Explained;
-use input::Input;
-use outputs::Written;
-use summary::Summary;
-use support::Support;
+use input::DetectionInput;
+use outputs::TrackerSink;
+use summary::TrackSummary;
+use support::SupportInput;
 
 /// Runs the tracker.
 ///
 /// # Errors
 /// If the arguments are contradictory, or a file cannot be read or written.
-pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
+pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     check_files(track)?;
     let config = match &track.config {
-        Some(path) => Given::read(host, path)?,
-        None => Given::Offline(Box::default()),
+        Some(path) => TrackConfiguration::read(host, path)?,
+        None => TrackConfiguration::Offline(Box::default()),
     };
-    let mut input = Input::read(host, &track.detections)?;
-    let (support, reports) = read(track.wide_area.as_deref(), |path| Support::reports(host, path))?;
-    let (heard, emissions) = read(track.emissions.as_deref(), |path| Support::emissions(host, path))?;
+    let mut input = DetectionInput::read(host, &track.detections)?;
+    let (support, reports) = read(track.wide_area.as_deref(), |path| SupportInput::reports(host, path))?;
+    let (heard, emissions) = read(track.emissions.as_deref(), |path| SupportInput::emissions(host, path))?;
     let scans = scans_of(&mut input.detections, &input.silent);
     let settings = config.settings(&input.seen(&scans))?;
     input.check(&settings)?;
@@ -54,7 +54,7 @@ pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
         period_ns: track.period.map(|period| period.as_nanos() as i64),
         cues: track.cues.is_some(),
     };
-    let mut written = Written::begin(host, &track.out, track.cues.as_deref())?;
+    let mut written = TrackerSink::begin(host, &track.out, track.cues.as_deref())?;
     (written.reports, written.emissions) = (support, heard);
     let mut tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions)?;
     let explained = track
@@ -66,7 +66,7 @@ pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
     let progress = Progress::new(host, input.octets);
     for scan in &scans {
         let detections = &input.detections[scan.detections.clone()];
-        let scan_at_hand = Scan {
+        let scan_at_hand = SensorScan {
             sensor_id: scan.sensor_id,
             number: scan.number,
             time_ns: scan.time_ns,
@@ -90,7 +90,7 @@ pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
         .emissions
         .iter_mut()
         .for_each(|support| support.left = emissions_left);
-    let mut summary = Summary {
+    let mut summary = TrackSummary {
         out: &track.out,
         rows: 0,
         cues: None,
@@ -110,8 +110,8 @@ pub(crate) fn run(track: &Track, host: &dyn Host) -> anyhow::Result<()> {
 /// Reads an optional file and its rows.
 fn read<T>(
     path: Option<&Path>,
-    read: impl Fn(&Path) -> Result<(Support, Vec<T>), InputError>,
-) -> Result<(Option<Support>, Vec<T>), InputError> {
+    read: impl Fn(&Path) -> Result<(SupportInput, Vec<T>), InputError>,
+) -> Result<(Option<SupportInput>, Vec<T>), InputError> {
     match path {
         Some(path) => read(path).map(|(support, rows)| (Some(support), rows)),
         None => Ok((None, Vec::new())),
@@ -119,13 +119,13 @@ fn read<T>(
 }
 
 /// Configuration given by `--config`.
-enum Given {
+enum TrackConfiguration {
     /// Deployment, with the settings of the source that delivered these detections.
     Deployment(Box<Config>),
     Offline(Box<Tracking>),
 }
 
-impl Given {
+impl TrackConfiguration {
     fn read(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
         let text = host.text(path)?;
         Ok(match Config::is_deployment(&text) {
@@ -167,7 +167,7 @@ impl Given {
 }
 
 /// Rejects detections given twice, inputs that would be overwritten, and outputs that share a file.
-fn check_files(track: &Track) -> Result<(), Usage> {
+fn check_files(track: &TrackArgs) -> Result<(), Usage> {
     if let Some(file) = crate::reading::named_twice(&track.detections) {
         let what = format!("--detections names {} twice; name it once", file.display());
         return Err(Usage(what));

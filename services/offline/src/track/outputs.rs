@@ -9,23 +9,23 @@ use formats::rows::{Row, RowWriter};
 use formats::tracks_csv::TrackerTrack;
 use messages::StageTimes;
 use observations::Sampled as _;
-use sources::{Scan, TrackSink};
+use sources::{SensorScan, TrackSink};
 use tracking::wide_area::cue::Cue;
 use tracking::wide_area::{EmissionRejection, ReportRejection};
-use tracking::{Rejection, TrackReport, Tracker};
+use tracking::{ScanRejection, TrackReport, Tracker};
 
 use super::summary::Tracked;
-use super::support::Support;
-use crate::host::{Host, Output};
+use super::support::SupportInput;
+use crate::host::{Host, TableOutput};
 
 /// Sink of the tracker's outputs.
 #[derive(Debug)]
-pub(super) struct Written {
-    tracks: Table<TrackerTrack>,
-    cues: Option<Table<CueRow>>,
+pub(super) struct TrackerSink {
+    tracks: OutcomeTable<TrackerTrack>,
+    cues: Option<OutcomeTable<CueRow>>,
     pub(super) tracked: Tracked,
-    pub(super) reports: Option<Support>,
-    pub(super) emissions: Option<Support>,
+    pub(super) reports: Option<SupportInput>,
+    pub(super) emissions: Option<SupportInput>,
     /// Monotonic time of the start of the current scan, nanoseconds.
     begun_ns: i64,
     failed: anyhow::Result<()>,
@@ -33,13 +33,13 @@ pub(super) struct Written {
 
 /// Output table.
 #[derive(Debug)]
-struct Table<T> {
+struct OutcomeTable<T> {
     path: PathBuf,
-    writer: RowWriter<T, Box<dyn Output>>,
+    writer: RowWriter<T, Box<dyn TableOutput>>,
     rows: u64,
 }
 
-impl<T: Row> Table<T> {
+impl<T: Row> OutcomeTable<T> {
     fn begin(host: &dyn Host, path: &Path) -> anyhow::Result<Self> {
         let writer = RowWriter::begin(host.begin(path)?, 0);
         Ok(Self {
@@ -56,15 +56,15 @@ impl<T: Row> Table<T> {
     }
 }
 
-impl Written {
+impl TrackerSink {
     /// Begins the tables.
     ///
     /// # Errors
     /// If a table cannot be written.
     pub(super) fn begin(host: &dyn Host, tracks: &Path, cues: Option<&Path>) -> anyhow::Result<Self> {
         Ok(Self {
-            tracks: Table::begin(host, tracks)?,
-            cues: cues.map(|path| Table::begin(host, path)).transpose()?,
+            tracks: OutcomeTable::begin(host, tracks)?,
+            cues: cues.map(|path| OutcomeTable::begin(host, path)).transpose()?,
             tracked: Tracked::default(),
             reports: None,
             emissions: None,
@@ -100,12 +100,12 @@ impl Written {
     }
 }
 
-impl TrackSink for Written {
+impl TrackSink for TrackerSink {
     fn begins(&mut self) {
         self.begun_ns = runtime::clock::mono_ns();
     }
 
-    fn done(&mut self, scan: &Scan<'_>, taken: Result<(), Rejection>, tracker: &Tracker) {
+    fn done(&mut self, scan: &SensorScan<'_>, taken: Result<(), ScanRejection>, tracker: &Tracker) {
         let took_ns = runtime::clock::mono_ns() - self.begun_ns;
         self.tracked.scan(scan, took_ns, taken, tracker);
     }

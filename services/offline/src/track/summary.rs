@@ -5,13 +5,13 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use sources::Scan;
-use tracking::{Rejection, Tracker, TrackerCounts};
+use sources::SensorScan;
+use tracking::{ScanRejection, Tracker, TrackerCounts};
 
 use crate::host::Host;
 
-use super::input::Input;
-use super::support::Support;
+use super::input::DetectionInput;
+use super::support::SupportInput;
 
 /// Advice for a result without confirmed tracks.
 const NONE_CONFIRMED: &str = "no track was confirmed: where a sensor shows one target and nothing else, its learned density of \
@@ -41,7 +41,13 @@ struct OfSensor {
 
 impl Tracked {
     /// Adds a scan with its processing time.
-    pub(super) fn scan(&mut self, scan: &Scan<'_>, took_ns: i64, taken: Result<(), Rejection>, tracker: &Tracker) {
+    pub(super) fn scan(
+        &mut self,
+        scan: &SensorScan<'_>,
+        took_ns: i64,
+        taken: Result<(), ScanRejection>,
+        tracker: &Tracker,
+    ) {
         self.times_ns.push(took_ns);
         let of_sensor = self.by_sensor.entry(scan.sensor_id).or_default();
         of_sensor.scans += 1;
@@ -58,20 +64,20 @@ impl Tracked {
 }
 
 /// Contents of the final summary.
-pub(super) struct Summary<'a> {
+pub(super) struct TrackSummary<'a> {
     pub(super) out: &'a Path,
     /// Rows written.
     pub(super) rows: u64,
     /// Cues written, if requested.
     pub(super) cues: Option<u64>,
-    pub(super) input: &'a Input,
-    pub(super) support: Option<Support>,
-    pub(super) emissions: Option<Support>,
+    pub(super) input: &'a DetectionInput,
+    pub(super) support: Option<SupportInput>,
+    pub(super) emissions: Option<SupportInput>,
     pub(super) tracker: &'a Tracker,
     pub(super) tracked: Tracked,
 }
 
-impl Summary<'_> {
+impl TrackSummary<'_> {
     /// Shows the summary: as JSON on standard output, else as text on standard error.
     ///
     /// # Errors

@@ -13,24 +13,24 @@ use tracking::wide_area::Emission;
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::Refusals;
+use crate::reading::SkippedRows;
 
 /// Input file and the outcome of its rows.
 #[derive(Debug)]
-pub(super) struct Support {
+pub(super) struct SupportInput {
     path: PathBuf,
-    pub(super) refusals: Refusals,
+    pub(super) refusals: SkippedRows,
     /// Rows rejected by the tracker, by reason.
     pub(super) rejected: BTreeMap<String, u64>,
     /// Rows after the last scan; they have no effect.
     pub(super) left: usize,
 }
 
-impl Support {
+impl SupportInput {
     fn of(path: &Path) -> Self {
         Self {
             path: path.to_owned(),
-            refusals: Refusals::default(),
+            refusals: SkippedRows::default(),
             rejected: BTreeMap::new(),
             left: 0,
         }

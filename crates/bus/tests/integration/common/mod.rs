@@ -8,7 +8,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bus::{Bus, Claim, Held, Mark, Publisher, Root, Subscriber, Transport};
+use bus::{Bus, Claim, Mark, Publisher, Root, Subscriber, TopicHold, Transport};
 use messages::{SensorTrack, Topic};
 
 /// Far longer than anything takes, so that only a real hang ends it.
@@ -101,7 +101,7 @@ pub(crate) fn memory_of(prefix: &str) -> Vec<String> {
 pub(crate) struct Line<S: Transport> {
     pub(crate) topic: Topic<SensorTrack>,
     pub(crate) bus: Bus<S>,
-    _held: Held,
+    _held: TopicHold,
 }
 
 impl<S: Transport> Line<S> {

@@ -1,6 +1,6 @@
 //! pcap: byte orders, resolutions, and recordings that were cut.
 
-use formats::containers::{Container, Counts, Reason, TimeStamp};
+use formats::containers::{Container, ContainerCounts, Reason, TimeStamp};
 
 use super::forge::{BLOCK, Order, capture, cut_record, pcap, record, unpack, unpack_as, usual};
 
@@ -27,12 +27,12 @@ fn every_byte_order_and_resolution_gives_the_same() {
                 ([BLOCK, BLOCK].concat(), utc(1_463_482_333_000_000_000)),
             ];
             assert_eq!(found.datagrams, expected, "{order:?} {magic:X}");
-            let expected = Counts {
+            let expected = ContainerCounts {
                 datagrams: 2,
                 datagram_octets: 12,
                 // The file's header; twice the record's, Ethernet's, IPv4's and UDP's.
                 framing_octets: 24 + 2 * (16 + 14 + 20 + 8),
-                ..Counts::default()
+                ..ContainerCounts::default()
             };
             assert_eq!((found.counts, found.skipped), (expected, vec![]));
         }
@@ -130,7 +130,7 @@ fn what_is_no_capture_is_refused_as_one() {
     let found = unpack_as(Container::Pcap, BLOCK);
     assert_eq!(found.skipped, [(0, Reason::OtherContainer { expected })]);
     assert_eq!(found.counts.octets_skipped, 4);
-    assert_eq!(unpack_as(Container::Pcap, &[]).counts, Counts::default());
+    assert_eq!(unpack_as(Container::Pcap, &[]).counts, ContainerCounts::default());
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn raw_blocks_are_one_datagram_without_time() {
     assert_eq!(Container::detect(&bytes), Container::Raw);
     let found = unpack(&bytes);
     assert_eq!((found.datagrams, found.skipped), (vec![(bytes, None)], vec![]));
-    assert_eq!(unpack(&[]).counts, Counts::default());
+    assert_eq!(unpack(&[]).counts, ContainerCounts::default());
 }
 
 #[test]

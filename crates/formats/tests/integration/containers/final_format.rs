@@ -1,6 +1,6 @@
 //! The final format: times, trailers, and the way back after damage.
 
-use formats::containers::{Container, Counts, Reason, TimeStamp};
+use formats::containers::{Container, ContainerCounts, Reason, TimeStamp};
 
 use super::forge::{BLOCK, final_frame, unpack, unpack_as};
 
@@ -20,11 +20,11 @@ fn frames_give_their_blocks_and_their_time_of_day() {
     ];
     assert_eq!(found.datagrams, expected);
     assert_eq!(found.datagrams[0].1.unwrap().seconds(), 79_201.25);
-    let expected = Counts {
+    let expected = ContainerCounts {
         datagrams: 2,
         datagram_octets: 12,
         framing_octets: 24,
-        ..Counts::default()
+        ..ContainerCounts::default()
     };
     assert_eq!((found.counts, found.skipped), (expected, vec![]));
 }

@@ -1,6 +1,6 @@
 //! Recordings made by hand, byte by byte, from the documents of each layer.
 
-use formats::containers::{Container, Counts, Datagrams, Reason, TimeStamp, datagrams};
+use formats::containers::{Container, ContainerCounts, Datagrams, Reason, TimeStamp, datagrams};
 
 /// What the tests send: one data block of category 048 with one byte of body.
 pub(crate) const BLOCK: &[u8] = &[48, 0, 4, 0xAB];
@@ -198,7 +198,7 @@ pub(crate) fn usual(payload: &[u8]) -> Vec<u8> {
 pub(crate) struct Unpacked {
     pub(crate) datagrams: Vec<(Vec<u8>, Option<TimeStamp>)>,
     pub(crate) skipped: Vec<(usize, Reason)>,
-    pub(crate) counts: Counts,
+    pub(crate) counts: ContainerCounts,
 }
 
 impl Unpacked {

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use asterix::blocks;
-use formats::containers::{Container, Counts, TimeStamp, datagrams};
+use formats::containers::{Container, ContainerCounts, TimeStamp, datagrams};
 use test_support::recording;
 
 /// The counters, the data blocks of each category, and the first and the last time in ns.
-fn describe(bytes: &[u8]) -> (Counts, BTreeMap<u8, usize>, [i64; 2]) {
+fn describe(bytes: &[u8]) -> (ContainerCounts, BTreeMap<u8, usize>, [i64; 2]) {
     let mut source = datagrams(bytes);
     let (mut categories, mut times) = (BTreeMap::new(), Vec::new());
     for datagram in source.by_ref() {

@@ -2,7 +2,7 @@
 
 use asterix::{Edition, Mode};
 use formats::containers::Container;
-use formats::recording::Recording;
+use formats::recording::RecordingBytes;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -15,7 +15,7 @@ fn records_come_in_order_with_their_offset_and_time() {
         frame(250, &[block(10, &[report(2)]), block(10, &[report(3)])].concat()),
     ]
     .concat();
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     // Header of the frame, header of the block; the second frame begins at 29.
     let expected = [
         (10, 11, Some(1.0)),
@@ -38,7 +38,7 @@ fn a_block_is_given_as_a_whole_or_not_at_all() {
         block(10, &[report(2)]),
     ]
     .concat();
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     assert_eq!(given, [(10, 3, None), (10, 28, None)]);
     let category = &survey.categories[&10];
     assert_eq!((category.blocks, category.blocks_refused, category.records), (3, 1, 2));
@@ -59,11 +59,11 @@ fn a_category_is_given_if_half_of_its_blocks_fit() {
     let (good, bad) = (block(10, &[report(0)]), block(10, &[cut()]));
     let other = block(19, &[vec![0b1000_0000, 0, 107]]);
     let half = [good.clone(), bad.clone(), other.clone()].concat();
-    let (survey, given) = read(&Recording::new(&half));
+    let (survey, given) = read(&RecordingBytes::new(&half));
     assert!(!survey.categories[&10].is_withheld());
     assert_eq!(given.len(), 2);
     let less = [half, bad].concat();
-    let (survey, given) = read(&Recording::new(&less));
+    let (survey, given) = read(&RecordingBytes::new(&less));
     assert!(survey.categories[&10].is_withheld());
     // The other category is not to blame.
     assert_eq!(given, [(19, good.len() + 8 + 3, None)]);
@@ -72,7 +72,7 @@ fn a_category_is_given_if_half_of_its_blocks_fit() {
 #[test]
 fn the_editions_that_fit_are_named() {
     let bytes = block(21, &[early_report()]).repeat(3);
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     assert_eq!(given, []);
     let category = &survey.categories[&21];
     assert_eq!(
@@ -108,7 +108,7 @@ fn an_impossible_latitude_counts_against_the_edition_unless_the_caller_has_chose
         0x00,
     ];
     let bytes = block(21, &[report]).repeat(2);
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     let category = &survey.categories[&21];
     assert_eq!((category.is_withheld(), given.len()), (true, 0));
     let (editions, blocks) = category.better().unwrap();
@@ -133,7 +133,7 @@ fn an_impossible_latitude_counts_against_the_edition_unless_the_caller_has_chose
 #[test]
 fn where_no_edition_fits_none_is_named() {
     let bytes = block(21, &[vec![0xFF; 4]]);
-    let (survey, _) = read(&Recording::new(&bytes));
+    let (survey, _) = read(&RecordingBytes::new(&bytes));
     assert!(survey.categories[&21].is_withheld());
     assert_eq!(survey.categories[&21].better(), None);
 }
@@ -141,7 +141,7 @@ fn where_no_edition_fits_none_is_named() {
 #[test]
 fn categories_without_a_table_are_counted() {
     let bytes = [block(250, &[vec![1, 2]]), block(10, &[report(0)])].concat();
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     assert_eq!(given.len(), 1);
     let category = &survey.categories[&250];
     assert_eq!(
@@ -157,8 +157,8 @@ fn strictness_is_asked_of_every_block() {
     // I010/161 with a spare bit set, and a record without.
     let spare = vec![0b1000_0001, 0b0010_0000, 0, 7, 0x80, 1];
     let bytes = [block(10, &[spare]), block(10, &[report(0)])].concat();
-    assert_eq!(read(&Recording::new(&bytes)).1.len(), 2);
-    let (survey, given) = read(&Recording::new(&bytes).with_mode(Mode::Strict));
+    assert_eq!(read(&RecordingBytes::new(&bytes)).1.len(), 2);
+    let (survey, given) = read(&RecordingBytes::new(&bytes).with_mode(Mode::Strict));
     assert_eq!(given.len(), 1);
     assert_eq!(survey.refusals.by_count()[0].reason, "spare bit set");
 }
@@ -169,7 +169,7 @@ fn refusals_are_counted_by_reason() {
     let mut bytes = frame(0, &[block(10, &[report(0)]), vec![10, 0, 2]].concat());
     bytes.extend(frame(0, &block(10, &[cut()])).repeat(2));
     bytes.extend([0, 40, 0]);
-    let (survey, _) = read(&Recording::new(&bytes));
+    let (survey, _) = read(&RecordingBytes::new(&bytes));
     let found: Vec<_> = survey
         .refusals
         .by_count()
@@ -187,14 +187,14 @@ fn refusals_are_counted_by_reason() {
 #[test]
 fn the_kind_can_be_given() {
     let bytes = frame(0, &block(10, &[report(0)]));
-    let (survey, given) = read(&Recording::new(&bytes).in_container(Container::Raw));
+    let (survey, given) = read(&RecordingBytes::new(&bytes).in_container(Container::Raw));
     assert_eq!((survey.container, given.len()), (Container::Raw, 0));
 }
 
 #[test]
 fn a_visitor_can_end_it() {
     let bytes = block(10, &[report(0), report(1)]);
-    let recording = Recording::new(&bytes);
+    let recording = RecordingBytes::new(&bytes);
     let mut visits = 0;
     let ended = recording.for_each(&recording.survey(), |_| {
         visits += 1;
@@ -210,6 +210,6 @@ proptest! {
         tail in vec(any::<u8>(), 0..6),
     ) {
         let blocks: Vec<u8> = bodies.iter().flat_map(|(category, body)| block(*category, std::slice::from_ref(body))).collect();
-        read(&Recording::new(&[blocks, tail].concat()));
+        read(&RecordingBytes::new(&[blocks, tail].concat()));
     }
 }

@@ -1,7 +1,7 @@
 //! Blocks and frames made by hand, and what a recording of them gives.
 
 use asterix::{Edition, registry};
-use formats::recording::{Recording, Survey};
+use formats::recording::{RecordingBytes, RecordingSurvey};
 
 /// A data block.
 pub(crate) fn block(category: u8, records: &[Vec<u8>]) -> Vec<u8> {
@@ -40,7 +40,7 @@ pub(crate) fn frame(hundredths: u32, payload: &[u8]) -> Vec<u8> {
 }
 
 /// The survey, and for each record given its category, its offset, and the second in which it was recorded.
-pub(crate) fn read(recording: &Recording<'_>) -> (Survey, Vec<(u8, usize, Option<f64>)>) {
+pub(crate) fn read(recording: &RecordingBytes<'_>) -> (RecordingSurvey, Vec<(u8, usize, Option<f64>)>) {
     let survey = recording.survey();
     let mut given = Vec::new();
     let visited = recording.for_each(&survey, |found| {
@@ -58,6 +58,6 @@ pub(crate) fn read(recording: &Recording<'_>) -> (Survey, Vec<(u8, usize, Option
 }
 
 /// The recording, with one category in another edition than the default.
-pub(crate) fn in_edition(bytes: &[u8], category: u8, major: u8, minor: u8) -> Recording<'_> {
-    Recording::new(bytes).with_table(registry::find(category, Edition::new(major, minor)).unwrap())
+pub(crate) fn in_edition(bytes: &[u8], category: u8, major: u8, minor: u8) -> RecordingBytes<'_> {
+    RecordingBytes::new(bytes).with_table(registry::find(category, Edition::new(major, minor)).unwrap())
 }

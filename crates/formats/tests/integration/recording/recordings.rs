@@ -1,7 +1,7 @@
 //! Recordings of real sensors: what is given of them, and that nothing is made up.
 
 use asterix::Edition;
-use formats::recording::{Recording, Statistics};
+use formats::recording::{RecordingBytes, Statistics};
 use test_support::recording;
 
 use super::forge::{in_edition, read};
@@ -11,7 +11,7 @@ fn seven_radars() {
     let Some(bytes) = recording("cro/cat_034_048.pcap") else {
         return;
     };
-    let recording = Recording::new(&bytes);
+    let recording = RecordingBytes::new(&bytes);
     let (survey, given) = read(&recording);
     assert_eq!((survey.blocks(), given.len()), (120, 162));
     assert!(survey.refusals.by_count().is_empty());
@@ -47,7 +47,7 @@ fn system_tracks_of_an_edition_that_nobody_knows() {
     let Some(bytes) = recording("cro/asterix.pcap") else {
         return;
     };
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     let category = &survey.categories[&62];
     assert_eq!((survey.blocks(), given.len()), (100, 0));
     assert!(
@@ -63,7 +63,7 @@ fn ads_b_of_another_edition_than_the_default() {
     let Some(bytes) = recording("lebl2016/160510-lebl-220001_ADSB_cat21_v023.ast") else {
         return;
     };
-    let (survey, given) = read(&Recording::new(&bytes));
+    let (survey, given) = read(&RecordingBytes::new(&bytes));
     let category = &survey.categories[&21];
     assert_eq!(
         (category.blocks, category.is_withheld(), given.len()),

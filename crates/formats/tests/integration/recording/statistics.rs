@@ -1,11 +1,11 @@
 //! Who sent how much, and when.
 
-use formats::recording::{Rate, Recording, Sender, SenderSummary, Statistics};
+use formats::recording::{Rate, RecordSender, RecordingBytes, SenderSummary, Statistics};
 
 use super::forge::{block, frame, report};
 
 fn gather(bytes: &[u8]) -> Vec<SenderSummary> {
-    let recording = Recording::new(bytes);
+    let recording = RecordingBytes::new(bytes);
     let mut statistics = Statistics::default();
     let visited = recording.for_each(&recording.survey(), |found| {
         statistics.add(found.record, found.time_stamp);
@@ -82,7 +82,7 @@ fn senders_are_told_apart_by_category_and_source() {
     let bytes = block(10, &[report(0), other_source, without_source, report(1)]);
     let found = gather(&[bytes, block(19, &[service])].concat());
     let senders: Vec<_> = found.iter().map(|summary| (summary.sender, summary.records)).collect();
-    let sender = |category, source| Sender { category, source };
+    let sender = |category, source| RecordSender { category, source };
     let expected = [
         (sender(10, None), 1),
         (sender(10, Some((0, 7))), 2),

@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 
 use asterix::categories::CAT021_V0_23;
-use asterix::{Category, Counts, Decoder, Mode, NamedRecord, Record, Value};
-use observations::{Observation, Plane, Service};
+use asterix::{Category, Decoder, DecoderCounts, Mode, NamedRecord, Record, Value};
+use observations::{Observation, Plane, ServiceMessage};
 use reception::observation::{Reading, read};
 
 use crate::files::recording;
@@ -16,8 +16,8 @@ const BARCELONA: &str = "lebl2016/160510-lebl-220001";
 #[derive(Default)]
 struct Recorded {
     targets: Vec<Observation>,
-    services: Vec<Service>,
-    counts: Counts,
+    services: Vec<ServiceMessage>,
+    counts: DecoderCounts,
 }
 
 fn recorded_with(bytes: &[u8], tables: &[&'static Category], mut see: impl FnMut(&Record<'_>)) -> Recorded {
@@ -59,11 +59,11 @@ impl Recorded {
     }
 }
 
-fn counts(records: u64) -> Counts {
-    Counts {
+fn counts(records: u64) -> DecoderCounts {
+    DecoderCounts {
         blocks: records,
         records,
-        ..Counts::default()
+        ..DecoderCounts::default()
     }
 }
 
@@ -111,7 +111,7 @@ fn multilateration_as_category_020() {
         }
     });
     // 121 status messages go on in I019/553 where ed 1.3 ends: three octets for the six transponders of this system.
-    let expected = Counts {
+    let expected = DecoderCounts {
         records_extended: 121,
         unknown_extension_octets: 121,
         ..counts(77_314)
@@ -208,7 +208,7 @@ fn en_route_radar() {
             assert_eq!(named.get(&["041"]), Some(&Value::Quantity(5.007_812_5)));
         }
     });
-    let expected = Counts {
+    let expected = DecoderCounts {
         blocks: 642,
         ..counts(2119)
     };

@@ -8,17 +8,18 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use reception::observation::{Reading, read};
 use reception::{
-    Converter, CovarianceFrom, CovarianceModel, Limits, PoorQuality, PositionForm, STANDARD_PRESSURE_HPA, SourceModel,
+    ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
+    STANDARD_PRESSURE_HPA,
 };
 
 use super::block;
 use crate::generator::Entropy;
 
 /// A source that takes almost anything.
-fn model(polar: bool, form: PositionForm) -> SourceModel {
+fn model(polar: bool, form: PositionForm) -> ConversionModel {
     let system = SystemFrame::at(Geodetic::from_degrees(46.0, 11.0, 0.0).unwrap());
     let place = Geodetic::from_degrees(45.0, 10.0, 500.0).unwrap();
-    SourceModel {
+    ConversionModel {
         number: 3,
         sac_sic: None,
         method: Default::default(),
@@ -28,7 +29,7 @@ fn model(polar: bool, form: PositionForm) -> SourceModel {
         height_m: place.height_m(),
         assumed_height_m: 5000.0,
         qnh_hpa: STANDARD_PRESSURE_HPA,
-        limits: Limits {
+        limits: PlausibilityLimits {
             range_m: 1e7,
             height_min_m: -1e4,
             height_max_m: 1e5,

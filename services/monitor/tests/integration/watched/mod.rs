@@ -6,7 +6,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
-use bus::{Bus, Held, InProcess, Mark, Publisher, Root};
+use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::{BUILT_IN_DEMO, ConfigWith};
 use messages::{Counter, Health, LifeState, ProcessKind, StageTimes, SystemTrack, TrackState};
 use monitor::{Keys, MonitorAgent, Screen};
@@ -54,7 +54,7 @@ pub(crate) struct Bench {
     tracks: Publisher<InProcess, SystemTrack>,
     health: Publisher<InProcess, Health>,
     pub(crate) folder: tempfile::TempDir,
-    _held: [Held; 4],
+    _held: [TopicHold; 4],
 }
 
 impl Bench {
