@@ -8,12 +8,12 @@
 //! Then four figures are learned:
 //!
 //! - *how long targets fly straight*, from the beginnings of certain manoeuvres;
-//! - *the usual lateral acceleration of turns*. During certain manoeuvres, turns of several accelerations compete in the
-//!   filter. The usual one moves towards those that are probable;
+//! - *the usual lateral acceleration of turns*. During certain manoeuvres, turns of several accelerations compete in
+//!   the filter. The usual one moves towards those that are probable;
 //! - *the share of manoeuvres that are no turns*, from the probability of the agile model;
-//! - *the noise of agile motion*. While the agile model certainly holds, its innovations should be as large, relative to
-//!   their covariances, as those of the steady model on straight legs. Because both are compared with each other, wrong
-//!   covariances of sources do not matter. Medians are compared, so that a wrong association has no influence.
+//! - *the noise of agile motion*. While the agile model certainly holds, its innovations should be as large, relative
+//!   to their covariances, as those of the steady model on straight legs. Because both are compared with each other,
+//!   wrong covariances of sources do not matter. Medians are compared, so that a wrong association has no influence.
 
 use estimation::NearlyConstantVelocity;
 use kept::kept;
