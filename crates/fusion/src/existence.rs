@@ -11,13 +11,15 @@
 //! turned out to be targets (module `purity`) + a term for persistence: false tracks end with a probability of about
 //! a fifth per scan + a term for an address: noise does not answer interrogations.
 //!
-//! A source that has not looked since the claim began says nothing: within its period, its silence counts in
-//! proportion to the time that has passed. Three sources in agreement are sufficient, and two if few tracks are false. With many false tracks, two of them
-//! coincide sometimes by chance, and the ratio of an agreement is reduced so far that the silence of the other
-//! sources, and persistence, count as well. While a shown target may be the same target, seen by other sources at
-//! another point, a second track waits: the sources are not silent then. A confirmed track stays confirmed until its
-//! sources *report* that they no longer detect the target: each miss since the last report of any source adds ln(1 −
-//! its probability of detection). The probability of existence that follows from L and the misses is published.
+//! The silence of a source counts in proportion to the part of its period that has passed since the claim began: a
+//! source that has not looked yet is no evidence. Three sources in agreement are sufficient, and two if few tracks are
+//! false. With many false tracks, two of them coincide sometimes by chance. The ratio of an agreement is then reduced
+//! so far that the silence of the other sources, and persistence, count as well.
+//!
+//! While a shown target may be the same target, seen by other sources at another point, a second track waits: the
+//! sources are not silent then. A confirmed track stays confirmed until its sources *report* that they no longer
+//! detect the target: each miss since the last report of any source adds ln(1 − its probability of detection). The
+//! probability of existence that follows from L and the misses is published.
 //!
 //! Source: D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data association*, IEEE Transactions on
 //! Automatic Control 39 (1994), for the recursion of existence.

@@ -415,7 +415,7 @@ fn of_first(tracks: &[SystemTrack]) -> Vec<String> {
     let first = tracks.iter().filter(|track| track.position_m[0] > -5e4);
     first
         .map(|track| {
-            // Not when it was worked off.
+            // Neither the times of processing nor the evidence that the silence of the other source gives.
             let stages = messages::StageTimes::default();
             format!(
                 "{:?}",
@@ -423,6 +423,7 @@ fn of_first(tracks: &[SystemTrack]) -> Vec<String> {
                     stages,
                     sequence: 0,
                     track_number: 0,
+                    existence: 0.0,
                     ..*track
                 }
             )
