@@ -27,7 +27,7 @@ use crate::recorded::{ForSamples, RecordedSample, for_samples};
 use crate::recovery::{self, Opened};
 use crate::slice::StreamSlice;
 
-/// Tables of a deployment, one per data stream, in the order of [`Config::streams`].
+/// Tables of a deployment, one per data stream, in the order of [`deployment::Deployment::streams`].
 #[derive(Debug)]
 pub struct Tables {
     tables: Vec<TableEntry>,

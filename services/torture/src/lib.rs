@@ -1,12 +1,12 @@
 //! `koseki torture`: random faults in a separate deployment, and a judge of their effects on a subscriber.
 //!
 //! The deployment has a separate folder, removed at the end, beside other deployments of the machine. The seed alone
-//! determines the faults and their times ([`schedule`]), so that a run can be repeated. The simulated world continues
+//! determines the faults and their times (`schedule`), so that a run can be repeated. The simulated world continues
 //! after any death, even of the launcher: an address is the same target for the whole run, and its position is known
-//! ([`world`]).
+//! (`world`).
 //!
-//! The [`judge`] does no input or output: it takes events, which can be recorded and judged again ([`ledger`]), and
-//! can therefore be tested: [`self_test`] inserts many defects into a sound record, and the judge must find each.
+//! The `judge` does no input or output: it takes events, which can be recorded and judged again (`ledger`), and
+//! can therefore be tested: `self_test` inserts many defects into a sound record, and the judge must find each.
 //! After each fault the deployment must recover by itself. Otherwise it is started again, and the failure is a
 //! finding. A failure of this command itself is no verdict ([`OwnFailure`]).
 
