@@ -134,9 +134,6 @@ const MAY_READ_CLOCKS: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Crates in which modules use each other in circles. None may be added.
-const MAY_HAVE_CYCLES: &[&str] = &["configuration"];
-
 /// Crates that may hold `unsafe`, each use with its reason.
 const MAY_BE_UNSAFE: &[&str] = &["bus", "frames", "messages", "net"];
 
@@ -272,12 +269,7 @@ fn modules_do_not_use_each_other_in_circles() {
     let metadata = workspace();
     for (name, package) in packages(&metadata) {
         let cycles = modules::cycles(&sources(package));
-        let may = MAY_HAVE_CYCLES.contains(&name.as_str());
-        assert!(may || cycles.is_empty(), "{name}: {cycles:?}");
-        assert!(
-            !may || !cycles.is_empty(),
-            "{name} has none any more: take it out of MAY_HAVE_CYCLES"
-        );
+        assert!(cycles.is_empty(), "{name}: {cycles:?}");
     }
 }
 

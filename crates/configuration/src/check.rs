@@ -6,14 +6,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use ::fusion::Settings as Engine;
-use ::fusion::settings::{AccuracyTable, CoverageArea, ReportLimits, SourceSettings};
-use frames::{Geodetic, SensorFrame, SystemFrame};
-use reception::{ConversionModel, PlausibilityLimits};
+use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
+use frames::{SensorFrame, SystemFrame};
+use reception::ConversionModel;
 use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::check_region::check_regions;
+use super::checked::{Checked, limits, place};
 use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
@@ -26,8 +27,6 @@ use sources::{Processing, TrackerSettings};
 
 /// Shortest silence that is told, seconds: processes speak five times a second.
 const SILENT_MIN_S: f64 = 1.0;
-
-pub(super) type Checked<T> = Result<T, SettingsError>;
 
 /// The checked deployment that `raw`, read from `path`, describes, with the settings of its algorithms.
 pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
@@ -132,17 +131,6 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     Ok((deployment, engine, processing))
 }
 
-pub(super) fn place(key: &str, raw: &PlaceTable) -> Checked<Geodetic> {
-    Geodetic::from_degrees(raw.latitude_deg, raw.longitude_deg, raw.height_m).map_err(|error| {
-        let part = match error {
-            frames::GeodeticError::Latitude(_) => "latitude_deg",
-            frames::GeodeticError::Longitude(_) => "longitude_deg",
-            frames::GeodeticError::Height(_) => "height_m",
-        };
-        SettingsError::new(format!("{key}.{part}"), error.to_string())
-    })
-}
-
 fn check_source(
     index: usize,
     raw: &SourceTable,
@@ -243,15 +231,6 @@ fn delivery(processing: &Processing) -> SampleDelivery {
 fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
     let is_expected = !matches!(input, Input::Recorded(_)) && raw.silent_periods > 0.0;
     is_expected.then(|| ((raw.silent_periods * raw.period_s()).max(SILENT_MIN_S) * messages::NS_PER_S) as i64)
-}
-
-/// Limits of the reports of a source that nobody looks at before fusion; its sensor stands at this place, metres.
-pub(super) fn limits(limits: &PlausibilityLimits, place_m: [f64; 2]) -> ReportLimits {
-    ReportLimits {
-        place_m,
-        range_m: limits.range_m,
-        speed_mps: limits.speed_mps,
-    }
 }
 
 fn check_tracker(

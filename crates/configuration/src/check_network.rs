@@ -12,7 +12,7 @@ use scenario::SensorKind;
 
 use settings::SettingsError;
 
-use super::check::Checked;
+use super::checked::Checked;
 use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
 use deployment::{
     Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, Simulated, Source, WideAreaSensor,

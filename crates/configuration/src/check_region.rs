@@ -7,7 +7,7 @@ use frames::{Geodetic, SystemFrame};
 use fusion::region::{CORNERS_MAX, REGIONS_MAX, Region};
 use settings::SettingsError;
 
-use super::check::Checked;
+use super::checked::Checked;
 use super::tables::RegionTable;
 
 /// The regions in the system frame, of which those of `origin` are the own.

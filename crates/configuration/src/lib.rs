@@ -8,6 +8,7 @@
 mod check;
 mod check_network;
 mod check_region;
+mod checked;
 mod locating;
 mod offline;
 mod reference;
@@ -20,7 +21,7 @@ use std::fmt;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 
-use check::Checked;
+use checked::Checked;
 use deployment::{Deployment, IN_INSTANCE, Parts};
 use settings::{Document, KeyTable, KeyValue, SettingsError, Shared};
 use sources::{Processing, TrackerSettings};

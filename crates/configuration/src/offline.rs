@@ -30,7 +30,7 @@ use reception::PlausibilityLimits;
 use settings::{Document, Seconds, SettingsError};
 
 use super::ConfigError;
-use super::check::{Checked, limits};
+use super::checked::{Checked, limits};
 use super::tables::FusionTable;
 
 /// Period of a sensor that never reported a track twice, and has none configured, seconds.

@@ -12,7 +12,7 @@
 
 use settings::SettingsError;
 
-use super::check::Checked;
+use super::checked::Checked;
 use super::tables::{SourceTable, WideAreaSensorTable};
 use deployment::{Input, Source};
 

@@ -36,8 +36,8 @@ use frames::{SensorFrame, SystemFrame};
 use reception::{ConversionModel, CovarianceModel};
 use settings::SettingsError;
 
-use super::check::{Checked, place};
 use super::check_network::{Network, asterix};
+use super::checked::{Checked, place};
 use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
 use deployment::{CountedTracks, Input, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
 
