@@ -47,6 +47,10 @@ pub(crate) struct MergedTrack {
     pub(crate) time_ns: i64,
 }
 
+/// Period from which the first report of a sensor track may join: the second report of a faster source comes soon, and
+/// tells apart the points of large targets, which faster sources see.
+const SLOW_NS: i64 = 2_500_000_000;
+
 /// The links between sensor tracks and system tracks, about to change.
 pub(crate) struct Linking<'a> {
     pub(crate) settings: &'a Settings,
@@ -96,10 +100,16 @@ impl Linking<'_> {
             self.tracks.join(sensor, system);
             let gate = self.search().resumption_gate();
             out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
-        } else {
+        } else if self.tracks.is_established(sensor) || self.is_slow(sensor) {
             return Next::Wait;
         }
         Next::Done
+    }
+
+    /// Whether the next report of the sensor track's source is so far off that its first report is worth a search.
+    fn is_slow(&self, sensor: SensorSlot) -> bool {
+        let source = self.tracks.sensors.get(sensor).source;
+        self.settings.sources[usize::from(source)].period_ns >= SLOW_NS
     }
 
     /// Returns the former system track of the sensor track before a restart, if still possible, with d².

@@ -82,9 +82,11 @@ fn the_probability_of_existence_tells_a_target_from_what_one_source_alone_sees()
 }
 
 #[test]
-fn a_first_report_joins_the_one_target_that_it_fits_and_else_waits() {
-    let joined_with_neighbour_at = |neighbour_m: f64| {
-        let mut harness = Harness::new(test_settings(2));
+fn a_slow_source_joins_by_its_first_report_where_one_target_fits() {
+    let joined = |neighbour_m: f64, period_s: i64| {
+        let mut settings = test_settings(2);
+        (settings.sources[1].period_ns, settings.sources[1].fresh_ns) = (period_s * S, 10 * S);
+        let mut harness = Harness::new(settings);
         for second in 0..6 {
             let time_s = f64::from(second);
             harness.take(&report(0, 1, time_s, [0.0; 2], [50.0, 0.0]));
@@ -95,9 +97,11 @@ fn a_first_report_joins_the_one_target_that_it_fits_and_else_waits() {
             ..report(1, 7, 5.2, [0.0, 5.0], [50.0, 0.0])
         };
         harness.take(&first_reports(first, 1));
-        let later = harness.take(&report(0, 1, 6.0, [0.0; 2], [50.0, 0.0])).unwrap();
+        // Its scan is over a part of its period later.
+        let later = harness.take(&report(0, 1, 8.0, [0.0; 2], [50.0, 0.0])).unwrap();
         usize::from(later.source_count)
     };
-    assert_eq!(joined_with_neighbour_at(5e3), 2, "no other target is near");
-    assert_eq!(joined_with_neighbour_at(300.0), 1, "two targets fit");
+    assert_eq!(joined(5e3, 4), 2, "no other target is near");
+    assert_eq!(joined(300.0, 4), 1, "two targets fit");
+    assert_eq!(joined(5e3, 1), 1, "the second report of a fast source comes soon");
 }
