@@ -8,7 +8,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bus::{Bus, Claim, Mark, Publisher, Root, Subscriber, TopicHold, Transport};
+use bus::{Bus, BusError, Claim, Mark, Publisher, Root, Subscriber, TopicHold, Transport};
 use messages::{SensorTrack, Topic};
 
 /// Far longer than anything takes, so that only a real hang ends it.
@@ -118,7 +118,12 @@ impl<S: Transport> Line<S> {
     }
 
     pub(crate) fn publisher(&self, incarnation: u64) -> Publisher<S, SensorTrack> {
-        self.bus.publisher(&self.topic, incarnation).unwrap()
+        self.try_publisher(incarnation).unwrap()
+    }
+
+    /// A publisher, if the topic has a place for it.
+    pub(crate) fn try_publisher(&self, epoch: u64) -> Result<Publisher<S, SensorTrack>, BusError> {
+        self.bus.publisher(&self.topic, epoch)
     }
 
     /// A subscriber that joined at time `now`.
