@@ -47,6 +47,11 @@ settings::settings! {
     }
 }
 
+/// Probability with this logarithm of its odds.
+pub(crate) fn probability(log_odds: f64) -> f64 {
+    1.0 / (1.0 + (-log_odds).exp())
+}
+
 /// Evidence for a target that only one source reports.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SingleSourceClaim {
@@ -67,9 +72,12 @@ impl SingleSourceClaim {
         let address = if self.has_address { settings.address } else { 0.0 };
         self.silence + self.purity + persistence + address
     }
+}
 
-    pub(crate) fn is_believed(&self, settings: &ExistenceSettings) -> bool {
-        self.log_ratio(settings) > settings.believed
+impl ExistenceSettings {
+    /// Whether a target with this log-likelihood ratio exists.
+    pub(crate) fn believes(&self, log_ratio: f64) -> bool {
+        log_ratio > self.believed
     }
 }
 
@@ -86,33 +94,43 @@ mod tests {
         }
     }
 
+    fn is_believed(claim: &SingleSourceClaim, settings: &ExistenceSettings) -> bool {
+        settings.believes(claim.log_ratio(settings))
+    }
+
     #[test]
     fn silence_of_sources_that_cover_the_place_is_telling() {
-        assert!(!claim((1.0_f64 - 0.9).ln(), 5).is_believed(&ExistenceSettings::default()));
-        assert!(claim((1.0_f64 - 0.1).ln(), 5).is_believed(&ExistenceSettings::default()));
+        assert!(!is_believed(
+            &claim((1.0_f64 - 0.9).ln(), 5),
+            &ExistenceSettings::default()
+        ));
+        assert!(is_believed(
+            &claim((1.0_f64 - 0.1).ln(), 5),
+            &ExistenceSettings::default()
+        ));
         let of_a_noisy_source = SingleSourceClaim {
             purity: -1.5,
             ..claim((1.0_f64 - 0.1).ln(), 5)
         };
-        assert!(!of_a_noisy_source.is_believed(&ExistenceSettings::default()));
+        assert!(!is_believed(&of_a_noisy_source, &ExistenceSettings::default()));
     }
 
     #[test]
     fn persistence_and_addresses_speak_for_a_claim() {
-        assert!(!claim(-4.0, 4).is_believed(&ExistenceSettings::default()));
-        assert!(claim(-4.0, 30).is_believed(&ExistenceSettings::default()));
+        assert!(!is_believed(&claim(-4.0, 4), &ExistenceSettings::default()));
+        assert!(is_believed(&claim(-4.0, 30), &ExistenceSettings::default()));
         let patient = ExistenceSettings {
             persistence_reports: 30,
             ..ExistenceSettings::default()
         };
-        assert!(!claim(-4.0, 30).is_believed(&patient));
+        assert!(!is_believed(&claim(-4.0, 30), &patient));
         let mut with_address = claim(-4.0, 4);
         with_address.has_address = true;
-        assert!(with_address.is_believed(&ExistenceSettings::default()));
+        assert!(is_believed(&with_address, &ExistenceSettings::default()));
         let strict = ExistenceSettings {
             believed: 3.0,
             ..ExistenceSettings::default()
         };
-        assert!(!with_address.is_believed(&strict));
+        assert!(!is_believed(&with_address, &strict));
     }
 }

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::detection_map::DetectionMap;
-use crate::existence::SingleSourceClaim;
+use crate::existence::{SingleSourceClaim, probability};
 use crate::explanation::Sink;
 use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
@@ -34,6 +34,8 @@ const COVERAGE_CELL_M: f64 = 5000.0;
 
 /// Share of the silence that does not count where a track teaches coverage: the silence rests on that coverage.
 const UNTAUGHT: f64 = 0.3;
+/// Distance within which another track of a source may be the source's track of the target, metres.
+const NEAR_M: f64 = 1000.0;
 /// Looks that every source with coverage is given before a claim that it does not support is believed.
 const CHANCE_LOOKS: f64 = 1.0;
 /// Time for which a second track beside a target waits to be distinguished from another point of the target, in
@@ -67,15 +69,30 @@ struct ExistenceEvidence {
     teaching: f64,
     /// Whether every source with coverage has had its chance.
     is_ripe: bool,
-    /// Number of independent sources that agree.
-    witnesses: u32,
     /// Value of the decision: number of witnesses that agree, or the ratio of a single claim.
     stated: f64,
 }
 
-/// Probability with this logarithm of its odds.
-fn probability(log_odds: f64) -> f64 {
-    1.0 / (1.0 + (-log_odds).exp())
+impl ExistenceEvidence {
+    /// Too few reports to weigh.
+    const NONE: Self = Self {
+        is_believed: false,
+        log_ratio: f64::NAN,
+        teaching: f64::NAN,
+        is_ripe: false,
+        stated: f64::NAN,
+    };
+
+    /// Beyond doubt.
+    const fn certain(stated: f64) -> Self {
+        Self {
+            is_believed: true,
+            log_ratio: f64::INFINITY,
+            teaching: f64::INFINITY,
+            is_ripe: true,
+            stated,
+        }
+    }
 }
 
 impl Life {
@@ -121,7 +138,6 @@ impl Life {
                         probability(evidence.teaching),
                     );
                 }
-                count_new_track(tracks, (system, now_ns), &evidence);
                 tracks.systems.get_mut(system).log_odds = evidence.log_ratio;
                 if evidence.is_believed && !may_be_another(settings, tracks, sources, (system, now_ns)) {
                     tracks.systems.set_life(system, TrackState::Confirmed);
@@ -145,6 +161,7 @@ impl Life {
             }
             TrackState::Suspended | TrackState::Terminated => {}
         }
+        count_target(tracks, system, now_ns);
     }
 
     /// Weighs the evidence for the target of a system track.
@@ -154,39 +171,18 @@ impl Life {
             let entry = tracks.sensors.get(member);
             if entry.is_foreign && entry.latest.state == TrackState::Confirmed as u8 {
                 // Another centre believes it, of however many sensors.
-                return ExistenceEvidence {
-                    is_believed: true,
-                    log_ratio: f64::INFINITY,
-                    teaching: f64::INFINITY,
-                    is_ripe: true,
-                    witnesses: 2,
-                    stated: f64::NAN,
-                };
+                return ExistenceEvidence::certain(f64::NAN);
             }
             sources |= 1 << entry.source;
             is_established |= tracks.is_established(member);
             reports = reports.saturating_add(entry.reports);
         }
         if reports < settings.life.confirm_reports || !is_established {
-            return ExistenceEvidence {
-                is_believed: false,
-                log_ratio: f64::NAN,
-                teaching: f64::NAN,
-                is_ripe: false,
-                witnesses: 0,
-                stated: f64::NAN,
-            };
+            return ExistenceEvidence::NONE;
         }
         let witnesses = tracks.dependence.witnesses_among(sources);
         if witnesses >= 3 {
-            return ExistenceEvidence {
-                is_believed: true,
-                log_ratio: f64::INFINITY,
-                teaching: f64::INFINITY,
-                is_ripe: true,
-                witnesses,
-                stated: f64::from(witnesses),
-            };
+            return ExistenceEvidence::certain(f64::from(witnesses));
         }
         let (silence, had_their_chance) = self.silence(settings, tracks, (system, now_ns), sources);
         let purity = match witnesses {
@@ -200,27 +196,23 @@ impl Life {
             reports,
             has_address: tracks.systems.get(system).identity.unique_number().is_some(),
         };
-        let log_ratio = claim.log_ratio(&settings.existence);
-        if witnesses >= 2 {
-            let log_ratio = log_ratio + agreement_log_ratio(tracks);
-            let is_believed = log_ratio > settings.existence.believed;
-            return ExistenceEvidence {
-                is_believed,
-                log_ratio,
-                teaching: log_ratio - UNTAUGHT * silence,
-                is_ripe: had_their_chance,
-                witnesses,
-                stated: f64::from(witnesses),
-            };
-        }
-        let is_believed = claim.is_believed(&settings.existence) && (had_their_chance || claim.has_address);
+        let agreement = if witnesses >= 2 {
+            agreement_log_ratio(tracks)
+        } else {
+            0.0
+        };
+        let log_ratio = claim.log_ratio(&settings.existence) + agreement;
+        let may_be_believed = witnesses >= 2 || had_their_chance || claim.has_address;
         ExistenceEvidence {
-            is_believed,
+            is_believed: may_be_believed && settings.existence.believes(log_ratio),
             log_ratio,
             teaching: log_ratio - UNTAUGHT * silence,
             is_ripe: had_their_chance,
-            witnesses,
-            stated: log_ratio,
+            stated: if witnesses >= 2 {
+                f64::from(witnesses)
+            } else {
+                log_ratio
+            },
         }
     }
 
@@ -270,9 +262,8 @@ impl Life {
         let [x, y, _] = entry.filter.estimate.position_m();
         // A source with another track near by may follow the target there: it is not asked.
         let mut near = 0;
-        let (systems, reach_m) = (&tracks.systems, 1000.0);
-        systems.grid.near(x, y, reach_m, SEARCH_CELLS_MAX, |other| {
-            near |= tracks.sources_of(other, now_ns)
+        tracks.systems.grid.near(x, y, NEAR_M, SEARCH_CELLS_MAX, |other| {
+            near |= tracks.sources_of(other, now_ns);
         });
         self.coverage.learn([x, y], existence, |source| {
             let settings = &settings[usize::from(source)];
@@ -317,15 +308,19 @@ impl Life {
     }
 }
 
-/// Counts a tentative system track as a target, once, where a second source agrees or where it has lasted.
-fn count_new_track(tracks: &mut Tracks, (system, now_ns): (SystemSlot, i64), evidence: &ExistenceEvidence) {
+/// Counts a system track as a target, once, in the purity of its sources: where two agree on a confirmed track, or
+/// where the track has lasted.
+fn count_target(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     let entry = tracks.systems.get(system);
-    let agrees = evidence.witnesses >= 2 && evidence.is_believed;
-    if entry.is_counted || !(agrees || entry.reports >= LASTING_REPORTS) {
+    if entry.is_counted {
+        return;
+    }
+    let sources = tracks.sources_of(system, now_ns);
+    let agree = entry.life == TrackState::Confirmed && tracks.dependence.witnesses_among(sources) >= 2;
+    if !agree && entry.reports < LASTING_REPORTS {
         return;
     }
     tracks.systems.get_mut(system).is_counted = true;
-    let sources = tracks.sources_of(system, now_ns);
     for source in (0..u64::BITS as u16).filter(|source| sources & (1 << source) != 0) {
         tracks.purity.learn(source, true);
     }

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::border::Ownership;
 use crate::description::Description;
+use crate::existence::probability;
 use crate::filter::{KeptFilter, TargetFilter};
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
@@ -173,8 +174,7 @@ impl SystemEntry {
         if self.log_odds.is_nan() {
             return 0.0;
         }
-        let odds = (-self.log_odds.min(LOG_ODDS_MAX) - self.absence).exp();
-        (1.0 / (1.0 + odds)) as f32
+        probability(self.log_odds.min(LOG_ODDS_MAX) + self.absence) as f32
     }
 
     #[inline]

@@ -105,3 +105,16 @@ fn a_slow_source_joins_by_its_first_report_where_one_target_fits() {
     assert_eq!(joined(300.0, 4), 1, "two targets fit");
     assert_eq!(joined(5e3, 1), 1, "the second report of a fast source comes soon");
 }
+
+#[test]
+fn what_one_source_alone_followed_for_long_was_a_target() {
+    let mut harness = Harness::new(test_settings(2));
+    for target in 0..20 {
+        let begin_s = 100.0 * f64::from(target);
+        for second in 0..30 {
+            harness.take(&report(0, target, begin_s + f64::from(second), [0.0; 2], [0.0, 50.0]));
+        }
+    }
+    assert!(harness.count(Counter::TracksTerminated) >= 19);
+    assert_eq!(harness.engine.tracks.purity.log_odds(0), 0.0);
+}
