@@ -15,7 +15,7 @@
 #define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x1975aaa774a255cf) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xdf6f0619ef7a0a99) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xb4711072fd68b3b9) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
@@ -802,7 +802,7 @@ typedef struct KosekiHealth {
     uint8_t kind; /* Kind of the process: a `ProcessKind` code. */
     uint8_t life; /* A `LifeState` code. */
     uint32_t restarts; /* Restarts of the process so far, as its launcher counts them. */
-    uint32_t reserved; /* Reserved, 0. */
+    uint8_t misfit[4]; /* Input outside an adapter's configuration. Of the process: SAC and SIC of the unknown sender with the most */
     uint8_t name[32]; /* Name of the process, UTF-8, padded with zeros. */
     uint8_t note[56]; /* Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros. */
     KosekiCounters counters; /* Values of the counters. */
@@ -817,7 +817,7 @@ static_assert(offsetof(KosekiHealth, source) == 28, "offset");
 static_assert(offsetof(KosekiHealth, kind) == 30, "offset");
 static_assert(offsetof(KosekiHealth, life) == 31, "offset");
 static_assert(offsetof(KosekiHealth, restarts) == 32, "offset");
-static_assert(offsetof(KosekiHealth, reserved) == 36, "offset");
+static_assert(offsetof(KosekiHealth, misfit) == 36, "offset");
 static_assert(offsetof(KosekiHealth, name) == 40, "offset");
 static_assert(offsetof(KosekiHealth, note) == 72, "offset");
 static_assert(offsetof(KosekiHealth, counters) == 128, "offset");

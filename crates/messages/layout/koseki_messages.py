@@ -17,7 +17,7 @@ CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
 SYSTEM_TRACK_SCHEMA = 0x1975aaa774a255cf  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xdf6f0619ef7a0a99  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0xb4711072fd68b3b9  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
@@ -966,7 +966,7 @@ class Health(ctypes.Structure):
         ("kind", ctypes.c_uint8),  # Kind of the process: a `ProcessKind` code.
         ("life", ctypes.c_uint8),  # A `LifeState` code.
         ("restarts", ctypes.c_uint32),  # Restarts of the process so far, as its launcher counts them.
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("misfit", ctypes.c_uint8 * 4),  # Input outside an adapter's configuration. Of the process: SAC and SIC of the unknown sender with the most
         ("name", ctypes.c_uint8 * 32),  # Name of the process, UTF-8, padded with zeros.
         ("note", ctypes.c_uint8 * 56),  # Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.
         ("counters", Counters),  # Values of the counters.
@@ -987,7 +987,7 @@ assert Health.source.offset == 28
 assert Health.kind.offset == 30
 assert Health.life.offset == 31
 assert Health.restarts.offset == 32
-assert Health.reserved.offset == 36
+assert Health.misfit.offset == 36
 assert Health.name.offset == 40
 assert Health.note.offset == 72
 assert Health.counters.offset == 128

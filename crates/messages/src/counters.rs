@@ -113,12 +113,14 @@ pub enum CounterClass {
 }
 
 macro_rules! counters {
-    ($( $name:ident = $label:literal, $class:ident by [$($kind:ident),*], $sentence:literal; )*) => {
+    // A code in parentheses follows the code of a counter that no longer exists, so that recorded codes keep their
+    // meaning.
+    ($( $name:ident $(($code:literal))? = $label:literal, $class:ident by [$($kind:ident),*], $sentence:literal; )*) => {
         /// Code of a count since the start of the process.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[repr(u16)]
         pub enum Counter {
-            $( #[doc = $sentence] $name, )*
+            $( #[doc = $sentence] $name $(= $code)?, )*
         }
 
         impl Counter {
@@ -146,7 +148,7 @@ macro_rules! counters {
             }
         }
 
-        const _: () = assert!(Counter::ALL.len() <= COUNTERS_MAX);
+        const _: () = assert!((Counter::ALL[Counter::ALL.len() - 1] as usize) < COUNTERS_MAX);
     };
 }
 
@@ -311,17 +313,13 @@ counters! {
         "Cues published: places where the sensor should look next.";
     DetectionsWithoutFix = "detections_without_fix", Tracking by [Adapter],
         "Bearings of transmitters without a fix, because the geometry does not allow a fix yet.";
-    UnknownSender = "unknown_sender", Level by [],
-        "Level: SAC × 256 + SIC of the unknown sender with the most blocks.";
-    UnknownSenderBlocks = "unknown_sender_blocks", Level by [],
-        "Level: blocks received from that sender.";
+    UnknownSenderBlocks (72) = "unknown_sender_blocks", Level by [],
+        "Level: blocks received from the unknown sender with the most blocks.";
     UnknownSenders = "unknown_senders", Level by [],
         "Level: senders without a configured source.";
     BlocksOfOtherEdition = "blocks_of_other_edition", AdapterRemark by [Adapter],
         "Blocks that do not fit the configured edition but fit another edition of their category.";
-    OtherEdition = "other_edition", Level by [],
-        "Level: category × 65536 + edition (before the point) × 256 + edition (after the point) that fits most of those blocks.";
-    DetectionPermille = "detection_permille", Level by [],
+    DetectionPermille (76) = "detection_permille", Level by [],
         "Level: scans with a detection of a tracked target, per thousand scans.";
     RejectedClock = "rejected_clock", FusionRejection by [Fusion],
         "Reports not used because of their source's clock: far from the time of receipt, or jumping.";

@@ -29,8 +29,9 @@ sample! {
         life: u8,
         /// Restarts of the process so far, as its launcher counts them.
         restarts: u32,
-        /// Reserved, 0.
-        reserved: u32,
+        /// Input outside an adapter's configuration. Of the process: SAC and SIC of the unknown sender with the most
+        /// blocks, 0, 0. Of a source: category, edition before and after the point that fits most blocks, 0.
+        misfit: [u8; 4] = [0; 4],
         /// Name of the process, UTF-8, padded with zeros.
         name: [u8; 32],
         /// Fault in a few words, empty if there is none; of an adapter's source its name. UTF-8, padded with zeros.

@@ -462,6 +462,11 @@ impl<'a> LatestHealth<'a> {
         self.entry.latest.life()
     }
 
+    /// Returns the input outside the configuration, as in [`Health::misfit`].
+    pub fn misfit(&self) -> [u8; 4] {
+        self.entry.latest.misfit
+    }
+
     /// Returns the counts, with those of earlier epochs.
     pub fn counters(&self) -> Counters {
         self.entry.counters()

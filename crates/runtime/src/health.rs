@@ -14,6 +14,8 @@ pub struct HealthEntry {
     pub progress_ns: i64,
     /// Counters, indexed by [`Counter`].
     pub counters: messages::Counters,
+    /// Input outside the configuration, as in [`Health::misfit`].
+    pub misfit: [u8; 4],
     /// Fault in words; empty without a fault.
     pub note: String,
     /// Systematic errors of the source, in messages of fusion.
@@ -26,6 +28,7 @@ impl Default for HealthEntry {
             source: NO_SOURCE,
             progress_ns: i64::MIN,
             counters: messages::Counters::default(),
+            misfit: [0; 4],
             note: String::new(),
             registration: Registration::default(),
         }
@@ -84,6 +87,7 @@ impl Reporter {
                 progress_ns: entry.progress_ns,
                 source: entry.source,
                 life: life as u8,
+                misfit: entry.misfit,
                 counters: entry.counters,
                 registration: entry.registration,
                 ..blank

@@ -135,11 +135,12 @@ impl DatagramReader for BlockSources {
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
         let decoders = self.decoders.iter().map(|decoder| decoded(decoder.counts()));
         let health = self.channels.iter().zip(decoders).zip(&self.misfits);
-        sources.extend(health.map(|((channel, mut decoded), misfits)| {
-            misfits.count(&mut decoded);
-            channel.health(&decoded)
+        sources.extend(health.map(|((channel, decoded), misfits)| {
+            let mut entry = channel.health(&decoded);
+            misfits.report(&mut entry);
+            entry
         }));
-        self.strangers.count(&mut whole.counters);
+        self.strangers.report(whole);
         whole.set(Counter::BlocksRejected, self.blocks_rejected);
         whole.set(Counter::BytesRejected, self.bytes_rejected);
     }

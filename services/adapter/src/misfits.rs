@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use asterix::{Block, Edition};
 use deployment::Asterix;
 use formats::recording::CategorySurvey;
-use messages::{Counter, Counters};
+use messages::Counter;
+use runtime::HealthEntry;
 
 /// Maximum number of remembered senders; further senders are counted together.
 const STRANGERS_MAX: usize = 32;
@@ -32,12 +33,13 @@ impl Strangers {
         }
     }
 
-    /// Adds the counts.
-    pub(crate) fn count(&self, counters: &mut Counters) {
+    /// Adds the counts, and names the most frequent sender.
+    pub(crate) fn report(&self, health: &mut HealthEntry) {
+        let counters = &mut health.counters;
         counters[Counter::RejectedSource] = self.blocks;
         counters[Counter::UnknownSenders] = self.heard.len() as u64;
         if let Some(((sac, sic), blocks)) = self.heard.iter().max_by_key(|(_, blocks)| **blocks) {
-            counters[Counter::UnknownSender] = u64::from(*sac) << 8 | u64::from(*sic);
+            health.misfit = [*sac, *sic, 0, 0];
             counters[Counter::UnknownSenderBlocks] = *blocks;
         }
     }
@@ -82,11 +84,11 @@ impl Misfits {
         better.max_by_key(|(.., blocks)| *blocks)
     }
 
-    /// Adds the counts.
-    pub(crate) fn count(&self, counters: &mut Counters) {
+    /// Adds the count, and names the edition that fits.
+    pub(crate) fn report(&self, health: &mut HealthEntry) {
         if let Some((category, Edition { major, minor }, blocks)) = self.most() {
-            counters[Counter::BlocksOfOtherEdition] = blocks;
-            counters[Counter::OtherEdition] = u64::from(category) << 16 | u64::from(major) << 8 | u64::from(minor);
+            health.counters[Counter::BlocksOfOtherEdition] = blocks;
+            health.misfit = [category, major, minor, 0];
         }
     }
 }
@@ -95,25 +97,22 @@ impl Misfits {
 mod tests {
     use asterix::{Mode, blocks, registry};
     use frames::{Geodetic, SensorFrame, SystemFrame};
-    use messages::{Covariance, Identity, SensorTrack, TrackState};
+    use messages::{Counters, Covariance, Identity, SensorTrack, TrackState};
     use outgoing::SensorReports;
 
     use super::*;
 
     #[test]
     fn the_most_frequent_stranger_is_named() {
-        let (mut strangers, mut counters) = (Strangers::default(), Counters::default());
-        strangers.count(&mut counters);
-        assert_eq!(counters, Counters::default());
+        let (mut strangers, mut health) = (Strangers::default(), HealthEntry::default());
+        strangers.report(&mut health);
+        assert_eq!((health.misfit, health.counters), ([0; 4], Counters::default()));
         for sender in [Some((40, 2)), Some((40, 3)), None, Some((40, 2))] {
             strangers.hear(sender);
         }
-        strangers.count(&mut counters);
-        let of = |counter| counters[counter];
-        assert_eq!(
-            (of(Counter::UnknownSender), of(Counter::UnknownSenderBlocks)),
-            (40 << 8 | 2, 2)
-        );
+        strangers.report(&mut health);
+        let of = |counter| health.counters[counter];
+        assert_eq!((health.misfit, of(Counter::UnknownSenderBlocks)), ([40, 2, 0, 0], 2));
         assert_eq!((of(Counter::UnknownSenders), of(Counter::RejectedSource)), (2, 4));
         for number in 0..=u8::MAX {
             strangers.hear(Some((number, 0)));
@@ -144,12 +143,14 @@ mod tests {
         reports.flush(&mut keep);
         let block = blocks(&bytes).next().unwrap().unwrap();
         assert!(block.records(new, Mode::Strict).any(|record| record.is_err()));
-        let (mut misfits, mut counters) = (Misfits::new(&asterix(new)), Counters::default());
+        let (mut misfits, mut health) = (Misfits::new(&asterix(new)), HealthEntry::default());
         for _ in 0..142 {
             misfits.try_others(&block);
         }
-        misfits.count(&mut counters);
-        assert_eq!(counters[Counter::BlocksOfOtherEdition], 142);
+        misfits.report(&mut health);
+        let Edition { major, minor } = old.edition;
+        assert_eq!(health.counters[Counter::BlocksOfOtherEdition], 142);
+        assert_eq!(health.misfit, [21, major, minor, 0]);
         assert_eq!(misfits.most().map(|(category, ..)| category), Some(21));
         let junk = [48, 0, 5, 0xff, 0xff];
         let junk = blocks(&junk).next().unwrap().unwrap();

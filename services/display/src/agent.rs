@@ -7,17 +7,16 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use bus::{Bus, Payload, Subscriber, Transport};
+use bus::{Bus, BusError, Subscriber, Transport};
 use deployment::Deployment;
-use messages::{
-    Alarm, Counter, Cue, Decision, FrameOrigin, Health, OrderState, SensorBearing, SensorDetection, SensorTrack,
-    Stream, Streamed as _, SystemTrack, WideArea,
-};
+use messages::{Counter, FrameOrigin, Health, Stream, SystemTrack};
 use runtime::{Agent, HealthEntry, Now, Turn};
 use web::RequestCounts;
 
+use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
 use crate::orders::OrderAgent;
 use crate::shared::SharedState;
+use crate::world::World;
 
 /// Slices taken from one topic in one turn: the capacity of its queue.
 const SLICES_PER_TURN: usize = 256;
@@ -29,17 +28,12 @@ pub(crate) struct DisplayAgent<S: Transport> {
     shared: Arc<SharedState>,
     /// Requests that the server refused.
     refused: Arc<RequestCounts>,
-    states: Subscriber<S, SystemTrack>,
     health: Subscriber<S, Health>,
     origins: Subscriber<S, FrameOrigin>,
-    alarms: Subscriber<S, Alarm>,
-    decisions: Option<Subscriber<S, Decision>>,
-    orders: Option<Subscriber<S, OrderState>>,
-    sensor_tracks: Vec<Subscriber<S, SensorTrack>>,
-    detections: Vec<Subscriber<S, SensorDetection>>,
-    bearings: Vec<Subscriber<S, SensorBearing>>,
-    counts: Vec<Subscriber<S, WideArea>>,
-    cues: Vec<Subscriber<S, Cue>>,
+    /// Streams apart from the system tracks.
+    layers: Vec<Box<dyn Layer>>,
+    /// System tracks: counted, and taken last, since reports come before the states that result from them.
+    states: Subscriber<S, SystemTrack>,
     /// Port for orders, if operators are configured.
     operators: Option<OrderAgent<S>>,
 }
@@ -60,50 +54,50 @@ impl<S: Transport> DisplayAgent<S> {
         let mut agent = Self {
             shared,
             refused,
-            states: bus.subscriber(&messages::system_tracks(), now_ns)?,
             health: bus.subscriber(&messages::health(), now_ns)?,
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
-            alarms: bus.subscriber(&messages::alarms(), now_ns)?,
-            decisions: None,
-            orders: None,
-            sensor_tracks: Vec::new(),
-            detections: Vec::new(),
-            bearings: Vec::new(),
-            counts: Vec::new(),
-            cues: Vec::new(),
+            layers: Vec::new(),
+            states: bus.subscriber(&messages::system_tracks(), now_ns)?,
             operators: has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?,
         };
-        for (id, name) in config.streams() {
-            match id.stream {
-                Stream::SensorTracks => agent
-                    .sensor_tracks
-                    .push(bus.subscriber(&SensorTrack::topic(name), now_ns)?),
-                Stream::Detections => agent
-                    .detections
-                    .push(bus.subscriber(&SensorDetection::topic(name), now_ns)?),
-                Stream::Bearings => agent
-                    .bearings
-                    .push(bus.subscriber(&SensorBearing::topic(name), now_ns)?),
-                Stream::WideArea => agent.counts.push(bus.subscriber(&WideArea::topic(name), now_ns)?),
-                Stream::Cues => agent.cues.push(bus.subscriber(&Cue::topic(name), now_ns)?),
-                Stream::Decisions => agent.decisions = Some(bus.subscriber(&Decision::topic(name), now_ns)?),
-                Stream::Orders => agent.orders = Some(bus.subscriber(&messages::order_states(), now_ns)?),
-                Stream::PlatformStates | Stream::SystemTracks | Stream::Alarms => {}
-            }
+        let streams = config.streams().filter(|(id, _)| id.stream != Stream::SystemTracks);
+        for (id, name) in streams {
+            let subscription = Subscription { bus, name, incarnation };
+            agent.layers.extend(for_displayed(id.stream, subscription).transpose()?);
         }
         Ok(agent)
     }
 }
 
-/// Takes the waiting slices of all `topics`.
-fn take<S: Transport, T: Payload>(
-    topics: &mut [Subscriber<S, T>],
-    mut visit: impl FnMut(&[T]),
-) -> Result<(), bus::BusError> {
-    for topic in topics {
-        topic.take(SLICES_PER_TURN, |_, slice| visit(slice))?;
+/// Subscriber of one displayed stream.
+trait Layer {
+    /// Puts the waiting slices into `world`.
+    fn take(&mut self, world: &mut World, now: Now) -> Result<(), BusError>;
+}
+
+impl<S: Transport, T: DisplayedSample> Layer for Subscriber<S, T> {
+    fn take(&mut self, world: &mut World, now: Now) -> Result<(), BusError> {
+        let taken = Self::take(self, SLICES_PER_TURN, |header, samples| {
+            T::put(world, (header, samples), now)
+        });
+        taken.map(drop)
     }
-    Ok(())
+}
+
+/// Subscription to the topic of one source, by kind of stream.
+struct Subscription<'a, S: Transport> {
+    bus: &'a Bus<S>,
+    name: &'a str,
+    incarnation: u64,
+}
+
+impl<S: Transport> ForDisplayed for Subscription<'_, S> {
+    type Done = Result<Box<dyn Layer>, BusError>;
+
+    fn of<T: DisplayedSample>(self) -> Self::Done {
+        let subscriber = self.bus.subscriber(&T::topic(self.name), || self.incarnation)?;
+        Ok(Box::new(subscriber))
+    }
 }
 
 impl<S: Transport> Agent for DisplayAgent<S> {
@@ -119,23 +113,10 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         self.health.take(SLICES_PER_TURN, |_, said| {
             said.iter().for_each(|health| world.observed.take_health(health))
         })?;
-        self.alarms.take(SLICES_PER_TURN, |header, slice| {
-            world.observed.take_alarms(header, slice)
-        })?;
-        // Reports come before the states that result from them.
-        take(&mut self.sensor_tracks, |reports| {
-            world.hear_sensor_tracks(reports, now)
-        })?;
-        take(&mut self.detections, |detections| world.hear_detections(detections))?;
-        take(&mut self.bearings, |bearings| world.hear_bearings(bearings))?;
-        take(&mut self.counts, |counts| world.hear_counts(counts))?;
-        take(&mut self.cues, |cues| world.hear_cues(cues))?;
-        take(self.decisions.as_mut_slice(), |decisions| {
-            world.hear_decisions(decisions)
-        })?;
-        take(self.orders.as_mut_slice(), |orders| world.observed.take_orders(orders))?;
-        self.states
-            .take(SLICES_PER_TURN, |header, tracks| world.receive(header, tracks, now))?;
+        for layer in &mut self.layers {
+            layer.take(world, now)?;
+        }
+        Layer::take(&mut self.states, world, now)?;
         world.clean_up(now);
         Ok(Turn::Idle(LOOK_EVERY))
     }

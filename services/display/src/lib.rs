@@ -7,6 +7,7 @@
 //! | module | purpose |
 //! |---|---|
 //! | `wire` | protocol between server and page |
+//! | `layers` | registry of the displayed streams |
 //! | `agent` | reads the topics |
 //! | `tape` | replays a recording |
 //! | `world` | current state of the deployment |
@@ -25,6 +26,7 @@ mod clock;
 mod details;
 mod ground;
 mod history;
+mod layers;
 mod operator;
 mod orders;
 mod pages;

@@ -13,14 +13,12 @@ use std::path::PathBuf;
 use anyhow::Context as _;
 use deployment::Deployment;
 use messages::layout::Sample;
-use messages::{
-    Alarm, BatchHeader, Cue, Decision, Health, SensorBearing, SensorDetection, SensorTrack, Stream, Streamed as _,
-    SystemTrack, WideArea,
-};
+use messages::{BatchHeader, Health, Stream, SystemTrack, TopicName};
 use recording::{Chunks, Item, RecordingError};
 use runtime::Now;
 
 use crate::clock::PictureClock;
+use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
 use crate::world::World;
 
 /// Recorded time that is inserted before a moment; within it, every track is published at least once.
@@ -256,22 +254,36 @@ fn recorded(utc_ns: i64) -> Now {
 /// Returns the displayed topics of the deployment of `config`, by name.
 fn topics(config: &Deployment) -> BTreeMap<String, TopicKind> {
     let streams = config.streams().filter_map(|(id, name)| {
-        let topic = match id.stream {
-            Stream::SensorTracks => SensorTrack::topic(name).name,
-            Stream::Detections => SensorDetection::topic(name).name,
-            Stream::Bearings => SensorBearing::topic(name).name,
-            Stream::WideArea => WideArea::topic(name).name,
-            Stream::Cues => Cue::topic(name).name,
-            Stream::Decisions => Decision::topic(name).name,
-            Stream::Orders => messages::order_states().name,
-            Stream::SystemTracks => messages::system_tracks().name,
-            Stream::Alarms => messages::alarms().name,
-            Stream::PlatformStates => return None,
-        };
+        let topic = for_displayed(id.stream, TopicOf(name))?;
         Some((topic.as_str().to_owned(), TopicKind::Stream(id.stream)))
     });
     let health = (messages::health().name.as_str().to_owned(), TopicKind::Health);
     streams.chain([health]).collect()
+}
+
+/// Name of the topic of the source or sensor with this name.
+struct TopicOf<'a>(&'a str);
+
+impl ForDisplayed for TopicOf<'_> {
+    type Done = TopicName;
+
+    fn of<T: DisplayedSample>(self) -> TopicName {
+        T::topic(self.0).name
+    }
+}
+
+/// Puts a recorded slice into the world.
+struct Put<'a> {
+    world: &'a mut World,
+    slice: &'a RecordedSlice,
+}
+
+impl ForDisplayed for Put<'_> {
+    type Done = ();
+
+    fn of<T: DisplayedSample>(self) {
+        T::put(self.world, (&self.slice.header, &samples(self.slice)), self.slice.taken);
+    }
 }
 
 fn samples<T: Sample>(slice: &RecordedSlice) -> Vec<T> {
@@ -285,18 +297,9 @@ fn put(world: &mut World, slice: &RecordedSlice) {
             let said: Vec<Health> = samples(slice);
             said.iter().for_each(|health| world.observed.take_health(health));
         }
-        TopicKind::Stream(stream) => match stream {
-            Stream::SystemTracks => world.receive(&slice.header, &samples::<SystemTrack>(slice), slice.taken),
-            Stream::Alarms => world.observed.take_alarms(&slice.header, &samples::<Alarm>(slice)),
-            Stream::SensorTracks => world.hear_sensor_tracks(&samples(slice), slice.taken),
-            Stream::Detections => world.hear_detections(&samples(slice)),
-            Stream::Bearings => world.hear_bearings(&samples(slice)),
-            Stream::WideArea => world.hear_counts(&samples(slice)),
-            Stream::Cues => world.hear_cues(&samples(slice)),
-            Stream::Decisions => world.hear_decisions(&samples(slice)),
-            Stream::Orders => world.observed.take_orders(&samples(slice)),
-            Stream::PlatformStates => {}
-        },
+        TopicKind::Stream(stream) => {
+            let _ = for_displayed(stream, Put { world, slice });
+        }
     }
 }
 

@@ -118,7 +118,7 @@ impl Conditions {
             let rejected = of(Counter::RejectedSource);
             // Data received before a restart of the monitor continue if they matter.
             if senders > 0 && self.growth.has_grown(AlarmKind::SenderUnknown, subject, rejected, 0) {
-                let [sac, sic] = (of(Counter::UnknownSender) as u16).to_be_bytes();
+                let [sac, sic, ..] = latest.misfit();
                 let others = match senders - 1 {
                     0 => String::new(),
                     others => format!(", and {}", several(others, "other")),
@@ -135,7 +135,7 @@ impl Conditions {
             if self.growth.has_grown(AlarmKind::EditionWrong, subject, fitting, 0)
                 && let Some(source) = self.sources.iter().find(|other| other.facts.number == source)
             {
-                let [_, category, major, minor] = (of(Counter::OtherEdition) as u32).to_be_bytes();
+                let [category, major, minor, _] = latest.misfit();
                 let values = [
                     ("source", source.facts.name.clone()),
                     ("fitting", several(fitting, "block")),

@@ -160,8 +160,9 @@ fn what_fits_nothing_that_is_configured_is_named() {
     let quiet: Vec<&str> = quiet.iter().map(String::as_str).collect();
     let mut site = Site::new(&quiet);
     let stranger = |site: &mut Site| {
-        let whole = &mut site.say(ProcessKind::Adapter, "radar-west", NO_SOURCE).counters;
-        whole[Counter::UnknownSender] = 40 << 8 | 2;
+        let health = site.say(ProcessKind::Adapter, "radar-west", NO_SOURCE);
+        health.misfit = [40, 2, 0, 0];
+        let whole = &mut health.counters;
         whole[Counter::UnknownSenderBlocks] = 24;
         whole[Counter::UnknownSenders] = 3;
         whole[Counter::RejectedSource] = 30;
@@ -172,9 +173,9 @@ fn what_fits_nothing_that_is_configured_is_named() {
     );
     let mut site = Site::new(&quiet);
     let other_edition = |site: &mut Site| {
-        let of_source = &mut site.say(ProcessKind::Adapter, "ads-b", 3).counters;
-        of_source[Counter::BlocksOfOtherEdition] = 142;
-        of_source[Counter::OtherEdition] = 21 << 16 | 2 << 8 | 4;
+        let health = site.say(ProcessKind::Adapter, "ads-b", 3);
+        health.misfit = [21, 2, 4, 0];
+        health.counters[Counter::BlocksOfOtherEdition] = 142;
     };
     assert_eq!(
         site.raise_and_clear(AlarmKind::EditionWrong, other_edition, |_| {}),
