@@ -184,7 +184,6 @@ impl Search<'_> {
         (settings.join_gate().sqrt() * sigma).max(settings.target_extent_m) + 0.5 * settings.cell_m + moved
     }
 
-    /// d² between a report and a system track; `None` if the report may not join it.
     /// d² in the plane between a sensor track and the system track that it was a member of before the start, if it may
     /// still be.
     pub(crate) fn resumption_distance(&self, own: SensorSlot, system: SystemSlot) -> Option<f64> {

@@ -53,7 +53,6 @@ mod linking;
 mod manoeuvres;
 mod measurement;
 mod merger;
-mod message;
 mod motion;
 mod number_hasher;
 pub mod numbering;
@@ -81,6 +80,7 @@ mod source_ref;
 mod sources;
 mod state;
 pub mod suspects;
+mod system_track_message;
 mod system_tracks;
 #[cfg(test)]
 mod testing;

@@ -18,11 +18,11 @@ use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::detection_map::DetectionMap;
 use crate::existence::{SingleSourceClaim, probability};
 use crate::explanation::Sink;
-use crate::message::{publish_change, publish_extrapolated};
 use crate::outlet::Outlet;
 use crate::purity::LASTING_REPORTS;
 use crate::settings::{Settings, SourceSettings};
 use crate::sources::Sources;
+use crate::system_track_message::{publish_change, publish_extrapolated};
 use crate::system_tracks::SystemSlot;
 use crate::tracks::Tracks;
 

@@ -8,8 +8,9 @@
 //! |---|---|
 //! | [`MonitorAgent`] | decides *when*: takes messages, closes intervals, shows, writes, ends |
 //! | `survey` | all that is known, and the summaries drawn from it: an overview per interval, and the [`Report`] |
-//! | `health_book` | latest health, restarts and accumulated counters of every process |
-//! | `conditions`, `machine` | detect alarm conditions in these data and in the machine's resources |
+//! | `conditions` | detect alarm conditions in these data: of sources (clocks, biases, silence), counters, processes |
+//! | `shares` | detects sources that fusion uses too little: isolated, contradicted, or with impossible times |
+//! | `machine` | detects alarm conditions in the machine's resources |
 //! | `alarm_desk` | raises and clears alarms, and publishes those that stand |
 //! | `truth_watch` | compares the picture with the truth, where the world is simulated |
 //! | `display` | an overview as text, on a screen or in a line: pure functions |

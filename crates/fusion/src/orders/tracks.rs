@@ -12,9 +12,9 @@ use crate::explanation::Sink;
 use crate::filter::TargetFilter;
 use crate::life;
 use crate::linking::{Linking, Next};
-use crate::message::write;
 use crate::order_table::OrderRecord;
 use crate::sensor_tracks::SensorSlot;
+use crate::system_track_message::write;
 use crate::system_tracks::{Bond, SystemSlot};
 
 /// Square of the distance, in standard deviations, beyond which tracks are different targets.

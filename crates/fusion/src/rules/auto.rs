@@ -4,7 +4,7 @@
 //! scaled, and if sources observe different points of large targets, a single reference point is kept per target
 //! instead of an average. As in `best-source`, this is the point of the source that has tracked the target longest,
 //! while the measurements of other sources, moved to this point, continue to improve the position. See the module
-//! `feeding`.
+//! `reference_point`.
 //!
 //! Nothing in it is a threshold on a position or a speed: whether points are kept is decided by how far the detection
 //! points lie apart, compared with the sources' own measurement errors.
