@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 
 use asterix::Category;
 use deployment::{Deployment, NetworkOutput, Parts, Source, check_name};
-use net::{Interface, SenderSettings};
+use net::{Interface, NetError, SenderSettings};
 use outgoing::HeightReference;
 use settings::{KeyTable, Seconds, SettingsError};
 
@@ -118,10 +118,24 @@ pub(crate) enum GatewayContent<'a> {
     OfSource(&'a Source),
 }
 
+/// Names the key of a setting that no sender can have.
+fn sender_mistake(error: NetError) -> SettingsError {
+    match error {
+        NetError::Setting { setting, value, reason } => {
+            let key = match setting {
+                "time to live" => "ttl",
+                "interface" => "interface",
+                _ => "send_to",
+            };
+            SettingsError::new(key, format!("{value} {reason}"))
+        }
+        other => SettingsError::new("send_to", other.to_string()),
+    }
+}
+
 impl Settings {
     fn check(&self) -> Result<(), SettingsError> {
-        let sender = self.sender().check();
-        sender.map_err(|error| SettingsError::new("send_to", error.to_string()))?;
+        self.sender().check().map_err(sender_mistake)?;
         match (&self.source, self.category) {
             (Some(_), _) if self.own => {
                 let what = "is about the fused picture; a source's sensor tracks are its own: leave one of the two out";

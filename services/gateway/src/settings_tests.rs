@@ -29,6 +29,19 @@ fn a_gateway_sends_the_fused_picture_by_default() {
 }
 
 #[test]
+fn the_time_to_live_of_a_gateway_reaches_its_sender() {
+    let sender = |overrides: &[String]| {
+        let config = Config::parse(Path::new("live.toml"), SITE, overrides).unwrap();
+        config.services.gateways[0].sender.clone()
+    };
+    assert_eq!(sender(&[]).time_to_live, None);
+    assert_eq!(sender(&["gateway[0].ttl=7".to_owned()]).time_to_live, Some(7));
+    let refused = Config::parse(Path::new("live.toml"), SITE, &["gateway[0].ttl=0".to_owned()]);
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("gateway[0].ttl"), "{refused}");
+}
+
+#[test]
 fn a_gateway_to_another_centre_needs_what_the_sensors_here_know() {
     let read = |overrides: &[&str]| {
         let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
