@@ -3,10 +3,10 @@
 //! A sensor sends reports in the order of its processing, some tenths of a second out of order in time. A fixed delay
 //! sorts the reports, and yields the *watermark*: all reports measured before the watermark have been delivered.
 //!
-//! Adapters of recorded sources use this module; live reports keep the order of their arrival. Several sources, each in order, are merged elsewhere: live by
-//! their watermarks (`fusion::Merger`), because the next report of a source may not have arrived; of files by the
-//! next row of each file (`koseki fuse`). Detections need no order: a scan is cut at boundaries and sorted when
-//! complete (`tracking::cutting`).
+//! Adapters of recorded sources use this module; live reports keep the order of their arrival. Several sources, each
+//! in order, are merged elsewhere: live by their watermarks (`fusion::Merger`), because the next report of a source may
+//! not have arrived; of files by the next row of each file (`koseki fuse`). Detections need no order: a scan is cut at
+//! boundaries and sorted when complete (`tracking::cutting`).
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
