@@ -21,25 +21,40 @@ const TIME_MAX_NS: i64 = 1 << 62;
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
 
-/// Returns whether a report belongs to these sources, and no order excludes its source.
+/// Whether a point lies within `limit` of the origin of its coordinates.
+fn is_in_reach([east, north]: [f64; 2], limit: f64) -> bool {
+    east * east + north * north <= limit * limit
+}
+
+/// Returns whether a report belongs to these sources, no order excludes its source, and its source's limits hold.
 pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
         return false;
     };
-    let ReportLimits {
-        place_m,
-        range_m,
-        speed_mps,
-    } = source.limits;
+    !source.is_out
+        && is_near(report, &source.limits)
+        && is_slow_enough(report, &source.limits)
+        && TrackState::from_code(report.state).is_some()
+        && is_possible(report)
+}
+
+/// Whether the report lies within its sensor's range.
+fn is_near(report: &SensorTrack, limits: &ReportLimits) -> bool {
+    let ([x, y, _], [x0, y0]) = (report.position_m, limits.place_m);
+    is_in_reach([x - x0, y - y0], limits.range_m)
+}
+
+/// Whether the report is no faster than the targets.
+fn is_slow_enough(report: &SensorTrack, limits: &ReportLimits) -> bool {
+    let [vx, vy, _] = report.velocity_mps;
+    is_in_reach([vx, vy], limits.speed_mps)
+}
+
+/// Whether the report's numbers are possible on this planet.
+fn is_possible(report: &SensorTrack) -> bool {
     // Not a number is within no limit. All are looked at, without a branch for each.
     let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
-    let is_in_reach = |[east, north]: [f64; 2], limit: f64| east * east + north * north <= limit * limit;
-    let [[x, y, _], [vx, vy, _]] = [report.position_m, report.velocity_mps];
     (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
-        && !source.is_out
-        && is_in_reach([x - place_m[0], y - place_m[1]], range_m)
-        && is_in_reach([vx, vy], speed_mps)
-        && TrackState::from_code(report.state).is_some()
         && within(&report.position_m, POSITION_MAX_M)
         && within(&report.velocity_mps, SPEED_MAX_MPS)
         && within(&report.covariance.upper, COVARIANCE_MAX)
@@ -47,11 +62,17 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool
         && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
 }
 
-/// Counter of a report that is not valid.
+/// Counter of a report that is not valid. A limit of the configuration is named only where nothing else is wrong.
 #[cold]
 pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Counter {
     match sources.get(usize::from(report.source)) {
         Some(source) if source.is_out => Counter::RejectedByOrder,
+        Some(source) if is_possible(report) && TrackState::from_code(report.state).is_some() => {
+            match is_near(report, &source.limits) {
+                true => Counter::RejectedTooFast,
+                false => Counter::RejectedTooFar,
+            }
+        }
         _ => Counter::RejectedInvalid,
     }
 }

@@ -373,6 +373,10 @@ counters! {
         "Reports skipped because fusion had died twice while processing them.";
     RejectedByOrder = "rejected_by_order", FusionRejection by [Fusion],
         "Reports of sources excluded by an order.";
+    RejectedTooFast = "rejected_too_fast", FusionRejection by [Fusion],
+        "Reports faster than `limits.speed_mps`.";
+    RejectedTooFar = "rejected_too_far", FusionRejection by [Fusion],
+        "Reports further from their sensor than `limits.range_m`.";
 }
 
 #[cfg(test)]

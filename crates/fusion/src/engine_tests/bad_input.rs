@@ -28,7 +28,9 @@ fn bad_reports_are_counted_and_change_nothing() {
     for report in &bad {
         assert_eq!(harness.take(report), None);
     }
-    assert_eq!(harness.count(Counter::RejectedInvalid), 10);
+    assert_eq!(harness.count(Counter::RejectedInvalid), 8);
+    assert_eq!(harness.count(Counter::RejectedTooFast), 1);
+    assert_eq!(harness.count(Counter::RejectedTooFar), 1);
     assert_eq!(harness.take(&report(0, 1, 0.5, [0.0, 0.0], [0.0, 0.0])), None);
     assert_eq!(harness.count(Counter::RejectedOutOfOrder), 1);
 }

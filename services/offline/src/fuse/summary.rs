@@ -22,11 +22,13 @@ pub(crate) struct FuseSummary<'a> {
 }
 
 /// Counters shown if nonzero: outcome of the reports, by sensor.
-const OF_SENSORS: [Counter; 6] = [
+const OF_SENSORS: [Counter; 8] = [
     Counter::RejectedExtrapolated,
     Counter::RejectedDuplicate,
     Counter::RejectedContradicted,
     Counter::RejectedInvalid,
+    Counter::RejectedTooFast,
+    Counter::RejectedTooFar,
     Counter::RejectedOutOfOrder,
     Counter::DroppedTable,
 ];
@@ -121,6 +123,7 @@ impl FuseSummary<'_> {
                 }
             }
             writeln!(text)?;
+            self.write_limits(text, source, *id)?;
             if let Some(error) = self.engine.gross_error(source) {
                 let partner = self.setup.sensor_ids[usize::from(error.partner)];
                 let verdict = match (error.is_removed, error.is_certain) {
@@ -170,6 +173,35 @@ impl FuseSummary<'_> {
         self.engine.counts().source(source).map_or(0, |counts| counts[counter])
     }
 
+    /// Writes which limits rejected reports of sensor `id`, with the remedy.
+    fn write_limits(&self, text: &mut String, source: u16, id: u32) -> std::fmt::Result {
+        let limits = &self.engine.settings().sources[usize::from(source)].limits;
+        let keys = [
+            (
+                Counter::RejectedTooFast,
+                "limits.speed_mps",
+                limits.speed_mps,
+                "targets are this fast",
+            ),
+            (
+                Counter::RejectedTooFar,
+                "limits.range_m",
+                limits.range_m,
+                "the sensor sees this far",
+            ),
+        ];
+        for (counter, key, limit, condition) in keys {
+            let count = self.of_source(source, counter);
+            if count > 0 {
+                writeln!(
+                    text,
+                    "sensor {id:<6} exceeds {key} = {limit} in {count} reports; raise {key} if {condition}"
+                )?;
+            }
+        }
+        Ok(())
+    }
+
     fn driven_of(&self, source: u16) -> u64 {
         self.driven
             .by_source
@@ -193,6 +225,8 @@ fn words(counter: Counter) -> &'static str {
         Counter::RejectedDuplicate => "of a second track on one target",
         Counter::RejectedContradicted => "contradicted by others",
         Counter::RejectedInvalid => "invalid",
+        Counter::RejectedTooFast => "faster than limits.speed_mps",
+        Counter::RejectedTooFar => "beyond limits.range_m",
         Counter::RejectedOutOfOrder => "out of order",
         Counter::DroppedTable => "refused by a full table",
         Counter::TracksStarted => "started",
