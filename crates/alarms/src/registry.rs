@@ -145,7 +145,8 @@ alarms! {
         "Find the process of this user that writes outside its own memory, or test the machine's memory.";
     GrossError = 21, "gross-error", Major, raise 2 s, clear 30 s,
         "{source} has a bias of {error} relative to the tracks of {partner}{verdict}.",
-        "Correct the sensor, its position, `north_offset_deg` or its clock by this bias. `[fusion.registration] gross \
+        "Write the stated `north_offset_deg` into `[source.place]`; otherwise correct the sensor, its position or its \
+         clock by this bias. `[fusion.registration] gross \
          = true` removes the bias if a third source, a `reference_source` or addresses identify the faulty sensor.";
     FusionTakenOver = 22, "fusion-taken-over", Major, raise 0 s, clear 60 s,
         "The standby fusion process has taken over, {times} so far, {still} because the active process did not \

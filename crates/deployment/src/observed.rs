@@ -12,6 +12,10 @@ impl Deployment {
             is_external: matches!(source.input, Input::External),
             silent_after_ns: source.silent_after_ns,
             period_ns: source.period_ns,
+            // Simulated sensors observe with the configured north.
+            north_offset_rad: (matches!(source.input, Input::Live(_) | Input::Recorded(_))
+                && !source.is_taken_as_it_is())
+            .then(|| source.model.frame.north_offset_rad()),
         });
         sources.collect()
     }

@@ -51,6 +51,11 @@ pub struct Sighting {
 }
 
 impl SensorFrame {
+    /// Returns the direction of the sensor's own north, radians clockwise from true north.
+    pub fn north_offset_rad(&self) -> f64 {
+        self.north_offset_rad
+    }
+
     /// Makes the frame of a sensor at `place`; its azimuth zero points `north_offset_rad` clockwise of true north.
     pub fn new(system: &SystemFrame, place: Geodetic, north_offset_rad: f64) -> Self {
         // SAFETY: `SensorEnu` of this value is, by definition, the tangent frame at `place`; it never leaves the value.
@@ -245,6 +250,21 @@ mod tests {
         let [east, north, _] = radar(0.1).polar(1000.0, 0.0, 0.0);
         assert!((east - e0 - 1000.0 * 0.1f64.sin()).abs() < 0.5, "{east}");
         assert!((north - n0 - 1000.0 * 0.1f64.cos()).abs() < 0.5, "{north}");
+    }
+
+    #[test]
+    fn a_bias_of_azimuth_ends_with_the_opposite_north_offset() {
+        let truth = [12e3, -31e3, 0.0];
+        for (configured, bias) in [(0.0, 0.009), (0.2, -0.02)] {
+            // The sensor's azimuths are `bias` too large; positions are right with `configured - bias`.
+            let seen = radar(configured - bias).sighting(truth);
+            let shown = |north_offset| {
+                let sensor: SensorFrame = radar(north_offset);
+                let [east, north, _] = sensor.polar(seen.slant_range_m, seen.azimuth_rad, seen.elevation_rad);
+                (east - truth[0]).hypot(north - truth[1])
+            };
+            assert!(shown(configured) > 250.0 && shown(configured - bias) < 1.0);
+        }
     }
 
     #[test]

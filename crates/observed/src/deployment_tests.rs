@@ -28,6 +28,7 @@ fn source(number: u16, name: &str, is_external: bool) -> SourceFacts {
         is_external,
         silent_after_ns: Some(20 * S),
         period_ns: 4 * S,
+        north_offset_rad: None,
     }
 }
 
@@ -209,4 +210,29 @@ fn the_launcher_announces_the_end() {
     assert!(observed.is_stopping() && !observed.has_ended());
     observed.take_health(&launcher(LifeState::Finished, 1));
     assert!(observed.has_ended());
+}
+
+#[test]
+fn the_value_to_write_against_a_bias_of_azimuth() {
+    let bias = |kind, value: f64| messages::Bias {
+        kind,
+        value: [value, 0.0],
+        partner: 1,
+        is_certain: true,
+        is_removed: false,
+    };
+    let azimuth = |degrees: f64| bias(messages::BiasKind::Azimuth, degrees.to_radians());
+    let turned = |degrees: f64| SourceFacts {
+        north_offset_rad: Some(degrees.to_radians()),
+        ..source(0, "radar", false)
+    };
+    assert_eq!(turned(0.0).north_offset_against(&azimuth(0.54)), Some(-0.54));
+    assert_eq!(turned(0.2).north_offset_against(&azimuth(-0.5)), Some(0.7));
+    let written = turned(0.3).north_offset_against(&azimuth(0.3)).unwrap();
+    assert_eq!(format!("{written:.2}"), "0.00");
+    assert_eq!(
+        turned(0.2).north_offset_against(&bias(messages::BiasKind::Range, 300.0)),
+        None
+    );
+    assert_eq!(source(0, "radar", true).north_offset_against(&azimuth(0.54)), None);
 }

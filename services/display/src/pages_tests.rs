@@ -42,6 +42,7 @@ fn served_at(clock: fn() -> Now) -> (Arc<SharedState>, Server) {
             is_external: false,
             silent_after_ns: None,
             period_ns: 1_000_000_000,
+            north_offset_rad: None,
         },
         kind: "radar",
         site_m: Some([100.0, 200.0]),

@@ -174,12 +174,16 @@ impl Conditions {
             if let Some(error) = known.gross_error() {
                 let partner = self.sources.get(usize::from(error.partner));
                 let partner = partner.map_or_else(String::new, |partner| partner.facts.name.clone());
+                let value = source.facts.north_offset_against(&error);
+                let value = value.map_or_else(String::new, |degrees| {
+                    format!("; set `north_offset_deg = {degrees:.2}`")
+                });
                 let (subject, verdict) = match (error.is_certain, error.is_removed) {
-                    (true, true) => (subject, ", and that is taken off".to_owned()),
-                    (true, false) => (subject, String::new()),
+                    (true, true) => (subject, format!(", and that is taken off{value}")),
+                    (true, false) => (subject, value),
                     _ => {
                         let pair = Subject::pair(source.facts.number, error.partner);
-                        (pair, format!("; or {partner} is off the other way"))
+                        (pair, format!("{value}; or {partner} is off the other way"))
                     }
                 };
                 let values = [
