@@ -104,7 +104,7 @@ impl Engine {
             points: ReferencePoints::default(),
             scans: Scans::new(&settings.sources, settings.association.scan_wait),
             life: Life::new(&settings.sources),
-            publisher: TrackPublisher::new(rule, sources),
+            publisher: TrackPublisher::new(rule, &settings.sources),
             schedule: Schedule::new(settings.refresh_ns(), settings.refresh_delay_s.ns()),
             host_clock: HostClock::default(),
             orders: OrderTable::new(Configured::of(&settings)),

@@ -37,8 +37,8 @@ pub(crate) struct TrackPublisher {
 }
 
 impl TrackPublisher {
-    /// By `rule`, for so many sources.
-    pub(crate) fn new(rule: &'static RuleEntry, sources: usize) -> Self {
+    /// By `rule`, for these sources.
+    pub(crate) fn new(rule: &'static RuleEntry, sources: &[SourceSettings]) -> Self {
         Self {
             rule,
             accuracies: Accuracies::new(sources),

@@ -7,7 +7,7 @@
 
 use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
 
-use crate::accuracy::Accuracies;
+use crate::accuracy::{Accuracies, StatedAccuracy};
 use crate::history::moved;
 use crate::rules::{self, Candidate, RuleFunction, RuleMemory, RuleMethod, Share, Target};
 use crate::sensor_tracks::{Role, SensorSlot};
@@ -267,8 +267,11 @@ impl Weigher<'_> {
     /// this velocity at the reference time.
     fn alpha(&self, report: &SensorTrack, position_m: [f64; 3], velocity_mps: [f64; 3]) -> f64 {
         let target = (position_m, velocity_mps);
-        self.accuracies
-            .alpha(self.settings, report.source, target, &report.covariance)
+        let stated = StatedAccuracy {
+            covariance: &report.covariance,
+            method: report.method,
+        };
+        self.accuracies.alpha(self.settings, report.source, target, stated)
     }
 
     /// V of `member` (TI-6). A track that its source does not believe yet is scored like one with a single report

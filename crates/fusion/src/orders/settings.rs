@@ -6,11 +6,8 @@ use crate::engine::Engine;
 use crate::rules::settings::OrderedEta;
 use crate::rules::{self, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
-use crate::settings::RuleName;
+use crate::settings::{NORMAL, RuleName};
 use crate::source_model::SourceModel;
-
-/// Condition at the start.
-const NORMAL: &str = "normal";
 
 /// Returns whether two orders of `kind` concern the same subject, so that the newer one replaces the older one.
 pub(super) fn is_same_subject(kind: OrderKind, old: &Order, new: &Order) -> bool {
@@ -36,8 +33,8 @@ impl Engine {
             OrderKind::Condition => {
                 let named = |source: u16| {
                     let source = self.settings.sources.get(usize::from(source));
-                    let conditions = source.map_or(&[][..], |source| &source.accuracy.conditions);
-                    order.name() == NORMAL || conditions.iter().any(|(name, _)| name == order.name())
+                    let mut names = source.into_iter().flat_map(|source| source.accuracy.condition_names());
+                    order.name() == NORMAL || names.any(|name| name == order.name())
                 };
                 let is_known = match order.source {
                     NO_SOURCE => self.settings.conditions().any(|name| name == order.name()),

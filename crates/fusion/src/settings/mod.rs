@@ -7,7 +7,8 @@ mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
 pub use source::{
-    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, ReportLimits, Shares, SourceSettings, Weighing,
+    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, MethodAccuracy, ReportLimits, Shares, SourceSettings,
+    Weighing,
 };
 pub(crate) use source::{FRESH_PERIODS, longest_period_s};
 
@@ -27,6 +28,9 @@ pub use crate::source_ref::{SOURCES_MAX, SourceRef};
 
 /// Most stored reports per source and target.
 pub const STORED_REPORTS_MAX: usize = 64;
+/// Condition (weather) in which no factor of a condition applies.
+pub(crate) const NORMAL: &str = "normal";
+
 settings::settings! {
     /// Fusion.
     pub struct Settings beside [sources: Vec<SourceSettings>] {
@@ -121,8 +125,8 @@ impl Settings {
     /// Names of the conditions (weather) that can hold, each in its place: first the one that does at the start. A name
     /// may come again.
     pub fn conditions(&self) -> impl Iterator<Item = &str> {
-        let of_sources = self.sources.iter().flat_map(|source| &source.accuracy.conditions);
-        std::iter::once("normal").chain(of_sources.map(|(name, _)| name.as_str()))
+        let of_sources = self.sources.iter().flat_map(|source| source.accuracy.condition_names());
+        std::iter::once(NORMAL).chain(of_sources)
     }
 
     /// Rank of a source where one has to come first, the least being the first: the reference source, then by priority.

@@ -1,6 +1,6 @@
 //! Settings of one source: its keys, and what the engine knows of the source.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use messages::NS_PER_S;
 use settings::{Degrees, KeyValue, Node, Place, Range, Seconds, SettingsError};
@@ -38,6 +38,7 @@ settings::settings! {
 
     /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
     pub struct AccuracyTable {
+        check AccuracyTable::check;
         /// Kind of accuracy: `constant`, the same everywhere; `polar`, range and azimuth errors, turned into a position
         /// error at the target's place; `reported`, root mean square of the horizontal standard deviations that the
         /// source states; `estimated`, root mean square of the source's own residuals over its recent reports.
@@ -58,8 +59,19 @@ settings::settings! {
         adjustment: f64 = 1.0, in [0, 1e9];
         /// Factors for named conditions (weather), which an order can change during operation; 1 for other conditions.
         conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
+        /// Methods of observation of a source that changes its method and states it in each report (TI-2).
+        methods as "method": Vec<MethodAccuracy> = Vec::new();
     }
 
+    /// Accuracy of one method of observation, relative to the source's.
+    pub struct MethodAccuracy {
+        /// Number of the method in the reports.
+        number: u8, in [1, 255];
+        /// Factor of the accuracy value while the source observes by this method.
+        factor: f64 = 1.0, in [0, 1e6];
+        /// Factors for named conditions (weather) instead of those of the source.
+        conditions: BTreeMap<String, f64> = BTreeMap::new(), in [0, 1e6];
+    }
 }
 
 settings::words! {
@@ -253,6 +265,8 @@ pub struct Accuracy {
     pub per_speed_s: f64,
     /// Factors for named conditions (weather), which an order can change during operation; 1 for other conditions.
     pub conditions: Vec<(String, f64)>,
+    /// Methods of observation that reports name, if the source changes its method.
+    pub methods: Vec<MethodAccuracy>,
 }
 
 /// The part of the sensor accuracy that depends on the kind of sensor.
@@ -290,7 +304,15 @@ impl Accuracy {
             base: AccuracyBase::Constant { sigma_m },
             per_speed_s: 0.0,
             conditions: Vec::new(),
+            methods: Vec::new(),
         }
+    }
+
+    /// Names of the conditions that change the accuracy of the source or of one of its methods.
+    pub fn condition_names(&self) -> impl Iterator<Item = &str> {
+        let of_source = self.conditions.iter().map(|(name, _)| name.as_str());
+        let of_methods = self.methods.iter().flat_map(|method| method.conditions.keys());
+        of_source.chain(of_methods.map(String::as_str))
     }
 }
 
@@ -313,6 +335,22 @@ impl AccuracyTable {
             },
             per_speed_s: self.per_speed_s,
             conditions: self.conditions.clone().into_iter().collect(),
+            methods: self.methods.clone(),
         }
+    }
+
+    /// Refuses two methods of one number.
+    pub(crate) fn check(&self) -> Result<(), SettingsError> {
+        let mut numbers = BTreeSet::new();
+        for (place, method) in self.methods.iter().enumerate() {
+            if !numbers.insert(method.number) {
+                let what = format!(
+                    "{}: an earlier method has this number; give each method once",
+                    method.number
+                );
+                return Err(SettingsError::new(format!("method[{place}].number"), what));
+            }
+        }
+        Ok(())
     }
 }
