@@ -1,7 +1,7 @@
 //! Coverage of a source: the area in which it can detect targets, and its probability of detection there.
 //!
 //! A configured coverage is an intersection of a range, a sector of azimuths and a polygon. Within it the probability
-//! is constant. Without configuration, `existence` learns the coverage from reports.
+//! is constant. Without configuration, module `detection_map` learns the coverage from tracks.
 
 use serde::{Deserialize, Serialize};
 use settings::{Degrees, SettingsError};

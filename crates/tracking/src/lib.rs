@@ -20,8 +20,6 @@
 //! 4. Children that are the same are merged, unreliable ones dropped, tracks confirmed (`hypothesis_store`), clusters
 //!    separated (`separation`).
 //!
-//! Wide-area support is asked in one place, `wide_area::support`.
-//!
 //! The update calls wide-area support through a single module, `wide_area::support`.
 //!
 //! Decisions are available as records ([`explanation`]). [`cutting`] makes scans of single detections, [`scans`]

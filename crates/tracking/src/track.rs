@@ -33,7 +33,7 @@ kept! {
         pub(crate) detections: u32,
         /// Detections that lay in a confirmed track's gate (SP-7).
         pub(crate) in_company: u32,
-        /// Scans since then.
+        /// Missed detections: scans since the latest detection that expected one.
         pub(crate) missed: u32,
         /// Logarithm of the probability of having missed it so often since the last detection, if it is there.
         pub(crate) log_silence: f64,

@@ -3,8 +3,9 @@
 //! Times of receipt are the machine's, times of measurement the sources'. Where one source's clock is far from the
 //! times at which its reports are received, the source is wrong. Where several sources have the same offset, the
 //! machine is: hardly ever do two sensors err alike. So each known clock has a vote, and the machine's half of one: the
-//! offset that most of them share is the *host offset*. A source far from it is isolated. A lone source is followed,
-//! since nobody contradicts it but the machine.
+//! offset that most of them share is the *host offset*. A lone source is followed, since nobody contradicts it but the
+//! machine. Module `source_time` isolates a source far from the host offset; the monitor raises the alarm
+//! (`services/monitor/src/conditions/sources.rs`).
 //!
 //! The engine's time is none of these clocks. It begins with the machine's UTC and runs with the monotonic clock, so
 //! that nobody can set it ([`SteadyClock`]); the engine takes the host offset off the sources' times and puts it on its

@@ -1,9 +1,9 @@
 //! Continuation of the files of a terminated recorder.
 //!
 //! A restart of the recorder must not lose a run's files. The successor keeps the rows of its predecessor and cuts
-//! off a torn last line. It ends the last file of all topics, and continues the tally of each topic. The file
-//! `run.txt` in the folder identifies the run. A folder of another run is rejected, because a recording is never
-//! replaced.
+//! off a torn last line. It cuts off the incomplete last chunk of the file of all topics, ends the file, and continues
+//! the tally of each topic. The file `run.txt` in the folder identifies the run. A folder of another run is rejected,
+//! because a recording is never replaced.
 
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom, Write as _};
