@@ -266,6 +266,8 @@ impl Engine {
             self.outbox.counts.add(report.source, counter);
             return;
         }
+        let corrected = inlet::corrected(report, &self.settings.sources, now_ns);
+        let report = corrected.as_ref().unwrap_or(report);
         self.pass_time(now_ns, sink);
         // Before the first step of time the present is undefined.
         let now_ns = self.schedule.now_ns();

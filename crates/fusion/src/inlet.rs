@@ -2,7 +2,8 @@
 
 use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
-use crate::settings::{ReportLimits, SourceSettings};
+use crate::gross;
+use crate::settings::{CorrectionTable, ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
 
 /// Largest coordinate, metres; climb, metres per second; and square of a deviation that a sensor on this planet can
@@ -75,6 +76,23 @@ pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Cou
         }
         _ => Counter::RejectedInvalid,
     }
+}
+
+/// Returns the report without the configured biases of its source, at `now_ns`; `None` without configured biases.
+#[inline]
+pub(crate) fn corrected(report: &SensorTrack, sources: &[SourceSettings], now_ns: i64) -> Option<SensorTrack> {
+    let source = sources.get(usize::from(report.source))?;
+    (source.correction != CorrectionTable::default()).then(|| without_biases(report, source, now_ns))
+}
+
+#[cold]
+fn without_biases(report: &SensorTrack, source: &SourceSettings, now_ns: i64) -> SensorTrack {
+    let mut corrected = *report;
+    corrected.position_m[2] -= source.correction.up_m;
+    for (kind, value) in source.correction.biases() {
+        corrected = gross::corrected(&corrected, kind, value, source.place_m, now_ns);
+    }
+    corrected
 }
 
 /// Returns a report with only the trace of its covariance, completed with a covariance: positions with equal

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use bus::{Bus, BusError, InstanceEntry, Root, SharedMemory};
-use messages::{Counter, OrderState, ProcessKind};
+use messages::{Counter, OrderState, ProcessKind, Registration};
 use observed::{ChildState, Deployment, HealthBook, LatestHealth, NO_MESSAGE, ObservedProcess, StandingAlarm, remark};
 use runtime::clock::{instant, mono_ns};
 use serde::Serialize;
@@ -95,6 +95,8 @@ struct RegistrationStatus {
     /// Number of the source, as in the files from 1.
     source: u16,
     text: String,
+    /// Lines of `[source.correction]` that hold the estimated biases; empty without estimated biases.
+    correction: Vec<String>,
 }
 
 /// An alarm that stands.
@@ -137,17 +139,18 @@ impl InstanceStatus {
                 status.processes = rows(observed.book(), &joined, now_ns);
                 let sources = observed.sources().into_iter();
                 let compared = sources.filter(|source| source.registration.comparisons > 0.0);
+                let config = Config::of_running(instance.root.path()).ok();
                 status.registrations = compared
                     .map(|source| RegistrationStatus {
                         source: source.number + 1,
                         text: source.registration.to_string(),
+                        correction: correction(config.as_ref(), source.number, &source.registration),
                     })
                     .collect();
                 let alarms = observed.alarms(now_ns).iter();
                 status.alarms = alarms
                     .map(|alarm| AlarmStatus::from(StandingAlarm::from(alarm)))
                     .collect();
-                let config = Config::of_running(instance.root.path()).ok();
                 let line = |state: &OrderState| OrderStatusLine {
                     number: state.number,
                     order: order::words(&state.order, config.as_ref()),
@@ -183,6 +186,12 @@ impl InstanceStatus {
         };
         for known in &self.registrations {
             text.push_str(&format!("  registration: source {}: {}\n", known.source, known.text));
+            if !known.correction.is_empty() {
+                let lines = known.correction.join("\n      ");
+                text.push_str(&format!(
+                    "    to keep it, write into the source's table:\n      [source.correction]\n      {lines}\n"
+                ));
+            }
         }
         for alarm in &self.alarms {
             let AlarmStatus {
@@ -200,6 +209,15 @@ impl InstanceStatus {
         }
         text
     }
+}
+
+/// Returns the lines of `[source.correction]` that replace the configured correction and the estimated biases of a
+/// source; none where nothing is estimated.
+fn correction(config: Option<&Config>, source: u16, known: &Registration) -> Vec<String> {
+    let settings = config.and_then(|config| config.engine.sources.get(usize::from(source)));
+    let configured = settings.map(|settings| settings.correction).unwrap_or_default();
+    let lines = configured.with_estimated(known).lines();
+    if lines == configured.lines() { Vec::new() } else { lines }
 }
 
 impl From<StandingAlarm> for AlarmStatus {
@@ -481,6 +499,7 @@ mod tests {
             registrations: vec![RegistrationStatus {
                 source: 3,
                 text: "-1.5 m east".to_owned(),
+                correction: vec!["east_m = -1.5".to_owned(), "time_s = 0.250".to_owned()],
             }],
             alarms: vec![AlarmStatus::from(StandingAlarm::from(
                 &alarm.with_text("12 MB are left."),
@@ -492,7 +511,9 @@ mod tests {
             text.starts_with("instance demo: run by process 7, in /run/koseki/demo\n"),
             "{text}"
         );
-        assert!(text.contains("  registration: source 3: -1.5 m east\n"), "{text}");
+        let lines = "  registration: source 3: -1.5 m east\n    to keep it, write into the source's table:\n      \
+                     [source.correction]\n      east_m = -1.5\n      time_s = 0.250\n";
+        assert!(text.contains(lines), "{text}");
         let remedy = AlarmKind::DiskLow.remedy();
         let expected = format!("  alarm, major: 12 MB are left.\n    {remedy}\n");
         assert!(text.ends_with(&expected), "{text}");

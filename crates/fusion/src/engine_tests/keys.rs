@@ -1,7 +1,9 @@
 //! Keys that no other test sets, each with a value that changes the outcome.
 
 use super::*;
-use crate::settings::{AssociationSettings, GateProbability};
+use crate::settings::{AssociationSettings, CorrectionTable, GateProbability};
+use ::settings::Degrees;
+use messages::{Bias, BiasKind, Registration, registration_bits};
 
 /// Fusion of two sources under which nothing is learned of them.
 fn harness(change: impl FnOnce(&mut AssociationSettings)) -> Harness {
@@ -116,4 +118,84 @@ fn recency_weighs_the_earlier_reports_of_a_sensor_track() {
         harness.published.iter().map(accuracy).collect::<Vec<_>>()
     };
     assert_ne!(accuracies(1.0), accuracies(0.1));
+}
+
+#[test]
+fn known_biases_are_subtracted_from_every_report() {
+    let place_m = [-20e3, 5e3];
+    let correction = CorrectionTable {
+        azimuth_deg: Degrees::of(2.0),
+        range_m: 400.0,
+        time_s: 3.0,
+        east_m: 900.0,
+        north_m: -600.0,
+        up_m: 50.0,
+    };
+    let mut settings = test_settings(2);
+    settings.registration.enabled = false;
+    settings.sources[1].correction = correction;
+    let refused = settings.check().unwrap_err().to_string();
+    assert!(
+        refused.contains("correction") && refused.contains("position of the sensor"),
+        "{refused}"
+    );
+    settings.sources[1].place_m = Some(place_m);
+    settings.check().unwrap();
+    let mut harness = Harness::new(settings);
+    for scan in 0..10 {
+        let time_s = 20.0 + f64::from(scan);
+        harness.take(&report(0, 1, time_s, [10e3, 8e3], [100.0, 0.0]));
+        let [x, y] = [10e3 + 100.0 * time_s, 8e3];
+        // The same target by a sensor that is 3 s late in its time, too long in range, turned and shifted.
+        let (dx, dy) = (x - place_m[0], y - place_m[1]);
+        let longer = 1.0 + 400.0 / dx.hypot(dy);
+        let (sin, cos) = 2f64.to_radians().sin_cos();
+        let turned = [dx * cos + dy * sin, dy * cos - dx * sin].map(|part| part * longer);
+        let seen = [place_m[0] + turned[0] + 900.0, place_m[1] + turned[1] - 600.0];
+        let mut late = report(1, 7, time_s + 3.0, seen, [100.0 * cos, -100.0 * sin]);
+        late.position_m = [seen[0], seen[1], late.position_m[2] + 50.0];
+        let published = &mut harness.published;
+        let now_ns = (time_s * S as f64) as i64;
+        harness
+            .engine
+            .take_at(&late, now_ns, &mut |track: &SystemTrack| published.push(*track));
+    }
+    assert_eq!(harness.live(), 1, "both sources see one target");
+    let shown = harness.published.last().unwrap();
+    let expected = [10e3 + 100.0 * shown.reference_time_ns as f64 / S as f64, 8e3];
+    let apart = [0, 1].map(|axis| shown.position_m[axis] - expected[axis]);
+    assert!(apart[0].hypot(apart[1]) < 0.5, "{apart:?}");
+}
+
+#[test]
+fn estimated_biases_are_written_as_lines_of_the_configuration() {
+    let mut known = Registration {
+        offset_m: [12.34, -0.04, 7.0],
+        azimuth_bias_rad: 0.5f64.to_radians(),
+        time_offset_s: 0.25,
+        removed: registration_bits::EAST | registration_bits::NORTH | registration_bits::AZIMUTH,
+        ..Registration::default()
+    };
+    let configured = CorrectionTable {
+        azimuth_deg: Degrees::of(-0.2),
+        up_m: 3.0,
+        ..CorrectionTable::default()
+    };
+    let lines = configured.with_estimated(&known).lines();
+    assert_eq!(lines, ["azimuth_deg = 0.300", "east_m = 12.3", "up_m = 3.0"]);
+    known.set_gross_error(Some(Bias {
+        kind: BiasKind::Range,
+        value: [400.0, 0.0],
+        partner: 1,
+        is_certain: true,
+        is_removed: true,
+    }));
+    let lines = configured.with_estimated(&known).lines();
+    assert_eq!(lines[1], "range_m = 400.0");
+    assert!(
+        CorrectionTable::default()
+            .with_estimated(&Registration::default())
+            .lines()
+            .is_empty()
+    );
 }

@@ -7,8 +7,8 @@ mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
 pub use source::{
-    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, MethodAccuracy, ReportLimits, Shares, SourceSettings,
-    Weighing,
+    Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CorrectionTable, MethodAccuracy, ReportLimits, Shares,
+    SourceSettings, Weighing,
 };
 pub(crate) use source::{FRESH_PERIODS, longest_period_s};
 
@@ -228,6 +228,9 @@ impl Settings {
         if !(1..=SOURCES_MAX).contains(&self.sources.len()) {
             let what = format!("{} sources; there must be 1 to {SOURCES_MAX}", self.sources.len());
             return Err(SettingsError::new("", what));
+        }
+        for source in &self.sources {
+            source.check_correction()?;
         }
         let Some(reference) = &self.rule.reference_source else {
             return Ok(());

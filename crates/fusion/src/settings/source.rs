@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use messages::NS_PER_S;
+use messages::{BiasKind, NS_PER_S, Registration, registration_bits};
 use settings::{Degrees, KeyValue, Node, Place, Range, Seconds, SettingsError};
 
 use crate::coverage::{CoverageArea, CoverageTable};
@@ -32,8 +32,28 @@ settings::settings! {
         independent_of: Vec<SourceRef> = Vec::new();
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
+        /// Known biases, subtracted from each report.
+        correction: CorrectionTable = CorrectionTable::default();
         /// Coverage of the source.
         coverage: Option<CoverageTable> = None, usually "learned from its reports";
+    }
+
+    /// Known biases of a source, subtracted from each of its reports before any other use. `koseki status` and the
+    /// report print the estimated values as these lines.
+    #[derive(Copy)]
+    pub struct CorrectionTable {
+        /// Azimuth bias, positive for azimuths that are too large; needs the position of the sensor.
+        azimuth_deg: Degrees = Degrees::of(0.0), in [-180, 180];
+        /// Range bias, positive for ranges that are too long; needs the position of the sensor.
+        range_m: f64 = 0.0, in [-1e6, 1e6];
+        /// Time offset, positive for reports that show targets where they were earlier.
+        time_s: f64 = 0.0, in [-3600, 3600];
+        /// Offset east.
+        east_m: f64 = 0.0, in [-1e6, 1e6];
+        /// Offset north.
+        north_m: f64 = 0.0, in [-1e6, 1e6];
+        /// Offset up.
+        up_m: f64 = 0.0, in [-1e5, 1e5];
     }
 
     /// Sensor accuracy s ≥ 0 as a function of conditions (TI-7).
@@ -170,6 +190,8 @@ pub struct SourceSettings {
     pub place_m: Option<[f64; 2]>,
     /// What its reports may say, where nobody has looked at that before.
     pub limits: ReportLimits,
+    /// Known biases, subtracted from each report.
+    pub correction: CorrectionTable,
 }
 
 /// Limits of what a source's reports may say; what is beyond is rejected.
@@ -222,6 +244,7 @@ impl SourceSettings {
             is_centre: weighing.shares == Shares::Unknown,
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
+            correction: weighing.correction,
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
             ..Self::of(name, period_s, accuracy.at(place_m))
         })
@@ -246,7 +269,84 @@ impl SourceSettings {
             coverage: None,
             place_m: None,
             limits: ReportLimits::default(),
+            correction: CorrectionTable::default(),
         }
+    }
+}
+
+impl CorrectionTable {
+    /// The biases that are not 0, in the order of their removal: the time last, since the others hold at the measured
+    /// place.
+    pub(crate) fn biases(&self) -> impl Iterator<Item = (BiasKind, [f64; 2])> {
+        let biases = [
+            (BiasKind::Position, [self.east_m, self.north_m]),
+            (BiasKind::Azimuth, [self.azimuth_deg.rad(), 0.0]),
+            (BiasKind::Range, [self.range_m, 0.0]),
+            (BiasKind::Time, [self.time_s, 0.0]),
+        ];
+        biases.into_iter().filter(|(_, value)| *value != [0.0; 2])
+    }
+
+    /// Returns the correction that replaces this correction and the estimated biases of the source.
+    #[must_use]
+    pub fn with_estimated(mut self, known: &Registration) -> Self {
+        let mut azimuth_rad = self.azimuth_deg.rad();
+        let add = |bit: u32, sum: &mut f64, value: f64| *sum += if known.removes(bit) { value } else { 0.0 };
+        add(registration_bits::EAST, &mut self.east_m, known.offset_m[0]);
+        add(registration_bits::NORTH, &mut self.north_m, known.offset_m[1]);
+        add(registration_bits::UP, &mut self.up_m, known.offset_m[2]);
+        add(registration_bits::TIME, &mut self.time_s, known.time_offset_s);
+        add(registration_bits::RANGE, &mut self.range_m, known.range_bias_m);
+        add(registration_bits::AZIMUTH, &mut azimuth_rad, known.azimuth_bias_rad);
+        if let Some(gross) = known.gross_error().filter(|gross| gross.is_removed) {
+            match gross.kind {
+                BiasKind::Azimuth => azimuth_rad += gross.value[0],
+                BiasKind::Range => self.range_m += gross.value[0],
+                BiasKind::Time => self.time_s += gross.value[0],
+                BiasKind::Position => {
+                    self.east_m += gross.value[0];
+                    self.north_m += gross.value[1];
+                }
+            }
+        }
+        self.azimuth_deg = Degrees::of(azimuth_rad.to_degrees());
+        self
+    }
+
+    /// Returns the keys with a value other than 0, as lines of a configuration.
+    pub fn lines(&self) -> Vec<String> {
+        let keys = [
+            ("azimuth_deg", self.azimuth_deg.rad().to_degrees(), 3),
+            ("range_m", self.range_m, 1),
+            ("time_s", self.time_s, 3),
+            ("east_m", self.east_m, 1),
+            ("north_m", self.north_m, 1),
+            ("up_m", self.up_m, 1),
+        ];
+        let written = keys.map(|(key, value, decimals)| (key, format!("{value:.decimals$}")));
+        let other_than_0 = written
+            .into_iter()
+            .filter(|(_, value)| value.bytes().any(|byte| matches!(byte, b'1'..=b'9')));
+        other_than_0.map(|(key, value)| format!("{key} = {value}")).collect()
+    }
+
+    /// Whether a bias can be removed only with the position of the sensor.
+    fn needs_place(&self) -> bool {
+        self.azimuth_deg.rad() != 0.0 || self.range_m != 0.0
+    }
+}
+
+impl SourceSettings {
+    /// Refuses a correction that cannot be made.
+    pub(crate) fn check_correction(&self) -> Result<(), SettingsError> {
+        if self.place_m.is_none() && self.correction.needs_place() {
+            let what = format!(
+                "{}: azimuth and range can be corrected only from the position of the sensor; state the position",
+                self.name
+            );
+            return Err(SettingsError::new("correction", what));
+        }
+        Ok(())
     }
 }
 
