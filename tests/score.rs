@@ -53,6 +53,148 @@ fn a_picture_is_scored_as_text_and_as_json() {
     assert_eq!(line.split_whitespace().nth(1), Some("-"));
 }
 
+/// A target that flies east for 60 s at Barcelona, and a track 5 m beside it.
+fn flight() -> Folder {
+    let rows = |id: u32, north: i32, end: &str| -> String {
+        let row = |second: i32| format!("{second},{id},{},{north},900,100,0,0{end}\n", 100 * second);
+        (0..=60).map(row).collect()
+    };
+    let header = "x,y,z,vx,vy,vz";
+    let runway = |properties: &str| {
+        format!(
+            r#"{{"type": "Feature", "properties": {properties}, "geometry": {{"type": "Polygon", "coordinates":
+               [[[2.11, 41.29], [2.14, 41.29], [2.14, 41.3], [2.11, 41.3], [2.11, 41.29]]]}}}}"#
+        )
+    };
+    Folder::with(&[
+        (
+            "truth.csv",
+            &format!("time_s,target_id,{header},address\n{}", rows(1, 0, ",3444CF")),
+        ),
+        (
+            "fused.csv",
+            &format!(
+                "time_s,system_track_id,{header},state,address\n{}",
+                rows(8, 5, ",confirmed,3444CF")
+            ),
+        ),
+        (
+            "areas.geojson",
+            &format!(
+                r#"{{"type": "FeatureCollection", "features": [{}, {}]}}"#,
+                runway(r#"{"name": "<07L>", "kind": "runway"}"#),
+                runway("{}")
+            ),
+        ),
+        ("lake.geojson", &runway(r#"{"kind": "lake"}"#)),
+    ])
+}
+
+const ORIGIN: &str = "--origin 41.297063,2.078447";
+const STANDARDS: &str = "--standard ed-87,ed-116,ed-117,ed-142,esassp";
+
+#[test]
+fn a_scorecard_has_every_line_of_every_standard_with_a_verdict() {
+    let files = flight();
+    let asked = format!("score --json --truth truth.csv --tracks fused.csv {STANDARDS} --areas areas.geojson {ORIGIN}");
+    let found = files.json(&asked);
+    assert_eq!(found["rmse_pos"].as_f64(), Some(5.0), "the figures of before stay");
+    assert_eq!(
+        (&found["reference"], &found["target_seconds"]),
+        (&"truth".into(), &36.into())
+    );
+    let straight = &found["phases"]["straight"];
+    assert_eq!(
+        (straight["across"]["mean"].as_f64(), straight["along"]["rms"].as_f64()),
+        (Some(-5.0), Some(0.0))
+    );
+    assert_eq!(found["phases"].as_object().unwrap().len(), 13);
+    let counts = |card: &serde_json::Value| -> Vec<usize> {
+        let standards = card["standards"].as_array().unwrap().iter();
+        standards
+            .map(|standard| standard["lines"].as_array().unwrap().len())
+            .collect()
+    };
+    assert_eq!(counts(&found), [16, 7, 16, 8, 12]);
+    assert_eq!(counts(&found["areas"][0]), [11, 7, 9, 4, 8], "a runway");
+    assert_eq!(counts(&found["areas"][1]), counts(&found));
+    // The area reaches from 2.6 to 5.2 km to the east.
+    assert_eq!(found["areas"][0]["target_seconds"], 25);
+    let line = &found["standards"][0]["lines"][1];
+    assert_eq!(
+        (
+            &line["line"],
+            line["figure"].as_f64(),
+            line["limit"].as_f64(),
+            &line["comparison"],
+            &line["verdict"]
+        ),
+        (
+            &"position_p95".into(),
+            Some(5.0),
+            Some(12.0),
+            &"<=".into(),
+            &"pass".into()
+        )
+    );
+
+    let smoothed = files.json(&format!("{asked} --reference smoothed")).to_string();
+    assert!(
+        smoothed.contains("\"precision only\"") && !smoothed.contains("\"pass\"") && !smoothed.contains("\"fail\"")
+    );
+
+    let text = String::from_utf8(files.run(&asked.replace("--json", "")).stdout).unwrap();
+    for expected in [
+        "rmse_pos                           5 m    position error of the pairs",
+        "Compared with the truth: a line passes or fails.",
+        "<07L> (runway): 1 targets, 25 target-seconds, 25 with a track",
+        "EUROCONTROL-SPEC-0147 (ESASSP)",
+    ] {
+        assert!(text.contains(expected), "{expected}:\n{text}");
+    }
+    let line = |name: &str| text.lines().find(|line| line.starts_with(name)).unwrap();
+    assert!(
+        line("update_1s").contains("1      >= 0.99     pass"),
+        "{}",
+        line("update_1s")
+    );
+    assert!(
+        line("longest_gap").contains("1 s                no limit known"),
+        "{}",
+        line("longest_gap")
+    );
+}
+
+#[test]
+fn the_page_of_a_scorecard_stands_alone() {
+    let files = flight();
+    let asked = "score --truth truth.csv --tracks fused.csv --areas areas.geojson --html card.html";
+    files.succeed(&format!("{asked} {ORIGIN} {STANDARDS}"));
+    let page = files.read("card.html");
+    assert_eq!(
+        page.matches("<figure>").count(),
+        3 * 4,
+        "no covariance, so no picture of it"
+    );
+    assert_eq!(page.matches("</svg>").count(), page.matches("<svg ").count());
+    assert!(page.contains("&lt;07L&gt; (runway)") && !page.contains("<07L>"));
+    for word in ["<script", "http", "src=", "@import", "url("] {
+        assert!(!page.contains(word), "{word}");
+    }
+    // An area without a target, and a comparison that is too short.
+    let elsewhere = "--origin 50,2";
+    files.succeed(&format!("{asked} {elsewhere} --settle 100 {STANDARDS}"));
+    let page = files.read("card.html");
+    assert!(page.contains("No target counts here.") && page.contains("not measured"));
+    let text = String::from_utf8(
+        files
+            .run("score --truth truth.csv --tracks fused.csv --settle 100")
+            .stdout,
+    )
+    .unwrap();
+    assert!(!text.contains("phase"), "{text}");
+}
+
 #[test]
 fn two_pictures_are_held_against_each_other() {
     let header = "time_s,system_track_id,x,y,z,vx,vy,vz,state\n";
@@ -108,6 +250,23 @@ fn what_cannot_be_scored_is_refused_with_file_place_and_remedy() {
         ("fixes --truth truth.csv --fixes fused.csv", "meta.json: cannot be read"),
     ] {
         let line = files.refusal(&format!("score {arguments}"));
+        assert!(line.contains(expected), "{arguments}: {line}");
+    }
+    let files = flight();
+    for (arguments, expected) in [
+        ("--areas areas.geojson", "--origin"),
+        ("--areas areas.geojson --origin 41", "latitude and longitude in degrees"),
+        ("--areas areas.geojson --origin 141,2", "latitude"),
+        ("--areas gone.geojson --origin 41.3,2.1", "gone.geojson: cannot be read"),
+        ("--areas truth.csv --origin 41.3,2.1", "truth.csv: is no JSON"),
+        (
+            "--areas lake.geojson --origin 41.3,2.1",
+            "feature 1: the kind \"lake\" is unknown",
+        ),
+        ("--standard ed-88", "ed-87"),
+        ("--reference me", "smoothed"),
+    ] {
+        let line = files.refusal(&format!("score --truth truth.csv --tracks fused.csv {arguments}"));
         assert!(line.contains(expected), "{arguments}: {line}");
     }
 }

@@ -10,7 +10,7 @@ const { COLOURS } = await module("colours.js");
 const { Coverage } = await module("coverage.js");
 const { bearing, placeOf, sexagesimal } = await module("geodesy.js");
 const { groundOf, overlaysOf, ringStep } = await module("ground.js");
-const { heightText, LabelGrid, labelOf, place } = await module("labels.js");
+const { climbText, heightText, LabelGrid, labelOf, modesText, NO_MOTION, place, turnText } = await module("labels.js");
 const { blankTrack, forgetMains, noteMain, Picture, sourcesOf, Trail } = await module("picture.js");
 const { DEFAULTS, filterOf, read, write } = await module("settings.js");
 const { View } = await module("view.js");
@@ -147,6 +147,28 @@ test("level, arrow, filter and table read the same height", () => {
   assert.equal(shown({ height: -10 }), "000 ");
   const track = Object.assign(blankTrack(), { height: 361 * 30.48 });
   assert.ok(filterOf("fl=361", () => "")(track));
+});
+
+test("rates stand beside their errors, and what is not known is no number", () => {
+  const track = Object.assign(blankTrack(), { height: 3000, climb: -0.04 });
+  const motion = {
+    climb: -7.36,
+    climbSigma: 0.42,
+    turn: -3.04,
+    turnSigma: 0.5,
+    modes: [
+      { mode: "left_turn", probability: 0.816 },
+      { mode: "climb_change", probability: 0.5 },
+    ],
+  };
+  assert.equal(climbText(track, motion), "−7.4 ± 0.4 m/s");
+  assert.equal(climbText(track, NO_MOTION), "0.0 m/s", "without a vertical filter, by the velocity");
+  assert.equal(climbText(blankTrack(), NO_MOTION), "–");
+  assert.equal(turnText(motion), "3.0 ± 0.5 °/s left");
+  assert.equal(turnText({ ...motion, turn: 0.3 }), "0.3 ± 0.5 °/s", "noise has no side");
+  assert.equal(turnText(NO_MOTION), "–");
+  assert.equal(modesText(motion), "left turn 82 %, climb change 50 %");
+  assert.equal(modesText(NO_MOTION), "–");
 });
 
 test("labels that keep clear of each other do not overlap, and unknown heights are no numbers", () => {

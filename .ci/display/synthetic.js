@@ -143,6 +143,7 @@ function picture() {
       2 + Math.sin(time),
       [["quality", "0.93"]],
       [],
+      { climb: flight.climb, climbSigma: 0.5, turn: 0, turnSigma: 0.5, modes: [{ mode: "steady", probability: 0.9 }] },
     );
   }
 }

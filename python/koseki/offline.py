@@ -175,15 +175,17 @@ def compare(
 
 def score(
     truth: Any, tracks: Any, *, c: float | None = None, gate: float | None = None, max_age: float | None = None,
-    t0: int | None = None, t1: int | None = None,
+    t0: int | None = None, t1: int | None = None, standard: str | None = None, reference: str | None = None,
 ) -> dict[str, Any]:
     """Figures of tracks against a truth (metres, seconds), as `koseki score --json` prints them.
 
     `c` is the cut-off of GOSPA and OSPA, `gate` the distance up to which a target keeps its track; a state older than
-    `max_age` does not show; whole seconds from `t0` to `t1` are scored.
+    `max_age` does not show; whole seconds from `t0` to `t1` are scored. `standard` adds the lines of standards, such as
+    "ed-142,esassp"; `reference` is "truth", "independent" or "smoothed".
     """
     command = _Command("score", "--json").table(truth=truth, tracks=tracks)
-    return command.option(c=c, gate=gate, max_age=max_age, t0=t0, t1=t1).figures(None)
+    command.option(c=c, gate=gate, max_age=max_age, t0=t0, t1=t1, standard=standard, reference=reference)
+    return command.figures(None)
 
 
 def simulate(

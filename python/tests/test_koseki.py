@@ -313,6 +313,9 @@ def test_figures_equal_those_of_the_command_line(case, tmp_path):
     _run(["fuse", "--tracks", *files, "--refresh", "1", "--out", fused])
     expected = json.loads(_run(["score", "--json", "--truth", truth, "--tracks", fused, "--gate", "200"]))
     assert koseki.score(truth, fused, gate=200) == koseki.score(_read(truth), _read(fused), gate=200) == expected
+    judged = ["--standard", "ed-142,esassp", "--reference", "smoothed"]
+    expected = json.loads(_run(["score", "--json", "--truth", truth, "--tracks", fused, *judged]))
+    assert koseki.score(_read(truth), _read(fused), standard="ed-142,esassp", reference="smoothed") == expected
     rules = json.loads(_run(["compare", "--json", "--tracks", *files, "--truth", truth]))["rules"]
     found = koseki.compare([_read(file) for file in files], truth=_read(truth))["rules"]
     for rule in rules + found:

@@ -169,6 +169,14 @@ fn system_track(number: u32, chance: &mut Chance) -> SystemTrack {
             ..Contribution::default()
         };
     }
+    if chance.holds() {
+        system.climb_rate_mps = chance.between(-30.0, 30.0) as f32;
+        system.climb_rate_variance = chance.between(0.1, 9.0) as f32;
+    }
+    if chance.holds() {
+        system.turn_rate_radps = chance.between(-0.05, 0.05) as f32;
+        system.turn_rate_sigma_radps = 0.01;
+    }
     system
 }
 

@@ -32,6 +32,7 @@
 #![forbid(unsafe_code)]
 
 mod items;
+mod motion;
 mod place;
 mod quantity;
 mod sensor;

@@ -7,9 +7,9 @@
 //! | 070 | `reference_time_ns` | |
 //! | 080 | state, alerts, contributions, ground state | see below |
 //! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
-//! | 130 or 135, 220 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
+//! | 130 or 135 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
 //! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
-//! | 200, 210 | `movement` | 200 as far as a mode is known; 210 where the acceleration is |
+//! | 200, 210, 220 | motion models of fusion | see `motion.rs` |
 //! | 060, 380 ADR and ID | `identity` | |
 //! | 290 | contributions | ages of the last update by each kind of source |
 //! | 500 | `covariance` | positions in the plane, height, velocity, rate of climb; not APW, the same in degrees |
@@ -35,12 +35,10 @@
 
 use frames::SystemFrame;
 use frames::time::NS_PER_S;
-use messages::{
-    HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, VerticalMovement, contribution_bits,
-    movement_bits,
-};
+use messages::{SystemTrack, TrackState, contribution_bits};
 
 use super::items;
+use super::motion;
 use super::place::{self, TargetPlace};
 use super::quantity;
 use super::track_numbers::TrackNumbers;
@@ -61,12 +59,6 @@ const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
 const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// Altitude not corrected by the local pressure.
 const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
-const MOVEMENT: Frn = item(CAT062, "200");
-const TRANS: Field = field(CAT062, &["200", "TRANS"]);
-const LONG: Field = field(CAT062, &["200", "LONG"]);
-const VERT: Field = field(CAT062, &["200", "VERT"]);
-const ACCELERATION: Elements<2> = elements(CAT062, "210", ["AX", "AY"]);
-const CLIMB: Elements<1> = whole(CAT062, "220");
 
 const AIRCRAFT: Frn = item(CAT062, "380");
 const ADR: usize = subitem(CAT062, "380", "ADR");
@@ -394,12 +386,7 @@ impl RecordForm {
         let [east, north] = report.place.horizontal(has_height);
         let velocity = [east, north].map(|axis| place::along(axis, track.velocity_mps));
         items::quantities(record, &VELOCITY, velocity);
-        let movement = &track.movement;
-        if movement.valid & movement_bits::ACCELERATION != 0 {
-            let acceleration = movement.acceleration_mps2.map(f64::from);
-            let towards = [east, north].map(|axis| place::along(axis, acceleration));
-            items::quantities(record, &ACCELERATION, towards);
-        }
+        motion::acceleration(track, [east, north], record);
         if let Some(code) = track.identity.mode_3a() {
             record.item(MODE_3A).put(CODE, code & 0o7777);
         }
@@ -407,7 +394,7 @@ impl RecordForm {
         record.write(&TRACK_NUMBER, [i64::from(report.number)]);
         self.status(report, record);
         ages(report, record);
-        mode_of_movement(movement, record);
+        motion::modes(&track.movement, record);
         if has_height {
             self.vertical(report, record);
         }
@@ -449,8 +436,7 @@ impl RecordForm {
             HeightReference::Geometric => items::height(record, &GEOMETRIC_ALTITUDE, Some(height_m)),
             HeightReference::Barometric => items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m)),
         }
-        let climb_mps = place::along(report.place.up(), report.track.velocity_mps);
-        items::quantities(record, &CLIMB, [climb_mps]);
+        motion::climb(report.track, report.place.up(), record);
     }
 
     /// Writes I062/500, where the greatest numbers mean "or more".
@@ -495,36 +481,6 @@ impl RecordForm {
     }
 }
 
-/// I062/200, where some mode is known.
-fn mode_of_movement(movement: &Movement, record: &mut RecordWriter) {
-    const UNDETERMINED: i64 = 3;
-    let horizontal = match HorizontalMovement::from_code(movement.horizontal) {
-        Some(HorizontalMovement::Straight) => 0,
-        Some(HorizontalMovement::TurnRight) => 1,
-        Some(HorizontalMovement::TurnLeft) => 2,
-        _ => UNDETERMINED,
-    };
-    let longitudinal = match LongitudinalMovement::from_code(movement.longitudinal) {
-        Some(LongitudinalMovement::Constant) => 0,
-        Some(LongitudinalMovement::Increasing) => 1,
-        Some(LongitudinalMovement::Decreasing) => 2,
-        _ => UNDETERMINED,
-    };
-    let vertical = match VerticalMovement::from_code(movement.vertical) {
-        Some(VerticalMovement::Level) => 0,
-        Some(VerticalMovement::Climb) => 1,
-        Some(VerticalMovement::Descend) => 2,
-        _ => UNDETERMINED,
-    };
-    if [horizontal, longitudinal, vertical] != [UNDETERMINED; 3] {
-        record
-            .item(MOVEMENT)
-            .put(TRANS, horizontal)
-            .put(LONG, longitudinal)
-            .put(VERT, vertical);
-    }
-}
-
 /// Writes I062/380: address and call sign.
 fn identification(track: &SystemTrack, record: &mut RecordWriter) {
     if let Some(address) = items::address(&track.identity) {
@@ -564,7 +520,7 @@ impl StandardDeviations {
                 .map(|(x, y)| [x, y, xy.abs().sqrt().copysign(xy)]),
             height: quantity::sigma(of_position(up, up)).filter(|_| has_height),
             velocity: both(of_velocity(east, east), of_velocity(north, north)).map(Into::into),
-            climb: quantity::sigma(of_velocity(up, up)).filter(|_| has_height),
+            climb: quantity::sigma(motion::climb_variance(report.track, of_velocity(up, up))).filter(|_| has_height),
         }
     }
 }

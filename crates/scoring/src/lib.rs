@@ -6,6 +6,7 @@
 //!
 //! - [`score_picture`]: the picture of a fused or a single tracker, second by second: GOSPA and OSPA ([`gospa`]),
 //!   errors, identity switches, breaks, completeness, spurious tracks;
+//! - [`score_card`]: errors by phase of movement, and lines of published standards with their limits;
 //! - [`ResolutionScore`]: the resolution of targets that fly close to each other, and its delay;
 //! - [`AccuracySums`]: running figures of a picture, available at any time;
 //! - [`NumberTally`]: the stability of track numbers through failures;
@@ -26,7 +27,9 @@ mod near;
 mod normalised;
 mod numbers;
 mod picture;
+mod reference;
 mod resolution;
+mod scorecard;
 mod states;
 mod statistics;
 mod words;
@@ -42,5 +45,11 @@ pub use picture::{PICTURE_WORDS, PictureError, PictureScore, PictureSettings, Sh
 pub use resolution::{
     ConfirmedTracks, NoTruthSince, PooledResolutionScore, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings,
     TargetsByTime,
+};
+pub use scorecard::{
+    AddressCheck, AreaCard, AreaKind, CardReference, CardSettings, ErrorSample, ErrorSpread, GroupConsistency,
+    LineLimit, LineMeasure, LineResult, LineVerdict, MOVEMENT_PHASES, MeasuredFigure, MovementPhase, PhaseFigures,
+    PhaseLimits, PhaseSet, PhaseTable, PolygonRings, SURVEILLANCE_STANDARDS, Scorecard, ScoredArea, SpreadConsistency,
+    StandardCard, StandardLine, SurveillanceStandard, score_card, surveillance_standard,
 };
 pub use words::Word;

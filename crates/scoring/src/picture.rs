@@ -19,7 +19,7 @@ use thiserror::Error;
 use crate::continuity::Continuity;
 use crate::gospa::Metric;
 use crate::near::distance;
-use crate::normalised::{normalised_square, spread_after};
+use crate::normalised::{covariance_after, normalised_square};
 use crate::states::{Instant, KinematicState, PictureSeries, StateFilter, StateRows, Walk, positions};
 use crate::statistics::{mean, quantile, root_mean, standard_deviation};
 use crate::words::Word;
@@ -95,12 +95,22 @@ impl Timeline {
     }
 
     fn read(input: impl Read, usual_id: &'static str, age_max_s: f64) -> Result<Self, CsvError> {
-        let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, StateFilter::NotUnconfirmed)?;
         let mut timeline = Self::empty(age_max_s);
-        while let Some((state, covariance)) = rows.next()? {
-            timeline.keep(state, covariance.as_ref());
-        }
+        read_states(input, usual_id, |state| timeline.keep(state))?;
         Ok(timeline)
+    }
+
+    /// Creates an empty timeline of targets.
+    pub(crate) fn of_truth() -> Self {
+        Self::empty(TRUTH_AGE_MAX_S)
+    }
+
+    /// Reads the states of targets in the order of the rows.
+    ///
+    /// # Errors
+    /// As [`Timeline::truth`].
+    pub(crate) fn each_state(input: impl Read, take: impl FnMut(KinematicState<3>)) -> Result<(), CsvError> {
+        read_states(input, IDS[0], take)
     }
 
     /// Returns the first whole second with a displayed state; `None` if there is none.
@@ -111,6 +121,19 @@ impl Timeline {
     /// Returns the last whole second reached by the rows; `None` without rows.
     pub fn last_second(&self) -> Option<i64> {
         self.end_s.map(|end_s| end_s.floor() as i64)
+    }
+
+    /// Returns the first and the last second of a comparison with this truth, the last one by default its end.
+    ///
+    /// # Errors
+    /// If there is no second to compare.
+    pub(crate) fn span(&self, first_s: i64, last_s: Option<i64>) -> Result<(i64, i64), PictureError> {
+        let end_s = self.end_s.ok_or(PictureError::NoTruth)?;
+        let last_s = last_s.unwrap_or(end_s as i64);
+        match first_s <= last_s {
+            true => Ok((first_s, last_s)),
+            false => Err(PictureError::NoSecond { first_s, last_s }),
+        }
     }
 
     /// Creates an empty timeline of tracks with a display time of `age_max_s` seconds.
@@ -140,12 +163,15 @@ impl Timeline {
             time_s: state.time_s,
             position_m: state.position_m,
             velocity_mps: state.velocity_mps,
-            spread_m2: None,
+            covariance: Some(state.covariance),
+            address: None,
+            has_height: true,
+            has_velocity: true,
         };
-        self.keep(counted, Some(&state.covariance));
+        self.keep(counted);
     }
 
-    fn keep(&mut self, state: KinematicState<3>, covariance: Option<&Covariance>) {
+    pub(crate) fn keep(&mut self, state: KinematicState<3>) {
         if let Some(before_s) = self.updated_s.insert(state.id, state.time_s) {
             let period_s = state.time_s - before_s;
             self.updates += 1;
@@ -155,11 +181,24 @@ impl Timeline {
         }
         let second = first_whole_second(state.time_s);
         if is_fresh(state.time_s, second, self.age_max_s) {
-            let spread_m2 = covariance.map(|stated| spread_after(stated, second as f64 - state.time_s));
-            self.pictures.keep(second, KinematicState { spread_m2, ..state });
+            let seconds = second as f64 - state.time_s;
+            let covariance = state.covariance.map(|stated| covariance_after(&stated, seconds));
+            self.pictures.keep(second, KinematicState { covariance, ..state });
         }
         self.end_s = Some(self.end_s.map_or(state.time_s, |end_s| end_s.max(state.time_s)));
     }
+}
+
+fn read_states(
+    input: impl Read,
+    usual_id: &'static str,
+    mut take: impl FnMut(KinematicState<3>),
+) -> Result<(), CsvError> {
+    let mut rows = StateRows::<_, 3>::new(input, &IDS, usual_id, StateFilter::NotUnconfirmed)?;
+    while let Some(state) = rows.next()? {
+        take(state);
+    }
+    Ok(())
 }
 
 /// State of a confirmed or coasted track.
@@ -178,7 +217,7 @@ pub struct ShownState {
 }
 
 /// Returns the first whole second at which a state of `time_s` is visible.
-fn first_whole_second(time_s: f64) -> Instant {
+pub(crate) fn first_whole_second(time_s: f64) -> Instant {
     let above = time_s.ceil();
     let just_missed = time_s <= above - 1.0 + ROUNDING_S;
     above as Instant - Instant::from(just_missed)
@@ -287,12 +326,8 @@ pub fn score_picture(
     tracks: &Timeline,
     settings: &PictureSettings,
 ) -> Result<PictureScore, PictureError> {
-    let end_s = truth.end_s.ok_or(PictureError::NoTruth)?;
-    let (first_s, last_s) = (settings.first_s, settings.last_s.unwrap_or(end_s as i64));
-    if first_s > last_s {
-        return Err(PictureError::NoSecond { first_s, last_s });
-    }
-    let (mut truth, mut tracks) = (Pass::new(truth), Pass::new(tracks));
+    let (first_s, last_s) = truth.span(settings.first_s, settings.last_s)?;
+    let (mut truth, mut tracks) = (TimelinePass::new(truth), TimelinePass::new(tracks));
     let mut sums = PictureSums::new(settings);
     for second in first_s..=last_s {
         sums.add(&truth.at(second), &tracks.at(second));
@@ -301,20 +336,21 @@ pub fn score_picture(
 }
 
 /// Pass through a timeline.
-struct Pass<'a> {
+pub(crate) struct TimelinePass<'a> {
     walk: Walk<'a, 3>,
     age_max_s: f64,
 }
 
-impl<'a> Pass<'a> {
-    fn new(timeline: &'a Timeline) -> Self {
+impl<'a> TimelinePass<'a> {
+    pub(crate) fn new(timeline: &'a Timeline) -> Self {
         Self {
             walk: timeline.pictures.walk(),
             age_max_s: timeline.age_max_s,
         }
     }
 
-    fn at(&mut self, second: Instant) -> Vec<KinematicState<3>> {
+    /// Returns the states shown at `second`, moved to that time; calls must be in the order of seconds.
+    pub(crate) fn at(&mut self, second: Instant) -> Vec<KinematicState<3>> {
         let age_max_s = self.age_max_s;
         self.walk
             .at(second, second as f64, |time_s| is_fresh(time_s, second, age_max_s))
@@ -369,9 +405,9 @@ impl PictureSums {
             self.position_squares_m2.push(pair.distance_m * pair.distance_m);
             self.velocity_squares_m2ps2.push(velocity * velocity);
             let error_m = std::array::from_fn(|axis| track.position_m[axis] - target.position_m[axis]);
-            let spread_m2 = track.spread_m2.as_ref();
+            let covariance = track.covariance.as_ref();
             self.normalised_squares
-                .extend(spread_m2.and_then(|spread_m2| normalised_square(error_m, spread_m2)));
+                .extend(covariance.and_then(|covariance| normalised_square(error_m, covariance, [0, 1, 2])));
         }
         self.missed.push(found.missed as f64);
         self.false_tracks.push(found.false_tracks as f64);

@@ -103,7 +103,7 @@ impl ConfirmedTracks {
             ids: BTreeSet::new(),
         };
         let times_s = &truth.times_s;
-        while let Some((state, _)) = rows.next()? {
+        while let Some(state) = rows.next()? {
             tracks.ids.insert(state.id);
             let seen = times_s.partition_point(|time_s| time_s + ROUNDING_S <= state.time_s);
             tracks.pictures.keep(seen as Instant, state);

@@ -13,8 +13,6 @@ use csv_table::{COVARIANCE_COLUMNS, Cells, Column, CsvError, Table};
 use messages::{COVARIANCE_LEN, Covariance};
 use rustc_hash::FxHashMap;
 
-use crate::normalised::PositionCovariance;
-
 /// Columns of positions and velocities, by dimension.
 const POSITION: [&str; 3] = ["x", "y", "z"];
 const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
@@ -29,8 +27,14 @@ pub(crate) struct KinematicState<const D: usize> {
     pub(crate) time_s: f64,
     pub(crate) position_m: [f64; D],
     pub(crate) velocity_mps: [f64; D],
-    /// Covariance of the position at the first instant of visibility, if stated.
-    pub(crate) spread_m2: Option<PositionCovariance>,
+    /// Covariance of position and velocity at the first instant of visibility, if stated.
+    pub(crate) covariance: Option<Covariance>,
+    /// 24-bit address, if known.
+    pub(crate) address: Option<u32>,
+    /// Whether height and rate of climb are known.
+    pub(crate) has_height: bool,
+    /// Whether the velocity is known.
+    pub(crate) has_velocity: bool,
 }
 
 impl<const D: usize> KinematicState<D> {
@@ -64,6 +68,9 @@ pub(crate) struct StateRows<R, const D: usize> {
     velocity: [Column; D],
     state: Option<Column>,
     covariance: Option<[Column; COVARIANCE_LEN]>,
+    address: Option<Column>,
+    height_valid: Option<Column>,
+    velocity_valid: Option<Column>,
 }
 
 impl<R: Read, const D: usize> StateRows<R, D> {
@@ -98,16 +105,18 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 StateFilter::Confirmed => Some(table.required("state")?),
             },
             covariance: covariance(&table)?,
+            address: table.optional("address")?,
+            height_valid: table.optional("height_valid")?,
+            velocity_valid: table.optional("velocity_valid")?,
             table,
         })
     }
 
-    /// Returns the state in the next counted row, with the covariance of position and velocity if given; `None` at
-    /// the end.
+    /// Returns the state in the next counted row, with the covariance at the time of the row; `None` at the end.
     ///
     /// # Errors
     /// If the row cannot be read.
-    pub(crate) fn next(&mut self) -> Result<Option<(KinematicState<D>, Option<Covariance>)>, CsvError> {
+    pub(crate) fn next(&mut self) -> Result<Option<KinematicState<D>>, CsvError> {
         while let Some(row) = self.table.next_row() {
             let row = row?;
             let counts = match (self.counted, row.text(self.state)?) {
@@ -115,14 +124,16 @@ impl<R: Read, const D: usize> StateRows<R, D> {
                 (StateFilter::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
             };
             if counts {
-                let state = KinematicState {
+                return Ok(Some(KinematicState {
                     id: row.whole(self.id)?,
                     time_s: row.time_s(self.time)?,
                     position_m: numbers(row, self.position)?,
                     velocity_mps: numbers(row, self.velocity)?,
-                    spread_m2: None,
-                };
-                return Ok(Some((state, self.covariance.and_then(|columns| stated(row, columns)))));
+                    covariance: self.covariance.and_then(|columns| stated(row, columns)),
+                    address: row.text(self.address)?.and_then(hexadecimal),
+                    has_height: row.text(self.height_valid)? != Some("0"),
+                    has_velocity: row.text(self.velocity_valid)? != Some("0"),
+                }));
             }
         }
         Ok(None)
@@ -152,6 +163,11 @@ fn stated(row: Cells<'_>, columns: [Column; COVARIANCE_LEN]) -> Option<Covarianc
         *place = row.number(column).ok()?;
     }
     Some(covariance)
+}
+
+/// Returns the address in the text; `None` for other texts, since files without identities may use the name otherwise.
+fn hexadecimal(text: &str) -> Option<u32> {
+    u32::from_str_radix(text, 16).ok()
 }
 
 fn numbers<const D: usize>(row: Cells<'_>, columns: [Column; D]) -> Result<[f64; D], CsvError> {
@@ -255,7 +271,10 @@ mod tests {
             time_s,
             position_m: [x, 0.0],
             velocity_mps: [10.0, -1.0],
-            spread_m2: None,
+            covariance: None,
+            address: None,
+            has_height: true,
+            has_velocity: true,
         }
     }
 
@@ -290,14 +309,17 @@ mod tests {
         let ids = ["target_id", "system_track_id"];
         let read = |counted| {
             let mut rows = StateRows::<_, 2>::new(text.as_bytes(), &ids, "system_track_id", counted).unwrap();
-            std::iter::from_fn(|| rows.next().unwrap().map(|(state, _)| state)).collect::<Vec<_>>()
+            std::iter::from_fn(|| rows.next().unwrap()).collect::<Vec<_>>()
         };
         let first = KinematicState {
             id: 4,
             time_s: 0.25,
             position_m: [1.0, 2.0],
             velocity_mps: [-1.0, 0.5],
-            spread_m2: None,
+            covariance: None,
+            address: None,
+            has_height: true,
+            has_velocity: true,
         };
         assert_eq!(read(StateFilter::Confirmed), [first]);
         let all = read(StateFilter::NotUnconfirmed);

@@ -10,7 +10,7 @@ import { Coverage } from "./coverage.js";
 import { byId, clock, dayAndClock, grouped, h, setText } from "./dom.js";
 import { NAUTICAL_MILE_M, placeOf, sexagesimal } from "./geodesy.js";
 import { paintGround } from "./ground.js";
-import { labelOf, levelOf, levelText } from "./labels.js";
+import { labelOf, levelOf, levelText, NO_MOTION } from "./labels.js";
 import { measured, Painter } from "./painter.js";
 import { alarmsPanel, latencyPanel, sourcesPanel, systemPanel, TrackPanel, viewPanel } from "./panels.js";
 import { blankTrack, forgetMains, HAND_OVER_AFTER_S, noteMain, Picture, sourcesOf, Trail } from "./picture.js";
@@ -297,10 +297,11 @@ export class App {
    * @param {number} number @param {string} stateTime Time of the state that they belong to, nanoseconds UTC.
    * @param {Share[]} shares @param {number} nis NaN: unknown.
    * @param {[string, string][]} facts @param {{time_s: number, kind: string, text: string}[]} decisions
+   * @param {import("./labels.js").Motion} motion
    */
-  details(number, stateTime, shares, nis, facts, decisions) {
+  details(number, stateTime, shares, nis, facts, decisions, motion) {
     this.shares.set(number, shares);
-    this.facts.set(number, { stateTime, facts, decisions });
+    this.facts.set(number, { stateTime, facts, decisions, motion });
     const track = this.picture.system.get(number);
     if (track) this.remember(number, track.time, track.height, Math.hypot(track.speedEast, track.speedNorth), shares, nis);
     // Map and panel show the same instant.
@@ -722,7 +723,7 @@ export class App {
       track,
       this.shares.get(number) ?? [],
       this.historyOf(number),
-      this.facts.get(number) ?? { stateTime: "", facts: [], decisions: [] },
+      this.facts.get(number) ?? { stateTime: "", facts: [], decisions: [], motion: NO_MOTION },
       this.known,
       this.settings.units,
       COLOURS[this.settings.theme].sources,

@@ -230,7 +230,15 @@ export class Connection {
     if (track.owner_track_number)
       facts.push(["owned by", `${owner?.name ?? "another centre"}, its ${track.owner_track_number}`]);
     if (track.merged_into) facts.push(["merged into", String(track.merged_into)]);
-    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, facts, track.decisions ?? []);
+    const motion = {
+      climb: track.climb_rate_mps ?? NaN,
+      climbSigma: track.climb_sigma_mps ?? NaN,
+      turn: track.turn_rate_dps ?? NaN,
+      turnSigma: track.turn_sigma_dps ?? NaN,
+      modes: track.modes ?? [],
+    };
+    const decisions = track.decisions ?? [];
+    app.details(track.number, track.reference_time_ns, shares, track.nis ?? NaN, facts, decisions, motion);
   }
 
   /** @param {App} app @param {any} status */

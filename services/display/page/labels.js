@@ -67,6 +67,45 @@ export function levelText(level) {
   return `${rounded < 0 ? "−" : ""}${String(Math.abs(rounded)).padStart(3, "0")}`;
 }
 
+/**
+ * Motion of a selected track; NaN: unknown.
+ * @typedef {object} Motion
+ * @property {number} climb Rate of the height, metres per second. @property {number} climbSigma
+ * @property {number} turn Degrees per second, positive to the right. @property {number} turnSigma
+ * @property {{mode: string, probability: number}[]} modes The most probable models of the plane and of the vertical.
+ */
+
+/** @type {Motion} */
+export const NO_MOTION = { climb: NaN, climbSigma: NaN, turn: NaN, turnSigma: NaN, modes: [] };
+
+/** Rate of climb with its error. @param {{height: number, climb: number}} track @param {Motion} motion */
+export function climbText(track, motion) {
+  if (Number.isFinite(motion.climb)) return `${signed(motion.climb)} ± ${motion.climbSigma.toFixed(1)} m/s`;
+  return Number.isFinite(track.height) ? `${signed(track.climb)} m/s` : "–";
+}
+
+/** Rate of turn with its error. @param {Motion} motion */
+export function turnText(motion) {
+  if (!Number.isFinite(motion.turn)) return "–";
+  const side = motion.turn > 0 ? "right" : "left";
+  const isNoise = Math.abs(motion.turn) < motion.turnSigma;
+  return `${Math.abs(motion.turn).toFixed(1)} ± ${motion.turnSigma.toFixed(1)} °/s${isNoise ? "" : ` ${side}`}`;
+}
+
+/** Probable models of the motion. @param {Motion} motion */
+export function modesText(motion) {
+  const text = motion.modes.map(
+    ({ mode, probability }) => `${mode.replaceAll("_", " ")} ${Math.round(100 * probability)} %`,
+  );
+  return text.join(", ") || "–";
+}
+
+/** A number with one decimal; what rounds to zero has no sign. @param {number} value */
+function signed(value) {
+  const text = value.toFixed(1);
+  return text === "-0.0" ? "0.0" : text.replace("-", "−");
+}
+
 /** Ground speed. @param {import("./picture.js").Track} track @param {string} units */
 export function speedText(track, units) {
   const speed = Math.hypot(track.speedEast, track.speedNorth);

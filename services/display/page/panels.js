@@ -4,7 +4,7 @@
 
 import { clock, grouped, h, latency, span } from "./dom.js";
 import { bearing, placeOf, sexagesimal } from "./geodesy.js";
-import { heightText, levelOf, speedText } from "./labels.js";
+import { climbText, heightText, levelOf, modesText, speedText, turnText } from "./labels.js";
 import { ALERTS, nameOf } from "./picture.js";
 import { histogram, plot } from "./plots.js";
 import { CHOICES } from "./settings.js";
@@ -30,7 +30,7 @@ import { CHOICES } from "./settings.js";
 /**
  * What else is known of the selected track; `stateTime`: time of the state that it belongs to, nanoseconds UTC.
  * @typedef {{stateTime: string, facts: [string, string][],
- *   decisions: {time_s: number, kind: string, text: string}[]}} Facts
+ *   decisions: {time_s: number, kind: string, text: string}[], motion: import("./labels.js").Motion}} Facts
  */
 
 /**
@@ -135,7 +135,9 @@ export class TrackPanel {
           "track angle",
           speed > 0.5 ? `${bearing(track.speedEast, track.speedNorth).toFixed(0).padStart(3, "0")}°` : "–",
         ),
-        figure("climb", Number.isFinite(track.height) ? `${track.climb.toFixed(1)} m/s` : "–"),
+        figure("climb ± σ", climbText(track, facts.motion)),
+        figure("turn rate", turnText(facts.motion)),
+        figure("motion", modesText(facts.motion)),
         figure("latitude", place ? sexagesimal(place.latitude_deg, "N", "S") : "–"),
         figure("longitude", place ? sexagesimal(place.longitude_deg, "E", "W") : "–"),
         figure(

@@ -3,14 +3,18 @@
 //! **A selected track** has `number`, `state`, `kind`, `members`, `rule`, `sequence`, `epoch`, `time_s`,
 //! `reference_time_ns`, `time_of_measurement_ns`, `trigger_source`, `position_m` [3], `velocity_mps` [3],
 //! `height_m` (as shown: the transponder's level, else the height above the ellipsoid), `climb_mps` (rate of the
-//! height above the ellipsoid), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
+//! height above the ellipsoid), `climb_rate_mps` (the same by the vertical filter), `climb_sigma_mps`,
+//! `turn_rate_dps` (degrees per second, positive to the right),
+//! `turn_sigma_dps`, `modes` (the most probable models of the plane and of the vertical, each `mode` and
+//! `probability`), `level` (of the transponder, hundreds of feet), `level_age_s`, `height_valid`,
 //! `on_ground`, `merged_into`, `owner_track_number` (0: this centre owns the track), `nis`, `covariance` (the 21
 //! elements of the upper triangle), `identity` {`address`, `mmsi`, `mode_3a`, `callsign`, `name`, `type`,
 //! `type_confidence`}, `decisions` [{`time_s`, `kind`, `text`}] and `contributions`. Each contribution has
 //! `source`, `name`, `track_number`, `weight`, `accuracy`, `fresh`, `scored`, `centre` (a system track of another
 //! centre), `origin` (the other centre; `null`: unknown), `time_s`, `time_of_measurement_ns`, and the last position
 //! of the sensor track: `position_m` [2] and `height_m`. In the past, position and velocity have no up component,
-//! and `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number` and `decisions` are absent.
+//! and `modes`, `level`, `covariance`, `sequence`, `epoch`, `rule`, `owner_track_number`, `decisions` and all rates but
+//! `climb_mps` are absent.
 //!
 //! **A row of a history** is `[time_s, east, north, height, speed, state, nis, [[source, weight], …]]`, the oldest
 //! first. `nis` is the normalised innovation squared of the report that caused the state; without such a report it
@@ -18,8 +22,8 @@
 
 use messages::picture::{PictureIdentity, PictureSensorTrack, PictureTrack, picture_track_bits};
 use messages::{
-    Contribution, Decision, DecisionKind, FusionRule, Identity, NO_SOURCE, TargetType, TrackKind, TrackState,
-    contribution_bits,
+    Contribution, Decision, DecisionKind, FusionRule, Identity, MotionMode, NO_SOURCE, SystemTrack, TargetType,
+    TrackKind, TrackState, contribution_bits,
 };
 use runtime::Now;
 use serde_json::{Value, json};
@@ -80,6 +84,11 @@ fn live(world: &World, number: u32) -> Option<Value> {
         "velocity_mps": track.velocity_mps,
         "height_m": finite(known.record.height_m),
         "climb_mps": finite(known.record.height_m).map(|_| known.record.climb_mps),
+        "climb_rate_mps": vertical::filtered_climb_mps(track, world.observed.frame()),
+        "climb_sigma_mps": rate_sigma(track.climb_rate_variance.sqrt()),
+        "turn_rate_dps": rate_sigma(track.turn_rate_sigma_radps).map(|_| track.turn_rate_radps.to_degrees()),
+        "turn_sigma_dps": rate_sigma(track.turn_rate_sigma_radps).map(f32::to_degrees),
+        "modes": modes(track),
         "level": track.level_m().map(|_| f64::from(track.level) / 4.0),
         "level_age_s": track.level_m().map(|_| f64::from(track.level_age_ms) / 1e3),
         "height_valid": track.height_valid != 0,
@@ -136,6 +145,26 @@ fn finite(value: f32) -> Option<f32> {
 /// Returns the normalised innovation squared if present.
 fn nis(nis: f32) -> Option<f32> {
     Some(nis).filter(|nis| *nis > 0.0)
+}
+
+/// Returns the standard deviation of a rate if the rate is known.
+fn rate_sigma(sigma: f32) -> Option<f32> {
+    Some(sigma).filter(|sigma| *sigma > 0.0)
+}
+
+/// Returns the most probable motion model of the plane and of the vertical, as far as known.
+fn modes(track: &SystemTrack) -> Vec<Value> {
+    let (plane, vertical) = track.mode_probabilities.split_at(MotionMode::Level as usize);
+    let probable = |first: MotionMode, probabilities: &[f32]| {
+        let numbered = (first as u8..).zip(probabilities);
+        let (code, probability) = numbered.max_by(|one, other| one.1.total_cmp(other.1))?;
+        let mode = MotionMode::from_code(code).filter(|_| *probability > 0.0)?;
+        Some(json!({"mode": mode.word(), "probability": probability}))
+    };
+    let both = [(MotionMode::Steady, plane), (MotionMode::Level, vertical)];
+    both.into_iter()
+        .filter_map(|(first, part)| probable(first, part))
+        .collect()
 }
 
 fn source(number: u16) -> Option<u16> {

@@ -518,3 +518,36 @@ fn scripts_get_json_and_nothing_but_what_is_there() {
         "{head}"
     );
 }
+
+#[test]
+fn rates_and_probable_models_of_a_selected_track_are_in_its_details() {
+    let told = |state: SystemTrack| {
+        let mut world = World::new("test", Vec::new(), 60, 1_000);
+        world.receive(&header(1), &[state], now());
+        let mut viewer = Viewer::default();
+        viewer.wish(Wish::read(r#"{"select": [7]}"#).unwrap(), now());
+        details::selected(&world, &viewer, now().utc_ns)["tracks"][0].clone()
+    };
+    let known = told(SystemTrack {
+        climb_rate_mps: -7.5,
+        climb_rate_variance: 0.25,
+        turn_rate_radps: -0.052_359_88,
+        turn_rate_sigma_radps: 0.008_726_646,
+        mode_probabilities: [0.1, 0.0, 0.75, 0.1, 0.05, 0.25, 0.5, 0.25],
+        ..track(7, 0.0)
+    });
+    let number = |key: &str| known[key].as_f64().unwrap();
+    assert!((number("turn_rate_dps") + 3.0).abs() < 1e-4 && (number("turn_sigma_dps") - 0.5).abs() < 1e-5);
+    assert_eq!(number("climb_sigma_mps"), 0.5);
+    assert!(
+        known["climb_rate_mps"].is_null(),
+        "the height above the ellipsoid needs the frame"
+    );
+    let modes = json!([{"mode": "left_turn", "probability": 0.75}, {"mode": "climb", "probability": 0.5}]);
+    assert_eq!(known["modes"], modes);
+    let unknown = told(track(7, 0.0));
+    for key in ["climb_rate_mps", "climb_sigma_mps", "turn_rate_dps", "turn_sigma_dps"] {
+        assert!(unknown[key].is_null(), "{key}");
+    }
+    assert_eq!(unknown["modes"], json!([]));
+}

@@ -37,6 +37,15 @@ pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Opt
     Some(frame.vertical(track.position_m, track.velocity_mps))
 }
 
+/// Returns the rate of the height above the ellipsoid by the vertical filter, m/s; `None` without such a rate, or if
+/// the frame is unknown.
+pub(crate) fn filtered_climb_mps(track: &SystemTrack, frame: Option<&SystemFrame>) -> Option<f32> {
+    let [vx, vy, _] = track.velocity_mps;
+    let velocity_mps = [vx, vy, f64::from(track.climb_rate_mps)];
+    let frame = frame.filter(|_| track.climb_rate_variance > 0.0)?;
+    Some(frame.vertical(track.position_m, velocity_mps).climb_mps as f32)
+}
+
 /// Returns the displayed height of a state; `before` holds the flags of the track's previous state.
 pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> DisplayedHeight {
     let geometric = geometric(track, frame);
@@ -150,5 +159,16 @@ mod tests {
         track.height_valid = 0;
         let none = shown(&track, Some(&frame()), HEIGHT | CLIMBS);
         assert!(none.height_m.is_nan() && none.flags == 0, "{none:?}");
+    }
+
+    #[test]
+    fn the_filtered_rate_is_that_of_the_height_above_the_ellipsoid() {
+        // Level above the ellipsoid 160 nautical miles away is a descent in the plane.
+        let mut track = outbound(160.0, 30.0, 0.0);
+        assert_eq!(filtered_climb_mps(&track, Some(&frame())), None, "no filter");
+        (track.climb_rate_mps, track.climb_rate_variance) = (track.velocity_mps[2] as f32 + 3.0, 0.25);
+        let climb_mps = filtered_climb_mps(&track, Some(&frame())).unwrap();
+        assert!((climb_mps - 3.0).abs() < 0.05, "{climb_mps}");
+        assert_eq!(filtered_climb_mps(&track, None), None);
     }
 }

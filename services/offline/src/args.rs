@@ -10,7 +10,8 @@ use messages::Decision;
 
 use crate::files::Usage;
 use crate::locate_columns::{DECISION_COLUMNS, FIX_COLUMNS};
-use crate::values::{above_zero, finite, not_negative, refresh, seconds, whole_second};
+use crate::score_args::{SCORE_EXAMPLES, Score};
+use crate::values::{above_zero, refresh, seconds, whole_second};
 
 /// A command on tables.
 #[derive(Debug, Subcommand)]
@@ -401,130 +402,6 @@ pub(crate) struct ComparePictures {
     /// First whole second to compare [default: the first second of either picture]
     #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
     pub(crate) t0: Option<i64>,
-    /// Print a JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const SCORE_EXAMPLES: &str = "\
-Examples:
-  koseki score --truth truth.csv --tracks fused.csv
-  koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
-  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
-  koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
-
-At each whole second, the newest state of each track is extrapolated to this second and compared with the targets. GOSPA,
-its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
-while the track is nearer than the gate; switches, breaks, completeness and spurious tracks follow from these pairs.
-
-truth:   time_s,target_id,x,y,z,vx,vy,vz                            a row per target and whole second
-tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz  rows with state tentative or terminated are ignored
-Columns are found by name, other columns are ignored. A figure that cannot be computed is null in JSON.";
-
-/// `koseki score`.
-#[derive(Debug, Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-pub struct Score {
-    /// Other kinds of files.
-    #[command(subcommand)]
-    pub(crate) what: Option<ScoreWhat>,
-    /// Positions of the targets: a CSV file
-    #[arg(long, value_name = "FILE", required = true)]
-    pub(crate) truth: Option<PathBuf>,
-    /// The tracks to score: a CSV file
-    #[arg(long, value_name = "FILE", required = true)]
-    pub(crate) tracks: Option<PathBuf>,
-    /// Cut-off of GOSPA and OSPA: largest distance between a track and its target, metres
-    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
-    pub(crate) c: f64,
-    /// Largest distance at which a target keeps its track, metres
-    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
-    pub(crate) gate: f64,
-    /// Largest age of a state, seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
-    pub(crate) max_age: f64,
-    /// First whole second to score
-    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
-    pub(crate) t0: i64,
-    /// Last whole second to score [default: the last second of the truth]
-    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
-    pub(crate) t1: Option<i64>,
-    /// Least speed of a target for the comparison of directions, m/s
-    #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
-    pub(crate) moving: f64,
-    /// Print a JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-/// Other kinds of files for `koseki score`.
-#[derive(Debug, Subcommand)]
-pub(crate) enum ScoreWhat {
-    /// Score a tracker's separation of close targets, over one or more runs
-    #[command(after_help = SCORE_TRACKS_EXAMPLES)]
-    Tracks(ScoreTracks),
-    /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
-    #[command(after_help = SCORE_FIXES_EXAMPLES)]
-    Fixes(ScoreFixes),
-}
-
-const SCORE_TRACKS_EXAMPLES: &str = "\
-Examples:
-  koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
-  koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
-
-At each time of the truth from --since on, exactly as many confirmed tracks should be near targets as there are targets,
-each track near another target. Before --since the targets are not separable, and several tracks are too many. Positions
-are compared in the plane; a track counts for 4 s after its newest row, extrapolated with its velocity.
-
-truth:   time_s,x,y                                         a row per target and time
-tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
-Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are
-summed, and JSON has the figures of each run under \"each\".";
-
-/// `koseki score tracks`.
-#[derive(Debug, Args)]
-pub(crate) struct ScoreTracks {
-    /// Positions of the targets: a CSV file per run
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
-    pub(crate) truth: Vec<PathBuf>,
-    /// The tracks of each run, in the same order
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
-    pub(crate) tracks: Vec<PathBuf>,
-    /// Largest distance of a track near a target, metres
-    #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
-    pub(crate) gate: f64,
-    /// Time from which the targets are separable, seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
-    pub(crate) since: f64,
-    /// Print a JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
-const SCORE_FIXES_EXAMPLES: &str = "\
-Examples:
-  koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
-  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
-
-Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
-       drop    a dropped transmitter drifts in a straight line while the aircraft circles; the second half counts
-       turn    the aircraft turns by 180 degrees with wrong bearings; the time from 500 s on counts
-The file meta.json beside each truth names the case, with the baseline (m), sigma_deg and number of runs.
-
-truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
-fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows with a time missing in the truth are ignored
-Several sets of runs of a case are pooled: as many --fixes as --truth, in the same order.";
-
-/// `koseki score fixes`.
-#[derive(Debug, Args)]
-pub(crate) struct ScoreFixes {
-    /// Positions of the emitters: a CSV file with meta.json in the same folder, for each set of runs
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
-    pub(crate) truth: Vec<PathBuf>,
-    /// The fixes of each set of runs, in the same order
-    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
-    pub(crate) fixes: Vec<PathBuf>,
     /// Print a JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -220,13 +220,17 @@ prop_compose! {
         position_m in position(400e3), velocity_mps in velocity(), covariance in covariance(), identity in identity(),
         state in state(), alerts in prop_oneof![Just(0), any::<u8>()], height_valid in 0..2u8, on_ground in 0..2u8,
         contributions in prop::collection::vec(contribution(reference_ns), 0..4), movement in movement(),
-        reference_time_ns in Just(reference_ns),
+        reference_time_ns in Just(reference_ns), rates in prop::array::uniform3(0..3u8),
+        climb_rate_mps in -40.0..40.0f32, climb_sigma_mps in 0.01..20.0f32, turn_rate_radps in -0.05..0.05f32,
     ) -> SystemTrack {
         let mut listed = [Contribution::default(); CONTRIBUTIONS_MAX];
         listed[..contributions.len()].copy_from_slice(&contributions);
         SystemTrack {
             reference_time_ns, track_number, identity, position_m, velocity_mps, covariance, state, alerts,
-            height_valid, on_ground, movement,
+            height_valid, on_ground, movement, climb_rate_mps, turn_rate_radps,
+            climb_rate_variance: if rates[0] > 0 { climb_sigma_mps * climb_sigma_mps } else { 0.0 },
+            // Not known, sure, or noise.
+            turn_rate_sigma_radps: [0.0, 0.4, 0.6][usize::from(rates[1])] * turn_rate_radps.abs(),
             contributions: listed,
             contribution_count: contributions.len() as u16,
             source_count: contributions.len() as u16,

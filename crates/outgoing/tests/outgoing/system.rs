@@ -170,13 +170,7 @@ impl Case {
         let [east, north, up] = self.world.velocity(track.position_m, track.velocity_mps, has_height);
         sent.near(&["185", "VX"], east, 0.25);
         sent.near(&["185", "VY"], north, 0.25);
-        sent.near_if(&["220"], has_height.then_some(up * 60.0 / FOOT_M), 6.25);
-        let acceleration = track.movement.acceleration_mps2.map(f64::from);
-        let [east, north, _] = self.world.velocity(track.position_m, acceleration, has_height);
-        let is_known = track.movement.valid & movement_bits::ACCELERATION != 0;
-        sent.near_if(&["210", "AX"], is_known.then_some(east), 0.25);
-        sent.near_if(&["210", "AY"], is_known.then_some(north), 0.25);
-        check_movement(sent, &track.movement);
+        self.check_motion(sent, track, up);
         self.check_height(sent, track);
         self.check_identity(sent, track);
         self.check_status(sent, expected);
@@ -185,6 +179,35 @@ impl Case {
         for absent in ["015", "136", "295", "340", "390", "510", "RE", "SP"] {
             assert!(!sent.has(&[absent]), "{}: {absent}", sent.table);
         }
+    }
+
+    /// I062/200, 210 and 220; `up_mps` is the rate of the height by the velocity.
+    fn check_motion(&self, sent: &Sent<'_>, track: &SystemTrack, up_mps: f64) {
+        let has_height = track.height_valid != 0;
+        let [vx, vy, _] = track.velocity_mps;
+        let climb_mps = match track.climb_rate_variance > 0.0 {
+            true => self
+                .world
+                .velocity(track.position_m, [vx, vy, f64::from(track.climb_rate_mps)], true)[2],
+            false => up_mps,
+        };
+        sent.near_if(&["220"], has_height.then_some(climb_mps * 60.0 / FOOT_M), 6.25);
+        let stated = track.movement.acceleration_mps2.map(f64::from);
+        // To the right of the velocity for a turn to the right: its direction turned clockwise.
+        let rate = f64::from(track.turn_rate_radps);
+        let (speed, course) = (vx.hypot(vy), vx.atan2(vy) + std::f64::consts::FRAC_PI_2);
+        let turned = [rate * speed * course.sin(), rate * speed * course.cos(), 0.0];
+        let is_updated = [TrackState::Tentative as u8, TrackState::Confirmed as u8].contains(&track.state);
+        let sigma = track.turn_rate_sigma_radps;
+        let is_sure = is_updated && sigma > 0.0 && track.turn_rate_radps.abs() > 2.0 * sigma;
+        let acceleration = match track.movement.valid & movement_bits::ACCELERATION != 0 {
+            true => Some(stated),
+            false => is_sure.then_some(turned),
+        };
+        let along = acceleration.map(|acceleration| self.world.velocity(track.position_m, acceleration, has_height));
+        sent.near_if(&["210", "AX"], along.map(|[east, _, _]| east), 0.25);
+        sent.near_if(&["210", "AY"], along.map(|[_, north, _]| north), 0.25);
+        check_movement(sent, &track.movement);
     }
 
     fn check_height(&self, sent: &Sent<'_>, track: &SystemTrack) {
@@ -284,7 +307,10 @@ impl Case {
         }
         let (up, _) = row(2);
         let height_sigma_m = World::position_covariance(covariance, up, up).sqrt();
-        let climb_sigma_mps = World::velocity_covariance(covariance, up, up).sqrt();
+        let climb_sigma_mps = match track.climb_rate_variance > 0.0 {
+            true => f64::from(track.climb_rate_variance).sqrt(),
+            false => World::velocity_covariance(covariance, up, up).sqrt(),
+        };
         let of_height = |reference| has_height && self.height == reference;
         assert_eq!(sent.has(&["500", "AGA"]), of_height(HeightReference::Geometric));
         assert_eq!(sent.has(&["500", "ABA"]), of_height(HeightReference::Barometric));

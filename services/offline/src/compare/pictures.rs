@@ -7,7 +7,7 @@ use scoring::{PICTURE_WORDS, PictureSettings, Timeline};
 use crate::args::ComparePictures;
 use crate::files::InputError;
 use crate::host::Host;
-use crate::score;
+use crate::printed;
 
 /// Name of the file of system tracks in the folder of a run.
 const SYSTEM_TRACKS: &str = "system_tracks.csv";
@@ -34,7 +34,7 @@ pub(super) fn run(asked: &ComparePictures, host: &dyn Host) -> anyhow::Result<()
     };
     let found = scoring::score_picture(&before, &after, &settings);
     let found = found.map_err(|error| InputError::new(&first, format!("{error}; see --t0")))?;
-    score::show(host, &found, PICTURE_WORDS, asked.json)
+    printed::show(host, &found, PICTURE_WORDS, asked.json)
 }
 
 fn file(path: &Path) -> PathBuf {

@@ -4,7 +4,7 @@ use serde_json::Value;
 use telemetry::table::{Align, TextTable};
 
 use super::RuleOutcome;
-use crate::score::digits;
+use crate::printed::digits;
 
 /// Columns that need a truth, and columns that need none, in display order.
 const AGAINST_TRUTH: [&str; 15] = [

@@ -1,26 +1,32 @@
 //! `koseki score`: quality of tracks or fixes against a known truth (FM-8).
 //!
 //! The crate `scoring` defines the figures. This module opens files and prints the figures: a line each with its
-//! meaning, or one JSON object with the same names.
+//! meaning, or one JSON object with the same names. A scorecard follows: [`card`] has it as text and JSON, [`html`] as
+//! a page.
 
-use std::fmt::Write as _;
+mod areas;
+mod card;
+mod chart;
+mod html;
+mod pictures;
+
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use anyhow::Context as _;
 use scoring::{
-    CaseSettings, ConfirmedTracks, FIX_WORDS, FixInputError, FixRuns, PICTURE_WORDS, PictureSettings, RESOLUTION_WORDS,
-    ResolutionScore, ResolutionSettings, TargetsByTime, Timeline, Word,
+    CardReference, CardSettings, CaseSettings, ConfirmedTracks, FIX_WORDS, FixInputError, FixRuns, PICTURE_WORDS,
+    PhaseLimits, PictureError, PictureSettings, RESOLUTION_WORDS, ResolutionScore, ResolutionSettings, Scorecard,
+    ScoredArea, TargetsByTime, Timeline, score_card, surveillance_standard,
 };
-use serde::Serialize;
-use serde_json::Value;
 
-use crate::args::{Score, ScoreFixes, ScoreTracks, ScoreWhat};
 use crate::files::{InputError, Usage};
 use crate::host::Host;
+use crate::printed::{digits, figures_text, show};
+use crate::score_args::{Score, ScoreFixes, ScoreTracks, ScoreWhat};
 
 /// Files beside the truth of a scripted case.
 const SETTINGS_FILE: &str = "meta.json";
-/// Significant digits on the screen.
-const DIGITS: usize = 4;
 
 /// Scores the inputs and prints the figures.
 ///
@@ -46,7 +52,11 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
         gate_m: score.gate,
         moving_mps: score.moving,
     };
-    let truth = Timeline::truth(host.open(truth_file)?).map_err(|error| InputError::new(truth_file, error))?;
+    let truth = match score.card.reference {
+        CardReference::Truth => Timeline::truth(host.open(truth_file)?),
+        CardReference::Independent | CardReference::Smoothed => Timeline::reference(host.open(truth_file)?),
+    };
+    let truth = truth.map_err(|error| InputError::new(truth_file, error))?;
     let tracks = Timeline::tracks(host.open(tracks_file)?, score.max_age)
         .map_err(|error| InputError::new(tracks_file, error))?;
     let found = scoring::score_picture(&truth, &tracks, &settings);
@@ -60,7 +70,72 @@ fn picture(score: &Score, host: &dyn Host) -> anyhow::Result<()> {
             period_s.ceil()
         ));
     }
-    show(host, &found, PICTURE_WORDS, score.json)
+    let areas = match (&score.card.areas, score.card.origin) {
+        (Some(file), Some(origin)) => areas::read(host, file, origin)?,
+        _ => Vec::new(),
+    };
+    let card = scorecard(score, &truth, &tracks, &areas);
+    let card = card.map_err(|error| InputError::new(truth_file, error))?;
+    if let Some(file) = &score.card.html {
+        write_page(score, host, file, &card, &areas)?;
+    }
+    if score.json {
+        let found = card::ScoredPicture::new(&found, &card);
+        return host.print(&format!("{}\n", serde_json::to_string(&found)?));
+    }
+    host.print(&(figures_text(&found, PICTURE_WORDS)? + &card::text(&card)))
+}
+
+fn scorecard(
+    score: &Score,
+    truth: &Timeline,
+    tracks: &Timeline,
+    areas: &[ScoredArea],
+) -> Result<Scorecard, PictureError> {
+    let asked = &score.card;
+    let settings = CardSettings {
+        first_s: score.t0,
+        last_s: score.t1,
+        gate_m: score.gate,
+        settle_s: asked.settle,
+        limits: PhaseLimits {
+            turning_mps2: asked.turning,
+            climbing_mps2: asked.climbing,
+        },
+    };
+    let standards: Vec<_> = asked
+        .standard
+        .iter()
+        .filter_map(|word| surveillance_standard(word))
+        .collect();
+    score_card(truth, tracks, &settings, asked.reference, &standards, areas)
+}
+
+fn write_page(
+    score: &Score,
+    host: &dyn Host,
+    file: &Path,
+    card: &Scorecard,
+    areas: &[ScoredArea],
+) -> anyhow::Result<()> {
+    let name = |file: &Option<PathBuf>| {
+        file.as_ref()
+            .map_or_else(String::new, |file| file.display().to_string())
+    };
+    let settings = format!(
+        "Whole seconds from {} s on; a target counts from {} s after its first row on. A track belongs to a target \
+         nearer than {} m, and shows for {} s. Turns begin at {} m/s², changes of the climb rate at {} m/s².",
+        score.t0, score.card.settle, score.gate, score.max_age, score.card.turning, score.card.climbing
+    );
+    let head = html::PageHead {
+        truth: &name(&score.truth),
+        tracks: &name(&score.tracks),
+        settings: &settings,
+    };
+    let mut out = host.begin(file)?;
+    out.write_all(html::page(&head, card, areas).as_bytes())
+        .with_context(|| format!("{} cannot be written", file.display()))?;
+    out.finish()
 }
 
 fn resolution(asked: &ScoreTracks, host: &dyn Host) -> anyhow::Result<()> {
@@ -123,63 +198,4 @@ fn in_pairs<'a>(
         truths.len(),
         others.len()
     )))
-}
-
-/// Prints the available figures named by `words`.
-pub(crate) fn show(host: &dyn Host, found: &impl Serialize, words: &[Word], json: bool) -> anyhow::Result<()> {
-    if json {
-        return host.print(&format!("{}\n", serde_json::to_string(found)?));
-    }
-    let found = serde_json::to_value(found)?;
-    let mut text = String::new();
-    for word in words {
-        let figure = match &found[word.name] {
-            Value::Number(number) => match number.as_f64() {
-                Some(value) if number.is_f64() => digits(value),
-                _ => number.to_string(),
-            },
-            // The word belongs to another case.
-            _ if found.get(word.name).is_none() => continue,
-            _ => "-".to_owned(),
-        };
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:<26} {figure:>9} {:<4} {}", word.name, word.unit, word.meaning);
-    }
-    host.print(&text)
-}
-
-/// Formats a number with the decimals required for its significant digits.
-pub(crate) fn digits(value: f64) -> String {
-    let magnitude = value.abs().log10().floor();
-    let decimals = if magnitude.is_finite() {
-        (DIGITS as f64 - 1.0 - magnitude).clamp(0.0, 12.0) as usize
-    } else {
-        0
-    };
-    let text = format!("{value:.decimals$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_four_digits_where_they_have_so_many() {
-        for (value, text) in [
-            (641.234, "641.2"),
-            (0.98765, "0.9877"),
-            (1234.56, "1235"),
-            (123_456.7, "123457"),
-            (0.000_123_456, "0.0001235"),
-            (0.0, "0"),
-            (-2.5, "-2.5"),
-            (1.0, "1"),
-        ] {
-            assert_eq!(digits(value), text);
-        }
-    }
 }

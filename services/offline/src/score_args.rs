@@ -1,0 +1,201 @@
+//! Arguments of `koseki score`, and their help.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::{Args, Subcommand};
+use frames::Geodetic;
+use scoring::{CardReference, SURVEILLANCE_STANDARDS};
+
+use crate::values::{above_zero, finite, not_negative, whole_second};
+
+pub(crate) const SCORE_EXAMPLES: &str = "\
+Examples:
+  koseki score --truth truth.csv --tracks fused.csv
+  koseki score --truth truth.csv --tracks fused.csv --c 100 --gate 50 --json
+  koseki score --truth truth.csv --tracks fused.csv --standard ed-142,esassp --html card.html
+  koseki score --truth smoothed.csv --tracks fused.csv --reference smoothed --standard ed-87 \
+    --areas airport.geojson --origin 41.297063,2.078447
+  koseki score tracks --truth run1/truth.csv run2/truth.csv --tracks run1/tracks.csv run2/tracks.csv --since 40
+  koseki score fixes --truth case/truth.csv --fixes case/fixes.csv
+
+At each whole second, the newest state of each track is extrapolated to this second and compared with the targets. GOSPA,
+its parts and OSPA measure the distance between the picture and the truth. A target keeps its track from second to second
+while the track is nearer than the gate; switches, breaks, completeness and spurious tracks follow from these pairs.
+
+A scorecard follows: errors by phase of movement (straight, entry, turn, exit, after; level, climb; changes of the climb
+rate). Position errors have RMS, 50, 90, 95 and 99 %, the others RMS and 95 %; --json and --html have everything. nees is
+1 for an honest covariance. A target counts from --settle seconds after its first row on. --standard adds the lines of a
+standard: figure, limit and verdict. Against a truth a line passes or fails; against an independent instrument, too, and
+the figures contain the errors of the instrument; against trajectories smoothed from the same data every line with a limit
+is \"precision only\". Without a source for its limit a line has \"no limit known\". --areas adds a card for each area.
+
+truth:   time_s,target_id (or system_track_id),x,y,z,vx,vy,vz[,address]  a row per target and whole second
+tracks:  time_s,system_track_id (or sensor_track_id),x,y,z,vx,vy,vz[,state,address,P00 ... P55]
+         rows with state tentative or terminated are ignored
+areas:   GeoJSON: polygons with a name and, for lines of certain areas, a kind: manoeuvring, runway, taxiway, apron,
+         stand, approach, outer-approach, terminal or en-route
+Columns are found by name, other columns are ignored. A figure that cannot be computed is null in JSON.";
+
+/// `koseki score`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Score {
+    /// Other kinds of files.
+    #[command(subcommand)]
+    pub(crate) what: Option<ScoreWhat>,
+    /// Positions of the targets: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) truth: Option<PathBuf>,
+    /// The tracks to score: a CSV file
+    #[arg(long, value_name = "FILE", required = true)]
+    pub(crate) tracks: Option<PathBuf>,
+    /// Cut-off of GOSPA and OSPA: largest distance between a track and its target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 500.0, value_parser = above_zero)]
+    pub(crate) c: f64,
+    /// Largest distance at which a target keeps its track, metres
+    #[arg(long, value_name = "METRES", default_value_t = 250.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// Largest age of a state, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
+    pub(crate) max_age: f64,
+    /// First whole second to score
+    #[arg(long, value_name = "SECOND", default_value = "10", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t0: i64,
+    /// Last whole second to score [default: the last second of the truth]
+    #[arg(long, value_name = "SECOND", value_parser = whole_second, allow_negative_numbers = true)]
+    pub(crate) t1: Option<i64>,
+    /// Least speed of a target for the comparison of directions, m/s
+    #[arg(long, value_name = "SPEED", default_value_t = 5.0, value_parser = not_negative)]
+    pub(crate) moving: f64,
+    #[command(flatten)]
+    pub(crate) card: CardArgs,
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Arguments of the scorecard.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Scorecard")]
+pub(crate) struct CardArgs {
+    /// Standards whose lines are added, separated by commas
+    #[arg(long, value_name = "STANDARD", value_delimiter = ',', value_parser = standards())]
+    pub(crate) standard: Vec<String>,
+    /// Origin of --truth
+    #[arg(long, value_name = "REFERENCE", default_value = "truth", value_parser = references())]
+    pub(crate) reference: CardReference,
+    /// Areas with a card of their own: a GeoJSON file
+    #[arg(long, value_name = "FILE", requires = "origin")]
+    pub(crate) areas: Option<PathBuf>,
+    /// Origin of the system frame, for --areas: latitude and longitude, degrees
+    #[arg(long, value_name = "LATITUDE,LONGITUDE", value_parser = origin, allow_hyphen_values = true)]
+    pub(crate) origin: Option<Geodetic>,
+    /// File for the scorecard with pictures (HTML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+    /// Time from the first row of a target until it counts, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 25.0, value_parser = not_negative)]
+    pub(crate) settle: f64,
+    /// Acceleration in the plane above which a target turns or changes its speed, m/s2
+    #[arg(long, value_name = "LIMIT", default_value_t = 0.5, value_parser = above_zero)]
+    pub(crate) turning: f64,
+    /// Vertical acceleration above which a target changes its climb rate, m/s2
+    #[arg(long, value_name = "LIMIT", default_value_t = 0.3, value_parser = above_zero)]
+    pub(crate) climbing: f64,
+}
+
+fn standards() -> PossibleValuesParser {
+    PossibleValuesParser::new(SURVEILLANCE_STANDARDS.iter().map(|standard| standard.word))
+}
+
+fn references() -> impl clap::builder::TypedValueParser<Value = CardReference> {
+    let reference = |word: String| CardReference::ALL.into_iter().find(|known| known.word() == word);
+    PossibleValuesParser::new(CardReference::ALL.map(CardReference::word))
+        .map(move |word| reference(word).unwrap_or_default())
+}
+
+/// Reads a place at height 0.
+fn origin(text: &str) -> Result<Geodetic, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let place = text
+        .split_once(',')
+        .and_then(|(latitude, longitude)| number(latitude).zip(number(longitude)));
+    let Some((latitude_deg, longitude_deg)) = place else {
+        return Err("it must be latitude and longitude in degrees, like 41.297063,2.078447".to_owned());
+    };
+    Geodetic::from_degrees(latitude_deg, longitude_deg, 0.0).map_err(|error| error.to_string())
+}
+
+/// Other kinds of files for `koseki score`.
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScoreWhat {
+    /// Score a tracker's separation of close targets, over one or more runs
+    #[command(after_help = SCORE_TRACKS_EXAMPLES)]
+    Tracks(ScoreTracks),
+    /// Score the fixes of a bearings-only locator in a scripted case, over one or more sets of runs
+    #[command(after_help = SCORE_FIXES_EXAMPLES)]
+    Fixes(ScoreFixes),
+}
+
+const SCORE_TRACKS_EXAMPLES: &str = "\
+Examples:
+  koseki score tracks --truth truth_0.csv --tracks tracks_0.csv --since 60
+  koseki score tracks --truth truth_*.csv --tracks tracks_*.csv --json
+
+At each time of the truth from --since on, exactly as many confirmed tracks should be near targets as there are targets,
+each track near another target. Before --since the targets are not separable, and several tracks are too many. Positions
+are compared in the plane; a track counts for 4 s after its newest row, extrapolated with its velocity.
+
+truth:   time_s,x,y                                         a row per target and time
+tracks:  time_s,sensor_track_id,x,y,vx,vy,state             rows with state confirmed or coasted count
+Several runs: as many --tracks as --truth, in the same order. Shares and delay_s are then means over runs, tracks are
+summed, and JSON has the figures of each run under \"each\".";
+
+/// `koseki score tracks`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreTracks {
+    /// Positions of the targets: a CSV file per run
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The tracks of each run, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) tracks: Vec<PathBuf>,
+    /// Largest distance of a track near a target, metres
+    #[arg(long, value_name = "METRES", default_value_t = 300.0, value_parser = above_zero)]
+    pub(crate) gate: f64,
+    /// Time from which the targets are separable, seconds
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) since: f64,
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+const SCORE_FIXES_EXAMPLES: &str = "\
+Examples:
+  koseki score fixes --truth fixed/truth.csv --fixes fixed/fixes.csv
+  koseki score fixes --truth seed1/truth.csv seed2/truth.csv --fixes seed1/fixes.csv seed2/fixes.csv --json
+
+Cases: fixed   an emitter 50 km broadside of a straight baseline; the last raw fixes beside their Cramer-Rao bound
+       drop    a dropped transmitter drifts in a straight line while the aircraft circles; the second half counts
+       turn    the aircraft turns by 180 degrees with wrong bearings; the time from 500 s on counts
+The file meta.json beside each truth names the case, with the baseline (m), sigma_deg and number of runs.
+
+truth:   time_s,emitter_id,x,y                              a row per emitter and bearing
+fixes:   time_s,emitter_id,x,y,vx,vy,raw_x,raw_y            rows with a time missing in the truth are ignored
+Several sets of runs of a case are pooled: as many --fixes as --truth, in the same order.";
+
+/// `koseki score fixes`.
+#[derive(Debug, Args)]
+pub(crate) struct ScoreFixes {
+    /// Positions of the emitters: a CSV file with meta.json in the same folder, for each set of runs
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) truth: Vec<PathBuf>,
+    /// The fixes of each set of runs, in the same order
+    #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
+    pub(crate) fixes: Vec<PathBuf>,
+    /// Print a JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
