@@ -351,7 +351,7 @@ impl Tracks {
         self.sensors.get_mut(sensor).role = Role::Primary;
     }
 
-    /// A measurement in the latest report of a sensor track, or all of the report, as input of its system track's filter.
+    /// A measurement in the latest report of a sensor track, or the whole report, as input of its track's filter.
     pub(crate) fn input(&self, sensor: SensorSlot, measurement: Option<&Measurement>) -> FilterInput {
         let entry = self.sensors.get(sensor);
         entry.input(self.systems.get(entry.system).number, measurement)
