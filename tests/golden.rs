@@ -292,6 +292,31 @@ impl Case {
         out
     }
 
+    /// Smooths the case; gives the golden text.
+    fn smooth(&self, folder: &Folder) -> String {
+        let (name, what, refresh_s) = (self.name, self.what, self.refresh_s);
+        let tracks = self.simulate(folder);
+        folder.succeed(&format!(
+            "smooth --tracks{tracks} --refresh {refresh_s} --out {name}/smoothed.csv"
+        ));
+        let shown = [
+            "time_s",
+            "system_track_id",
+            "x",
+            "y",
+            "z",
+            "vx",
+            "vy",
+            "vz",
+            "P00",
+            "P11",
+            "state",
+        ];
+        let smoothed = folder.read(&format!("{name}/smoothed.csv"));
+        let title = format!("case {name}, {what}: smoothed, every {refresh_s} s");
+        excerpt(&title, &smoothed, shown, COVARIANCE)
+    }
+
     /// Fuses the case with a rule; gives the golden text.
     fn fuse(&self, folder: &Folder, rule: &str, refresh_s: u32) -> String {
         let (name, what) = (self.name, self.what);
@@ -346,6 +371,12 @@ fn every_case_is_fused_as_it_was() {
             &case.fuse(&folder, "auto", case.refresh_s),
         );
     }
+}
+
+/// Sensors off each other: the errors that are known at the end are taken off from the beginning.
+#[test]
+fn a_case_is_smoothed_as_it_was() {
+    golden("smooth_c.csv", &CASES[2].smooth(&Folder::new()));
 }
 
 /// Each rule on the first case.

@@ -16,7 +16,8 @@ use std::path::Path;
 use adapter::recorded_source::RecordedSource;
 use configuration::Config;
 use deployment::Input;
-use fusion::{Engine, Settings};
+use fusion::smoothing::Trajectories;
+use fusion::{Engine, FilterInput, Settings, Sink};
 use messages::{FusionRule, SensorTrack, SystemTrack, TrackState};
 use test_support::recordings;
 
@@ -57,10 +58,56 @@ fn recorded(data: &Path) -> Recorded {
     }
 }
 
+/// Confirmed states of tracks with an address, and all that smoothing needs.
+#[derive(Default)]
+struct Collected {
+    trajectories: Trajectories,
+    states: Vec<SystemTrack>,
+}
+
+impl Sink for Collected {
+    fn track(&mut self, track: &SystemTrack) {
+        self.trajectories.state(track);
+        if track.identity.address().is_some() && track.state == TrackState::Confirmed as u8 {
+            self.states.push(*track);
+        }
+    }
+
+    fn follows_inputs(&self) -> bool {
+        true
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        self.trajectories.input(input);
+    }
+}
+
+fn by_address<'a>(states: impl Iterator<Item = &'a SystemTrack>) -> BTreeMap<u32, Vec<SystemTrack>> {
+    let mut tracks: BTreeMap<u32, Vec<SystemTrack>> = BTreeMap::new();
+    for state in states {
+        let address = state.identity.address().unwrap_or_default();
+        tracks.entry(address).or_default().push(*state);
+    }
+    tracks
+}
+
 impl Recorded {
     /// The states of all confirmed system tracks with an address, by address, if fusion is given everything but
     /// `held_out`.
     fn fused_without(&self, held_out: u16, rule: FusionRule) -> BTreeMap<u32, Vec<SystemTrack>> {
+        by_address(self.collected_without(held_out, rule).1.states.iter())
+    }
+
+    /// The same, smoothed with later reports, beside the states that were smoothed.
+    fn smoothed_without(&self, held_out: u16) -> [BTreeMap<u32, Vec<SystemTrack>>; 2] {
+        let (engine, collected) = self.collected_without(held_out, FusionRule::Auto);
+        let Collected { trajectories, states } = collected;
+        let smoothed = trajectories.smooth(&engine, |_| Ok::<(), ()>(())).unwrap();
+        let after: Vec<SystemTrack> = states.iter().filter_map(|state| smoothed.of(state)).collect();
+        [by_address(states.iter()), by_address(after.iter())]
+    }
+
+    fn collected_without(&self, held_out: u16, rule: FusionRule) -> (Engine, Collected) {
         let mut settings = self.settings.clone();
         settings.rule.name.0 = rule;
         if settings
@@ -72,17 +119,11 @@ impl Recorded {
             settings.registration.reference_source = Some(if held_out == MLAT { ADSB } else { MLAT }.into());
         }
         let mut engine = Engine::new(settings).unwrap();
-        let mut tracks: BTreeMap<u32, Vec<SystemTrack>> = BTreeMap::new();
+        let mut collected = Collected::default();
         for report in self.reports.iter().filter(|report| report.source != held_out) {
-            engine.take(report, &mut |track: &SystemTrack| {
-                if let Some(address) = track.identity.address()
-                    && track.state == TrackState::Confirmed as u8
-                {
-                    tracks.entry(address).or_default().push(*track);
-                }
-            });
+            engine.take(report, &mut collected);
         }
-        tracks
+        (engine, collected)
     }
 
     /// The reports of one source that are good enough to judge by.
@@ -188,6 +229,29 @@ fn the_default_rule_agrees_with_the_sensor_it_was_not_given() {
         );
         let p95_m = with_radar.percentile(0.95);
         assert!(p95_m < 45.0, "{p95_m:.1} m");
+    }
+}
+
+/// Smoothed trajectories agree better with it than live tracks: their errors are smaller, its own remain.
+/// `cargo test --release -p koseki --test integration smoothed_tracks_agree -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes without optimisation"]
+fn smoothed_tracks_agree_better_with_the_sensor_they_were_not_given() {
+    let Some(data) = recordings("lebl2016") else { return };
+    let recorded = recorded(&data);
+    for held_out in [ADSB, MLAT] {
+        let [before, after] = recorded
+            .smoothed_without(held_out)
+            .map(|tracks| judge(&tracks, recorded.truth(held_out)).0);
+        println!("without source {held_out}: {}, smoothed {}", before.row(), after.row());
+        assert_eq!(before.0.len(), after.0.len());
+        for share in [0.5, 0.95] {
+            let [before_m, after_m] = [&before, &after].map(|distances| distances.percentile(share));
+            assert!(
+                after_m <= before_m,
+                "without source {held_out}: {after_m:.1} m, before {before_m:.1} m"
+            );
+        }
     }
 }
 

@@ -21,6 +21,7 @@ mod locate;
 mod score;
 mod send;
 mod simulate;
+mod smooth;
 mod track;
 mod track_ferry;
 mod track_with_counts;

@@ -9,13 +9,14 @@
 //! - [`initiation`](Gaussian::from_first_position): begin it from one measured position,
 //! - [`mixture`](Gaussian::mixture): make one state of two that hold with some probability,
 //! - [`plane`](Plane) and [`vertical`](Vertical): the same for parts of a state, and coordinated turns,
+//! - [`smoother`](Smoother): improve the states of an interval by later measurements,
 //! - [`distance`](statistical_distance): test whether two states belong to the same target,
 //! - [`recovery`](recovered): which measurement is behind a sensor track's latest report?
 //! - [`definite`](repaired): is a covariance that came from outside usable, and can it be made so?
 //! - [`combination`](correlated_combination): make one of several estimates of the same target.
 //!
-//! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates, so it can run in
-//! fusion's steady state. Nothing reads a clock: time is an argument.
+//! All values live on the stack (nalgebra's statically sized matrices): nothing here allocates but the smoother, so it
+//! can run in fusion's steady state. Nothing reads a clock: time is an argument.
 //!
 //! Sources: Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*
 //! (Wiley, 2001), for all but [`repaired`]; the modules name the chapter.
@@ -34,6 +35,9 @@ mod mixture;
 mod motion;
 mod plane;
 mod recovery;
+mod smoother;
+#[cfg(test)]
+mod smoother_tests;
 #[cfg(test)]
 mod testing;
 mod update;
@@ -52,5 +56,6 @@ pub use initiation::FirstVelocity;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
 pub use plane::{Moments, Plane, Residual, Rotation};
 pub use recovery::{Recovered, implied_noise, recovered};
+pub use smoother::{LinearModel, Moment, Smoothed, Smoother, Switching};
 pub use update::Innovation;
 pub use vertical::Vertical;

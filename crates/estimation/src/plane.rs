@@ -71,6 +71,12 @@ impl Rotation {
         }
     }
 
+    /// Transition matrix of the components (x, y, vx, vy), row by row.
+    pub fn transition(&self) -> [[f64; COMPONENTS]; COMPONENTS] {
+        let (c, s, g, h) = (self.cosine, self.sine, self.along_s, self.left_s);
+        [[1.0, 0.0, g, -h], [0.0, 1.0, h, g], [0.0, 0.0, c, -s], [0.0, 0.0, s, c]]
+    }
+
     /// The same turn to the other side.
     #[must_use]
     pub fn mirrored(&self) -> Self {

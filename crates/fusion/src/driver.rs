@@ -12,6 +12,7 @@ use crate::checkpoint::{MemoryRefusal, Snapshot, SourcePosition};
 use crate::engine::Engine;
 use crate::event_log::{Event, EventLog, EventWriter};
 use crate::explanation::Sink;
+use crate::measurement::FilterInput;
 
 /// Engine with its event log.
 #[derive(Debug)]
@@ -229,5 +230,15 @@ impl<S: Sink> Sink for PassageSink<'_, S> {
     #[inline]
     fn decision(&mut self, decision: &Decision) {
         self.sink.decision(decision);
+    }
+
+    #[inline]
+    fn follows_inputs(&self) -> bool {
+        self.sink.follows_inputs()
+    }
+
+    #[inline]
+    fn input(&mut self, input: &FilterInput) {
+        self.sink.input(input);
     }
 }

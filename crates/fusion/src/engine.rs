@@ -26,7 +26,7 @@ use crate::inlet;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
-use crate::measurement::{Correction, Measurement, whole_report};
+use crate::measurement::{Correction, FilterInput, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
@@ -576,6 +576,7 @@ impl Engine {
         };
         let deadline_ns = self.life.first_deadline_ns(report.time_of_measurement_ns);
         if linking.start(sensor, deadline_ns, out) {
+            out.input(|| self.tracks.input(sensor, None));
             self.update(sensor, &report, None, sink);
         }
     }
@@ -596,9 +597,10 @@ impl Engine {
         } else if self.tracks.systems.get(system).is_foreign {
             // The filter repeats another centre's estimate; this is the first local measurement.
             self.tracks.restart_filter(sensor);
+            self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
             self.tracks.sensors.get_mut(sensor).share = 1.0;
         } else if self.sources.credibility.is_misled(&self.tracks, sensor) || self.is_ahead(sensor) {
-            self.restart(sensor);
+            self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
             && (self.tracks.is_established(sensor) || !self.points.sees_points())
         {
@@ -659,18 +661,25 @@ impl Engine {
         // A non-finite value shows in the gain.
         let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
             if !filter.is_sound() {
-                self.restart(sensor);
+                self.restart(sensor, sink);
             }
             return;
         };
         let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
         if self.is_astray(sensor, &innovation) {
-            self.restart(sensor);
+            self.restart(sensor, sink);
             return;
         }
         let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         self.tracks.systems.get_mut(system).nis = nis as f32;
+        if referred.is_usable {
+            self.outbox.to(sink).input(|| FilterInput {
+                point_m: referred.point_m,
+                point_m2: referred.variance_m2,
+                ..self.tracks.input(sensor, Some(measurement))
+            });
+        }
         let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
         if speed > COURSE_SPEED_MIN_MPS {
             self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
@@ -710,8 +719,9 @@ impl Engine {
 
     /// Restarts the unusable filter of a system track from the latest report of the sensor track.
     #[cold]
-    fn restart(&mut self, sensor: SensorSlot) {
+    fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         self.tracks.restart_filter(sensor);
+        self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
         let entry = self.tracks.sensors.get(sensor);
         let (system, source) = (entry.system, entry.source);
         self.tracks.for_members(system, |member| member.share = 0.0);

@@ -4,6 +4,8 @@
 
 use messages::{Decision, OrderState, SystemTrack};
 
+use crate::measurement::FilterInput;
+
 /// Receiver of the engine's output. Every closure that takes a system track is a receiver that ignores decisions.
 pub trait Sink {
     /// A system track has a new state.
@@ -23,6 +25,16 @@ pub trait Sink {
     /// Something was decided. The sequence number and the epoch are the publisher's, and 0 here.
     fn decision(&mut self, decision: &Decision) {
         let _ = decision;
+    }
+
+    /// Whether [`Self::input`] is called.
+    fn follows_inputs(&self) -> bool {
+        false
+    }
+
+    /// The filter of a system track has received something.
+    fn input(&mut self, input: &FilterInput) {
+        let _ = input;
     }
 }
 

@@ -8,6 +8,7 @@ use messages::{Decision, OrderState, SensorTrack, SystemTrack};
 use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
+use crate::measurement::FilterInput;
 
 /// Host offset: sources' time less engine's time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -74,6 +75,17 @@ impl<S: Sink> Sink for Outward<'_, S> {
         self.sink.decision(&Decision {
             time_ns: decision.time_ns.saturating_add(self.clock.offset_ns),
             ..*decision
+        });
+    }
+
+    fn follows_inputs(&self) -> bool {
+        self.sink.follows_inputs()
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        self.sink.input(&FilterInput {
+            time_ns: input.time_ns.saturating_add(self.clock.offset_ns),
+            ..*input
         });
     }
 }

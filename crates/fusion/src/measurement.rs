@@ -43,6 +43,37 @@ impl Correction {
     };
 }
 
+/// What the filter of a system track received: a measurement, or the report with which it began. Its source's errors
+/// are still in it, so that they can be taken off as they are known later.
+#[derive(Clone, Copy, Debug)]
+pub struct FilterInput {
+    /// Time of measurement, nanoseconds.
+    pub time_ns: i64,
+    /// Number of the system track.
+    pub system_track: u32,
+    /// Source of the report.
+    pub source: u16,
+    /// Whether the filter began with this report, and with nothing of what came before.
+    pub begins: bool,
+    /// Whether the third axis is measured.
+    pub has_height: bool,
+    /// Measured position east, north, up, metres, and its covariance, as the source gives both.
+    pub position_m: [f64; AXES],
+    /// Upper triangle of the covariance, row by row, m².
+    pub covariance_m2: Symmetric3,
+    /// Velocity and position of the report, on which the source's errors depend, m/s and metres.
+    pub velocity_mps: [f64; AXES],
+    /// Position of the report, metres.
+    pub reported_m: [f64; AXES],
+    /// Variances of the report's velocity, m²/s².
+    pub velocity_m2ps2: [f64; AXES],
+    /// Detection point of the source relative to the target's reference point, east and north, metres, and its variance
+    /// per axis, m².
+    pub point_m: [f64; 2],
+    /// Variance per axis of that, m².
+    pub point_m2: f64,
+}
+
 /// A measured position.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement {
@@ -66,6 +97,18 @@ impl Measurement {
         if correction.stretch != Stretch::NONE {
             correction.stretch.apply(&mut self.covariance_m2);
         }
+    }
+
+    /// Undoes [`Self::correct`].
+    pub(crate) fn uncorrect(&mut self, correction: &Correction) {
+        if correction.stretch != Stretch::NONE {
+            correction.stretch.inverse().apply(&mut self.covariance_m2);
+        }
+        for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
+            *position += shift;
+        }
+        let values = self.covariance_m2.iter_mut();
+        values.for_each(|value| *value /= correction.covariance_scale);
     }
 
     /// Variance per horizontal axis, m².

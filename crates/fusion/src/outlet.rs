@@ -4,6 +4,7 @@ use messages::{Counter, Decision, SystemTrack};
 
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
+use crate::measurement::FilterInput;
 
 /// The counters, and the message that is being written: a large one, filled anew each time and never copied here.
 #[derive(Debug)]
@@ -61,6 +62,14 @@ impl<S: Sink> Outlet<'_, S> {
 
     pub(crate) fn decision(&mut self, decision: &Decision) {
         self.sink.decision(decision);
+    }
+
+    /// Passes on what a filter has received, where somebody follows that.
+    #[inline]
+    pub(crate) fn input(&mut self, input: impl FnOnce() -> FilterInput) {
+        if self.sink.follows_inputs() {
+            self.sink.input(&input());
+        }
     }
 
     pub(crate) fn count(&mut self, source: u16, counter: Counter) {

@@ -27,15 +27,15 @@ use serde::{Deserialize, Serialize};
 use crate::motion::{LEVELS, Motion};
 
 /// Number of models: steady, agile, and turns of each hardness to the left and to the right.
-const MODELS: usize = 2 + 2 * LEVELS;
+pub(crate) const MODELS: usize = 2 + 2 * LEVELS;
 /// Number of models that always run: without the turns of unusual hardness.
 const USUAL: usize = 4;
-const STEADY: usize = 0;
-const AGILE: usize = 1;
+pub(crate) const STEADY: usize = 0;
+pub(crate) const AGILE: usize = 1;
 /// Mean duration of manoeuvres, seconds.
-const MANOEUVRE_S: f64 = 15.0;
+pub(crate) const MANOEUVRE_S: f64 = 15.0;
 /// Share of the manoeuvres after which the target flies straight; after the others, another manoeuvre follows.
-const HOME: f64 = 0.6;
+pub(crate) const HOME: f64 = 0.6;
 /// Probabilities of a manoeuvre above which all models run, and below which the usual ones are enough.
 const WIDE: f64 = 0.25;
 const NARROW: f64 = 0.08;
@@ -43,7 +43,7 @@ const NARROW: f64 = 0.08;
 const PRIOR: [f64; USUAL] = [0.86, 0.06, 0.04, 0.04];
 /// How often turns have the hardness of each level. The mean of the logarithm is 0 where fast targets begin: what shows
 /// nothing does not change what is assumed of turns.
-const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
+pub(crate) const HARDNESS: [f64; LEVELS] = [0.45, 0.35, 0.15, 0.05];
 /// Smallest probability of a manoeuvre, and of flying straight: both must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Largest logarithm of a ratio of likelihoods.

@@ -63,6 +63,10 @@ impl TrackPublisher {
         self.common_error_m2 = variance_m2;
     }
 
+    pub(crate) fn common_error_m2(&self) -> f64 {
+        self.common_error_m2
+    }
+
     /// Weighs the system track that a report of a primary source has updated, unless states come at uniform times.
     pub(crate) fn refresh<S: Sink>(
         &mut self,

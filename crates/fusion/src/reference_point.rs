@@ -115,6 +115,7 @@ impl ReferencePoints {
             // What the filter was before is a mixture of points.
             tracks.restart_filter(foremost);
             tracks.systems.get_mut(system).point_source = tracks.sensors.get(foremost).source;
+            out.input(|| tracks.input(foremost, None));
             out.decision(&tracks.decision(foremost, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
         }
         let point = tracks.sensors.get(sensor).point;
@@ -123,6 +124,7 @@ impl ReferencePoints {
         }
         if point.reports >= CHANGE_REPORTS_MIN && comes_first(settings, tracks, sensor) {
             change_to(tracks, sensor);
+            out.input(|| tracks.input(sensor, None));
             out.decision(&tracks.decision(sensor, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
             return Referred::ITSELF;
         }

@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 
 use estimation::Gaussian;
-use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{AXES, Identity, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::error_shape::Stretch;
 use crate::history::Histories;
-use crate::measurement::{Correction, gaussian_of};
+use crate::measurement::{Correction, FilterInput, Measurement, gaussian_of, whole_report};
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
@@ -201,6 +201,28 @@ impl SensorEntry {
         self.correction = *correction;
         self.reports = self.reports.saturating_add(1);
         self.misses = 0;
+    }
+
+    /// A measurement in it, or all of it, without corrections, as input of the filter of a system track.
+    pub(crate) fn input(&self, system_track: u32, measurement: Option<&Measurement>) -> FilterInput {
+        let mut raw = measurement.copied().unwrap_or_else(|| whole_report(&self.latest));
+        raw.uncorrect(&self.correction);
+        let shift_m = self.correction.shift_m;
+        let variance = |axis: usize| self.latest.covariance.get(axis + AXES, axis + AXES);
+        FilterInput {
+            time_ns: self.time_ns,
+            system_track,
+            source: self.source,
+            begins: measurement.is_none(),
+            has_height: raw.axes == AXES,
+            position_m: raw.position_m,
+            covariance_m2: raw.covariance_m2,
+            velocity_mps: self.latest.velocity_mps,
+            reported_m: std::array::from_fn(|axis| self.latest.position_m[axis] + shift_m[axis]),
+            velocity_m2ps2: std::array::from_fn(variance),
+            point_m: [0.0; 2],
+            point_m2: 0.0,
+        }
     }
 
     /// Clears the relation to the last system track before the track joins another.

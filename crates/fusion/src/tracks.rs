@@ -10,6 +10,7 @@ use crate::checkpoint::{CheckpointWriter, RecordKind};
 use crate::dependence::Dependence;
 use crate::filter::TargetFilter;
 use crate::lifetimes::Lifetimes;
+use crate::measurement::{FilterInput, Measurement};
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
 use crate::purity::Purity;
@@ -348,6 +349,12 @@ impl Tracks {
             }
         });
         self.sensors.get_mut(sensor).role = Role::Primary;
+    }
+
+    /// A measurement in the latest report of a sensor track, or the whole report, as input of its track's filter.
+    pub(crate) fn input(&self, sensor: SensorSlot, measurement: Option<&Measurement>) -> FilterInput {
+        let entry = self.sensors.get(sensor);
+        entry.input(self.systems.get(entry.system).number, measurement)
     }
 
     /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.

@@ -15,17 +15,17 @@ const LEVEL: usize = 0;
 const CLIMB: usize = 1;
 const CHANGE: usize = 2;
 /// Mean durations, seconds.
-const LEVEL_S: f64 = 80.0;
-const CLIMB_S: f64 = 100.0;
-const CHANGE_S: f64 = 8.0;
+pub(crate) const LEVEL_S: f64 = 80.0;
+pub(crate) const CLIMB_S: f64 = 100.0;
+pub(crate) const CHANGE_S: f64 = 8.0;
 /// Share of the changes after which the target flies level.
-const LEVELS_OFF: f64 = 0.4;
+pub(crate) const LEVELS_OFF: f64 = 0.4;
 /// Remaining rate of climb in level flight, m/s, and white noise of the height, m²/s.
-const REMAINDER_MPS: f64 = 0.3;
-const WANDER_M2PS: f64 = 0.01;
+pub(crate) const REMAINDER_MPS: f64 = 0.3;
+pub(crate) const WANDER_M2PS: f64 = 0.01;
 /// Noise of the rate in a climb, m²/s³.
-const CLIMB_M2PS3: f64 = 0.002;
-const PRIOR: [f64; MODELS] = [0.3, 0.5, 0.2];
+pub(crate) const CLIMB_M2PS3: f64 = 0.002;
+pub(crate) const PRIOR: [f64; MODELS] = [0.3, 0.5, 0.2];
 const PROBABILITY_MIN: f64 = 1e-4;
 /// Largest logarithm of a ratio of likelihoods.
 const EXPONENT_MAX: f64 = 100.0;

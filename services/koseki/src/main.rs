@@ -48,7 +48,7 @@ use configuration::BUILT_IN_DEMO;
 use deployment::Process;
 use launcher::RunOptions;
 use messages::ProcessKind;
-use offline::{Host, Terminal, Usage};
+use offline::{Host, TableCommand, Terminal, Usage};
 use runtime::{Now, Options};
 
 use args::{Cli, Command, Serve};
@@ -133,6 +133,9 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Condition(condition) => order::condition(&condition),
         Command::Decode(decode) => decode::run(&decode),
         Command::Encode(encode) => encode::run(&encode),
+        Command::OnTables(TableCommand::Smooth(smooth)) if smooth.recording.is_some() => {
+            replay::smoothing::run(&smooth, smooth.recording.as_deref().unwrap_or(Path::new("")))
+        }
         Command::OnTables(command) => command.run(&Terminal::reading(config::read)),
         Command::Bearings(bearings) => bearings::run(&bearings),
         Command::Send(send) => send::run(&send),

@@ -1,15 +1,14 @@
 //! `koseki recording export`: content of a recording of all topics in other formats.
 
 use std::fs::File;
-use std::io::{self, BufReader, Write as _};
-use std::path::PathBuf;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
-use asterix::registry;
 use messages::SystemTrack;
 use messages::layout::Sample as _;
-use offline::{OutputFile, Usage, check_outputs};
-use outgoing::{SystemReports, SystemSource};
+use offline::{BlockForm, OutputFile, TrackBlocks, Usage, check_outputs};
+use outgoing::HeightReference;
 use recorder::Tables;
 use recording::{Facts, Item};
 
@@ -18,11 +17,6 @@ use crate::config::Config;
 use crate::recording_foxglove::PictureWriter;
 use crate::recording_info::files;
 use crate::replay::{configuration, facts};
-
-/// Largest size of a data block, bytes: with the headers of UDP and IP it fits an Ethernet frame.
-const BLOCK_OCTETS_MAX: usize = 1400;
-/// Category of system tracks.
-const SYSTEM_TRACKS: u8 = 62;
 
 /// Exports.
 ///
@@ -42,11 +36,12 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     let config = configuration(&facts, &paths[0])?;
     let tables = |folder| Tables::begin(&config, folder, first_day_ns(&facts)?);
     let mut tables = export.csv.as_deref().map(tables).transpose()?;
+    let tracks = messages::system_tracks().name;
     let mut blocks = export
         .asterix
         .as_deref()
-        .map(|path| TrackBlocks::begin(&config, OutputFile::begin(path)?));
-    let mut blocks = blocks.take().transpose()?;
+        .map(|path| blocks(&config, path))
+        .transpose()?;
     let pictures = |path: &PathBuf| PictureWriter::begin(&config, OutputFile::begin(path)?);
     let mut pictures = export.foxglove.as_ref().map(pictures).transpose()?;
     for path in &paths {
@@ -54,13 +49,19 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
         recording::read::<_, anyhow::Error>(&mut file, |item| {
             tables.as_mut().map_or(Ok(()), |tables| tables.add(&item))?;
             pictures.as_mut().map_or(Ok(()), |pictures| pictures.add(&item))?;
-            Ok(blocks.as_mut().map_or(Ok(()), |blocks| blocks.add(&item))?)
+            if let (Some(blocks), Item::Sample { topic, octets }) = (&mut blocks, &item)
+                && *topic == tracks.as_str()
+                && let Some(track) = SystemTrack::of_octets(octets)
+            {
+                blocks.write(&track)?;
+            }
+            Ok(())
         })
         .with_context(|| format!("exporting {}", path.display()))?;
     }
     tables.map_or(Ok(()), Tables::finish)?;
     pictures.map_or(Ok(()), PictureWriter::finish)?;
-    blocks.map_or(Ok(()), TrackBlocks::finish)
+    blocks.map_or(Ok(()), |blocks| blocks.finish()?.0.finish())
 }
 
 /// Midnight from which the recorder's tables count their seconds.
@@ -69,58 +70,27 @@ fn first_day_ns(facts: &Facts) -> Result<i64, Usage> {
     said.ok_or_else(|| Usage("the recording does not contain the day of its times".to_owned()))
 }
 
-/// System tracks as data blocks.
-struct TrackBlocks {
-    reports: SystemReports,
-    topic: String,
-    out: OutputFile,
+/// Data blocks of the system tracks, with the settings of this deployment's gateway, if present.
+fn blocks(config: &Config, path: &Path) -> anyhow::Result<TrackBlocks<OutputFile>> {
+    let form = block_form(config, None, None, None)?;
+    TrackBlocks::new(OutputFile::begin(path)?, &form, config.frame, &config.sources)
 }
 
-impl TrackBlocks {
-    fn begin(config: &Config, out: OutputFile) -> anyhow::Result<Self> {
-        let table = registry::default_edition(SYSTEM_TRACKS).context("CAT062 has a table")?;
-        let sources = config.sources.iter().map(|source| SystemSource {
-            number: source.number,
-            technology: source.technology,
-        });
-        let sources: Vec<_> = sources.collect();
-        // With the settings of this deployment's gateway, if present.
-        let of_tracks = |gateway: &&gateway::Settings| gateway.source.is_none();
-        let gateway = config.parts.gateway.gateways.iter().find(of_tracks);
-        let table = gateway.map_or(Ok(table), gateway::Settings::table)?;
-        let (sac, sic) = gateway.map_or((0, 0), |gateway| (gateway.sac, gateway.sic));
-        let reports = SystemReports::new(table, sac, sic, config.frame, &sources, BLOCK_OCTETS_MAX)?;
-        Ok(Self {
-            reports: reports.with_height(gateway.map_or_else(Default::default, |gateway| gateway.heights)),
-            topic: messages::system_tracks().name.as_str().to_owned(),
-            out,
-        })
-    }
-
-    fn add(&mut self, item: &Item<'_>) -> io::Result<()> {
-        match item {
-            Item::Sample { topic, octets } if *topic == self.topic => match SystemTrack::of_octets(octets) {
-                Some(track) => self.put(|reports, send| reports.report(&track, send)),
-                None => Ok(()),
-            },
-            _ => Ok(()),
-        }
-    }
-
-    /// Does `what`, and writes the blocks that come of it.
-    fn put(&mut self, what: impl FnOnce(&mut SystemReports, &mut outgoing::SendBlock<'_>)) -> io::Result<()> {
-        let Self { reports, out, .. } = self;
-        let mut written = Ok(());
-        what(reports, &mut |block| {
-            if written.is_ok() {
-                written = out.write_all(block);
-            }
-        });
-        written
-    }
-
-    fn finish(mut self) -> anyhow::Result<()> {
-        self.put(SystemReports::flush)?;
-        self.out.finish()
-    }
+/// Form of the data blocks of a recording: as given, else as its gateway sends, if present.
+pub(crate) fn block_form(
+    config: &Config,
+    sac: Option<u8>,
+    sic: Option<u8>,
+    heights: Option<HeightReference>,
+) -> anyhow::Result<BlockForm> {
+    let of_tracks = |gateway: &&gateway::Settings| gateway.source.is_none();
+    let gateway = config.parts.gateway.gateways.iter().find(of_tracks);
+    let of_gateway = gateway.map_or((0, 0, HeightReference::default()), |gateway| {
+        (gateway.sac, gateway.sic, gateway.heights)
+    });
+    Ok(BlockForm {
+        table: gateway.map(gateway::Settings::table).transpose()?,
+        sender: [sac.unwrap_or(of_gateway.0), sic.unwrap_or(of_gateway.1)],
+        heights: heights.unwrap_or(of_gateway.2),
+    })
 }

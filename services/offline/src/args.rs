@@ -1,5 +1,7 @@
 //! Commands on files: their arguments and their help.
 
+mod smooth;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -12,6 +14,9 @@ use crate::files::Usage;
 use crate::locate_columns::{DECISION_COLUMNS, FIX_COLUMNS};
 use crate::score_args::{SCORE_EXAMPLES, Score};
 use crate::values::{above_zero, refresh, seconds, whole_second};
+use smooth::SMOOTH_EXAMPLES;
+
+pub use smooth::Smooth;
 
 /// A command on tables.
 #[derive(Debug, Subcommand)]
@@ -22,6 +27,9 @@ pub enum TableCommand {
     /// Fuse files of sensor tracks into one file of system tracks
     #[command(after_help = fuse_examples())]
     Fuse(Fuse),
+    /// Smooth the system tracks of a recording, or of files of sensor tracks, with later measurements
+    #[command(after_help = SMOOTH_EXAMPLES)]
+    Smooth(Smooth),
     /// Track targets in files of detections
     #[command(after_help = track_examples())]
     Track(TrackArgs),

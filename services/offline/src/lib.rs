@@ -19,14 +19,16 @@ mod reading;
 mod score;
 mod score_args;
 mod simulate;
+mod smooth;
 mod terminal;
 mod track;
 pub mod values;
 
-pub use args::{TableCommand, refusal};
+pub use args::{Smooth, TableCommand, refusal};
 pub use files::{InputError, OutputFile, Usage, check_outputs, is_same_file, open};
 pub use host::{Host, TableInput, TableOutput};
 pub use reading::SkippedRows;
+pub use smooth::{BlockForm, SmoothTotals, TrackBlocks};
 pub use terminal::Terminal;
 
 impl TableCommand {
@@ -38,6 +40,7 @@ impl TableCommand {
         match self {
             Self::Simulate(simulate) => simulate::run(simulate, host),
             Self::Fuse(fuse) => fuse::run(fuse, host),
+            Self::Smooth(smooth) => smooth::run(smooth, host),
             Self::Track(track) => track::run(track, host),
             Self::Locate(locate) => locate::run(locate, host),
             Self::Compare(compare) => compare::run(compare, host),

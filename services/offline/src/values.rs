@@ -2,6 +2,9 @@
 
 use std::time::Duration;
 
+use frames::Geodetic;
+use outgoing::HeightReference;
+
 /// Maximum of `--for`, seconds: a hundred years.
 const SECONDS_MAX: f64 = 3.2e9;
 /// Limit of times in files, either side of 0, seconds; no later time is worth scoring.
@@ -29,6 +32,29 @@ pub fn refresh(text: &str) -> Result<Duration, String> {
         return Ok(time);
     }
     Err("it must lie between 0.001 and 3600".to_owned())
+}
+
+/// Parses a place on the Earth: latitude and longitude in degrees, and a height in metres if it is not 0.
+///
+/// # Errors
+/// If `text` is no place; the message describes valid values.
+pub fn place(text: &str) -> Result<Geodetic, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let form = "write latitude and longitude in degrees, and a height in metres if it is not 0, as in 41.297,2.078,4";
+    match numbers.as_deref() {
+        Some([latitude, longitude]) => Geodetic::from_degrees(*latitude, *longitude, 0.0),
+        Some([latitude, longitude, height]) => Geodetic::from_degrees(*latitude, *longitude, *height),
+        _ => return Err(form.to_owned()),
+    }
+    .map_err(|error| format!("{error}; {form}"))
+}
+
+/// Parses the kind of heights.
+///
+/// # Errors
+/// If `text` is none; the message describes valid values.
+pub fn heights(text: &str) -> Result<HeightReference, String> {
+    HeightReference::from_word(text).ok_or_else(|| "write geometric or barometric".to_owned())
 }
 
 /// Parses a finite number.

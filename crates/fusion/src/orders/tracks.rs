@@ -136,6 +136,7 @@ impl Engine {
         if !linking.start(sensor, deadline_ns, out) {
             return;
         }
+        out.input(|| self.tracks.input(sensor, None));
         let new = self.tracks.sensors.get(sensor).system;
         record.tracks = [order.track, self.tracks.systems.get(new).number];
         self.bind(record);

@@ -75,6 +75,7 @@ Examples:
   koseki decode radar.pcap --out radar.jsonl    the ASTERIX records of a recording, a JSON object per line
   koseki bench latency --rate 20000             time of a report through fusion, and the machine's part of the time
   koseki fuse --tracks a.csv b.csv --refresh 1 --out fused.csv    files of sensor tracks into system tracks
+  koseki smooth --tracks a.csv b.csv --refresh 1 --out after.csv  the same system tracks, with later measurements too
   koseki track --detections radar.csv --out tracks.csv            files of detections into tracks
   koseki locate --bearings flight.csv --out fixes.csv             bearings into positions of transmitters
 

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, VecDeque};
 use deployment::ReportOrder;
 use fusion::checkpoint::Snapshot;
 use fusion::event_log::{Event, EventReader};
-use fusion::{Driver, Engine, ReportNumber, Settings};
+use fusion::{Driver, Engine, FilterInput, ReportNumber, Settings, Sink};
 use messages::{NO_SOURCE, Order, OrderKind, Restored, SensorTrack, SystemTrack, WorkStep};
 
 /// A report that is not in the recording so long after its step is missing, nanoseconds.
@@ -23,6 +23,8 @@ pub(crate) enum RunOutcome<'a> {
     Began(u64, u64),
     /// A state of a system track.
     State(&'a SystemTrack),
+    /// The filter of a system track has received something.
+    Input(&'a FilterInput),
     /// Something of the fusion with this start-up number is missing: nothing follows until one begins, or is known
     /// again.
     Broke(u64),
@@ -114,6 +116,12 @@ impl Again {
             worked: 0,
             missing: 0,
         }
+    }
+
+    /// The engine of the present fusion, or of the last one.
+    pub(crate) fn engine(&self) -> Option<&Engine> {
+        let run = self.run.as_ref().or(self.before.as_ref());
+        run.map(|run| run.driver.engine())
     }
 
     /// Takes a report of `source`: the sample with this number of the publisher of this incarnation.
@@ -217,7 +225,7 @@ impl Again {
                 let found = self.find(source, publisher, sequence);
                 return Ok(!(matches!(found, ReportSearch::NotYet) && can_wait));
             }
-            Event::Time { passed_ns } => self.drive(out, |driver, mut sink| driver.advance(passed_ns, &mut sink)),
+            Event::Time { passed_ns } => self.drive(out, |driver, sink| driver.advance(passed_ns, sink)),
             Event::Condition { condition, passed_ns } => {
                 let name = self.plan.conditions.get(condition as usize);
                 let order = Order {
@@ -226,7 +234,7 @@ impl Again {
                 };
                 match name.and_then(|name| order.with_name(name)) {
                     Some(order) => self.obey(&order, passed_ns, out),
-                    None => self.drive(out, |driver, mut sink| driver.advance(passed_ns, &mut sink)),
+                    None => self.drive(out, |driver, sink| driver.advance(passed_ns, sink)),
                 }
             }
             Event::Order { order, passed_ns } => self.obey(&order, passed_ns, out),
@@ -267,9 +275,7 @@ impl Again {
         match (found, &mut self.before) {
             (Some(snapshot), _) => {
                 let ends = parts[0].ends != 0;
-                run.drive(plan.origin, out, |driver, mut sink| {
-                    driver.resume(&snapshot, ends, &mut sink)
-                });
+                run.drive(plan.origin, out, |driver, sink| driver.resume(&snapshot, ends, sink));
                 true
             }
             (None, Some(before)) if plan.tolerates && (is_whole || !plan.restores) => {
@@ -343,9 +349,7 @@ impl Again {
         };
         self.worked += 1;
         report.source = source;
-        self.drive(out, |driver, mut sink| {
-            driver.report(&mut report, number, passed_ns, &mut sink)
-        });
+        self.drive(out, |driver, sink| driver.report(&mut report, number, passed_ns, sink));
     }
 
     /// Obeys an order, if its sources take part.
@@ -355,7 +359,7 @@ impl Again {
             source => self.plan.source(source),
         };
         let (source, other_source) = (number(order.source), number(order.other_source));
-        self.drive(out, |driver, mut sink| match (source, other_source) {
+        self.drive(out, |driver, sink| match (source, other_source) {
             (Some(source), Some(other_source)) => {
                 let order = Order {
                     source,
@@ -363,18 +367,14 @@ impl Again {
                     ..*order
                 };
                 // Under other settings, an order may be refused.
-                let _ = driver.order(&order, passed_ns, &mut sink);
+                let _ = driver.order(&order, passed_ns, sink);
             }
-            _ => driver.advance(passed_ns, &mut sink),
+            _ => driver.advance(passed_ns, sink),
         });
     }
 
     /// Lets the present fusion act, if there is one.
-    fn drive<O: FnMut(RunOutcome<'_>)>(
-        &mut self,
-        out: &mut O,
-        act: impl FnOnce(&mut Driver<()>, &mut dyn FnMut(&SystemTrack)),
-    ) {
+    fn drive<O: FnMut(RunOutcome<'_>)>(&mut self, out: &mut O, act: impl FnOnce(&mut Driver<()>, &mut RunSink<'_, O>)) {
         if let Some(run) = &mut self.run {
             run.drive(self.plan.origin, out, act);
         }
@@ -420,23 +420,51 @@ impl FusionRun {
         &mut self,
         origin: u32,
         out: &mut O,
-        act: impl FnOnce(&mut Driver<()>, &mut dyn FnMut(&SystemTrack)),
+        act: impl FnOnce(&mut Driver<()>, &mut RunSink<'_, O>),
     ) {
         let Self {
             driver,
             epoch,
             sequence,
         } = self;
-        act(driver, &mut |state: &SystemTrack| {
-            let state = SystemTrack {
-                sequence: *sequence,
+        act(
+            driver,
+            &mut RunSink {
                 epoch: *epoch,
+                sequence,
                 origin,
-                ..*state
-            };
-            *sequence += 1;
-            out(RunOutcome::State(&state));
-        });
+                out,
+            },
+        );
+    }
+}
+
+/// What a run of fusion emits, as outcomes.
+struct RunSink<'a, O> {
+    epoch: u64,
+    sequence: &'a mut u64,
+    origin: u32,
+    out: &'a mut O,
+}
+
+impl<O: FnMut(RunOutcome<'_>)> Sink for RunSink<'_, O> {
+    fn track(&mut self, track: &SystemTrack) {
+        let state = SystemTrack {
+            sequence: *self.sequence,
+            epoch: self.epoch,
+            origin: self.origin,
+            ..*track
+        };
+        *self.sequence += 1;
+        (self.out)(RunOutcome::State(&state));
+    }
+
+    fn follows_inputs(&self) -> bool {
+        true
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        (self.out)(RunOutcome::Input(input));
     }
 }
 

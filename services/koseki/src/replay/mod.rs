@@ -9,13 +9,15 @@ mod again;
 #[cfg(test)]
 mod again_tests;
 mod live;
+pub(crate) mod smoothing;
 mod verification;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use deployment::Source;
@@ -58,7 +60,47 @@ pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
         None => recorded.clone(),
     };
     let plan = plan(replay, &recorded, &used);
-    let topics = recorded.sources.iter().map(|source| {
+    let result = Result {
+        span: (replay.from, replay.to),
+        verification: replay.verify.then(Verification::default),
+        out: replay.out.as_deref().map(OutputFile::begin).transpose()?,
+        rows: None,
+        config: used,
+        failed: Ok(()),
+        states: 0,
+    };
+    let (again, result) = fused_again(&files, topics(&recorded), plan, result)?;
+    result.finish(&again)
+}
+
+/// Fuses the recording in `files` again; all that comes of it goes to `result`.
+fn fused_again<R: ReplayResult>(
+    files: &[PathBuf],
+    topics: BTreeMap<String, ReplayTopic>,
+    plan: Plan,
+    result: R,
+) -> anyhow::Result<(Again, R)> {
+    let mut reading = ReplayReading {
+        topics,
+        slice: BatchHeader::default(),
+        place: 0,
+        topic: None,
+        taken_ns: 0,
+        again: Again::new(plan),
+        result,
+    };
+    for path in files {
+        let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
+        recording::read::<_, anyhow::Error>(&mut file, |item| reading.item(item))
+            .with_context(|| format!("reading {}", path.display()))?;
+    }
+    reading.work(u64::MAX)?;
+    Ok((reading.again, reading.result))
+}
+
+/// Topics of a recording that a replay looks at.
+fn topics(recorded: &Config) -> BTreeMap<String, ReplayTopic> {
+    let reports = recorded.sources.iter().map(|source| {
         let topic = messages::sensor_tracks(&source.name);
         (topic.name.as_str().to_owned(), ReplayTopic::Reports(source.number))
     });
@@ -68,29 +110,7 @@ pub(crate) fn run(replay: &ReplayArgs) -> anyhow::Result<()> {
         (messages::restored().name, ReplayTopic::Restored),
     ];
     let own = own.map(|(name, topic)| (name.as_str().to_owned(), topic));
-    let mut reading = ReplayReading {
-        topics: topics.chain(own).collect(),
-        slice: BatchHeader::default(),
-        place: 0,
-        topic: None,
-        taken_ns: 0,
-        again: Again::new(plan),
-        result: Result {
-            span: (replay.from, replay.to),
-            verification: replay.verify.then(Verification::default),
-            out: replay.out.as_deref().map(OutputFile::begin).transpose()?,
-            rows: None,
-            config: used,
-            failed: Ok(()),
-            states: 0,
-        },
-    };
-    for path in &files {
-        let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
-        recording::read::<_, anyhow::Error>(&mut file, |item| reading.item(item))
-            .with_context(|| format!("reading {}", path.display()))?;
-    }
-    reading.finish()
+    reports.chain(own).collect()
 }
 
 /// Shows a recording in browsers.
@@ -116,9 +136,24 @@ enum ReplayTopic {
     Restored,
 }
 
+/// Receiver of what a replay gives.
+trait ReplayResult {
+    /// Takes an outcome.
+    fn take(&mut self, outcome: RunOutcome<'_>);
+
+    /// Takes a failure so far.
+    fn take_failure(&mut self) -> std::io::Result<()>;
+
+    /// Takes a recorded state of a system track.
+    fn record(&mut self, _: &SystemTrack) {}
+
+    /// States that the recording does not contain.
+    fn pass_over(&mut self, _missing: &[Range<usize>]) {}
+}
+
 /// The recording, as it is read.
 #[derive(Debug)]
-struct ReplayReading {
+struct ReplayReading<R> {
     topics: BTreeMap<String, ReplayTopic>,
     /// Header of the slice at hand, the place of its next sample, its topic, and when it was taken.
     slice: BatchHeader,
@@ -126,7 +161,7 @@ struct ReplayReading {
     topic: Option<ReplayTopic>,
     taken_ns: u64,
     again: Again,
-    result: Result,
+    result: R,
 }
 
 /// Where the states go.
@@ -142,14 +177,12 @@ struct Result {
     states: u64,
 }
 
-impl ReplayReading {
+impl<R: ReplayResult> ReplayReading<R> {
     fn item(&mut self, item: Item<'_>) -> anyhow::Result<()> {
         match item {
             Item::Topic { name, missing, .. } => {
-                if let (Some(ReplayTopic::States), Some(verification)) =
-                    (self.topics.get(name), &mut self.result.verification)
-                {
-                    verification.pass_over(missing);
+                if let Some(ReplayTopic::States) = self.topics.get(name) {
+                    self.result.pass_over(missing);
                 }
             }
             Item::Facts(_) => {}
@@ -163,12 +196,7 @@ impl ReplayReading {
                 self.slice = header;
                 self.place = 0;
                 self.taken_ns = taken_ns;
-                let Self { again, result, .. } = self;
-                again.work(taken_ns, &mut |outcome| result.take(outcome))?;
-                result.failed = match std::mem::replace(&mut result.failed, Ok(())) {
-                    Err(error) => return Err(error.into()),
-                    done => done,
-                };
+                self.work(taken_ns)?;
             }
             Item::Sample { octets, .. } => self.sample(octets),
         }
@@ -191,10 +219,8 @@ impl ReplayReading {
                 }
             }
             Some(ReplayTopic::States) => {
-                if let (Some(verification), Some(state)) =
-                    (&mut self.result.verification, SystemTrack::of_octets(octets))
-                {
-                    verification.record(&state);
+                if let Some(state) = SystemTrack::of_octets(octets) {
+                    self.result.record(&state);
                 }
             }
             Some(ReplayTopic::Restored) => {
@@ -206,14 +232,31 @@ impl ReplayReading {
         }
     }
 
-    fn finish(mut self) -> anyhow::Result<()> {
-        let Self { again, result, .. } = &mut self;
-        again.work(u64::MAX, &mut |outcome| result.take(outcome))?;
-        self.result.finish(&self.again)
+    /// Works off what the recording contains up to this time of its recorder.
+    fn work(&mut self, read_ns: u64) -> anyhow::Result<()> {
+        let Self { again, result, .. } = self;
+        again.work(read_ns, &mut |outcome| result.take(outcome))?;
+        Ok(result.take_failure()?)
     }
 }
 
-impl Result {
+impl ReplayResult for Result {
+    fn record(&mut self, state: &SystemTrack) {
+        if let Some(verification) = &mut self.verification {
+            verification.record(state);
+        }
+    }
+
+    fn pass_over(&mut self, missing: &[Range<usize>]) {
+        if let Some(verification) = &mut self.verification {
+            verification.pass_over(missing);
+        }
+    }
+
+    fn take_failure(&mut self) -> std::io::Result<()> {
+        std::mem::replace(&mut self.failed, Ok(()))
+    }
+
     fn take(&mut self, outcome: RunOutcome<'_>) {
         match outcome {
             RunOutcome::Began(epoch, sequence) => {
@@ -237,9 +280,12 @@ impl Result {
                     self.failed = self.write(state);
                 }
             }
+            RunOutcome::Input(_) => {}
         }
     }
+}
 
+impl Result {
     fn write(&mut self, state: &SystemTrack) -> std::io::Result<()> {
         if let Some(out) = self.out.take() {
             let of_first = || state.reference_time_ns.div_euclid(NS_PER_DAY) * NS_PER_DAY;
@@ -251,7 +297,6 @@ impl Result {
     }
 
     fn finish(self, again: &Again) -> anyhow::Result<()> {
-        self.failed?;
         if let Some(rows) = self.rows {
             rows.into_inner().finish()?;
         }

@@ -5,7 +5,7 @@
 //! sensors ([`crate::reading`]).
 
 mod picture;
-mod rows;
+pub(crate) mod rows;
 mod summary;
 
 use std::path::PathBuf;
@@ -89,6 +89,6 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
 }
 
 /// Converts a duration to nanoseconds; the argument parser has checked its range.
-fn nanoseconds(time: Duration) -> i64 {
+pub(crate) fn nanoseconds(time: Duration) -> i64 {
     time.as_nanos() as i64
 }

@@ -2,7 +2,7 @@
 
 use std::io;
 
-use fusion::{Driver, Engine, ReportNumber, Sink};
+use fusion::{Driver, Engine, FilterInput, ReportNumber, Sink};
 use messages::{Decision, SystemTrack};
 
 use super::merged::MergedRows;
@@ -31,6 +31,8 @@ pub(crate) struct DriveTotals {
 struct EngineOutput {
     states: Vec<SystemTrack>,
     decisions: Vec<Decision>,
+    /// Inputs of filters, where they are followed.
+    inputs: Option<Vec<FilterInput>>,
 }
 
 impl Sink for EngineOutput {
@@ -40,6 +42,52 @@ impl Sink for EngineOutput {
 
     fn decision(&mut self, decision: &Decision) {
         self.decisions.push(*decision);
+    }
+
+    fn follows_inputs(&self) -> bool {
+        self.inputs.is_some()
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        if let Some(inputs) = &mut self.inputs {
+            inputs.push(*input);
+        }
+    }
+}
+
+/// Receiver of what the engine emits for one report.
+pub(crate) trait EngineReader {
+    /// Takes the next state of a system track.
+    fn state(&mut self, state: &SystemTrack) -> io::Result<()>;
+
+    /// Takes the next decision.
+    fn decision(&mut self, _: &Decision) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Whether inputs of filters are wanted.
+    fn follows_inputs(&self) -> bool {
+        false
+    }
+
+    /// Takes the next input of a filter.
+    fn input(&mut self, _: &FilterInput) {}
+}
+
+/// Reader of states and decisions.
+struct StatesAndDecisions<R, E>(R, E);
+
+impl<R, E> EngineReader for StatesAndDecisions<R, E>
+where
+    R: FnMut(&SystemTrack) -> io::Result<()>,
+    E: FnMut(&Decision) -> io::Result<()>,
+{
+    fn state(&mut self, state: &SystemTrack) -> io::Result<()> {
+        self.0(state)
+    }
+
+    fn decision(&mut self, decision: &Decision) -> io::Result<()> {
+        self.1(decision)
     }
 }
 
@@ -53,8 +101,21 @@ pub(crate) fn drive(
     host: &dyn Host,
     engine: Engine,
     reports: &mut MergedRows,
-    mut row: impl FnMut(&SystemTrack) -> io::Result<()>,
-    mut explain: impl FnMut(&Decision) -> io::Result<()>,
+    row: impl FnMut(&SystemTrack) -> io::Result<()>,
+    explain: impl FnMut(&Decision) -> io::Result<()>,
+) -> anyhow::Result<(Engine, DriveTotals)> {
+    drive_into(host, engine, reports, &mut StatesAndDecisions(row, explain))
+}
+
+/// Processes all reports as [`drive`] does; all that the engine emits goes to `reader`.
+///
+/// # Errors
+/// If reading a file fails, or `reader` fails.
+pub(crate) fn drive_into(
+    host: &dyn Host,
+    engine: Engine,
+    reports: &mut MergedRows,
+    reader: &mut impl EngineReader,
 ) -> anyhow::Result<(Engine, DriveTotals)> {
     let mut driven = DriveTotals {
         by_source: vec![0; engine.settings().sources.len()],
@@ -62,10 +123,17 @@ pub(crate) fn drive(
     };
     // A file needs no log: the rows are all events.
     let mut driver = Driver::begin(engine, (), 0);
-    let mut out = EngineOutput::default();
+    let mut out = EngineOutput {
+        inputs: reader.follows_inputs().then(Vec::new),
+        ..EngineOutput::default()
+    };
     let mut pass_on = |out: &mut EngineOutput| -> io::Result<()> {
-        out.states.drain(..).try_for_each(|state| row(&state))?;
-        out.decisions.drain(..).try_for_each(|decision| explain(&decision))
+        let inputs = out.inputs.iter_mut().flat_map(|inputs| inputs.drain(..));
+        inputs.for_each(|input| reader.input(&input));
+        out.states.drain(..).try_for_each(|state| reader.state(&state))?;
+        out.decisions
+            .drain(..)
+            .try_for_each(|decision| reader.decision(&decision))
     };
     let progress = Progress::new(host, reports.octets_in_all);
     while let Some(mut report) = reports.next()? {

@@ -8,7 +8,7 @@ mod refusals;
 mod setup;
 mod survey;
 
-pub(crate) use drive::{DriveTotals, drive};
+pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
 pub(crate) use merged::named_twice;
 pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use configuration::{Config, Offline};
+use deployment::Deployment;
 use fusion::Settings;
 use fusion::settings::SOURCES_MAX;
 use messages::FusionRule;
@@ -20,6 +21,8 @@ pub(crate) struct Setup<'a> {
     /// `sensor_id` of each source in the files.
     pub(crate) sensor_ids: Vec<u32>,
     pub(crate) settings: Settings,
+    /// The deployment, if the configuration is one.
+    pub(crate) deployment: Option<Deployment>,
 }
 
 /// Configuration given by `--config`.
@@ -42,18 +45,18 @@ impl<'a> Setup<'a> {
             None => FuseConfiguration::Offline(Box::default()),
         };
         let survey = FileSurvey::of(host, &input.tracks)?;
-        let (sensor_ids, settings) = match given {
+        let (sensor_ids, settings, deployment) = match given {
             FuseConfiguration::Deployment(config) => {
                 let ids = config
                     .sources
                     .iter()
                     .map(|source| observations::sensor_id(source.number));
-                (ids.collect(), config.engine)
+                (ids.collect(), config.engine, Some(config.deployment))
             }
             FuseConfiguration::Offline(config) => {
                 check(input, &survey)?;
                 let found = config.settings(&survey.sensors)?;
-                (found.sensor_ids, found.engine)
+                (found.sensor_ids, found.engine, None)
             }
         };
         Ok(Self {
@@ -61,6 +64,7 @@ impl<'a> Setup<'a> {
             input,
             sensor_ids,
             settings,
+            deployment,
         })
     }
 

@@ -1,0 +1,195 @@
+//! Smoothed trajectories: the states of recorded system tracks from all measurements, later ones included.
+//!
+//! The engine fuses a recording once more and passes on what each filter receives ([`FilterInput`]). [`Trajectories`]
+//! collects the inputs, and the times of the published states. Once the recording has ended,
+//! [`Trajectories::smooth`] gives the state of each track at each of these times:
+//!
+//! 1. The errors of the sources are taken off as they are known at the end, from the whole recording, not as they were
+//!    known at the time. The same holds for the sizes of their covariances and for how targets manoeuvre.
+//! 2. The measurements are brought into the order of their times. Late ones thus count like those in time.
+//! 3. A smoother per mode of motion ([`estimation::Smoother`]) runs over the plane, another over the vertical, with the
+//!    models of the filters. It runs twice: speed and course, on which the models depend, are those of the first run.
+//!
+//! Measurements behind the reports of sources' own trackers are recovered as for the filter, so their errors are
+//! independent. A report whose measurement cannot be recovered repeats earlier information; as in the filter, it counts
+//! as a measurement of three times its covariance.
+//!
+//! Limits: the association is that of the engine and not done again. A track that the engine begins anew has a new
+//! trajectory from there. States of other centres have no measurements and stay as they are.
+
+mod plane;
+mod stretch;
+mod trajectory;
+mod vertical;
+
+use std::collections::BTreeMap;
+
+use messages::{
+    AXES, Covariance, HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, VerticalMovement,
+    movement_bits,
+};
+
+use crate::Engine;
+use crate::measurement::FilterInput;
+use trajectory::{SmoothedState, Trajectory};
+
+/// Probabilities from which a target surely flies straight, and from which it turns.
+const SURE: f32 = 0.9;
+const PROBABLE: f32 = 0.5;
+/// Rate of climb below which a target flies level, m/s.
+const LEVEL_MPS: f64 = 1.5;
+
+/// Inputs of the filters of all system tracks, and the times of their states.
+#[derive(Debug, Default)]
+pub struct Trajectories {
+    tracks: BTreeMap<u32, Trajectory>,
+    inputs: u64,
+}
+
+/// Smoothed states of all system tracks.
+#[derive(Debug, Default)]
+pub struct SmoothedTracks {
+    /// By the track's number, in the order of time.
+    tracks: BTreeMap<u32, Vec<SmoothedState>>,
+    /// Variance per axis of errors that no measurement shows, m².
+    common_error_m2: f64,
+}
+
+impl Trajectories {
+    /// Takes the next input of a filter.
+    pub fn input(&mut self, input: &FilterInput) {
+        self.inputs += 1;
+        self.tracks.entry(input.system_track).or_default().inputs.push(*input);
+    }
+
+    /// Takes the next state of a system track: a smoothed state shall have the same time.
+    pub fn state(&mut self, state: &SystemTrack) {
+        let times = &mut self.tracks.entry(state.track_number).or_default().times_ns;
+        if times.last() != Some(&state.reference_time_ns) {
+            times.push(state.reference_time_ns);
+        }
+    }
+
+    /// Number of inputs taken.
+    pub fn inputs(&self) -> u64 {
+        self.inputs
+    }
+
+    /// Smooths all trajectories with what `engine` knows at the end of the recording. `progress` receives the number of
+    /// inputs done, and ends the work by an error.
+    ///
+    /// # Errors
+    /// That of `progress`.
+    pub fn smooth<E>(
+        mut self,
+        engine: &Engine,
+        mut progress: impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<SmoothedTracks, E> {
+        let mut smoothed = SmoothedTracks {
+            tracks: BTreeMap::new(),
+            common_error_m2: engine.publisher.common_error_m2(),
+        };
+        let mut done = 0;
+        while let Some((number, track)) = self.tracks.pop_first() {
+            done += track.inputs.len() as u64;
+            smoothed.tracks.insert(number, track.smooth(engine));
+            progress(done)?;
+        }
+        Ok(smoothed)
+    }
+}
+
+impl SmoothedTracks {
+    /// The state of the same track and time with the smoothed kinematics; `None` where there is no measurement.
+    pub fn of(&self, state: &SystemTrack) -> Option<SystemTrack> {
+        let states = self.tracks.get(&state.track_number)?;
+        let place = states
+            .binary_search_by_key(&state.reference_time_ns, |smoothed| smoothed.time_ns)
+            .ok()?;
+        let smoothed = &states[place];
+        let mut message = *state;
+        let [x, y, vx, vy] = smoothed.plane.mean;
+        for (axis, (position, velocity)) in [(x, vx), (y, vy)].into_iter().enumerate() {
+            message.position_m[axis] = position;
+            message.velocity_mps[axis] = velocity;
+        }
+        message.covariance = Covariance::default();
+        const PLANE: [usize; 4] = [0, 1, AXES, AXES + 1];
+        let mut elements = smoothed.plane.covariance.into_iter();
+        for (place, row) in PLANE.into_iter().enumerate() {
+            for (column, value) in PLANE[place..].iter().zip(&mut elements) {
+                message.covariance.set(row, *column, value);
+            }
+        }
+        for axis in 0..2 {
+            let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
+            *variance += self.common_error_m2;
+        }
+        [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
+        message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
+        set_vertical(&mut message, state, smoothed);
+        let is_followed = [TrackState::Tentative as u8, TrackState::Confirmed as u8].contains(&state.state);
+        message.movement = if is_followed {
+            movement(&message)
+        } else {
+            Movement::default()
+        };
+        Some(message)
+    }
+}
+
+fn set_vertical(message: &mut SystemTrack, live: &SystemTrack, smoothed: &SmoothedState) {
+    let (z, vz) = (AXES - 1, 2 * AXES - 1);
+    let Some((vertical, modes)) = smoothed.vertical.filter(|_| live.height_valid != 0) else {
+        for (row, column) in [(z, z), (z, vz), (vz, vz)] {
+            message.covariance.set(row, column, live.covariance.get(row, column));
+        }
+        return;
+    };
+    let [height, rate] = vertical.mean;
+    if message.height_sigma_m > 0.0 {
+        message.height_m += (height - live.position_m[z]) as f32;
+    }
+    message.position_m[z] = height;
+    message.velocity_mps[z] = rate;
+    let [zz, cross, rr] = vertical.covariance;
+    for (row, column, value) in [(z, z, zz), (z, vz, cross), (vz, vz, rr)] {
+        message.covariance.set(row, column, value);
+    }
+    message.climb_rate_mps = rate as f32;
+    message.climb_rate_variance = rr as f32;
+    message.mode_probabilities[5..].copy_from_slice(&modes);
+}
+
+/// Modes of movement, as far as they are sure.
+fn movement(message: &SystemTrack) -> Movement {
+    let [steady, _, left, right, ..] = message.mode_probabilities;
+    let [vx, vy, climb_mps] = message.velocity_mps;
+    let mut movement = Movement::default();
+    if steady > SURE {
+        movement.horizontal = HorizontalMovement::Straight as u8;
+        movement.longitudinal = LongitudinalMovement::Constant as u8;
+        movement.valid = movement_bits::ACCELERATION;
+    } else if left.max(right) > PROBABLE {
+        let turns = [HorizontalMovement::TurnRight, HorizontalMovement::TurnLeft];
+        movement.horizontal = turns[usize::from(left > right)] as u8;
+        // The rate is clockwise: (vy, −vx) points to the right.
+        let rate = f64::from(message.turn_rate_radps);
+        movement.acceleration_mps2 = [(rate * vy) as f32, (-rate * vx) as f32, 0.0];
+        movement.valid = movement_bits::ACCELERATION;
+    }
+    if message.height_valid != 0 {
+        let uncertain_mps = 2.0 * f64::from(message.climb_rate_variance.max(0.0)).sqrt();
+        let vertical = match climb_mps {
+            climb if climb > uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Climb,
+            climb if climb < -uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Descend,
+            climb if climb.abs() < LEVEL_MPS && uncertain_mps < 2.0 * LEVEL_MPS => VerticalMovement::Level,
+            _ => VerticalMovement::Unknown,
+        };
+        movement.vertical = vertical as u8;
+    }
+    movement
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+//! A stretch of a trajectory in the order of time: measurements without the errors of their sources, and wanted times.
+
+use messages::{AXES, NS_PER_S, SensorTrack};
+
+use crate::Engine;
+use crate::measurement::{FilterInput, Measurement};
+
+/// Standard deviation of the velocity at the beginning, beside what the first report states, m/s.
+const BEGINNING_MPS: f64 = 150.0;
+/// Factor on the stated variance of the first report's velocity: later measurements know better.
+const BEGINNING: f64 = 25.0;
+
+/// What happens at a time: a measurement, a wanted state, or both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    /// Time since the moment before, seconds.
+    pub(super) passed_s: f64,
+    /// Measurements.
+    pub(super) measurements: (usize, usize),
+    pub(super) is_wanted: bool,
+}
+
+/// A stretch of a trajectory between two beginnings.
+#[derive(Debug)]
+pub(super) struct Stretch {
+    pub(super) moments: Vec<Moment>,
+    pub(super) measurements: Vec<Measurement>,
+    /// Velocity at the first measurement, m/s, and its variances, m²/s².
+    pub(super) velocity_mps: [f64; AXES],
+    pub(super) velocity_m2ps2: [f64; AXES],
+}
+
+impl Stretch {
+    /// Measurements of inputs without the sources' errors, and the times at which something happens. The inputs are in
+    /// the order of time.
+    pub(super) fn new(engine: &Engine, inputs: &[FilterInput], wanted_ns: &[i64]) -> Self {
+        let first = &inputs[0];
+        let mut stretch = Self {
+            moments: Vec::with_capacity(inputs.len() + wanted_ns.len()),
+            measurements: inputs.iter().map(|input| corrected(engine, input)).collect(),
+            velocity_mps: first.velocity_mps,
+            velocity_m2ps2: first
+                .velocity_m2ps2
+                .map(|variance| BEGINNING * variance.max(0.0) + BEGINNING_MPS * BEGINNING_MPS),
+        };
+        let (mut at_ns, mut next, mut wanted) = (first.time_ns, 0, wanted_ns.iter().copied().peekable());
+        while next < inputs.len() || wanted.peek().is_some() {
+            let measured_ns = inputs.get(next).map_or(i64::MAX, |input| input.time_ns);
+            let time_ns = measured_ns.min(wanted.peek().copied().unwrap_or(i64::MAX));
+            let begin = next;
+            while inputs.get(next).is_some_and(|input| input.time_ns == time_ns) {
+                next += 1;
+            }
+            stretch.moments.push(Moment {
+                passed_s: (time_ns - at_ns) as f64 / NS_PER_S,
+                measurements: (begin, next),
+                is_wanted: wanted.next_if_eq(&time_ns).is_some(),
+            });
+            at_ns = time_ns;
+        }
+        stretch
+    }
+
+    /// Measurements of a moment.
+    pub(super) fn measured(&self, moment: &Moment) -> &[Measurement] {
+        let (begin, end) = moment.measurements;
+        &self.measurements[begin..end]
+    }
+}
+
+/// The measurement of an input without the errors of its source, as they are known now.
+fn corrected(engine: &Engine, input: &FilterInput) -> Measurement {
+    let report = SensorTrack {
+        source: input.source,
+        position_m: input.reported_m,
+        velocity_mps: input.velocity_mps,
+        ..SensorTrack::default()
+    };
+    let mut measurement = Measurement {
+        position_m: input.position_m,
+        covariance_m2: input.covariance_m2,
+        axes: if input.has_height { AXES } else { 2 },
+    };
+    measurement.correct(&engine.sources.correction_of(&engine.settings.sources, &report));
+    for (position, point) in measurement.position_m.iter_mut().zip(input.point_m) {
+        *position -= point;
+    }
+    measurement.covariance_m2[0] += input.point_m2;
+    measurement.covariance_m2[3] += input.point_m2;
+    measurement
+}

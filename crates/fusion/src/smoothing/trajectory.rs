@@ -1,0 +1,95 @@
+//! One track's measurements and times, and its smoothed states.
+
+use std::ops::Range;
+
+use estimation::{Plane, Vertical};
+
+use super::plane::PlaneSmoother;
+use super::stretch::Stretch;
+use super::vertical::VerticalSmoother;
+use crate::Engine;
+use crate::measurement::FilterInput;
+
+/// Inputs of a track's filter in the order in which they came, and the times of its states.
+#[derive(Debug, Default)]
+pub(super) struct Trajectory {
+    pub(super) inputs: Vec<FilterInput>,
+    pub(super) times_ns: Vec<i64>,
+}
+
+/// A smoothed state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SmoothedState {
+    pub(super) time_ns: i64,
+    pub(super) plane: Plane,
+    /// Probabilities of the models of the plane, in the order of `MotionMode`.
+    pub(super) plane_modes: [f32; 5],
+    /// Rate of turn, clockwise from above, and its standard deviation, rad/s; 0 for a target that hardly moves.
+    pub(super) turn_rate: [f64; 2],
+    /// With the probabilities of its models; `None` before a height is measured.
+    pub(super) vertical: Option<(Vertical, [f32; 3])>,
+}
+
+impl SmoothedState {
+    fn is_finite(&self) -> bool {
+        let Plane { mean, covariance } = &self.plane;
+        let vertical = self.vertical.map(|(vertical, _)| vertical).unwrap_or_default();
+        let values = mean.iter().chain(covariance);
+        let values = values.chain(&vertical.mean).chain(&vertical.covariance);
+        values.copied().all(f64::is_finite)
+    }
+}
+
+impl Trajectory {
+    /// Smoothed states at the wanted times, as far as measurements precede or follow them.
+    pub(super) fn smooth(&self, engine: &Engine) -> Vec<SmoothedState> {
+        let mut times_ns = self.times_ns.clone();
+        times_ns.sort_unstable();
+        times_ns.dedup();
+        let mut states = Vec::with_capacity(times_ns.len());
+        for inputs in self.stretches() {
+            let begin_ns = self.inputs[inputs.start].time_ns;
+            let end_ns = self.inputs.get(inputs.end).map_or(i64::MAX, |next| next.time_ns);
+            let wanted = times_ns.partition_point(|time_ns| *time_ns < begin_ns)
+                ..times_ns.partition_point(|time_ns| *time_ns < end_ns);
+            smooth_stretch(engine, &self.inputs[inputs], &times_ns[wanted], &mut states);
+        }
+        // A filter may begin anew with a report older than the one before.
+        states.sort_by_key(|state: &SmoothedState| state.time_ns);
+        states
+    }
+
+    /// The inputs from each beginning to the next.
+    fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
+        let begins = (0..self.inputs.len()).filter(|place| *place == 0 || self.inputs[*place].begins);
+        let ends = (1..=self.inputs.len()).filter(|place| self.inputs.get(*place).is_none_or(|next| next.begins));
+        begins.zip(ends).map(|(begin, end)| begin..end)
+    }
+}
+
+fn smooth_stretch(engine: &Engine, inputs: &[FilterInput], wanted_ns: &[i64], states: &mut Vec<SmoothedState>) {
+    if wanted_ns.is_empty() {
+        return;
+    }
+    let mut inputs = inputs.to_vec();
+    inputs.sort_by_key(|input| input.time_ns);
+    let stretch = Stretch::new(engine, &inputs, wanted_ns);
+    let plane = PlaneSmoother::smooth(engine, &stretch);
+    let vertical = VerticalSmoother::smooth(engine, &stretch, &plane);
+    for (place, time_ns) in wanted_ns.iter().enumerate() {
+        let (Some(plane), Some(vertical)) = (plane.wanted(&stretch, place), vertical.get(place)) else {
+            continue;
+        };
+        let state = SmoothedState {
+            time_ns: *time_ns,
+            plane: plane.state,
+            plane_modes: plane.modes,
+            turn_rate: plane.turn_rate,
+            vertical: *vertical,
+        };
+        // A state that is not finite stays as it was fused.
+        if state.is_finite() {
+            states.push(state);
+        }
+    }
+}
