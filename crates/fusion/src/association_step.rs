@@ -99,21 +99,26 @@ impl Search<'_> {
     }
 
     /// Returns a possible duplicate of `own` with d²: a system track without a common source and with an agreeing
-    /// state, while no further system track nearly agrees.
+    /// state, while no system track of another target nearly agrees. One that has no source in common with the duplicate
+    /// may be a further duplicate, and is no hindrance.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
-        let (mut best, mut second): (Option<(f64, SystemSlot)>, f64) = (None, f64::INFINITY);
+        let mut best: Option<(f64, SystemSlot)> = None;
         let spread_m2 = self.sources.spread_m2(&self.settings.association, None);
         self.alike(own, now_ns, spread_m2, |system, d2| {
             if best.is_none_or(|(least, slot)| (d2, system) < (least, slot)) {
-                second = best.map_or(f64::INFINITY, |(least, _)| least);
                 best = Some((d2, system));
-            } else {
+            }
+        });
+        let (least, duplicate) = best?;
+        let sources = self.tracks.sources_of(duplicate, now_ns);
+        let mut second = f64::INFINITY;
+        self.alike(own, now_ns, spread_m2, |system, d2| {
+            if system != duplicate && self.tracks.sources_of(system, now_ns) & sources != 0 {
                 second = second.min(d2);
             }
         });
-        best.filter(|(d2, _)| second > d2 + MARGIN)
-            .map(|(d2, system)| (system, d2))
+        (second > least + MARGIN).then_some((duplicate, least))
     }
 
     /// Whether a target that is shown already may be that of the system track `own`: none of its sources follows both,

@@ -26,7 +26,7 @@ use crate::inlet;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
-use crate::measurement::{Correction, FilterInput, Measurement, whole_report};
+use crate::measurement::{Content, Correction, FilterInput, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
@@ -52,6 +52,9 @@ const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
 const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
+
+/// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
+const OWN_SHARE: f64 = 0.3;
 
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
@@ -346,13 +349,14 @@ impl Engine {
         let earlier = self.earlier(report, known)?;
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
-        let (mut measurement, correction) = if is_foreign {
+        let (content, correction) = if is_foreign {
             // The state is the only content of a centre's report, and the newest state replaces the previous state.
-            (None, Correction::NONE)
+            (Content::NONE, Correction::NONE)
         } else {
-            let measurement = self.sources.measurement_behind(report, before, repaired);
-            (measurement, self.sources.correction_of(&self.settings.sources, report))
+            let content = self.sources.content_of(report, before, repaired);
+            (content, self.sources.correction_of(&self.settings.sources, report))
         };
+        let mut measurement = content.measurement;
         if let Some(measurement) = &mut measurement {
             measurement.correct(&correction);
         }
@@ -363,7 +367,7 @@ impl Engine {
             return None;
         };
         let entry = sensors.get_mut(sensor);
-        entry.take(report, identity, &correction);
+        entry.take(report, identity, &correction, &content);
         entry.repaired = repaired;
         entry.is_foreign = is_foreign;
         entry.epoch = self.sources.alignment.epoch_of(report.source);
@@ -604,7 +608,9 @@ impl Engine {
         } else if let Some(measurement) = measurement
             && (self.tracks.is_established(sensor) || !self.points.sees_points())
         {
-            self.update_filter(sensor, measurement, sink);
+            if !self.corrects_claims(sensor, sink) {
+                self.update_filter(sensor, measurement, sink);
+            }
         }
         self.keep_alive(sensor, system, report);
         self.sources.compare(&self.settings, &self.tracks, sensor);
@@ -614,6 +620,23 @@ impl Engine {
             .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
+    }
+
+    /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
+    /// this report of the sensor track.
+    #[inline]
+    fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        let claimed_too_much = std::mem::replace(&mut entry.claimed_too_much, 1.0);
+        if claimed_too_much > 1.0 && entry.share > OWN_SHARE {
+            self.restart(sensor, sink);
+            return true;
+        } else if claimed_too_much > 1.0 {
+            let factor = 1.0 + entry.share * (claimed_too_much - 1.0);
+            let system = entry.system;
+            self.tracks.systems.get_mut(system).filter.inflate(factor);
+        }
+        false
     }
 
     /// Returns whether the filter of the system track lies ahead of all reports, led there by a clock that has since

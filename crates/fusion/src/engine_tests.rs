@@ -18,6 +18,7 @@ mod orders;
 mod partial_coverage;
 mod passing_time;
 mod resumption;
+mod several_duplicates;
 mod slow_sources;
 mod turning_targets;
 

@@ -226,6 +226,17 @@ impl TargetFilter {
         }
     }
 
+    /// Multiplies the covariance by a factor above 1.
+    pub(crate) fn inflate(&mut self, factor: f64) {
+        self.plane.inflate(factor);
+        self.vertical.inflate(factor);
+        self.estimate
+            .covariance
+            .upper
+            .iter_mut()
+            .for_each(|value| *value *= factor);
+    }
+
     /// Whether its position is known better than the other's.
     pub(crate) fn is_surer_than(&self, other: &Self) -> bool {
         let trace = |filter: &Self| {

@@ -85,6 +85,7 @@ mod system_track_message;
 mod system_tracks;
 #[cfg(test)]
 mod testing;
+mod tracker_gain;
 mod tracks;
 mod vertical_filter;
 mod weighing;

@@ -6,11 +6,12 @@
 //! and velocity indicates no filter: the report is used directly.
 
 use estimation::{Gaussian, Recovered, Symmetric3, recovered};
-use messages::{AXES, SensorTrack, sensor_track_bits};
+use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 use crate::error_shape::Stretch;
+use crate::tracker_gain::GainEvidence;
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
 const SMOOTHED: f64 = 3.0;
@@ -127,19 +128,56 @@ pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
     }
 }
 
-/// The report in place of a measurement.
-pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
+/// Whether the covariance of a report shows that it comes from a filter.
+pub(crate) fn shows_filter(report: &SensorTrack) -> bool {
     let p = |row, column| report.covariance.get(row, column);
     let filtered =
         |cross: f64, position: f64, velocity: f64| cross > 0.0 && cross > FILTERED * (position * velocity).sqrt();
+    filtered(p(0, 3), p(0, 0), p(3, 3)) || filtered(p(1, 4), p(1, 1), p(4, 4))
+}
+
+/// The report in place of a measurement.
+pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
     let mut measurement = whole_report(report);
-    if filtered(p(0, 3), p(0, 0), p(3, 3)) || filtered(p(1, 4), p(1, 1), p(4, 4)) {
+    if shows_filter(report) {
         measurement
             .covariance_m2
             .iter_mut()
             .for_each(|value| *value *= SMOOTHED);
     }
     measurement
+}
+
+/// Where the covariance of a report comes from, in the order of what is known of its source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(crate) enum CovarianceBasis {
+    /// The source stated it.
+    Stated,
+    /// It is taken for as wrong as those of other sources.
+    Doubted,
+    /// The gain of the source's tracker shows it.
+    Gain,
+}
+
+/// What a report contains beside its state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Content {
+    /// The measurement behind it; `None` if there was none.
+    pub(crate) measurement: Option<Measurement>,
+    /// Its covariance, if it is not the stated one.
+    pub(crate) covariance: Option<Covariance>,
+    pub(crate) basis: CovarianceBasis,
+    /// What the reports of the track showed of the gain of the source's tracker.
+    pub(crate) evidence: GainEvidence,
+}
+
+impl Content {
+    pub(crate) const NONE: Self = Self {
+        measurement: None,
+        covariance: None,
+        basis: CovarianceBasis::Stated,
+        evidence: GainEvidence::NONE,
+    };
 }
 
 /// The measurement that led from `predicted` to `updated`, the report's state.

@@ -150,6 +150,13 @@ impl PlaneFilter {
         course
     }
 
+    /// Multiplies the covariances of all models by a factor.
+    pub(crate) fn inflate(&mut self, factor: f64) {
+        for model in &mut self.models {
+            model.covariance.iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+
     /// Brings the models forward by `seconds` > 0. `estimate` is all models together.
     pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion, estimate: &Plane) {
         self.mix(seconds, motion, estimate);

@@ -9,11 +9,13 @@ use serde::{Deserialize, Serialize};
 use crate::description::Description;
 use crate::error_shape::Stretch;
 use crate::history::Histories;
-use crate::measurement::{Correction, FilterInput, Measurement, gaussian_of, whole_report};
+use crate::measurement::{Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, whole_report};
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
+use crate::sources::CLAIM_MAX;
+use crate::tracker_gain::GainEvidence;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -106,6 +108,12 @@ pub(crate) struct SensorEntry {
     pub(crate) started_ns: i64,
     /// Where on the target the source sees it.
     pub(crate) point: DetectionPoint,
+    /// What its reports showed of the gain of the source's tracker.
+    pub(crate) evidence: GainEvidence,
+    /// Where the covariance of `latest` comes from.
+    basis: CovarianceBasis,
+    /// By how much the covariances that the system filter took before `latest` turned out too small, as a factor.
+    pub(crate) claimed_too_much: f64,
 }
 
 /// Where on a target a sensor track's detection point lies.
@@ -152,6 +160,9 @@ impl Default for SensorEntry {
             residual_mean_m: [0.0; 2],
             residual_variance_m2: 0.0,
             point: DetectionPoint::default(),
+            evidence: GainEvidence::default(),
+            basis: CovarianceBasis::Stated,
+            claimed_too_much: 1.0,
         }
     }
 }
@@ -174,19 +185,34 @@ impl SensorEntry {
         state
     }
 
-    /// Adds the next report, with the accepted `identity`, after removal of the source's known biases.
-    pub(crate) fn take(&mut self, report: &SensorTrack, identity: Identity, correction: &Correction) {
+    /// Position of the latest report as the source gave it, metres.
+    pub(crate) fn reported_position_m(&self) -> [f64; AXES] {
+        std::array::from_fn(|axis| self.latest.position_m[axis] + self.correction.shift_m[axis])
+    }
+
+    /// Adds the next report, with the accepted `identity` and its `content`, after removal of the source's known biases.
+    pub(crate) fn take(
+        &mut self,
+        report: &SensorTrack,
+        identity: Identity,
+        correction: &Correction,
+        content: &Content,
+    ) {
         let Correction {
             shift_m,
             covariance_scale,
             stretch,
         } = *correction;
+        let before_m2 = self.latest.covariance.get(0, 0) + self.latest.covariance.get(1, 1);
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
             position_m: std::array::from_fn(|axis| report.position_m[axis] - shift_m[axis]),
             ..*report
         };
+        if let Some(covariance) = content.covariance {
+            self.latest.covariance = covariance;
+        }
         if covariance_scale != 1.0 {
             let upper = &mut self.latest.covariance.upper;
             upper.iter_mut().for_each(|value| *value *= covariance_scale);
@@ -194,6 +220,14 @@ impl SensorEntry {
         if stretch != Stretch::NONE {
             stretch.apply_to_state(&mut self.latest.covariance);
         }
+        self.claimed_too_much = match &content.measurement {
+            Some(measurement) if content.basis > self.basis && self.reports > 0 => {
+                (2.0 * measurement.variance_m2() / before_m2).clamp(1.0, CLAIM_MAX)
+            }
+            _ => 1.0,
+        };
+        self.basis = content.basis;
+        self.evidence = content.evidence;
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;
         self.on_ground = report.has(sensor_track_bits::ON_GROUND);

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error_shape::ErrorShape;
 use crate::seeker::Seeker;
+use crate::tracker_gain::{Change, GainEvidence, TrackerGain, Undone};
 
 /// Median of chi-square with two degrees of freedom.
 pub(crate) const CHI2_MEDIAN_2: f64 = 1.386_294_361_119_890_6;
@@ -90,6 +91,8 @@ kept! {
         covariance_scale: Seeker,
         /// Shape of the errors.
         pub(crate) shape: ErrorShape,
+        /// Gain of the source's tracker.
+        gain: TrackerGain,
         /// Mean innovation over all sensor tracks: what is left of the source's own errors, metres.
         mean_offset_m: [f64; 2],
         /// Squared mean innovation over a sensor track, less that, relative to what noise explains.
@@ -117,6 +120,7 @@ impl Default for SourceModel {
             process_noise: None,
             covariance_scale: Seeker::default(),
             shape: ErrorShape::default(),
+            gain: TrackerGain::default(),
             mean_offset_m: [0.0; 2],
             spread_ratio: Median::default(),
             spread_noise_m2: Median::default(),
@@ -160,6 +164,41 @@ impl SourceModel {
             };
             NearlyConstantVelocity::new(horizontal, vertical)
         });
+    }
+
+    /// Learns from a change of a sensor track whose report states `stated`, a covariance without a filter, and undoes
+    /// the source's tracker; `None` while too little is known.
+    pub(crate) fn undo(&mut self, evidence: &mut GainEvidence, change: &Change, stated: &Covariance) -> Option<Undone> {
+        if self.process_noise.is_some() {
+            return None;
+        }
+        let was_undone = self.gain.is_undone();
+        let undone = self.gain.take(evidence, change, stated);
+        if undone.is_some() != was_undone {
+            // What was learned of the covariances holds for those before.
+            self.covariance_scale = Seeker::default();
+            self.shape = ErrorShape::default();
+        }
+        undone
+    }
+
+    /// By how much the covariances of the source, which show no filter, are too small; `None` if not known.
+    pub(crate) fn claim(&self) -> Option<f64> {
+        self.gain.claim().filter(|_| self.process_noise.is_none())
+    }
+
+    /// Whether it is open how true the source's covariances are, which show no filter.
+    pub(crate) fn is_open(&self) -> bool {
+        self.process_noise.is_none() && self.gain.is_open()
+    }
+
+    /// Covariance of the first report of a track, which states `stated`, a covariance without a filter; `None` if the
+    /// stated one is used.
+    pub(crate) fn first_covariance(&self, stated: &Covariance) -> Option<Covariance> {
+        match self.process_noise {
+            None => self.gain.first(stated),
+            Some(_) => None,
+        }
     }
 
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.

@@ -10,13 +10,17 @@ use crate::credibility::Credibility;
 use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
-use crate::measurement::{Correction, Measurement, as_reported, gaussian_of, recovered_measurement};
+use crate::measurement::{
+    Content, Correction, CovarianceBasis, Measurement, as_reported, gaussian_of, recovered_measurement, shows_filter,
+    whole_report,
+};
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
+use crate::tracker_gain::Change;
 use crate::tracks::Tracks;
 
 /// Offset of a clock, seconds, that is no error beside the others.
@@ -30,6 +34,8 @@ const SPREAD_EVERY: u32 = 4;
 const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
+/// Largest factor by which covariances are taken to be too small.
+pub(crate) const CLAIM_MAX: f64 = 100.0;
 /// Probability of steady motion from which on the shape of errors is learned.
 const SHAPE_STEADY_MIN: f64 = 0.5;
 
@@ -46,6 +52,8 @@ pub(crate) struct Sources {
     clocks: Vec<ClockError>,
     /// Whether the clock of some source is taken off.
     corrects_clocks: bool,
+    /// By how much covariances that show no filter are too small, as a factor.
+    usual_claim: f64,
 }
 
 impl Sources {
@@ -66,6 +74,7 @@ impl Sources {
             credibility: Credibility::new(count),
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
+            usual_claim: 1.0,
         }
     }
 
@@ -210,32 +219,105 @@ impl Sources {
         }
     }
 
-    /// The measurement that led from a sensor track's latest report, `earlier`, that many seconds ago, to this one;
-    /// `None` if none can have. Learns how the source filters, unless the report's covariance had to be repaired.
+    /// The content of a report that follows a sensor track's latest report, `earlier`, that many seconds later. Learns
+    /// how the source filters, unless the report's covariance had to be repaired.
     #[inline]
-    pub(crate) fn measurement_behind(
+    pub(crate) fn content_of(
         &mut self,
         report: &SensorTrack,
         earlier: Option<(&SensorEntry, f64)>,
         repaired: bool,
-    ) -> Option<Measurement> {
+    ) -> Content {
         let model = &mut self.models[usize::from(report.source)];
+        let mut content = Content::NONE;
         let Some((earlier, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
-            return Some(as_reported(report));
+            content.measurement = Some(as_reported(report));
+            if !repaired && !shows_filter(report) {
+                content.covariance = model.first_covariance(&report.covariance);
+                if content.covariance.is_some() {
+                    content.basis = CovarianceBasis::Gain;
+                }
+                self.doubt(report, &mut content);
+            }
+            return content;
         };
+        content.evidence = earlier.evidence;
         let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
-        if !looks && !knows {
-            return Some(as_reported(report));
-        }
         let has_height = report.has(sensor_track_bits::HEIGHT);
-        let (before, after) = (earlier.as_reported(), gaussian_of(report));
-        if looks {
-            model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
+        if looks || knows {
+            let (before, after) = (earlier.as_reported(), gaussian_of(report));
+            if looks {
+                model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
+            }
+            if let Some(noise) = model.process_noise() {
+                content.measurement = recovered_measurement(&noise.predicted(&before, seconds), &after, report);
+                return content;
+            }
         }
-        match model.process_noise() {
-            Some(noise) => recovered_measurement(&noise.predicted(&before, seconds), &after, report),
-            None => Some(as_reported(report)),
+        content.measurement = Some(as_reported(report));
+        if !repaired && !shows_filter(report) {
+            self.undo_tracker(report, (earlier, seconds), &mut content);
+            self.doubt(report, &mut content);
         }
+        content
+    }
+
+    /// Takes the covariance of a report for as wrong as those of the sources that are known, while the report's own
+    /// source is not.
+    fn doubt(&self, report: &SensorTrack, content: &mut Content) {
+        if self.usual_claim <= 1.0 || content.covariance.is_some() || !self.models[usize::from(report.source)].is_open()
+        {
+            return;
+        }
+        let mut covariance = report.covariance;
+        covariance.upper.iter_mut().for_each(|value| *value *= self.usual_claim);
+        content.covariance = Some(covariance);
+        content.basis = CovarianceBasis::Doubted;
+        if let Some(measurement) = &mut content.measurement {
+            let values = measurement.covariance_m2.iter_mut();
+            values.for_each(|value| *value *= self.usual_claim);
+        }
+    }
+
+    /// Learns by how much covariances without a filter are too small: the mean over the sources that are known.
+    fn look_at_claims(&mut self) {
+        let (sum, count) = self
+            .models
+            .iter()
+            .filter_map(SourceModel::claim)
+            .fold((0.0, 0.0), |(sum, count), claim| (sum + claim, count + 1.0));
+        self.usual_claim = if count > 0.0 {
+            (sum / count).clamp(1.0, CLAIM_MAX)
+        } else {
+            1.0
+        };
+    }
+
+    /// The content of a report whose covariance shows no filter, if its source's tracker can be undone.
+    fn undo_tracker(&mut self, report: &SensorTrack, (earlier, seconds): (&SensorEntry, f64), content: &mut Content) {
+        let before_m = earlier.reported_position_m();
+        let before_mps = earlier.latest.velocity_mps;
+        let change = Change {
+            position_m: std::array::from_fn(|axis| {
+                report.position_m[axis] - before_m[axis] - before_mps[axis] * seconds
+            }),
+            velocity_mps: std::array::from_fn(|axis| report.velocity_mps[axis] - before_mps[axis]),
+            seconds,
+            has_height: report.has(sensor_track_bits::HEIGHT) && earlier.latest.has(sensor_track_bits::HEIGHT),
+        };
+        let model = &mut self.models[usize::from(report.source)];
+        let Some(undone) = model.undo(&mut content.evidence, &change, &report.covariance) else {
+            return;
+        };
+        content.covariance = Some(undone.covariance);
+        content.basis = CovarianceBasis::Gain;
+        content.measurement = undone.measurement.map(|(innovation_m, covariance_m2)| Measurement {
+            position_m: std::array::from_fn(|axis| {
+                report.position_m[axis] - change.position_m[axis] + innovation_m[axis]
+            }),
+            covariance_m2,
+            ..whole_report(report)
+        });
     }
 
     /// Learns from an innovation how true its source's covariances are and where its detection points lie.
@@ -426,6 +508,7 @@ impl Sources {
 
     /// Takes over how the sources' own trackers let their targets move: the median of what they assume.
     pub(crate) fn look_at_motion(&mut self) {
+        self.look_at_claims();
         let mut known = [NearlyConstantVelocity::new(0.0, 0.0); SOURCES_MAX];
         let mut count = 0;
         for motion in self.models.iter().filter_map(SourceModel::process_noise) {

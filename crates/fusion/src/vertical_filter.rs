@@ -61,6 +61,13 @@ impl VerticalFilter {
         self.probability[CLIMB] * CLIMB_M2PS3 + self.probability[CHANGE] * motion.climb_change_m2ps3
     }
 
+    /// Multiplies the covariances of all models by a factor.
+    pub(crate) fn inflate(&mut self, factor: f64) {
+        for model in &mut self.models {
+            model.covariance.iter_mut().for_each(|value| *value *= factor);
+        }
+    }
+
     /// Brings the models forward by `seconds` > 0.
     pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion) {
         let leave = [LEVEL_S, CLIMB_S, CHANGE_S].map(|duration| seconds / (seconds + duration));

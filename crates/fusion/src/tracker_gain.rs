@@ -1,0 +1,591 @@
+//! Gain of a source's tracker, as its reports show it: how a report follows from the one before and a measurement.
+//!
+//! Many trackers state one constant covariance, or a diagonal one. Such a covariance shows neither that the reports
+//! are smoothed nor how long the error ellipses are. The states show both. A tracker predicts the position from its
+//! former report, and a measurement moves the position by K·ν and the velocity by L·ν, with the innovation ν. So the
+//! change of the velocity is M·(change of the position), with M = L·K⁻¹. Both changes are in the reports, and the
+//! errors of the measurement cancel: two or three reports of one track give the symmetric matrix M.
+//!
+//! A filter of nearly constant velocity has the same axes for M as for the covariance of its measurements. On each
+//! axis the ratio ρ = M·T of both gains determines the gain of the position ([`gain_of`]), and hence the measurement
+//! itself. The innovations have a variance that follows from that of the measurements: their squares give the
+//! variance along the long and along the short axis of the source's errors. Where tracks are old enough, the gains
+//! differ with the variance, so that each track shows its own: an azimuth error grows with the range.
+//!
+//! A source is treated so only if its covariances show no filter, and if M foretells the next change of velocity. A
+//! source that measures its velocity, or that reports plots, does not pass this test.
+//!
+//! Limits: a tracker that changes its gain often is recovered badly, and the test refuses it; the variances contain
+//! what targets deviate from straight flight in one period.
+//!
+//! Source: P. R. Kalata, *The tracking index: a generalized parameter for α-β and α-β-γ target trackers*, IEEE
+//! Transactions on Aerospace and Electronic Systems 20 (1984), for gains and variances; R. K. Mehra, *On the
+//! identification of variances and adaptive Kalman filtering*, IEEE Transactions on Automatic Control 15 (1970).
+
+use estimation::Symmetric3;
+use kept::kept;
+use messages::{AXES, Covariance};
+use serde::{Deserialize, Serialize};
+
+/// Weight of what earlier reports of a track showed, relative to the latest one.
+const MEMORY: f64 = 0.3;
+/// Square of the change of position that rounding explains, m².
+const ROUNDING_M2: f64 = 0.25;
+/// Change of position below which a report repeats a prediction, relative to rounding.
+const REPEATED: f64 = 0.04;
+/// Weight of equal ratios on all axes, relative to what the reports of a track show.
+const ISOTROPY: f64 = 1e-3;
+/// Largest ratio of the gains: of a velocity that is the difference of two positions.
+const RATIO_MAX: f64 = 1.0;
+/// Relative difference of two periods from which on the gains of a track differ.
+const IRREGULAR: f64 = 0.25;
+/// Ratios of the changes beyond which no tracker of positions shows them.
+const RATIO_LEAST: f64 = 0.05;
+const RATIO_IMPOSSIBLE: f64 = 1.3;
+/// Smallest ratio of the gains, absolute and relative to that along the latest change.
+const RATIO_MIN: f64 = 0.02;
+const RATIO_MIN_RELATIVE: f64 = 0.3;
+/// Samples of each kind before they are used.
+const FITS_MIN: u32 = 8;
+const SAMPLES_MIN: u32 = 16;
+/// Samples of a mean square that are not bounded, bound of the others relative to the mean, and least weight of one.
+const FREE_SAMPLES: u32 = 4;
+const SQUARE_MAX: f64 = 9.0;
+const SQUARE_GAIN: f64 = 1.0 / 256.0;
+/// Difference of the ratios on both axes relative to their sum, above which they differ: of a young track and of an old
+/// one.
+const CONTRAST_MIN: [f64; 2] = [0.2, 0.05];
+/// Relative squared error up to which a change of velocity was foretold.
+const FORETOLD: f64 = 0.05;
+/// Share of the foretold changes from which on a source is undone, and below which it no longer is; least weight of one.
+const FORETOLD_FROM: f64 = 0.8;
+const FORETOLD_UNTIL: f64 = 0.6;
+const FORETOLD_GAIN: f64 = 1.0 / 512.0;
+/// Measurements of a track after the first one, from which on its gains change little.
+const OLD_UPDATES: u32 = 5;
+/// Reports of a track from which on its innovations teach variances, from which on its axes are known, and from which
+/// on its gains teach the noise.
+const VARIANCE_UPDATES: u32 = 3;
+const AXES_UPDATES: u32 = 5;
+const NOISE_UPDATES: u32 = 8;
+/// Share of a young track's gain up to which the gain teaches the noise.
+const NOISE_YOUTH: f64 = 0.2;
+/// Least variance of a velocity relative to the part that its position explains.
+const COMMON_MIN: f64 = 1.05;
+/// Bound of a gain below 1: a report is never a measurement alone.
+const GAIN_MAX: f64 = 0.98;
+
+/// What the reports of one sensor track showed of the gains.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct GainEvidence {
+    /// Σ w·Δ·Δᵀ of the changes of position Δ (xx, xy, yy).
+    square: [f64; 3],
+    /// Σ w of products of the changes of position and of velocity per second, as the normal equations of M need them.
+    product: [f64; 3],
+    /// The same of the height: square and product.
+    vertical: [f64; 2],
+    /// Measurements seen, and time before the latest one, seconds.
+    updates: u32,
+    seconds: f64,
+}
+
+kept! {
+    /// Mean of squares, each bounded by a multiple of the mean so far: no single one can spoil it.
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+    pub(crate) struct MeanSquare {
+        mean: f64,
+        samples: u32,
+    }
+}
+
+impl MeanSquare {
+    fn add(&mut self, square: f64) {
+        self.samples = self.samples.saturating_add(1);
+        let bounded = match self.samples > FREE_SAMPLES {
+            true => square.min(SQUARE_MAX * self.mean),
+            false => square,
+        };
+        self.mean += (bounded - self.mean) * (1.0 / f64::from(self.samples)).max(SQUARE_GAIN);
+    }
+
+    fn is_known(&self) -> bool {
+        self.samples >= SAMPLES_MIN
+    }
+
+    fn value(&self) -> f64 {
+        self.mean
+    }
+}
+
+kept! {
+    /// Share of the changes of velocity that were foretold.
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+    pub(crate) struct FitShare {
+        share: f64,
+        samples: u32,
+    }
+}
+
+impl FitShare {
+    /// Adds the relative squared error of a foretold change.
+    fn add(&mut self, error: f64) {
+        self.samples = self.samples.saturating_add(1);
+        let fits = f64::from(u8::from(error < FORETOLD));
+        self.share += (fits - self.share) * (1.0 / f64::from(self.samples)).max(FORETOLD_GAIN);
+    }
+
+    /// Whether the changes are foretold, `so_far` and on.
+    fn is_good(&self, so_far: bool) -> bool {
+        let least = if so_far { FORETOLD_UNTIL } else { FORETOLD_FROM };
+        self.samples >= FITS_MIN && self.share >= least
+    }
+}
+
+kept! {
+    /// What was learned of a source's tracker.
+    #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+    pub(crate) struct TrackerGain {
+        /// Changes of velocity that were foretold: in the plane, and of the height.
+        fit: FitShare,
+        vertical_fit: FitShare,
+        /// Variance of measurements: mean of both axes, along the long axis, the short axis, and of the height, m².
+        both_m2: MeanSquare,
+        long_m2: MeanSquare,
+        short_m2: MeanSquare,
+        vertical_m2: MeanSquare,
+        /// Process noise that the tracker assumes, m²/s³: in the plane, and of the height.
+        noise: MeanSquare,
+        vertical_noise: MeanSquare,
+        /// Square of the first change of velocity per axis, m²/s².
+        first_m2ps2: MeanSquare,
+        /// Variance per axis that the latest report stated, m².
+        stated_m2: f64,
+        /// Whether the source is undone: both parts.
+        is_undone: bool,
+        is_height_undone: bool,
+    }
+}
+
+/// Change of a sensor track from what its former report foretold to the present report.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    pub(crate) position_m: [f64; AXES],
+    pub(crate) velocity_mps: [f64; AXES],
+    pub(crate) seconds: f64,
+    pub(crate) has_height: bool,
+}
+
+/// What a change shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Undone {
+    /// The measurement less its prediction, metres, and its covariance, m²; `None` if there was none.
+    pub(crate) measurement: Option<([f64; AXES], Symmetric3)>,
+    /// Covariance of the report.
+    pub(crate) covariance: Covariance,
+}
+
+/// The gains on one axis, with the period as unit of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Gains {
+    position: f64,
+    velocity: f64,
+    /// Share of a young track's gain: 1 for a track that has just begun, 0 for a filter in its steady state.
+    youth: f64,
+    updates: f64,
+}
+
+/// Returns the gain of the position where the gain of the velocity is `ratio` times as large, in the steady state of
+/// a filter of nearly constant velocity with white acceleration.
+fn steady_gain(ratio: f64) -> f64 {
+    2.0 * ratio / ((1.0 + 0.5 * ratio) * (1.0 + 0.5 * ratio) - ratio * ratio / 12.0)
+}
+
+/// Returns how young a track appears whose report number `n` shows this `ratio` of the gains: 1 where the report uses all
+/// measurements of the track alike, 0 in the steady state of a filter.
+fn youth(ratio: f64, n: f64) -> f64 {
+    let relative = (3.0 / ((2.0 * n - 1.0) * ratio)).min(1.0);
+    relative * relative * relative * relative
+}
+
+/// Returns the factor by which the gains change with report number `n` of a track, which shows this `ratio`.
+fn youth_change(ratio: f64, n: f64) -> f64 {
+    1.0 - youth(ratio, n) * 2.0 / (2.0 * n - 1.0)
+}
+
+/// Returns the gains of the report with this number of a track, from their `ratio`: between those of a filter in its
+/// steady state and those of a track that uses all its measurements alike.
+fn gains_of(ratio: f64, number: u32) -> Gains {
+    let n = f64::from(number);
+    let of_young = 3.0 / (2.0 * n - 1.0);
+    let youth = youth(ratio, n);
+    let young_gain = 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0));
+    let position = (steady_gain(ratio) + youth * (young_gain - steady_gain(of_young))).clamp(1e-3, GAIN_MAX);
+    Gains {
+        position,
+        velocity: ratio * position,
+        youth,
+        updates: n,
+    }
+}
+
+impl Gains {
+    /// Returns the variance of innovations in straight flight, relative to that of measurements.
+    fn innovation(&self) -> f64 {
+        let (a, b, before) = (self.position, self.velocity, self.updates - 1.0);
+        let steady = (2.0 * a * a + 2.0 * b + a * b) / (a * (4.0 - 2.0 * a - b));
+        let young = (4.0 * before + 2.0) / (before * (before - 1.0)).max(1.0);
+        1.0 + steady.max(young)
+    }
+
+    /// Returns the variance of measurements that these gains imply, relative to the process noise, s³.
+    fn implied_s3(&self, seconds: f64) -> f64 {
+        seconds * seconds * seconds * (1.0 - self.position) / (self.velocity * self.velocity)
+    }
+
+    /// Returns the variances of a report relative to that of measurements: of the position, with the velocity, and of
+    /// the velocity.
+    fn report(&self, seconds: f64) -> [f64; 3] {
+        let (a, b, n) = (self.position, self.velocity, self.updates);
+        let steady = b * (2.0 * a - b) / (2.0 * (1.0 - a));
+        let young = 12.0 / (n * (n * n - 1.0));
+        // A covariance needs more than the square of what both have in common.
+        let of_velocity = (steady + self.youth * (young - steady)).max(COMMON_MIN * b * b / a);
+        [a, b / seconds, of_velocity / (seconds * seconds)]
+    }
+
+    /// Returns the variance of the track's measurements: what its gains imply, and `common_m2` while it is young.
+    fn variance_m2(&self, seconds: f64, noise_m2ps3: f64, common_m2: f64) -> f64 {
+        let own_m2 = noise_m2ps3 * self.implied_s3(seconds);
+        own_m2 + self.youth * (common_m2 - own_m2)
+    }
+}
+
+/// A symmetric matrix in the plane by its axes.
+#[derive(Clone, Copy, Debug)]
+struct Principal {
+    /// Direction of the first axis.
+    axis: [f64; 2],
+    /// Values along the first axis, the smaller one, and along the second.
+    values: [f64; 2],
+}
+
+impl Principal {
+    fn of([xx, xy, yy]: [f64; 3]) -> Self {
+        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+        let radius = half.hypot(xy);
+        // The direction of the larger value has the doubled angle (half, xy).
+        let (cos, sin) = if radius > 0.0 {
+            (half / radius, xy / radius)
+        } else {
+            (1.0, 0.0)
+        };
+        let large = if cos >= 0.0 {
+            let c = (0.5 * (1.0 + cos)).sqrt();
+            [c, 0.5 * sin / c]
+        } else {
+            let s = (0.5 * (1.0 - cos)).sqrt();
+            [0.5 * sin / s, s]
+        };
+        Self {
+            axis: [-large[1], large[0]],
+            values: [middle - radius, middle + radius],
+        }
+    }
+
+    /// Returns the difference of the values relative to their sum.
+    fn contrast(&self) -> f64 {
+        let [small, large] = self.values;
+        (large - small) / (large + small).max(f64::MIN_POSITIVE)
+    }
+
+    /// Returns the components of a vector along both axes.
+    fn along(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [a, b] = self.axis;
+        [a * x + b * y, a * y - b * x]
+    }
+
+    /// Returns the vector with these components along the axes.
+    fn vector(&self, [first, second]: [f64; 2]) -> [f64; 2] {
+        let [a, b] = self.axis;
+        [a * first - b * second, b * first + a * second]
+    }
+
+    /// Returns the matrix (xx, xy, yy) with these values along the axes.
+    fn matrix(&self, [first, second]: [f64; 2]) -> [f64; 3] {
+        let [a, b] = self.axis;
+        [
+            first * a * a + second * b * b,
+            (first - second) * a * b,
+            first * b * b + second * a * a,
+        ]
+    }
+}
+
+impl GainEvidence {
+    pub(crate) const NONE: Self = Self {
+        square: [0.0; 3],
+        product: [0.0; 3],
+        vertical: [0.0; 2],
+        updates: 0,
+        seconds: 0.0,
+    };
+
+    /// Returns M (xx, xy, yy) by least squares; equal ratios on all axes, `ratio`, have a small weight.
+    fn matrix(&self, ratio: f64, seconds: f64) -> [f64; 3] {
+        let [xx, xy, yy] = self.square;
+        if xx + yy <= 0.0 {
+            return [ratio, 0.0, ratio];
+        }
+        let weight = ISOTROPY * (xx + yy);
+        let (a, c, d) = (xx + weight, yy + weight, xx + yy + weight);
+        let [p, q, r] = self.product.map(|product| product * seconds);
+        let (p, r) = (p + weight * ratio, r + weight * ratio);
+        let cross = (q - xy * (p / a + r / c)) / (d - xy * xy * (1.0 / a + 1.0 / c));
+        [(p - xy * cross) / a, cross, (r - xy * cross) / c]
+    }
+
+    /// Weight of what earlier reports showed: the gains of a young track change from report to report.
+    fn memory(&self) -> f64 {
+        MEMORY * (f64::from(self.updates.min(OLD_UPDATES)) - 1.0) / (f64::from(OLD_UPDATES) - 1.0)
+    }
+
+    /// Adds the change of the report that was counted last.
+    fn add(&mut self, [x, y]: [f64; 2], [vx, vy]: [f64; 2], ratio: f64) {
+        let memory = self.memory();
+        let change = youth_change(ratio, f64::from(self.updates) + 1.0);
+        let weight = 1.0 / (x * x + y * y + ROUNDING_M2);
+        let square = [x * x, x * y, y * y];
+        let product = [x * vx, x * vy + y * vx, y * vy];
+        for (sum, value) in self.square.iter_mut().zip(square) {
+            *sum = memory * *sum + weight * value;
+        }
+        for (sum, value) in self.product.iter_mut().zip(product) {
+            *sum = memory * change * *sum + weight * value;
+        }
+    }
+
+    fn add_height(&mut self, z: f64, vz: f64) {
+        let memory = self.memory();
+        let weight = 1.0 / (z * z + ROUNDING_M2);
+        for (sum, value) in self.vertical.iter_mut().zip([z * z, z * vz]) {
+            *sum = memory * *sum + weight * value;
+        }
+    }
+}
+
+impl TrackerGain {
+    /// Whether the source's tracker is undone.
+    #[inline]
+    pub(crate) fn is_undone(&self) -> bool {
+        self.is_undone
+    }
+
+    /// Returns by how much the source's covariances are smaller than those of its measurements; `None` if the source is
+    /// not undone.
+    pub(crate) fn claim(&self) -> Option<f64> {
+        self.is_undone.then(|| self.both_m2.value() / self.stated_m2)
+    }
+
+    /// Whether too little is known to decide.
+    pub(crate) fn is_open(&self) -> bool {
+        !self.is_undone && (self.fit.samples < FITS_MIN || (self.fit.is_good(false) && !self.both_m2.is_known()))
+    }
+
+    /// Decides whether enough is known to undo the source's tracker.
+    fn decide(&mut self) {
+        self.is_undone = self.both_m2.is_known() && self.fit.is_good(self.is_undone);
+        self.is_height_undone = self.vertical_m2.is_known() && self.vertical_fit.is_good(self.is_height_undone);
+    }
+
+    /// Returns the covariance of a track's first report, which states `stated`; `None` while too little is known.
+    pub(crate) fn first(&self, stated: &Covariance) -> Option<Covariance> {
+        if !self.is_undone {
+            return None;
+        }
+        let mut covariance = *stated;
+        for axis in 0..2 {
+            covariance.set(axis, axis, self.both_m2.value());
+            let velocity = covariance.get(axis + AXES, axis + AXES);
+            covariance.set(axis + AXES, axis + AXES, velocity.max(self.first_m2ps2.value()));
+        }
+        covariance.set(0, 1, 0.0);
+        if self.is_height_undone {
+            covariance.set(2, 2, self.vertical_m2.value());
+        }
+        Some(covariance)
+    }
+
+    /// Learns from a change of a track, and undoes it; `None` while too little is known. `stated` is the covariance of
+    /// the report.
+    pub(crate) fn take(&mut self, evidence: &mut GainEvidence, change: &Change, stated: &Covariance) -> Option<Undone> {
+        let seconds = change.seconds;
+        self.stated_m2 = 0.5 * (stated.get(0, 0) + stated.get(1, 1));
+        let [x, y, z] = change.position_m;
+        let [vx, vy, vz] = change.velocity_mps.map(|velocity| velocity * seconds);
+        let squared = x * x + y * y;
+        let is_update = squared > REPEATED * ROUNDING_M2;
+        let product = x * vx + y * vy;
+        let ratio = (product / squared.max(f64::MIN_POSITIVE)).clamp(RATIO_MIN, RATIO_MAX);
+        if is_update {
+            let moved = vx * vx + vy * vy + ROUNDING_M2;
+            if product > RATIO_IMPOSSIBLE * squared || product < RATIO_LEAST * squared {
+                // A measured velocity follows the target: it changes as much as the position, or not at all.
+                self.fit.add(1.0);
+            } else if evidence.updates >= 2 && (seconds - evidence.seconds).abs() > IRREGULAR * seconds {
+                // After a look without a detection the gains differ.
+            } else if evidence.updates >= 2 {
+                let change = youth_change(ratio, f64::from(evidence.updates) + 2.0);
+                let [xx, xy, yy] = evidence.matrix(ratio, seconds).map(|value| change * value);
+                let (ex, ey) = (vx - xx * x - xy * y, vy - xy * x - yy * y);
+                self.fit.add((ex * ex + ey * ey) / moved);
+            } else if evidence.updates == 1 {
+                // One former change shows no matrix yet, but both changes have nearly one direction.
+                self.fit.add(1.0 - product * product.abs() / (squared * moved));
+            } else {
+                self.first_m2ps2.add(0.5 * (vx * vx + vy * vy) / (seconds * seconds));
+            }
+            evidence.updates = evidence.updates.saturating_add(1);
+            evidence.add([x, y], [vx / seconds, vy / seconds], ratio);
+            evidence.seconds = seconds;
+        }
+        // The first report has no change.
+        let number = evidence.updates.saturating_add(1).max(2);
+        let matrix = evidence.matrix(ratio, seconds);
+        let mut principal = Principal::of(matrix);
+        let contrast_min = CONTRAST_MIN[usize::from(number >= NOISE_UPDATES)];
+        let has_axes = number >= AXES_UPDATES - 1 && principal.contrast() > contrast_min;
+        if !has_axes {
+            let middle = if number >= AXES_UPDATES - 1 {
+                0.5 * (matrix[0] + matrix[2])
+            } else {
+                ratio
+            };
+            principal.values = [middle; 2];
+        }
+        let least = RATIO_MIN.max(RATIO_MIN_RELATIVE * ratio);
+        let gains = principal
+            .values
+            .map(|value| gains_of(value.clamp(least, RATIO_MAX), number));
+        let components = principal.along([x, y]);
+        let innovation: [f64; 2] = std::array::from_fn(|axis| components[axis] / gains[axis].position);
+        if is_update {
+            self.learn(&gains, innovation, has_axes, seconds);
+        }
+        let height = change
+            .has_height
+            .then(|| self.take_height(evidence, (z, vz), number, seconds));
+        self.decide();
+        if !self.is_undone {
+            return None;
+        }
+        let noise = self.noise_or(0.0);
+        let commons = match has_axes && self.short_m2.is_known() {
+            true => [self.long_m2.value(), self.short_m2.value().min(self.long_m2.value())],
+            false => [self.both_m2.value(); 2],
+        };
+        let variances: [f64; 2] = std::array::from_fn(|axis| {
+            let common_m2 = commons[axis];
+            match noise > 0.0 {
+                true => gains[axis].variance_m2(seconds, noise, common_m2),
+                false => common_m2,
+            }
+        });
+        let mut covariance = *stated;
+        let reports = gains.map(|gains| gains.report(seconds));
+        for (part, (row, column)) in [(0, 0), (0, AXES), (AXES, AXES)].into_iter().enumerate() {
+            let values = std::array::from_fn(|axis| reports[axis][part] * variances[axis]);
+            let [xx, xy, yy] = principal.matrix(values);
+            covariance.set(row, column, xx);
+            covariance.set(row, column + 1, xy);
+            covariance.set(row + 1, column + 1, yy);
+            if part == 1 {
+                covariance.set(row + 1, column, xy);
+            }
+        }
+        let [xx, xy, yy] = principal.matrix(variances);
+        let [east, north] = principal.vector(innovation);
+        let (mut up, mut zz) = (z, stated.get(2, 2));
+        if let Some((gains, innovation)) = height.filter(|_| self.is_height_undone) {
+            let common_m2 = self.vertical_m2.value();
+            zz = match self.vertical_noise.is_known() {
+                true => gains.variance_m2(seconds, self.vertical_noise.value(), common_m2),
+                false => common_m2,
+            };
+            let report = gains.report(seconds);
+            up = innovation;
+            covariance.set(2, 2, report[0] * zz);
+            covariance.set(2, 5, report[1] * zz);
+            covariance.set(5, 5, report[2] * zz);
+        }
+        let measurement = is_update.then_some(([east, north, up], [xx, xy, 0.0, yy, 0.0, zz]));
+        Some(Undone {
+            measurement,
+            covariance,
+        })
+    }
+
+    fn noise_or(&self, other: f64) -> f64 {
+        match self.noise.is_known() {
+            true => self.noise.value(),
+            false => other,
+        }
+    }
+
+    /// Learns variances and noise from an innovation along both axes.
+    fn learn(&mut self, gains: &[Gains; 2], innovation: [f64; 2], has_axes: bool, seconds: f64) {
+        if gains[0].updates < f64::from(VARIANCE_UPDATES) {
+            return;
+        }
+        let squares: [f64; 2] = std::array::from_fn(|axis| {
+            let innovation_m = innovation[axis];
+            innovation_m * innovation_m / gains[axis].innovation()
+        });
+        let mean = 0.5 * (squares[0] + squares[1]);
+        self.both_m2.add(mean);
+        if gains[0].updates >= f64::from(AXES_UPDATES) {
+            let [long, short] = if has_axes { squares } else { [mean; 2] };
+            self.long_m2.add(long);
+            self.short_m2.add(short);
+        }
+        let is_steady = gains[0].updates >= f64::from(NOISE_UPDATES) && gains[0].youth < NOISE_YOUTH;
+        if is_steady {
+            let implied = |axis: usize| squares[axis] / gains[axis].implied_s3(seconds);
+            self.noise.add(0.5 * (implied(0) + implied(1)));
+        }
+    }
+
+    /// The height's part of [`Self::take`]: gains and innovation.
+    fn take_height(
+        &mut self,
+        evidence: &mut GainEvidence,
+        (z, vz): (f64, f64),
+        number: u32,
+        seconds: f64,
+    ) -> (Gains, f64) {
+        let [square, product] = evidence.vertical;
+        let is_update = z * z > REPEATED * ROUNDING_M2;
+        if is_update && square > 0.0 {
+            let error = vz - product / square * z;
+            self.vertical_fit.add(error * error / (vz * vz + ROUNDING_M2));
+        }
+        if is_update {
+            evidence.add_height(z, vz);
+        }
+        let [square, product] = evidence.vertical;
+        let ratio = if square > 0.0 { product / square } else { RATIO_MAX };
+        let gains = gains_of(ratio.clamp(RATIO_MIN, RATIO_MAX), number);
+        let innovation = z / gains.position;
+        if is_update && number >= VARIANCE_UPDATES {
+            let square = innovation * innovation / gains.innovation();
+            self.vertical_m2.add(square);
+            if number >= NOISE_UPDATES && gains.youth < NOISE_YOUTH {
+                self.vertical_noise.add(square / gains.implied_s3(seconds));
+            }
+        }
+        (gains, innovation)
+    }
+}
+
+#[cfg(test)]
+#[path = "tracker_gain_tests.rs"]
+mod tests;
