@@ -17,6 +17,7 @@ mod decode;
 mod encode;
 mod fuse;
 mod golden;
+mod late;
 mod locate;
 mod score;
 mod send;

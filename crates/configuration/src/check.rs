@@ -93,6 +93,11 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     }
     let engine = engine.with_sources(weighing);
     let mut engine = engine.map_err(|error| error.under("fusion"))?;
+    match raw.time.order {
+        ReportOrder::Arrival => engine.expect_late_reports(),
+        // No report is late; files may have late ones, unless that is excluded.
+        ReportOrder::Time => engine.late_window_s = engine.late_window_s.filter(|window| window.ns() == 0),
+    }
     engine.border.regions = check_regions(&raw.regions, (raw.origin, engine.exchange), &frame)?;
     let own = messages::own_tracks().name;
     let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());

@@ -4,8 +4,9 @@
 //! track. Identity of the target, method, trace, and flags for observed height and velocity may follow; without the
 //! two flag columns, both were observed. A source with only the trace of its covariance leaves the covariance columns
 //! empty, or omits them (TI-1). Further optional columns are the subject of the track (`kind`: `single`, or `group`
-//! with its `members`) and the target's `type` with its `type_confidence`. A column `truth_id` is never read: it must
-//! stay hidden from fusion.
+//! with its `members`) and the target's `type` with its `type_confidence`. `arrival_s` is the time at which the report
+//! arrived (absolute, not before `time_s`); without the column, a report arrives at its time. A column `truth_id` is
+//! never read: it must stay hidden from fusion.
 
 use std::io::{self, Read, Write};
 
@@ -80,6 +81,9 @@ pub struct SensorTrackColumns<F> {
     first_day_ns: i64,
     source_of: F,
     at: SensorTrackPlaces,
+    arrival: Option<Column>,
+    /// Time of arrival of the row read last, nanoseconds.
+    arrival_ns: i64,
 }
 
 impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
@@ -98,8 +102,23 @@ impl<R: Read, F: FnMut(u32) -> Option<u16>> SensorTrackReader<R, F> {
             first_day_ns,
             source_of,
             at,
+            arrival: table.optional("arrival_s")?,
+            arrival_ns: first_day_ns,
         };
         Ok(Self { table, columns })
+    }
+}
+
+impl<R: Read, F> SensorTrackReader<R, F> {
+    /// Whether the file states when its reports arrived.
+    pub fn has_arrivals(&self) -> bool {
+        self.columns.arrival.is_some()
+    }
+
+    /// Time at which the report of the row read last arrived (UTC, nanoseconds): its own time unless the file states
+    /// another.
+    pub fn arrival_ns(&self) -> i64 {
+        self.columns.arrival_ns
     }
 }
 
@@ -116,8 +135,10 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
         let trace_m2 = self.trace(row)?;
         let covariance = self.covariance(row, trace_m2)?;
         let (kind, members) = self.kind(row)?;
+        let time_ns = row.time_ns(self.at.time)?.saturating_add(self.first_day_ns);
+        self.arrival_ns = self.arrival_of(row, time_ns)?;
         Ok(SensorTrack {
-            time_of_measurement_ns: row.time_ns(self.at.time)?.saturating_add(self.first_day_ns),
+            time_of_measurement_ns: time_ns,
             track_number: row.whole(self.at.number)?,
             source,
             valid: self.valid(row, covariance.is_some(), trace_m2.is_some())?,
@@ -137,6 +158,18 @@ impl<F: FnMut(u32) -> Option<u16>> Columns for SensorTrackColumns<F> {
 }
 
 impl<F> SensorTrackColumns<F> {
+    /// When the report of `time_ns` arrived, nanoseconds.
+    fn arrival_of(&self, row: Cells<'_>, time_ns: i64) -> Result<i64, CsvError> {
+        let Some(column) = self.arrival else {
+            return Ok(time_ns);
+        };
+        let arrival_ns = row.time_ns(column)?.saturating_add(self.first_day_ns);
+        if arrival_ns < time_ns {
+            return Err(row.error(column, "is before time_s; no report arrives before its measurement"));
+        }
+        Ok(arrival_ns)
+    }
+
     fn state(&self, row: Cells<'_>) -> Result<TrackState, CsvError> {
         let word = row.text(self.at.state)?.unwrap_or_default();
         TrackState::from_word(word).ok_or_else(|| {

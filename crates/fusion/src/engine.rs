@@ -23,6 +23,7 @@ use crate::explanation::Sink;
 use crate::history::Histories;
 use crate::host_clock::HostClock;
 use crate::inlet;
+use crate::kept_measurements::KeptMeasurements;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
 use crate::linking::{Linking, Next};
@@ -100,8 +101,12 @@ impl Engine {
                     remembers,
                 ),
                 Lifetimes::new(&settings.life, &settings.sources),
-                Dependence::new(&settings.sources),
-                Purity::new(sources),
+                (Dependence::new(&settings.sources), Purity::new(sources)),
+                KeptMeasurements::new(
+                    settings.late_window_ns(),
+                    capacity.kept_measurements(),
+                    capacity.system_tracks(),
+                ),
             ),
             sources: Sources::new(&settings),
             points: ReferencePoints::default(),
@@ -282,6 +287,9 @@ impl Engine {
             return;
         }
         self.learn_of_sources();
+        if self.tracks.kept.is_on() {
+            self.learn_lateness(report, now_ns);
+        }
         if report.state == TrackState::Coasted as u8 {
             // An extrapolated report contains no observation. Its extrapolation agrees perfectly with itself, so a
             // score as observation would favour it. It therefore counts as a missing report (TI-4).
@@ -309,6 +317,12 @@ impl Engine {
             }
         }
         let report = repaired.as_ref().unwrap_or(report);
+        if self.tracks.kept.is_on()
+            && let Some(sensor) = known
+            && self.take_overtaken(sensor, report, sink)
+        {
+            return;
+        }
         if let Some((sensor, measurement)) = self.store(report, known, !is_usable) {
             self.work_off(sensor, report, measurement.as_ref(), sink);
         }
@@ -482,8 +496,10 @@ impl Engine {
     /// Queues a sensor track until its scan is complete.
     fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         let entry = self.tracks.sensors.get_mut(sensor);
-        // A clock that is ahead must not delay the scan.
-        let (source, time_ns) = (entry.source, entry.time_ns.min(self.schedule.now_ns()));
+        // A clock that is ahead must not delay the scan; the reports of a late scan come late as well.
+        let late_ns = self.tracks.lifetimes.late_ns(entry.source);
+        let time_ns = entry.time_ns.saturating_add(late_ns).min(self.schedule.now_ns());
+        let source = entry.source;
         if std::mem::replace(&mut entry.waits, true) {
             return;
         }
@@ -534,7 +550,9 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         if entry.role == Role::Primary {
             let report = entry.latest;
-            self.update(sensor, &report, Some(&whole_report(&report)), sink);
+            let mut whole = whole_report(&report);
+            whole.has_waited = true;
+            self.update(sensor, &report, Some(&whole), sink);
         }
     }
 
@@ -635,6 +653,8 @@ impl Engine {
             let factor = 1.0 + entry.share * (claimed_too_much - 1.0);
             let system = entry.system;
             self.tracks.systems.get_mut(system).filter.inflate(factor);
+            // Kept states of the filter are as much too sure.
+            self.tracks.kept.forget(system);
         }
         false
     }
@@ -673,16 +693,27 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
         let mut relative = *measurement;
-        for (position, point) in relative.position_m.iter_mut().zip(referred.point_m) {
-            *position -= point;
-        }
-        relative.covariance_m2[0] += referred.variance_m2;
-        relative.covariance_m2[3] += referred.variance_m2;
-        let filter = &mut self.tracks.systems.get_mut(system).filter;
-        let motion = self.sources.motion_of(filter);
-        let innovation = filter.take(&relative, time_ns, motion, referred.is_usable);
+        relative.refer(referred.point_m, referred.variance_m2);
+        let Self { tracks, sources, .. } = self;
+        let filter = &mut tracks.systems.get_mut(system).filter;
+        let keeps = tracks.kept.is_on();
+        let taken = if keeps && time_ns < filter.time_ns && !relative.has_waited {
+            self.take_late_or_carry(sensor, &relative, &referred)
+        } else {
+            if keeps {
+                tracks.kept.begin(system, filter);
+            }
+            let innovation = filter.take(&relative, time_ns, sources.motion_of(filter), referred.is_usable);
+            if keeps {
+                let entry = tracks.sensors.get(sensor);
+                let used = referred.used(entry, &relative);
+                tracks.kept.append(system, filter, &used);
+            }
+            innovation
+        };
+        let filter = &self.tracks.systems.get(system).filter;
         // A non-finite value shows in the gain.
-        let Some(mut innovation) = innovation.filter(|innovation| innovation.gain.is_finite()) else {
+        let Some(mut innovation) = taken.filter(|innovation| innovation.gain.is_finite()) else {
             if !filter.is_sound() {
                 self.restart(sensor, sink);
             }

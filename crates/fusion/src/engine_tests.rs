@@ -13,6 +13,7 @@ mod image;
 mod innovations;
 mod keys;
 mod large_targets;
+mod late;
 mod levels;
 mod orders;
 mod partial_coverage;

@@ -248,6 +248,7 @@ impl TargetFilter {
 
     /// Compares the measurement of `time_ns` with the estimate and, if `use_it`, updates the estimate. A measurement
     /// older than the filter is extrapolated with the estimated velocity, with a larger uncertainty.
+    #[inline(never)]
     pub(crate) fn take(
         &mut self,
         measurement: &Measurement,

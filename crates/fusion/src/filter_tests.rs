@@ -78,6 +78,7 @@ impl Flight {
             position_m,
             covariance_m2: [r, 0.0, 0.0, r, 0.0, height],
             axes: 3,
+            has_waited: false,
         };
         let time_ns = (self.time_s * NS) as i64;
         self.filter

@@ -47,6 +47,8 @@ mod history;
 mod host_clock;
 mod image;
 mod inlet;
+mod kept_measurements;
+mod late;
 mod life;
 mod lifetimes;
 mod linking;

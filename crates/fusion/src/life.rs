@@ -239,7 +239,11 @@ impl Life {
                 groups(0, index as u16) & heard == 0 && tracks.dependence.is_witness_beside(index as u16, sources);
             if is_silent && may_see && !source.is_centre {
                 let detection = self.coverage.probability(index as u16, filter.estimate.position_m());
-                let looks = age_ns / source.period_ns as f64;
+                // The reports of the last seconds may not have come yet.
+                let looks = match tracks.lifetimes.late_ns(index as u16) {
+                    0 => age_ns,
+                    late_ns => (age_ns - late_ns as f64).max(0.0),
+                } / source.period_ns as f64;
                 silence += (1.0 - detection.shown * looks.min(1.0)).ln();
                 had_their_chance &= detection.assumed < DETECTION_SELDOM || looks >= CHANCE_LOOKS;
             }
@@ -448,6 +452,7 @@ pub(crate) fn end<S: Sink>(
         tracks.drop_sensor_track(member);
     }
     tracks.systems.end(slot);
+    tracks.kept.forget(slot);
     let entry = tracks.systems.get_mut(slot);
     entry.merged_into = merged_into;
     if merged_into == 0 && !entry.is_counted && entry.contributors.count_ones() == 1 {

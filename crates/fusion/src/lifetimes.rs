@@ -4,6 +4,9 @@
 //! end after six would restart at every turn. Life times without a configured value follow from the sources' periods,
 //! and an unknown period is learned: the median time between two reports of a sensor track. Before the second report
 //! of a source, the source may be slow, and tracks get sufficient time.
+//!
+//! Reports may be late (order `arrival`): what was measured some seconds ago may be the latest that can have come. How
+//! late most reports of a source are is learned, and added to the time for which they count.
 
 use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
@@ -18,12 +21,19 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 /// Periods within which a source that sees a target has surely reported it again: no antenna turns quite evenly.
 const SURELY_AGAIN: f64 = 1.1;
 
+/// Binary logarithms of the parts by which a report changes what is known of its source's lateness: a report that is
+/// later than expected, and others. The result is exceeded by one report in ten or so.
+const LATER: u32 = 2;
+const EARLIER: u32 = 5;
+
 /// How long reports and tracks live.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Lifetimes {
     learned: Vec<LearnedPeriod>,
-    /// Age up to which a report counts, per source, nanoseconds.
+    /// Age up to which a report counts, per source, nanoseconds: for the periods of the source, and as late as it is.
     fresh_ns: Vec<i64>,
+    /// How late most reports are, per source, nanoseconds; `None` before the first.
+    late_ns: Vec<Option<i64>>,
     /// Time without a report after which a tentative track ends, nanoseconds.
     pub(crate) tentative_ns: i64,
     /// Time without a report after which a confirmed track ends, nanoseconds.
@@ -58,6 +68,7 @@ impl Lifetimes {
         let mut new = Self {
             learned: learned.collect(),
             fresh_ns: sources.iter().map(|source| source.fresh_ns).collect(),
+            late_ns: vec![None; sources.len()],
             tentative_ns: 0,
             terminate_ns: 0,
         };
@@ -66,8 +77,28 @@ impl Lifetimes {
     }
 
     /// Age up to which a report of `source` counts, nanoseconds.
+    #[inline]
     pub(crate) fn fresh_ns(&self, source: u16) -> i64 {
         self.fresh_ns[usize::from(source)]
+    }
+
+    /// How late most reports of `source` are, nanoseconds.
+    #[inline]
+    pub(crate) fn late_ns(&self, source: u16) -> i64 {
+        self.late_ns[usize::from(source)].unwrap_or_default()
+    }
+
+    /// Learns from a report of `source` that is so late, nanoseconds.
+    #[inline]
+    pub(crate) fn learn_lateness(&mut self, source: u16, late_ns: i64) {
+        let known = &mut self.late_ns[usize::from(source)];
+        let change_ns = match *known {
+            None => late_ns,
+            Some(before_ns) if late_ns > before_ns => (late_ns - before_ns) >> LATER,
+            Some(before_ns) => (late_ns - before_ns) >> EARLIER,
+        };
+        *known = Some(known.unwrap_or_default() + change_ns);
+        self.fresh_ns[usize::from(source)] += change_ns;
     }
 
     /// Learns from a report of `source`, `since_ns` after the previous report of its sensor track, if any.
@@ -88,7 +119,8 @@ impl Lifetimes {
     /// changed.
     pub(crate) fn follow(&mut self, settings: &LifeSettings, sources: &mut [SourceSettings], now_ns: i64) -> bool {
         let mut has_changed = false;
-        for ((learned, fresh_ns), source) in self.learned.iter().zip(&mut self.fresh_ns).zip(sources) {
+        let known = self.learned.iter().zip(&mut self.fresh_ns).zip(&self.late_ns);
+        for (((learned, fresh_ns), late_ns), source) in known.zip(sources) {
             let Some(least_ns) = learned.least_ns.filter(|_| !learned.interval_s.is_unknown()) else {
                 continue;
             };
@@ -96,7 +128,7 @@ impl Lifetimes {
             has_changed |= period_ns != source.period_ns;
             source.period_ns = period_ns;
             source.fresh_ns = (FRESH_PERIODS * period_ns as f64) as i64;
-            *fresh_ns = source.fresh_ns;
+            *fresh_ns = source.fresh_ns + late_ns.unwrap_or_default();
         }
         self.derive(settings, now_ns);
         has_changed
@@ -197,6 +229,33 @@ mod tests {
             "{told:?}"
         );
         assert!(keys(Some(50), Some(40))[0].contains("outlives"));
+    }
+
+    #[test]
+    fn what_comes_late_counts_as_much_longer() {
+        let settings = test_settings(2);
+        let mut lifetimes = Lifetimes::new(&settings.life, &settings.sources);
+        let fresh_ns = lifetimes.fresh_ns(1);
+        for _ in 0..5 {
+            lifetimes.learn_lateness(1, 3 * S);
+        }
+        assert_eq!(
+            [0, 1].map(|source| lifetimes.fresh_ns(source)),
+            [fresh_ns, fresh_ns + 3 * S]
+        );
+        // Of the delays 0, 1, …, 9 s few are longer than what is expected.
+        for report in 0..1000 {
+            lifetimes.learn_lateness(1, report * 7 % 10 * S);
+        }
+        assert!(
+            (6 * S..9 * S).contains(&lifetimes.late_ns(1)),
+            "{}",
+            lifetimes.late_ns(1)
+        );
+        for _ in 0..1000 {
+            lifetimes.learn_lateness(1, 0);
+        }
+        assert!(lifetimes.late_ns(1) < S / 1000, "delays end");
     }
 
     #[test]

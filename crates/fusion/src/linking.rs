@@ -369,7 +369,10 @@ impl Linking<'_> {
             (entry.filter, entry.is_foreign) = (filter, is_foreign);
         }
         entry.contributors |= contributors;
-        let into = entry.number;
+        if takes_over {
+            self.tracks.kept.take_over(from, into);
+        }
+        let into = self.tracks.systems.get(into).number;
         out.decision(&Decision {
             time_ns: now_ns,
             kind: DecisionKind::Merged.code(),

@@ -42,6 +42,33 @@ impl Correction {
         covariance_scale: 1.0,
         stretch: Stretch::NONE,
     };
+
+    /// A state as its source gave it, corrected.
+    pub(crate) fn made(&self, mut state: Gaussian) -> Gaussian {
+        for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
+            *component -= shift;
+        }
+        let upper = &mut state.covariance.upper;
+        upper.iter_mut().for_each(|value| *value *= self.covariance_scale);
+        self.stretch.apply_to_state(&mut state.covariance);
+        state
+    }
+
+    /// A corrected state as its source gave it.
+    #[inline]
+    pub(crate) fn undone(&self, mut state: Gaussian) -> Gaussian {
+        for (component, shift) in state.mean.iter_mut().zip(self.shift_m) {
+            *component += shift;
+        }
+        if self.covariance_scale != 1.0 {
+            let upper = &mut state.covariance.upper;
+            upper.iter_mut().for_each(|value| *value /= self.covariance_scale);
+        }
+        if self.stretch != Stretch::NONE {
+            self.stretch.inverse().apply_to_state(&mut state.covariance);
+        }
+        state
+    }
 }
 
 /// What the filter of a system track received: a measurement, or the report with which it began. Its source's errors
@@ -76,16 +103,26 @@ pub struct FilterInput {
 }
 
 /// A measured position.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Measurement {
     /// East, north, up, metres.
     pub(crate) position_m: [f64; AXES],
     pub(crate) covariance_m2: Symmetric3,
     /// Number of measured axes: 3, or 2 without observed height; the third then has no meaning.
     pub(crate) axes: usize,
+    /// Whether its report waited for the end of its scan: it came in time even if others have been used since.
+    pub(crate) has_waited: bool,
 }
 
 impl Measurement {
+    /// In place of one.
+    pub(crate) const NONE: Self = Self {
+        position_m: [0.0; AXES],
+        covariance_m2: [0.0; 6],
+        axes: 0,
+        has_waited: false,
+    };
+
     /// Removes the known biases of the source, and enlarges the covariance to the right size.
     pub(crate) fn correct(&mut self, correction: &Correction) {
         for (position, shift) in self.position_m.iter_mut().zip(correction.shift_m) {
@@ -112,6 +149,16 @@ impl Measurement {
         values.for_each(|value| *value /= correction.covariance_scale);
     }
 
+    /// Takes off where the source sees the target, relative to the target's reference point, with a variance per axis.
+    #[inline]
+    pub(crate) fn refer(&mut self, point_m: [f64; 2], variance_m2: f64) {
+        for (position, point) in self.position_m.iter_mut().zip(point_m) {
+            *position -= point;
+        }
+        self.covariance_m2[0] += variance_m2;
+        self.covariance_m2[3] += variance_m2;
+    }
+
     /// Variance per horizontal axis, m².
     pub(crate) fn variance_m2(&self) -> f64 {
         0.5 * (self.covariance_m2[0] + self.covariance_m2[3])
@@ -120,17 +167,27 @@ impl Measurement {
 
 /// Returns all position information of a report: the contribution of a sensor track that has just joined.
 pub(crate) fn whole_report(report: &SensorTrack) -> Measurement {
-    let p = |row, column| report.covariance.get(row, column);
+    whole(
+        report.position_m,
+        &report.covariance,
+        report.has(sensor_track_bits::HEIGHT),
+    )
+}
+
+#[inline]
+fn whole(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
+    let p = |row, column| covariance.get(row, column);
     Measurement {
-        position_m: report.position_m,
+        position_m,
         covariance_m2: [p(0, 0), p(0, 1), p(0, 2), p(1, 1), p(1, 2), p(2, 2)],
-        axes: if report.has(sensor_track_bits::HEIGHT) { AXES } else { 2 },
+        axes: if has_height { AXES } else { 2 },
+        has_waited: false,
     }
 }
 
 /// Whether the covariance of a report shows that it comes from a filter.
-pub(crate) fn shows_filter(report: &SensorTrack) -> bool {
-    let p = |row, column| report.covariance.get(row, column);
+pub(crate) fn shows_filter(covariance: &Covariance) -> bool {
+    let p = |row, column| covariance.get(row, column);
     let filtered =
         |cross: f64, position: f64, velocity: f64| cross > 0.0 && cross > FILTERED * (position * velocity).sqrt();
     filtered(p(0, 3), p(0, 0), p(3, 3)) || filtered(p(1, 4), p(1, 1), p(4, 4))
@@ -138,8 +195,18 @@ pub(crate) fn shows_filter(report: &SensorTrack) -> bool {
 
 /// The report in place of a measurement.
 pub(crate) fn as_reported(report: &SensorTrack) -> Measurement {
-    let mut measurement = whole_report(report);
-    if shows_filter(report) {
+    as_stated(
+        report.position_m,
+        &report.covariance,
+        report.has(sensor_track_bits::HEIGHT),
+    )
+}
+
+/// A state in place of a measurement.
+#[inline]
+pub(crate) fn as_stated(position_m: [f64; AXES], covariance: &Covariance, has_height: bool) -> Measurement {
+    let mut measurement = whole(position_m, covariance, has_height);
+    if shows_filter(covariance) {
         measurement
             .covariance_m2
             .iter_mut()
@@ -180,16 +247,13 @@ impl Content {
     };
 }
 
-/// The measurement that led from `predicted` to `updated`, the report's state.
-pub(crate) fn recovered_measurement(
-    predicted: &Gaussian,
-    updated: &Gaussian,
-    report: &SensorTrack,
-) -> Option<Measurement> {
+/// The measurement that led from `predicted` to `updated`, the state of a report with or without height.
+pub(crate) fn recovered_measurement(predicted: &Gaussian, updated: &Gaussian, has_height: bool) -> Option<Measurement> {
+    let (position_m, covariance) = (updated.position_m(), &updated.covariance);
     if !is_one_update(predicted, updated) {
-        return Some(as_reported(report));
+        return Some(as_stated(position_m, covariance, has_height));
     }
-    let mut measurement = whole_report(report);
+    let mut measurement = whole(position_m, covariance, has_height);
     if measurement.axes == AXES
         && let Some(Recovered {
             position_m,

@@ -132,6 +132,7 @@ impl PlaneFilter {
     }
 
     /// What the target is expected to do.
+    #[inline]
     pub(crate) fn course(&self, motion: &Motion) -> Course {
         let mut course = Course {
             left_mps2: 0.0,
@@ -158,6 +159,7 @@ impl PlaneFilter {
     }
 
     /// Brings the models forward by `seconds` > 0. `estimate` is all models together.
+    #[inline]
     pub(crate) fn advance(&mut self, seconds: f64, motion: &Motion, estimate: &Plane) {
         self.mix(seconds, motion, estimate);
         let running = self.running();
@@ -217,6 +219,7 @@ impl PlaneFilter {
     }
 
     /// Expected position, and its covariance (xx, xy, yy).
+    #[inline]
     pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
         let about = [self.models[STEADY].mean[0], self.models[STEADY].mean[1]];
         let (mut first, mut second) = ([0.0; 2], [0.0; 3]);
@@ -238,6 +241,7 @@ impl PlaneFilter {
     }
 
     /// All models together; `about` is near all of them.
+    #[inline]
     pub(crate) fn combined(&self, about: &[f64; 4]) -> Plane {
         let mut sum = Moments::default();
         let running = self.running();
@@ -248,6 +252,7 @@ impl PlaneFilter {
     }
 
     /// Updates all models with a measured position; `None` if a value is not usable.
+    #[inline]
     pub(crate) fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<()> {
         let running = self.running();
         let steady = self.models[STEADY].update(measured_m, r)?;

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
+use crate::kept_measurements::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};
@@ -43,6 +44,7 @@ pub(crate) struct ReferencePoints {
 }
 
 /// A measurement's relation to the target's reference point.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Referred {
     /// Whether the measurement may be used.
     pub(crate) is_usable: bool,
@@ -59,6 +61,19 @@ impl Referred {
         point_m: [0.0; 2],
         variance_m2: 0.0,
     };
+
+    /// The measurement in the latest report of a sensor track, which is `relative` to the reference point.
+    #[inline]
+    pub(crate) fn used<'a>(&self, entry: &'a SensorEntry, relative: &'a Measurement) -> UsedMeasurement<'a> {
+        UsedMeasurement {
+            measurement: relative,
+            report: &entry.latest,
+            correction: entry.correction(),
+            is_used: self.is_usable,
+            point_m: self.point_m,
+            point_m2: self.variance_m2,
+        }
+    }
 }
 
 impl ReferencePoints {
@@ -128,7 +143,20 @@ impl ReferencePoints {
             out.decision(&tracks.decision(sensor, DecisionKind::ReferencePoint, f64::NAN, f64::NAN));
             return Referred::ITSELF;
         }
-        if point.reports < REPORTS_MIN {
+        self.known(tracks, sensor, measurement)
+    }
+
+    /// Where the detection point of a sensor track lies, as far as it is known; chooses nothing.
+    pub(crate) fn known(&self, tracks: &Tracks, sensor: SensorSlot, measurement: &Measurement) -> Referred {
+        if !self.keeps_points {
+            return Referred::ITSELF;
+        }
+        let entry = tracks.sensors.get(sensor);
+        let point = &entry.point;
+        if point.epoch == self.epoch && point.is_reference {
+            return Referred::ITSELF;
+        }
+        if point.epoch != self.epoch || point.reports < REPORTS_MIN {
             return Referred {
                 is_usable: false,
                 ..Referred::ITSELF
@@ -136,7 +164,7 @@ impl ReferencePoints {
         }
         Referred {
             is_usable: true,
-            point_m: from_body(point.offset_m, tracks.systems.get(system).course),
+            point_m: from_body(point.offset_m, tracks.systems.get(entry.system).course),
             variance_m2: measurement.variance_m2() / f64::from(point.reports),
         }
     }
@@ -196,8 +224,10 @@ fn change_to(tracks: &mut Tracks, sensor: SensorSlot) {
         system, source, point, ..
     } = *tracks.sensors.get(sensor);
     let entry = tracks.systems.get_mut(system);
-    entry.filter.shift(from_body(point.offset_m, entry.course));
+    let by_m = from_body(point.offset_m, entry.course);
+    entry.filter.shift(by_m);
     entry.point_source = source;
+    tracks.kept.shift(system, by_m);
     tracks.for_members(system, |member| {
         let other = &mut member.point;
         for (offset, by) in other.offset_m.iter_mut().zip(point.offset_m) {

@@ -170,19 +170,12 @@ impl Default for SensorEntry {
 impl SensorEntry {
     /// The latest report as the source gave it, nothing taken off.
     pub(crate) fn as_reported(&self) -> Gaussian {
-        let mut state = gaussian_of(&self.latest);
-        for (component, shift) in state.mean.iter_mut().zip(self.correction.shift_m) {
-            *component += shift;
-        }
-        let covariance_scale = self.correction.covariance_scale;
-        if covariance_scale != 1.0 {
-            let upper = &mut state.covariance.upper;
-            upper.iter_mut().for_each(|value| *value /= covariance_scale);
-        }
-        if self.correction.stretch != Stretch::NONE {
-            self.correction.stretch.inverse().apply_to_state(&mut state.covariance);
-        }
-        state
+        self.correction.undone(gaussian_of(&self.latest))
+    }
+
+    /// Correction that was made to the latest report.
+    pub(crate) fn correction(&self) -> &Correction {
+        &self.correction
     }
 
     /// Position of the latest report as the source gave it, metres.

@@ -1,7 +1,7 @@
 //! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how
 //! targets move.
 
-use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
+use estimation::{AxisNoise, Gaussian, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +11,8 @@ use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
-    Content, Correction, CovarianceBasis, Measurement, as_reported, gaussian_of, recovered_measurement, shows_filter,
-    whole_report,
+    Content, Correction, CovarianceBasis, Measurement, as_reported, as_stated, gaussian_of, recovered_measurement,
+    shows_filter, whole_report,
 };
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
@@ -232,7 +232,7 @@ impl Sources {
         let mut content = Content::NONE;
         let Some((earlier, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
             content.measurement = Some(as_reported(report));
-            if !repaired && !shows_filter(report) {
+            if !repaired && !shows_filter(&report.covariance) {
                 content.covariance = model.first_covariance(&report.covariance);
                 if content.covariance.is_some() {
                     content.basis = CovarianceBasis::Gain;
@@ -250,12 +250,12 @@ impl Sources {
                 model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
             }
             if let Some(noise) = model.process_noise() {
-                content.measurement = recovered_measurement(&noise.predicted(&before, seconds), &after, report);
+                content.measurement = recovered_measurement(&noise.predicted(&before, seconds), &after, has_height);
                 return content;
             }
         }
         content.measurement = Some(as_reported(report));
-        if !repaired && !shows_filter(report) {
+        if !repaired && !shows_filter(&report.covariance) {
             self.undo_tracker(report, (earlier, seconds), &mut content);
             self.doubt(report, &mut content);
         }
@@ -318,6 +318,20 @@ impl Sources {
             covariance_m2,
             ..whole_report(report)
         });
+    }
+
+    /// The measurement that led from a state of a sensor track of `source`, so many seconds before, to another one;
+    /// `None` if none can have. Learns nothing.
+    pub(crate) fn measurement_between(
+        &self,
+        source: u16,
+        (before, seconds): (&Gaussian, f64),
+        (after, has_height): (&Gaussian, bool),
+    ) -> Option<Measurement> {
+        match self.models[usize::from(source)].process_noise() {
+            Some(noise) => recovered_measurement(&noise.predicted(before, seconds), after, has_height),
+            None => Some(as_stated(after.position_m(), &after.covariance, has_height)),
+        }
     }
 
     /// Learns from an innovation how true its source's covariances are and where its detection points lie.

@@ -9,6 +9,7 @@ use messages::{Decision, DecisionKind, TrackState};
 use crate::checkpoint::{CheckpointWriter, RecordKind};
 use crate::dependence::Dependence;
 use crate::filter::TargetFilter;
+use crate::kept_measurements::KeptMeasurements;
 use crate::lifetimes::Lifetimes;
 use crate::measurement::{FilterInput, Measurement};
 use crate::number_hasher::{NumberHasher, table};
@@ -26,6 +27,8 @@ pub(crate) struct Tracks {
     pub(crate) dependence: Dependence,
     /// How many new tracks of each source turned out to be targets.
     pub(crate) purity: Purity,
+    /// Measurements of the last seconds, for late reports.
+    pub(crate) kept: KeptMeasurements,
     /// Where what must outlive the process is written.
     #[serde(skip)]
     pub(crate) checkpoint: Option<CheckpointWriter>,
@@ -58,8 +61,8 @@ impl Tracks {
         sensors: SensorTracks,
         systems: SystemTracks,
         lifetimes: Lifetimes,
-        dependence: Dependence,
-        purity: Purity,
+        (dependence, purity): (Dependence, Purity),
+        kept: KeptMeasurements,
     ) -> Self {
         Self {
             sensors,
@@ -67,6 +70,7 @@ impl Tracks {
             lifetimes,
             dependence,
             purity,
+            kept,
             checkpoint: None,
             remembered: HashMap::with_hasher(NumberHasher::new(0)),
         }
@@ -364,6 +368,7 @@ impl Tracks {
         system.filter = TargetFilter::of_report(&entry.latest);
         system.is_foreign = entry.is_foreign;
         system.contributors = 1 << entry.source;
+        self.kept.forget(entry.system);
     }
 
     /// Frees the place of a sensor track.

@@ -377,6 +377,12 @@ counters! {
         "Reports faster than `limits.speed_mps`.";
     RejectedTooFar = "rejected_too_far", FusionRejection by [Fusion],
         "Reports further from their sensor than `limits.range_m`.";
+    LateUsed = "late_used", FusionRemark by [Fusion],
+        "Reports older than their track's state, used as if they had come in time.";
+    LateBeyondWindow = "late_beyond_window", FusionRemark by [Fusion],
+        "Reports older than their track's state by more than the window, carried forward to the state.";
+    LateUnkept = "late_unkept", FusionRemark by [Fusion],
+        "Reports within the window carried forward because earlier measurements are not kept: the track is young, or the table full.";
 }
 
 #[cfg(test)]

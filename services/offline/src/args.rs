@@ -133,6 +133,9 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
          kind,members,type,type_confidence (docs/wide-area.md). Metres, m/s, the upper triangle of the covariance row by
          row, or instead only its trace over east and north; state is tentative, confirmed, coasted or terminated. A file
          may contain several sensors; several files are merged by time. Unusable rows are omitted and counted.
+         With a column arrival_s (absolute, not before time_s), rows are delivered in its order, whatever their order in the
+         file, and time passes with it; a row that is late by up to fusion.late_window_s (10 s) changes the states as if it
+         had come in time.
 --out    time_s,system_track_id,x,y,z,vx,vy,vz,state,sources,weights,selected,lambda,address,mode_3a,callsign,P00,…,P55
          and more, a row per update. With --refresh a row per confirmed or coasted track at every whole multiple of the
          interval. Several values in a column are joined with |.
@@ -185,7 +188,7 @@ pub struct Fuse {
 /// Inputs and settings of the offline engines of fusion.
 #[derive(Debug, Args)]
 pub(crate) struct OfflineInput {
-    /// Sensor tracks: CSV files, each in the order of time
+    /// Sensor tracks: CSV files, each in the order of time, or with times of arrival
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) tracks: Vec<PathBuf>,
     /// Description of the sensors, and settings of fusion: a TOML file

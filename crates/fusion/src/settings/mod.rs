@@ -30,6 +30,8 @@ pub use crate::source_ref::{SOURCES_MAX, SourceRef};
 pub const STORED_REPORTS_MAX: usize = 64;
 /// Condition (weather) in which no factor of a condition applies.
 pub(crate) const NORMAL: &str = "normal";
+/// Usual window of late reports, seconds.
+const LATE_WINDOW_S: f64 = 10.0;
 
 settings::settings! {
     /// Fusion.
@@ -43,6 +45,9 @@ settings::settings! {
         /// Delay of the states after their refresh time. Reports measured during the delay permit interpolation of
         /// slow sources instead of extrapolation (QF-6).
         refresh_delay_s: Seconds = Seconds::default(), in [0, 3600];
+        /// Time by which a report may be older than its track's state and still change the state as if it had come in
+        /// time; older ones are carried forward. 0: all are.
+        late_window_s: Option<Seconds> = None, in [0, 60], usually "10 in order `arrival`, and offline for files with `arrival_s`; else 0";
         /// Publication of a further track picture from local sources only, for other centres.
         exchange: bool = false;
         /// Borders with other centres.
@@ -73,6 +78,8 @@ settings::settings! {
         sensor_tracks: Option<usize> = None, in [1, 1e7], usually "8000; offline as seen";
         /// Earlier reports kept per source and target, beside the latest (N of TI-4).
         stored_reports: usize = 5, in [1, STORED_REPORTS_MAX];
+        /// Measurements kept for late reports, of all system tracks together.
+        kept_measurements: Option<usize> = None, in [1, 1e8], usually "32 for each system track";
         /// Reports that wait per source in order `time`: a source must be able to hand over a whole slice at any time.
         queue: usize = 4096, in [128, 1e7];
     }
@@ -98,6 +105,11 @@ impl Capacity {
     /// Live sensor tracks of all sources together.
     pub fn sensor_tracks(&self) -> usize {
         self.sensor_tracks.unwrap_or(8_000)
+    }
+
+    /// Measurements kept for late reports.
+    pub fn kept_measurements(&self) -> usize {
+        self.kept_measurements.unwrap_or(32 * self.system_tracks())
     }
 }
 
@@ -212,6 +224,16 @@ impl Settings {
     /// Time between two states of a system track, nanoseconds; `None`: whenever a report has changed a system track.
     pub fn refresh_ns(&self) -> Option<i64> {
         self.refresh_s.map(Seconds::ns)
+    }
+
+    /// Gives the window of late reports its usual length, unless it is stated.
+    pub fn expect_late_reports(&mut self) {
+        self.late_window_s.get_or_insert(Seconds::of(LATE_WINDOW_S));
+    }
+
+    /// Greatest age of a report that changes its track's state as if it had come in time, nanoseconds; 0: none does.
+    pub(crate) fn late_window_ns(&self) -> i64 {
+        self.late_window_s.map_or(0, Seconds::ns)
     }
 
     /// Longest time between two reports of any source, seconds.

@@ -80,12 +80,9 @@ fn corrected(engine: &Engine, input: &FilterInput) -> Measurement {
         position_m: input.position_m,
         covariance_m2: input.covariance_m2,
         axes: if input.has_height { AXES } else { 2 },
+        has_waited: false,
     };
     measurement.correct(&engine.sources.correction_of(&engine.settings.sources, &report));
-    for (position, point) in measurement.position_m.iter_mut().zip(input.point_m) {
-        *position -= point;
-    }
-    measurement.covariance_m2[0] += input.point_m2;
-    measurement.covariance_m2[3] += input.point_m2;
+    measurement.refer(input.point_m, input.point_m2);
     measurement
 }

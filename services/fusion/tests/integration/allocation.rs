@@ -32,7 +32,7 @@ fn config(wait: &str) -> Config {
     let source = |name: &str| format!("[[source]]\nname = \"{name}\"\n[source.external]\n");
     let text = format!(
         "name = \"t\"\n[frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n[time]\norder = \"arrival\"\ndate = \"2016-05-10\"\n\
-         {}{}{}[recorder]\nenabled = false\n[fusion]\nwait = \"{wait}\"\ndecisions = true\n[fusion.capacity]\nsystem_tracks = 250\n",
+         {}{}{}[recorder]\nenabled = false\n[fusion]\nwait = \"{wait}\"\ndecisions = true\n[fusion.capacity]\nsystem_tracks = 250\nkept_measurements = 5000\n",
         source("a"),
         source("b"),
         source("c")
@@ -123,7 +123,10 @@ fn the_loop_allocates_nothing() {
             let source = (step % 3) as usize;
             let slices = if source == 0 && step.is_multiple_of(5) { 6 } else { 1 };
             for _ in 0..slices {
-                let second = step as f64 * 0.05;
+                // The third source is late now and then.
+                let is_late = source == 2 && step / 300 % 4 == 2;
+                let late_s = if is_late { 0.2 * (step % 20) as f64 } else { 0.0 };
+                let second = step as f64 * 0.05 - late_s;
                 let mark = Mark {
                     progress_ns: i64::MIN,
                     sent_ns: step as i64 * S / 20,
@@ -173,6 +176,9 @@ fn the_loop_allocates_nothing() {
             entries[0].counters[Counter::DroppedTable] > 0,
             "a full table is part of it"
         );
+        for late in [Counter::LateUsed, Counter::LateUnkept] {
+            assert!(entries[0].counters[late] > 0, "{}", late.label());
+        }
         let obeyed = entries[0].counters[Counter::OrdersObeyed];
         assert!(obeyed > 20, "{obeyed} of 30 orders, too");
     }

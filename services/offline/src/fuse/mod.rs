@@ -73,7 +73,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     if let (Some(mut picture), Some(file)) = (picture, &fuse.picture) {
         let mut again = setup.reports()?;
         while let Some(report) = again.next()? {
-            picture.report(&report);
+            picture.report(&report.track);
         }
         picture.draw(file, &setup.sensor_ids)?;
     }

@@ -22,7 +22,7 @@ pub(crate) struct FuseSummary<'a> {
 }
 
 /// Counters shown if nonzero: outcome of the reports, by sensor.
-const OF_SENSORS: [Counter; 8] = [
+const OF_SENSORS: [Counter; 11] = [
     Counter::RejectedExtrapolated,
     Counter::RejectedDuplicate,
     Counter::RejectedContradicted,
@@ -31,6 +31,9 @@ const OF_SENSORS: [Counter; 8] = [
     Counter::RejectedTooFar,
     Counter::RejectedOutOfOrder,
     Counter::DroppedTable,
+    Counter::LateUsed,
+    Counter::LateBeyondWindow,
+    Counter::LateUnkept,
 ];
 /// Counters of system tracks.
 const OF_TRACKS: [Counter; 6] = [
@@ -229,6 +232,9 @@ fn words(counter: Counter) -> &'static str {
         Counter::RejectedTooFar => "beyond limits.range_m",
         Counter::RejectedOutOfOrder => "out of order",
         Counter::DroppedTable => "refused by a full table",
+        Counter::LateUsed => "late and used in their place",
+        Counter::LateBeyondWindow => "later than late_window_s",
+        Counter::LateUnkept => "late beside a young track or a full table",
         Counter::TracksStarted => "started",
         Counter::TracksConfirmed => "confirmed",
         Counter::TracksMerged => "merged",

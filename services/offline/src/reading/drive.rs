@@ -1,10 +1,12 @@
-//! Passes all reports of files to the driver of the engine, in order of time like the live process.
+//! Passes all reports of files to the driver of the engine, in order of time like the live process; in order of arrival
+//! where files state it.
 
 use std::io;
 
 use fusion::{Driver, Engine, FilterInput, ReportNumber, Sink};
 use messages::{Decision, SystemTrack};
 
+use super::arrivals::ArrivedReport;
 use super::merged::MergedRows;
 use super::progress::Progress;
 use crate::host::Host;
@@ -22,7 +24,7 @@ pub(crate) struct DriveTotals {
     pub(crate) by_source: Vec<u64>,
     /// Time spent in the engine alone, nanoseconds.
     pub(crate) engine_ns: i64,
-    /// Time of the last report, nanoseconds.
+    /// Time up to which time has passed with the last report, nanoseconds.
     pub(crate) last_ns: Option<i64>,
 }
 
@@ -136,13 +138,18 @@ pub(crate) fn drive_into(
             .try_for_each(|decision| reader.decision(&decision))
     };
     let progress = Progress::new(host, reports.octets_in_all);
-    while let Some(mut report) = reports.next()? {
+    while let Some(ArrivedReport {
+        track: mut report,
+        arrival_ns,
+        ..
+    }) = reports.next()?
+    {
         let begin_ns = runtime::clock::mono_ns();
-        driver.report_in_order(&mut report, ReportNumber::default(), &mut out);
+        driver.report(&mut report, ReportNumber::default(), arrival_ns, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
         driven.reports += 1;
         driven.by_source[usize::from(report.source)] += 1;
-        driven.last_ns = Some(report.time_of_measurement_ns);
+        driven.last_ns = Some(arrival_ns);
         pass_on(&mut out)?;
         progress.at(*reports.octets.borrow())?;
     }

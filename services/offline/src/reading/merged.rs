@@ -1,4 +1,5 @@
-//! Sensor tracks of several files in the order of time, one at a time.
+//! Sensor tracks of several files in the order of time, one at a time; those of files that state when their rows
+//! arrived, in the order of arrival (module `arrivals`).
 //!
 //! Memory holds a few rows of each file, so files may have any length. Unusable rows are skipped and counted
 //! individually: a recording of a million rows stays useful if ten of them are damaged. Reading ends only if the
@@ -14,8 +15,8 @@ use std::rc::Rc;
 
 use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
-use messages::SensorTrack;
 
+use super::arrivals::{ArrivalOrder, ArrivedReport, RowOrder};
 use super::progress::CountingInput;
 use super::refusals::SkippedRows;
 use crate::files::InputError;
@@ -56,7 +57,7 @@ impl Sensors {
 
 type SourceOf = Box<dyn FnMut(u32) -> Option<u16>>;
 
-/// Rows of several files, merged by time.
+/// Rows of several files, merged by time of arrival.
 pub(crate) struct MergedRows {
     lanes: Vec<FileLane>,
     pub(crate) sensors: Rc<RefCell<Sensors>>,
@@ -71,16 +72,12 @@ struct FileLane {
     path: PathBuf,
     reader: SensorTrackReader<CountingInput, SourceOf>,
     /// Next row, and the rows after it.
-    next: Option<WaitingRow>,
-    ahead: VecDeque<WaitingRow>,
+    next: Option<ArrivedReport>,
+    ahead: VecDeque<ArrivedReport>,
     /// Time of the last returned row.
     given_ns: i64,
-}
-
-#[derive(Clone, Copy)]
-struct WaitingRow {
-    track: SensorTrack,
-    line: u64,
+    /// Order of a file that states when its rows arrived.
+    arrivals: Option<ArrivalOrder>,
 }
 
 impl MergedRows {
@@ -88,7 +85,12 @@ impl MergedRows {
     ///
     /// # Errors
     /// If a file cannot be read, or lacks a column.
-    pub(crate) fn open(host: &dyn Host, files: &[PathBuf], sensors: Sensors) -> Result<Self, InputError> {
+    pub(crate) fn open(
+        host: &dyn Host,
+        files: &[PathBuf],
+        sensors: Sensors,
+        order: RowOrder,
+    ) -> Result<Self, InputError> {
         let mut merged = Self {
             lanes: Vec::new(),
             sensors: Rc::new(RefCell::new(sensors)),
@@ -103,12 +105,16 @@ impl MergedRows {
             let sensors = Rc::clone(&merged.sensors);
             let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
             let reader = SensorTrackReader::new(input, 0, source_of);
+            let reader = reader.map_err(|error| InputError::new(path, error))?;
+            let has_arrivals = reader.has_arrivals();
+            let arrivals = has_arrivals.then(|| arrivals_of(host, path, order)).transpose()?;
             let mut lane = FileLane {
                 path: path.clone(),
-                reader: reader.map_err(|error| InputError::new(path, error))?,
+                reader,
                 next: None,
                 ahead: VecDeque::with_capacity(AHEAD),
                 given_ns: i64::MIN,
+                arrivals,
             };
             lane.step(&mut merged.refusals)?;
             merged.lanes.push(lane);
@@ -116,14 +122,20 @@ impl MergedRows {
         Ok(merged)
     }
 
-    /// Returns the next report of all files; at equal times, the report of the sensor with the smallest number.
+    /// Whether a file states when its rows arrived.
+    pub(crate) fn has_arrivals(&self) -> bool {
+        self.lanes.iter().any(|lane| lane.arrivals.is_some())
+    }
+
+    /// Returns the next report of all files to arrive; at equal times, the report measured first, and then that of the
+    /// sensor with the smallest number.
     ///
     /// # Errors
     /// If reading a file fails.
-    pub(crate) fn next(&mut self) -> Result<Option<SensorTrack>, InputError> {
+    pub(crate) fn next(&mut self) -> Result<Option<ArrivedReport>, InputError> {
         let order = |lane: &FileLane| {
-            lane.next
-                .map(|row| (row.track.time_of_measurement_ns, row.track.source))
+            let row = lane.next?;
+            Some((row.arrival_ns, row.track.time_of_measurement_ns, row.track.source))
         };
         let lanes = self.lanes.iter_mut().filter(|lane| lane.next.is_some());
         let Some(lane) = lanes.min_by_key(|lane| order(lane)) else {
@@ -131,13 +143,18 @@ impl MergedRows {
         };
         let given = lane.next;
         lane.step(&mut self.refusals)?;
-        Ok(given.map(|row| row.track))
+        Ok(given)
     }
 }
 
 impl FileLane {
     /// Advances to the next row.
     fn step(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
+        if let Some(mut arrivals) = self.arrivals.take() {
+            self.next = self.next_arrival(&mut arrivals, refusals)?;
+            self.arrivals = Some(arrivals);
+            return Ok(());
+        }
         if let Some(given) = self.next {
             self.given_ns = given.track.time_of_measurement_ns;
         }
@@ -151,7 +168,7 @@ impl FileLane {
                 self.next = self.next_ahead(refusals)?;
                 continue;
             }
-            let earlier = |row: &WaitingRow| row.track.time_of_measurement_ns < next_ns;
+            let earlier = |row: &ArrivedReport| row.track.time_of_measurement_ns < next_ns;
             let Some(after) = self.ahead.front().copied().filter(earlier) else {
                 break;
             };
@@ -166,9 +183,26 @@ impl FileLane {
         Ok(())
     }
 
+    /// Returns the next row in the order of arrival.
+    fn next_arrival(
+        &mut self,
+        arrivals: &mut ArrivalOrder,
+        refusals: &mut SkippedRows,
+    ) -> Result<Option<ArrivedReport>, InputError> {
+        loop {
+            if let Some(row) = arrivals.pop(false) {
+                return Ok(Some(row));
+            }
+            match self.read(refusals)? {
+                Some(row) => arrivals.push(&row),
+                None => return Ok(arrivals.pop(true)),
+            }
+        }
+    }
+
     /// Whether the time of `next` is far beyond most following rows of other sensors, or, without other sensors, of
     /// its own sensor.
-    fn runs_away(&self, next: &WaitingRow) -> bool {
+    fn runs_away(&self, next: &ArrivedReport) -> bool {
         let (latest_ns, source) = (
             next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
             next.track.source,
@@ -187,7 +221,7 @@ impl FileLane {
         against > for_it
     }
 
-    fn next_ahead(&mut self, refusals: &mut SkippedRows) -> Result<Option<WaitingRow>, InputError> {
+    fn next_ahead(&mut self, refusals: &mut SkippedRows) -> Result<Option<ArrivedReport>, InputError> {
         self.look_ahead(refusals)?;
         Ok(self.ahead.pop_front())
     }
@@ -203,15 +237,25 @@ impl FileLane {
     }
 
     /// Returns the next readable row.
-    fn read(&mut self, refusals: &mut SkippedRows) -> Result<Option<WaitingRow>, InputError> {
+    fn read(&mut self, refusals: &mut SkippedRows) -> Result<Option<ArrivedReport>, InputError> {
         while let Some(row) = self.reader.next() {
             if let Some(track) = refusals.usable(&self.path, row)? {
-                let line = self.reader.line();
-                return Ok(Some(WaitingRow { track, line }));
+                return Ok(Some(ArrivedReport {
+                    track,
+                    arrival_ns: self.reader.arrival_ns(),
+                    line: self.reader.line(),
+                }));
             }
         }
         Ok(None)
     }
+}
+
+/// Finds how far the rows of `path` are out of order.
+fn arrivals_of(host: &dyn Host, path: &Path, order: RowOrder) -> Result<ArrivalOrder, InputError> {
+    let input = CountingInput::new(host.open(path)?, Rc::default());
+    let reader = SensorTrackReader::new(input, 0, |_| Some(0)).map_err(|error| InputError::new(path, error))?;
+    Ok(ArrivalOrder::of(reader, order))
 }
 
 fn seconds(ns: i64) -> f64 {

@@ -1,6 +1,7 @@
 //! Sensor tracks from files for the offline engines: merged by time, checked row by row, with settings derived from
 //! a first pass.
 
+mod arrivals;
 mod drive;
 mod merged;
 mod progress;

@@ -8,6 +8,7 @@ use fusion::Settings;
 use fusion::settings::SOURCES_MAX;
 use messages::FusionRule;
 
+use super::arrivals::RowOrder;
 use super::merged::{MergedRows, Sensors, named_twice};
 use super::survey::FileSurvey;
 use crate::args::OfflineInput;
@@ -45,7 +46,7 @@ impl<'a> Setup<'a> {
             None => FuseConfiguration::Offline(Box::default()),
         };
         let survey = FileSurvey::of(host, &input.tracks)?;
-        let (sensor_ids, settings, deployment) = match given {
+        let (sensor_ids, mut settings, deployment) = match given {
             FuseConfiguration::Deployment(config) => {
                 let ids = config
                     .sources
@@ -59,6 +60,11 @@ impl<'a> Setup<'a> {
                 (found.sensor_ids, found.engine, None)
             }
         };
+        if survey.has_arrivals {
+            settings.expect_late_reports();
+        } else {
+            settings.late_window_s = None;
+        }
         Ok(Self {
             host,
             input,
@@ -77,7 +83,7 @@ impl<'a> Setup<'a> {
             ids: self.sensor_ids.clone(),
             ..Sensors::default()
         };
-        MergedRows::open(self.host, &self.input.tracks, sensors)
+        MergedRows::open(self.host, &self.input.tracks, sensors, RowOrder::Arrival)
     }
 }
 

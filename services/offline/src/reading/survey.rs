@@ -7,6 +7,7 @@ use configuration::SeenSensor;
 use messages::SensorTrack;
 use rustc_hash::FxHashMap;
 
+use super::arrivals::{ArrivedReport, RowOrder};
 use super::merged::{MergedRows, Sensors};
 use super::progress::Progress;
 use crate::host::Host;
@@ -25,6 +26,8 @@ pub(crate) struct FileSurvey {
     pub(crate) first_refusal: Option<String>,
     /// Id of the first sensor beyond the maximum number, if any.
     pub(crate) excess: Option<u32>,
+    /// Whether a file states when its rows arrived.
+    pub(crate) has_arrivals: bool,
 }
 
 #[derive(Default)]
@@ -45,12 +48,12 @@ impl FileSurvey {
             open: true,
             ..Sensors::default()
         };
-        let mut merged = MergedRows::open(host, files, open)?;
+        let mut merged = MergedRows::open(host, files, open, RowOrder::Time)?;
         let progress = Progress::new(host, merged.octets_in_all);
         let mut sensors: Vec<SurveyedSensor> = Vec::new();
         let mut latest: FxHashMap<(u16, u32), i64> = FxHashMap::default();
         let mut pruned_ns = i64::MIN;
-        while let Some(report) = merged.next()? {
+        while let Some(ArrivedReport { track: report, .. }) = merged.next()? {
             let now_ns = report.time_of_measurement_ns;
             if now_ns.saturating_sub(pruned_ns) > LIVE_NS {
                 pruned_ns = now_ns;
@@ -74,6 +77,7 @@ impl FileSurvey {
             sensors: seen,
             first_refusal: merged.refusals.first.first().cloned(),
             excess: known.excess,
+            has_arrivals: merged.has_arrivals(),
         })
     }
 }
