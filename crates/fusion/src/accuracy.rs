@@ -88,8 +88,8 @@ impl Accuracies {
         *mean += (square - *mean) / memory;
     }
 
-    /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which the source
-    /// states this accuracy.
+    /// alpha of `source` (TI-8) for a target at this place, metres, that has this velocity, m/s, and of which the
+    /// source states this accuracy.
     pub(crate) fn alpha(
         &self,
         settings: &Settings,

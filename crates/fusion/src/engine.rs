@@ -625,10 +625,9 @@ impl Engine {
             self.restart(sensor, sink);
         } else if let Some(measurement) = measurement
             && (self.tracks.is_established(sensor) || !self.points.sees_points())
+            && !self.corrects_claims(sensor, sink)
         {
-            if !self.corrects_claims(sensor, sink) {
-                self.update_filter(sensor, measurement, sink);
-            }
+            self.update_filter(sensor, measurement, sink);
         }
         self.keep_alive(sensor, system, report);
         self.sources.compare(&self.settings, &self.tracks, sensor);

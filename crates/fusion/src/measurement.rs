@@ -17,6 +17,8 @@ use crate::tracker_gain::GainEvidence;
 const SMOOTHED: f64 = 3.0;
 /// Correlation of position and velocity that shows a filter.
 const FILTERED: f64 = 0.2;
+/// Largest factor by which covariances are taken to be too small.
+pub(crate) const CLAIM_MAX: f64 = 100.0;
 /// Relative difference of the regression of velocity on position that rounding explains.
 const REGRESSION_TOLERANCE: f64 = 0.1;
 

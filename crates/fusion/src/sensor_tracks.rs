@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 use crate::description::Description;
 use crate::error_shape::Stretch;
 use crate::history::Histories;
-use crate::measurement::{Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, whole_report};
+use crate::measurement::{
+    CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, whole_report,
+};
 use crate::number_hasher::{NumberHasher, table};
 use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
-use crate::sources::CLAIM_MAX;
 use crate::tracker_gain::GainEvidence;
 
 /// Place of a sensor track in its table.

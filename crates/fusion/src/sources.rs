@@ -11,8 +11,8 @@ use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
-    Content, Correction, CovarianceBasis, Measurement, as_reported, as_stated, gaussian_of, recovered_measurement,
-    shows_filter, whole_report,
+    CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, as_reported, as_stated, gaussian_of,
+    recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
@@ -34,8 +34,6 @@ const SPREAD_EVERY: u32 = 4;
 const REGISTRATION_SETTLED: f64 = 500.0;
 const REGISTRATION_EVERY: u32 = 8;
 
-/// Largest factor by which covariances are taken to be too small.
-pub(crate) const CLAIM_MAX: f64 = 100.0;
 /// Probability of steady motion from which on the shape of errors is learned.
 const SHAPE_STEADY_MIN: f64 = 0.5;
 
