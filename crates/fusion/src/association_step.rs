@@ -99,8 +99,8 @@ impl Search<'_> {
     }
 
     /// Returns a possible duplicate of `own` with d²: a system track without a common source and with an agreeing
-    /// state, while no system track of another target nearly agrees. One that has no source in common with the duplicate
-    /// may be a further duplicate, and is no hindrance.
+    /// state, while no system track of another target nearly agrees. One that has no source in common with the
+    /// duplicate may be a further duplicate, and is no hindrance.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
         let mut best: Option<(f64, SystemSlot)> = None;

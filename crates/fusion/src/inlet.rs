@@ -82,15 +82,20 @@ pub(crate) fn rejection(report: &SensorTrack, sources: &[SourceSettings]) -> Cou
 #[inline]
 pub(crate) fn corrected(report: &SensorTrack, sources: &[SourceSettings], now_ns: i64) -> Option<SensorTrack> {
     let source = sources.get(usize::from(report.source))?;
-    (source.correction != CorrectionTable::default()).then(|| without_biases(report, source, now_ns))
+    let known = source.correction.as_ref()?;
+    Some(without_biases(report, (known, source.place_m), now_ns))
 }
 
 #[cold]
-fn without_biases(report: &SensorTrack, source: &SourceSettings, now_ns: i64) -> SensorTrack {
+fn without_biases(
+    report: &SensorTrack,
+    (known, place_m): (&CorrectionTable, Option<[f64; 2]>),
+    now_ns: i64,
+) -> SensorTrack {
     let mut corrected = *report;
-    corrected.position_m[2] -= source.correction.up_m;
-    for (kind, value) in source.correction.biases() {
-        corrected = gross::corrected(&corrected, kind, value, source.place_m, now_ns);
+    corrected.position_m[2] -= known.up_m;
+    for (kind, value) in known.biases() {
+        corrected = gross::corrected(&corrected, kind, value, place_m, now_ns);
     }
     corrected
 }

@@ -233,6 +233,20 @@ pub(crate) enum CovarianceBasis {
 pub(crate) struct Content {
     /// The measurement behind it; `None` if there was none.
     pub(crate) measurement: Option<Measurement>,
+    /// Present if the stated covariance shows no filter.
+    pub(crate) unfiltered: Option<UnfilteredContent>,
+}
+
+impl Content {
+    pub(crate) const NONE: Self = Self {
+        measurement: None,
+        unfiltered: None,
+    };
+}
+
+/// What a report contains whose covariance shows no filter. Apart, so that other reports pay nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UnfilteredContent {
     /// Its covariance, if it is not the stated one.
     pub(crate) covariance: Option<Covariance>,
     pub(crate) basis: CovarianceBasis,
@@ -240,13 +254,15 @@ pub(crate) struct Content {
     pub(crate) evidence: GainEvidence,
 }
 
-impl Content {
-    pub(crate) const NONE: Self = Self {
-        measurement: None,
-        covariance: None,
-        basis: CovarianceBasis::Stated,
-        evidence: GainEvidence::NONE,
-    };
+impl UnfilteredContent {
+    /// With the stated covariance, after such evidence.
+    pub(crate) const fn stated(evidence: GainEvidence) -> Self {
+        Self {
+            covariance: None,
+            basis: CovarianceBasis::Stated,
+            evidence,
+        }
+    }
 }
 
 /// The measurement that led from `predicted` to `updated`, the state of a report with or without height.

@@ -197,15 +197,17 @@ impl SensorEntry {
             covariance_scale,
             stretch,
         } = *correction;
-        let before_m2 = self.latest.covariance.get(0, 0) + self.latest.covariance.get(1, 1);
+        self.claimed_too_much = content.unfiltered.map_or(1.0, |_| self.claimed_before(content));
         // Written in one go: to read back what has just been written so far away would take as long as the way there.
         self.latest = SensorTrack {
             identity,
             position_m: std::array::from_fn(|axis| report.position_m[axis] - shift_m[axis]),
             ..*report
         };
-        if let Some(covariance) = content.covariance {
-            self.latest.covariance = covariance;
+        self.basis = CovarianceBasis::Stated;
+        if let Some(unfiltered) = &content.unfiltered {
+            (self.basis, self.evidence) = (unfiltered.basis, unfiltered.evidence);
+            self.latest.covariance = unfiltered.covariance.unwrap_or(report.covariance);
         }
         if covariance_scale != 1.0 {
             let upper = &mut self.latest.covariance.upper;
@@ -214,14 +216,6 @@ impl SensorEntry {
         if stretch != Stretch::NONE {
             stretch.apply_to_state(&mut self.latest.covariance);
         }
-        self.claimed_too_much = match &content.measurement {
-            Some(measurement) if content.basis > self.basis && self.reports > 0 => {
-                (2.0 * measurement.variance_m2() / before_m2).clamp(1.0, CLAIM_MAX)
-            }
-            _ => 1.0,
-        };
-        self.basis = content.basis;
-        self.evidence = content.evidence;
         self.time_ns = report.time_of_measurement_ns;
         self.alerts = report.alerts;
         self.on_ground = report.has(sensor_track_bits::ON_GROUND);
@@ -229,6 +223,20 @@ impl SensorEntry {
         self.correction = *correction;
         self.reports = self.reports.saturating_add(1);
         self.misses = 0;
+    }
+
+    /// By how much the covariance of the latest report is too small, as the content of the next report shows it.
+    fn claimed_before(&self, content: &Content) -> f64 {
+        let is_better_known = content
+            .unfiltered
+            .is_some_and(|unfiltered| unfiltered.basis > self.basis);
+        let before_m2 = self.latest.covariance.get(0, 0) + self.latest.covariance.get(1, 1);
+        match &content.measurement {
+            Some(measurement) if is_better_known && self.reports > 0 => {
+                (2.0 * measurement.variance_m2() / before_m2).clamp(1.0, CLAIM_MAX)
+            }
+            _ => 1.0,
+        }
     }
 
     /// A measurement in it, or all of it, without corrections, as input of the filter of a system track.

@@ -11,8 +11,8 @@ use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
-    CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, as_reported, as_stated, gaussian_of,
-    recovered_measurement, shows_filter, whole_report,
+    CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, UnfilteredContent, as_reported, as_stated,
+    gaussian_of, recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
@@ -20,7 +20,7 @@ use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
-use crate::tracker_gain::Change;
+use crate::tracker_gain::{Change, GainEvidence};
 use crate::tracks::Tracks;
 
 /// Offset of a clock, seconds, that is no error beside the others.
@@ -227,51 +227,73 @@ impl Sources {
         repaired: bool,
     ) -> Content {
         let model = &mut self.models[usize::from(report.source)];
-        let mut content = Content::NONE;
-        let Some((earlier, seconds)) = earlier.filter(|(_, seconds)| *seconds > 0.0) else {
-            content.measurement = Some(as_reported(report));
-            if !repaired && !shows_filter(&report.covariance) {
-                content.covariance = model.first_covariance(&report.covariance);
-                if content.covariance.is_some() {
-                    content.basis = CovarianceBasis::Gain;
-                }
-                self.doubt(report, &mut content);
-            }
-            return content;
+        let content = |measurement| Content {
+            measurement,
+            unfiltered: None,
         };
-        content.evidence = earlier.evidence;
-        let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
-        let has_height = report.has(sensor_track_bits::HEIGHT);
-        if looks || knows {
-            let (before, after) = (earlier.as_reported(), gaussian_of(report));
-            if looks {
-                model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
-            }
-            if let Some(noise) = model.process_noise() {
-                content.measurement = recovered_measurement(&noise.predicted(&before, seconds), &after, has_height);
-                return content;
+        let known = earlier.filter(|(_, seconds)| *seconds > 0.0);
+        if let Some((earlier, seconds)) = known {
+            let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
+            if looks || knows {
+                let has_height = report.has(sensor_track_bits::HEIGHT);
+                let (before, after) = (earlier.as_reported(), gaussian_of(report));
+                if looks {
+                    model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
+                }
+                if let Some(noise) = model.process_noise() {
+                    return content(recovered_measurement(
+                        &noise.predicted(&before, seconds),
+                        &after,
+                        has_height,
+                    ));
+                }
             }
         }
-        content.measurement = Some(as_reported(report));
-        if !repaired && !shows_filter(&report.covariance) {
-            self.undo_tracker(report, (earlier, seconds), &mut content);
-            self.doubt(report, &mut content);
+        match repaired || shows_filter(&report.covariance) {
+            true => content(Some(as_reported(report))),
+            false => self.unfiltered_content(report, known),
         }
-        content
+    }
+
+    /// The content of a report whose covariance shows no filter.
+    #[inline(never)]
+    fn unfiltered_content(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>) -> Content {
+        let mut measurement = Some(as_reported(report));
+        let mut unfiltered = UnfilteredContent::stated(earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence));
+        match earlier {
+            Some(earlier) => self.undo_tracker(report, earlier, (&mut measurement, &mut unfiltered)),
+            None => {
+                unfiltered.covariance = self.models[usize::from(report.source)].first_covariance(&report.covariance);
+                if unfiltered.covariance.is_some() {
+                    unfiltered.basis = CovarianceBasis::Gain;
+                }
+            }
+        }
+        self.doubt(report, (&mut measurement, &mut unfiltered));
+        Content {
+            measurement,
+            unfiltered: Some(unfiltered),
+        }
     }
 
     /// Takes the covariance of a report for as wrong as those of the sources that are known, while the report's own
     /// source is not.
-    fn doubt(&self, report: &SensorTrack, content: &mut Content) {
-        if self.usual_claim <= 1.0 || content.covariance.is_some() || !self.models[usize::from(report.source)].is_open()
+    fn doubt(
+        &self,
+        report: &SensorTrack,
+        (measurement, unfiltered): (&mut Option<Measurement>, &mut UnfilteredContent),
+    ) {
+        if self.usual_claim <= 1.0
+            || unfiltered.covariance.is_some()
+            || !self.models[usize::from(report.source)].is_open()
         {
             return;
         }
         let mut covariance = report.covariance;
         covariance.upper.iter_mut().for_each(|value| *value *= self.usual_claim);
-        content.covariance = Some(covariance);
-        content.basis = CovarianceBasis::Doubted;
-        if let Some(measurement) = &mut content.measurement {
+        unfiltered.covariance = Some(covariance);
+        unfiltered.basis = CovarianceBasis::Doubted;
+        if let Some(measurement) = measurement {
             let values = measurement.covariance_m2.iter_mut();
             values.for_each(|value| *value *= self.usual_claim);
         }
@@ -292,7 +314,12 @@ impl Sources {
     }
 
     /// The content of a report whose covariance shows no filter, if its source's tracker can be undone.
-    fn undo_tracker(&mut self, report: &SensorTrack, (earlier, seconds): (&SensorEntry, f64), content: &mut Content) {
+    fn undo_tracker(
+        &mut self,
+        report: &SensorTrack,
+        (earlier, seconds): (&SensorEntry, f64),
+        (measurement, unfiltered): (&mut Option<Measurement>, &mut UnfilteredContent),
+    ) {
         let before_m = earlier.reported_position_m();
         let before_mps = earlier.latest.velocity_mps;
         let change = Change {
@@ -304,12 +331,12 @@ impl Sources {
             has_height: report.has(sensor_track_bits::HEIGHT) && earlier.latest.has(sensor_track_bits::HEIGHT),
         };
         let model = &mut self.models[usize::from(report.source)];
-        let Some(undone) = model.undo(&mut content.evidence, &change, &report.covariance) else {
+        let Some(undone) = model.undo(&mut unfiltered.evidence, &change, &report.covariance) else {
             return;
         };
-        content.covariance = Some(undone.covariance);
-        content.basis = CovarianceBasis::Gain;
-        content.measurement = undone.measurement.map(|(innovation_m, covariance_m2)| Measurement {
+        unfiltered.covariance = Some(undone.covariance);
+        unfiltered.basis = CovarianceBasis::Gain;
+        *measurement = undone.measurement.map(|(innovation_m, covariance_m2)| Measurement {
             position_m: std::array::from_fn(|axis| {
                 report.position_m[axis] - change.position_m[axis] + innovation_m[axis]
             }),

@@ -215,7 +215,7 @@ impl InstanceStatus {
 /// source; none where nothing is estimated.
 fn correction(config: Option<&Config>, source: u16, known: &Registration) -> Vec<String> {
     let settings = config.and_then(|config| config.engine.sources.get(usize::from(source)));
-    let configured = settings.map(|settings| settings.correction).unwrap_or_default();
+    let configured = settings.and_then(|settings| settings.correction).unwrap_or_default();
     let lines = configured.with_estimated(known).lines();
     if lines == configured.lines() { Vec::new() } else { lines }
 }

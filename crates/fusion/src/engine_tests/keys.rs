@@ -133,7 +133,7 @@ fn known_biases_are_subtracted_from_every_report() {
     };
     let mut settings = test_settings(2);
     settings.registration.enabled = false;
-    settings.sources[1].correction = correction;
+    settings.sources[1].correction = Some(correction);
     let refused = settings.check().unwrap_err().to_string();
     assert!(
         refused.contains("correction") && refused.contains("position of the sensor"),

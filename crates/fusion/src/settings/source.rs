@@ -190,8 +190,8 @@ pub struct SourceSettings {
     pub place_m: Option<[f64; 2]>,
     /// What its reports may say, where nobody has looked at that before.
     pub limits: ReportLimits,
-    /// Known biases, subtracted from each report.
-    pub correction: CorrectionTable,
+    /// Known biases, subtracted from each report, if there are any.
+    pub correction: Option<CorrectionTable>,
 }
 
 /// Limits of what a source's reports may say; what is beyond is rejected.
@@ -244,7 +244,7 @@ impl SourceSettings {
             is_centre: weighing.shares == Shares::Unknown,
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
-            correction: weighing.correction,
+            correction: Some(weighing.correction).filter(|known| *known != CorrectionTable::default()),
             coverage: weighing.coverage.as_ref().map(|coverage| coverage.at(place_m)),
             ..Self::of(name, period_s, accuracy.at(place_m))
         })
@@ -269,7 +269,7 @@ impl SourceSettings {
             coverage: None,
             place_m: None,
             limits: ReportLimits::default(),
-            correction: CorrectionTable::default(),
+            correction: None,
         }
     }
 }
@@ -331,7 +331,7 @@ impl CorrectionTable {
     }
 
     /// Whether a bias can be removed only with the position of the sensor.
-    fn needs_place(&self) -> bool {
+    fn needs_place(self) -> bool {
         self.azimuth_deg.rad() != 0.0 || self.range_m != 0.0
     }
 }
@@ -339,7 +339,7 @@ impl CorrectionTable {
 impl SourceSettings {
     /// Refuses a correction that cannot be made.
     pub(crate) fn check_correction(&self) -> Result<(), SettingsError> {
-        if self.place_m.is_none() && self.correction.needs_place() {
+        if self.place_m.is_none() && self.correction.is_some_and(|known| known.needs_place()) {
             let what = format!(
                 "{}: azimuth and range can be corrected only from the position of the sensor; state the position",
                 self.name
