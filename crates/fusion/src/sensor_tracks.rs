@@ -184,7 +184,7 @@ impl SensorEntry {
         std::array::from_fn(|axis| self.latest.position_m[axis] + self.correction.shift_m[axis])
     }
 
-    /// Adds the next report, with the accepted `identity` and its `content`, after removal of the source's known biases.
+    /// Adds the next report, with the accepted `identity` and its `content`, without the source's known biases.
     pub(crate) fn take(
         &mut self,
         report: &SensorTrack,

@@ -57,7 +57,7 @@ const SQUARE_GAIN: f64 = 1.0 / 256.0;
 const CONTRAST_MIN: [f64; 2] = [0.2, 0.05];
 /// Relative squared error up to which a change of velocity was foretold.
 const FORETOLD: f64 = 0.05;
-/// Share of the foretold changes from which on a source is undone, and below which it no longer is; least weight of one.
+/// Share of the foretold changes from which on a source is undone, and below which it no longer is; least weight.
 const FORETOLD_FROM: f64 = 0.8;
 const FORETOLD_UNTIL: f64 = 0.6;
 const FORETOLD_GAIN: f64 = 1.0 / 512.0;
@@ -200,8 +200,8 @@ fn steady_gain(ratio: f64) -> f64 {
     2.0 * ratio / ((1.0 + 0.5 * ratio) * (1.0 + 0.5 * ratio) - ratio * ratio / 12.0)
 }
 
-/// Returns how young a track appears whose report number `n` shows this `ratio` of the gains: 1 where the report uses all
-/// measurements of the track alike, 0 in the steady state of a filter.
+/// Returns how young a track appears whose report number `n` shows this `ratio` of the gains: 1 where the report uses
+/// all measurements of the track alike, 0 in the steady state of a filter.
 fn youth(ratio: f64, n: f64) -> f64 {
     let relative = (3.0 / ((2.0 * n - 1.0) * ratio)).min(1.0);
     relative * relative * relative * relative
