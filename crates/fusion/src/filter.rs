@@ -400,14 +400,8 @@ impl TargetFilter {
             }
         }
         if self.has_height {
-            let uncertain_mps = 2.0 * self.estimate.velocity_covariance()[5].max(0.0).sqrt();
-            let vertical = match climb_mps {
-                climb if climb > uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Climb,
-                climb if climb < -uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Descend,
-                climb if climb.abs() < LEVEL_MPS && uncertain_mps < 2.0 * LEVEL_MPS => VerticalMovement::Level,
-                _ => VerticalMovement::Unknown,
-            };
-            movement.vertical = vertical as u8;
+            let variance_m2ps2 = self.estimate.velocity_covariance()[5];
+            movement.vertical = vertical_movement(climb_mps, variance_m2ps2) as u8;
         }
         movement
     }
@@ -515,5 +509,15 @@ fn write_vertical(estimate: &mut Gaussian, vertical: &Vertical) {
     [estimate.mean[2], estimate.mean[5]] = vertical.mean;
     for (place, value) in VERTICAL.into_iter().zip(vertical.covariance) {
         estimate.covariance.upper[place] = value;
+    }
+}
+/// How a target moves up or down, as far as its climb rate, with this variance, shows it.
+pub(crate) fn vertical_movement(climb_mps: f64, variance_m2ps2: f64) -> VerticalMovement {
+    let uncertain_mps = 2.0 * variance_m2ps2.max(0.0).sqrt();
+    match climb_mps {
+        climb if climb > uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Climb,
+        climb if climb < -uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Descend,
+        climb if climb.abs() < LEVEL_MPS && uncertain_mps < 2.0 * LEVEL_MPS => VerticalMovement::Level,
+        _ => VerticalMovement::Unknown,
     }
 }

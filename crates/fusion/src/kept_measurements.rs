@@ -305,6 +305,18 @@ impl KeptMeasurements {
         self.append_with(system, filter, |kept| *kept = *used);
     }
 
+    /// Makes a link the last of a chain; returns the number of the chain's newest base.
+    #[inline]
+    fn put_last(&mut self, system: SystemSlot, place: Place) -> usize {
+        let chain = &mut self.chains[system as usize];
+        match std::mem::replace(&mut chain.last, place) {
+            NOWHERE => chain.first = place,
+            last => self.links[last as usize].next = place,
+        }
+        chain.length += 1;
+        chain.bases - 1
+    }
+
     #[inline]
     fn append_with(&mut self, system: SystemSlot, filter: &TargetFilter, write: impl FnOnce(&mut KeptMeasurement)) {
         let Some(place) = self.take_place(system) else {
@@ -313,13 +325,7 @@ impl KeptMeasurements {
             self.add_base(system, filter);
             return;
         };
-        let chain = &mut self.chains[system as usize];
-        match std::mem::replace(&mut chain.last, place) {
-            NOWHERE => chain.first = place,
-            last => self.links[last as usize].next = place,
-        }
-        chain.length += 1;
-        let newest = chain.bases - 1;
+        let newest = self.put_last(system, place);
         let link = &mut self.links[place as usize];
         write(&mut link.kept);
         (link.at_ns, link.next) = (filter.time_ns, NOWHERE);
@@ -569,13 +575,7 @@ impl KeptMeasurements {
                 at_ns,
                 next: NOWHERE,
             };
-            let chain = &mut self.chains[system as usize];
-            match std::mem::replace(&mut chain.last, place) {
-                NOWHERE => chain.first = place,
-                last => self.links[last as usize].next = place,
-            }
-            chain.length += 1;
-            let newest = chain.bases - 1;
+            let newest = self.put_last(system, place);
             self.base_mut(system, newest).length += 1;
         }
     }

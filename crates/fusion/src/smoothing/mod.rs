@@ -25,19 +25,17 @@ mod vertical;
 use std::collections::BTreeMap;
 
 use messages::{
-    AXES, Covariance, HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, VerticalMovement,
-    movement_bits,
+    AXES, Covariance, HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, movement_bits,
 };
 
 use crate::Engine;
+use crate::filter::vertical_movement;
 use crate::measurement::FilterInput;
 use trajectory::{SmoothedState, Trajectory};
 
 /// Probabilities from which a target surely flies straight, and from which it turns.
 const SURE: f32 = 0.9;
 const PROBABLE: f32 = 0.5;
-/// Rate of climb below which a target flies level, m/s.
-const LEVEL_MPS: f64 = 1.5;
 
 /// Inputs of the filters of all system tracks, and the times of their states.
 #[derive(Debug, Default)]
@@ -179,14 +177,8 @@ fn movement(message: &SystemTrack) -> Movement {
         movement.valid = movement_bits::ACCELERATION;
     }
     if message.height_valid != 0 {
-        let uncertain_mps = 2.0 * f64::from(message.climb_rate_variance.max(0.0)).sqrt();
-        let vertical = match climb_mps {
-            climb if climb > uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Climb,
-            climb if climb < -uncertain_mps.max(LEVEL_MPS) => VerticalMovement::Descend,
-            climb if climb.abs() < LEVEL_MPS && uncertain_mps < 2.0 * LEVEL_MPS => VerticalMovement::Level,
-            _ => VerticalMovement::Unknown,
-        };
-        movement.vertical = vertical as u8;
+        let variance_m2ps2 = f64::from(message.climb_rate_variance);
+        movement.vertical = vertical_movement(climb_mps, variance_m2ps2) as u8;
     }
     movement
 }

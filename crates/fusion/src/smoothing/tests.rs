@@ -1,6 +1,6 @@
 //! Smoothed trajectories of tracks that the engine fuses.
 
-use messages::{Covariance, Decision, FusionRule, SensorTrack, sensor_track_bits};
+use messages::{Covariance, Decision, FusionRule, SensorTrack, VerticalMovement, sensor_track_bits};
 use test_support::Random;
 
 use super::*;
