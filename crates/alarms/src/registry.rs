@@ -192,6 +192,11 @@ alarms! {
         "{count} of another host did not reach {process}: the connection was interrupted or is too slow.",
         "Check cable and network between the hosts. After an interruption the sender's link repeats reports of \
          sensors, up to `queue_mb`.";
+    AlertStuck = 34, "alert-stuck", Warning, raise 0 s, clear 0 s,
+        "{count} of {source} set the bit of an ACAS resolution advisory for more than 2 min without the advisory's \
+         text (last 10 min). Fusion does not show this as an alert.",
+        "No action is needed for the picture. Report the aircraft to their operators: `koseki decode` of a capture \
+         lists the addresses with I021/008 RA = 1.";
 }
 
 #[cfg(test)]

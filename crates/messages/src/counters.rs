@@ -383,6 +383,8 @@ counters! {
         "Reports older than their track's state by more than the window, carried forward to the state.";
     LateUnkept = "late_unkept", FusionRemark by [Fusion],
         "Reports within the window carried forward because earlier measurements are not kept: the track is young, or the table full.";
+    AdvisoriesStuck = "advisories_stuck", AdapterRemark by [Adapter],
+        "Targets with the bit of a resolution advisory for minutes without the advisory's text: the bit is not used.";
 }
 
 #[cfg(test)]

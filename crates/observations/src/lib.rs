@@ -10,11 +10,13 @@
 
 #![forbid(unsafe_code)]
 
+mod alerts;
 mod bearing;
 mod detection;
 mod observation;
 mod wide_area;
 
+pub use alerts::Alerts;
 pub use bearing::Bearing;
 pub use detection::{Detection, DetectionTruth, QUANTITIES_MAX};
 pub use messages::{DetectionKind, Quantity};

@@ -5,6 +5,8 @@
 
 use messages::{Identity, TrackState};
 
+use crate::Alerts;
+
 /// Period of truncated times, nanoseconds: two bytes of 1/128 s.
 pub const TRUNCATION_NS: i64 = 512_000_000_000;
 /// Ratio of the radius that holds 95 % of a circular normal distribution to its standard deviation per axis.
@@ -63,9 +65,8 @@ pub struct Observation {
     pub vertical_rate_mps: Option<f64>,
     /// Set if the target reports that it is on the ground.
     pub on_ground: bool,
-    /// Alerts of the target or its source: see [`messages::alert_bits`]. Those of the Mode 3/A code alone are not among
-    /// them.
-    pub alerts: u8,
+    /// Alerts of the target or its source, without those of the Mode 3/A code alone.
+    pub alerts: Alerts,
     /// State of the track at its source.
     pub state: TrackState,
     /// Reported horizontal accuracy of the position in [`Observation::position`].

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod accuracy;
+mod alert_memory;
 mod atmosphere;
 mod converter;
 pub mod observation;

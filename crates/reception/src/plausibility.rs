@@ -9,6 +9,7 @@
 use messages::Counter;
 
 use super::PlausibilityLimits;
+use super::alert_memory::AlertMemory;
 use super::velocity::Positions;
 
 /// Refused reports in a row that agree with each other before they are believed.
@@ -23,6 +24,7 @@ pub(crate) struct TrackMemory {
     pub(crate) last_height: Option<(i64, f64)>,
     /// Time (UTC, nanoseconds) of the level that the transponder stated last, and that level.
     pub(crate) last_level: Option<(i64, i16)>,
+    pub(crate) alerts: AlertMemory,
     refused: Option<(i64, [f64; 2])>,
     agreeing: u32,
 }

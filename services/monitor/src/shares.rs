@@ -15,6 +15,8 @@ use crate::text::{percent, several};
 const REPORTS_NS: i64 = 60_000_000_000;
 /// Time over which a tracker's work is looked at, nanoseconds: a slow antenna makes some 25 turns.
 const SCANS_NS: i64 = 300_000_000_000;
+/// Time over which targets with a stuck alert are counted, nanoseconds.
+const STUCK_NS: i64 = 600_000_000_000;
 /// Share of a source's reports that may claim times that cannot be.
 const WILD_SHARE_MAX: f64 = 0.02;
 /// Share of a source's reports that may come too late.
@@ -32,6 +34,7 @@ const SCANS_PER_REPORT: u64 = 10;
 pub(crate) struct SourceShares {
     reports: Lately<2>,
     scans: Lately<3>,
+    stuck: Lately<1>,
 }
 
 impl SourceShares {
@@ -39,6 +42,7 @@ impl SourceShares {
         Self {
             reports: Lately::new(REPORTS_NS),
             scans: Lately::new(SCANS_NS),
+            stuck: Lately::new(STUCK_NS),
         }
     }
 
@@ -77,6 +81,14 @@ impl SourceShares {
                     ];
                     round.find(kind, subject, finding, &values);
                 }
+            }
+            let kind = AlarmKind::AlertStuck;
+            let [stuck] = self
+                .stuck
+                .grown(kind, subject, [adapter[Counter::AdvisoriesStuck]], now_ns);
+            if stuck > 0 {
+                let values = [("source", name.clone()), ("count", several(stuck, "target"))];
+                round.find(kind, subject, Finding::Bad, &values);
             }
             let kind = AlarmKind::TrackerIdle;
             let worked = self.scans.grown(kind, subject, work(&adapter), now_ns);

@@ -21,8 +21,7 @@ use messages::{Callsign, Identity, TrackState, alert_bits};
 use rustc_hash::FxHashMap;
 
 use super::line::{LineRejection, SbsError, SbsLine, SbsMessage};
-use observations::Axes;
-use observations::Observation;
+use observations::{Alerts, Axes, Observation};
 
 /// Time for which velocity, rate of climb, altitude and on-ground flag are used after their line, nanoseconds.
 pub const MOTION_AGE_MAX_NS: i64 = 5 * NS_PER_S;
@@ -99,7 +98,7 @@ struct AircraftValues {
     on_ground: Option<Dated<bool>>,
     callsign: Option<Dated<Callsign>>,
     code: Option<Dated<u16>>,
-    alerts: Option<Dated<u8>>,
+    alerts: Option<Dated<Alerts>>,
 }
 
 /// A value with the time of day of its line.
@@ -233,7 +232,7 @@ impl AircraftValues {
             alerts: own
                 .alerts
                 .or(recent(self.alerts, time_ns, CODE_AGE_MAX_NS))
-                .unwrap_or(0),
+                .unwrap_or_default(),
             pressure_altitude_m: altitude.filter(|_| message.transmission != SURFACE_POSITION),
             vertical_rate_mps: message.vertical_rate_mps.or(vertical_rate),
             on_ground: on_ground.unwrap_or(false),
@@ -248,8 +247,8 @@ struct Own {
     velocity: Option<[f64; 2]>,
     altitude: Option<f64>,
     on_ground: Option<bool>,
-    /// `alert_bits`, if the message contains any.
-    alerts: Option<u8>,
+    /// Statement about alerts, if the message contains any.
+    alerts: Option<Alerts>,
 }
 
 impl Own {
@@ -265,7 +264,7 @@ impl Own {
     }
 }
 
-fn alerts(message: &SbsMessage) -> Option<u8> {
+fn alerts(message: &SbsMessage) -> Option<Alerts> {
     let flags = [
         (message.alert, alert_bits::TRANSPONDER_ALERT),
         (message.emergency, alert_bits::EMERGENCY),
@@ -273,7 +272,7 @@ fn alerts(message: &SbsMessage) -> Option<u8> {
     ];
     let said = flags
         .iter()
-        .filter_map(|(flag, bit)| flag.map(|set| if set { *bit } else { 0 }));
+        .filter_map(|(flag, bit)| flag.map(|is_set| Alerts::flag(*bit, is_set)));
     said.reduce(|all, bit| all | bit)
 }
 

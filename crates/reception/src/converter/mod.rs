@@ -6,7 +6,7 @@ use estimation::SourceClock;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
-    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, alert_bits, level_of, sensor_track_bits as bits,
+    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, level_of, sensor_track_bits as bits,
 };
 use rustc_hash::FxHashMap;
 
@@ -176,6 +176,7 @@ impl Converter {
             track.valid |= bits::MEASURED;
         }
         describe(&mut track, observation);
+        track.alerts = self.alerts(observation, number, time_ns, is_believed);
         Ok(track)
     }
 
@@ -294,6 +295,20 @@ impl Converter {
         memory.last_level
     }
 
+    /// The track's alerts. A report without a believed time states only its own.
+    fn alerts(&mut self, observation: &Observation, number: u32, time_ns: i64, is_believed: bool) -> u8 {
+        let Some(memory) = self.tracks.get_mut(&number).filter(|_| is_believed) else {
+            return observation.alerts.raised;
+        };
+        let standing = memory
+            .alerts
+            .take(time_ns, observation.alerts, observation.identity.mode_3a());
+        if standing.got_stuck {
+            self.count(Counter::AdvisoriesStuck);
+        }
+        standing.bits
+    }
+
     /// The position that is used; `None` if the report has none in a form that may be used.
     fn position(&self, observation: &Observation) -> Option<Position> {
         match self.model.positions {
@@ -407,22 +422,11 @@ impl Converter {
 fn describe(track: &mut SensorTrack, observation: &Observation) {
     track.identity = observation.identity;
     track.state = observation.state as u8;
-    track.alerts = observation.alerts | alerts_of_code(observation.identity.mode_3a());
     if observation.vertical_rate_mps.is_some() {
         track.valid |= bits::VERTICAL_RATE;
     }
     if observation.on_ground {
         track.valid |= bits::ON_GROUND;
-    }
-}
-
-/// Alerts that a Mode 3/A code states by itself.
-fn alerts_of_code(code: Option<u16>) -> u8 {
-    match code {
-        Some(0o7500) => alert_bits::UNLAWFUL_INTERFERENCE,
-        Some(0o7600) => alert_bits::COMMUNICATION_FAILURE,
-        Some(0o7700) => alert_bits::EMERGENCY,
-        _ => 0,
     }
 }
 

@@ -2,6 +2,9 @@
 
 use frames::{Geodetic, SystemFrame};
 
+use messages::alert_bits;
+use observations::Alerts;
+
 use super::*;
 use crate::{CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, STANDARD_PRESSURE_HPA};
 use observations::{Detection, DetectionKind};
@@ -685,22 +688,36 @@ fn the_level_of_the_transponder_goes_on_with_its_age() {
 }
 
 #[test]
-fn codes_of_emergency_are_alerts() {
-    let alerts = |code: u16, said: u8| {
+fn alerts_are_those_of_the_track_and_not_of_a_single_report() {
+    let mut converter = converter();
+    let mut alerts = |time_s: f64, code: u16, stated: Alerts| {
         let report = Observation {
             identity: messages::Identity::default().with_mode_3a(code),
-            alerts: said,
-            ..observation(1.0)
+            alerts: stated,
+            ..observation(time_s)
         };
-        converter().convert(&report, 0).unwrap().alerts
+        converter.convert(&report, 0).unwrap().alerts
     };
-    assert_eq!(alerts(0o7500, 0), alert_bits::UNLAWFUL_INTERFERENCE);
-    assert_eq!(alerts(0o7600, 0), alert_bits::COMMUNICATION_FAILURE);
-    assert_eq!(
-        alerts(0o7700, alert_bits::MEDICAL),
-        alert_bits::EMERGENCY | alert_bits::MEDICAL
-    );
-    assert_eq!(alerts(0o7777, 0), 0);
+    let medical = |is_set| Alerts::flag(alert_bits::MEDICAL, is_set);
+    assert_eq!(alerts(1.0, 0o7700, medical(true)), alert_bits::MEDICAL, "a single code");
+    let both = alert_bits::EMERGENCY | alert_bits::MEDICAL;
+    assert_eq!(alerts(2.0, 0o7700, Alerts::default()), both, "no word on the other");
+    assert_eq!(alerts(3.0, 0o7700, medical(false)), alert_bits::EMERGENCY);
+}
+
+#[test]
+fn a_stuck_advisory_is_counted_once_and_is_no_alert() {
+    let mut converter = converter();
+    let report = |time_s: u32| Observation {
+        alerts: Alerts::flag(alert_bits::RESOLUTION_ADVISORY, true),
+        ..observation(f64::from(time_s))
+    };
+    let alerts = (0..200).map(|second| converter.convert(&report(second), 0).unwrap().alerts);
+    let shown = alerts
+        .filter(|bits| bits & alert_bits::RESOLUTION_ADVISORY != 0)
+        .count();
+    assert_eq!(shown, 121);
+    assert_eq!(converter.counters()[Counter::AdvisoriesStuck], 1);
 }
 
 #[test]

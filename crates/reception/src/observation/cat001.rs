@@ -82,8 +82,8 @@ fn observation(record: &Record<'_>) -> Observation {
         slant_polar: items.position.quantities(record),
         velocity: track.and_then(|track| VELOCITY.quantities(track)).map(components),
         pressure_altitude_m: items.flight_level.level(record),
-        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
-            | when(ME.is_set(descriptor), alert_bits::EMERGENCY)
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor))
+            | Alerts::flag(alert_bits::EMERGENCY, ME.is_set(descriptor))
             | alerts_of_codes(DS1DS2.code(descriptor)),
         state: state(
             TRE.is_set(status),
@@ -95,11 +95,13 @@ fn observation(record: &Record<'_>) -> Observation {
 }
 
 /// DS1/DS2: whether the Mode 3/A code is 7500, 7600 or 7700.
-fn alerts_of_codes(number: Option<u8>) -> u8 {
-    match number {
+fn alerts_of_codes(number: Option<u8>) -> Alerts {
+    const ALL: u8 = alert_bits::UNLAWFUL_INTERFERENCE | alert_bits::COMMUNICATION_FAILURE | alert_bits::EMERGENCY;
+    let raised = match number {
         Some(1) => alert_bits::UNLAWFUL_INTERFERENCE,
         Some(2) => alert_bits::COMMUNICATION_FAILURE,
         Some(3) => alert_bits::EMERGENCY,
         _ => 0,
-    }
+    };
+    Alerts::of(if number.is_some() { ALL } else { 0 }, raised)
 }

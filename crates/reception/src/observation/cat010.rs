@@ -63,7 +63,7 @@ fn observation(record: &Record<'_>) -> Observation {
         pressure_altitude_m: FLIGHT_LEVEL.level(record),
         geometric_height_m: MEASURED_HEIGHT.quantity(record),
         on_ground: GBS.is_set(descriptor),
-        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION),
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor)),
         state: state(TRE.is_set(status), CNF.is_set(status), CST.is_set(status)),
         quality: DEVIATION
             .quantities(record)

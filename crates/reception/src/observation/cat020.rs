@@ -71,7 +71,7 @@ fn observation(record: &Record<'_>) -> Observation {
             .quantity(record)
             .or_else(|| GEOMETRIC_HEIGHT.quantity(record)),
         on_ground: GBS.is_set(descriptor) || on_ground,
-        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor))
             | flight_alerts
             | alerts_of_advisory(record.octets(ADVISORY)),
         state: state(TRE.is_set(status), CNF.is_set(status), CST.is_set(status)),

@@ -59,10 +59,8 @@ fn observation(record: &Record<'_>) -> Observation {
             .quantity(record)
             .or_else(|| GEOMETRIC_RATE.quantity(record)),
         on_ground: GBS.is_set(descriptor),
-        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
-            | EMERGENCY
-                .number(record)
-                .map_or(0, |number| alerts_of_emergency(number as u8)),
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor))
+            | alerts_of_emergency(EMERGENCY.number(record).map(|number| number as u8)),
         state: TrackState::Confirmed,
         quality: POSITION_CATEGORY
             .number(record)

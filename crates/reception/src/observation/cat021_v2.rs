@@ -94,7 +94,9 @@ fn observation(record: &Record<'_>) -> Observation {
         vertical_rate_mps: rate_mps(record, &BAROMETRIC_RATE).or_else(|| rate_mps(record, &GEOMETRIC_RATE)),
         on_ground: GBS.is_set(descriptor),
         alerts: alerts_of_status(record)
-            | when(ADVISED.number(record) == Some(1), alert_bits::RESOLUTION_ADVISORY)
+            | ADVISED.number(record).map_or(Alerts::default(), |advised| {
+                Alerts::flag(alert_bits::RESOLUTION_ADVISORY, advised == 1)
+            })
             | alerts_of_advisory(record.octets(ADVISORY)),
         state: TrackState::Confirmed,
         quality: NUCP_OR_NIC.code(quality).map_or(Quality::Unstated, |category| {
@@ -148,16 +150,21 @@ fn rate_mps(record: &Record<'_>, rate: &Elements<2>) -> Option<f64> {
         .and_then(|[beyond, rate]| (beyond == 0.0).then_some(rate))
 }
 
-fn alerts_of_status(record: &Record<'_>) -> u8 {
+fn alerts_of_status(record: &Record<'_>) -> Alerts {
+    const TRANSPONDER: u8 = alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
     let status = record.octets(STATUS);
-    let military = record.table().edition >= ME.since && ME.is_set(status);
-    PS.code(status).map_or(0, alerts_of_emergency)
-        | when(military, alert_bits::EMERGENCY)
-        | match SS.code(status) {
-            Some(1 | 2) => alert_bits::TRANSPONDER_ALERT, // permanent, or temporary
-            Some(3) => alert_bits::SPECIAL_IDENTIFICATION,
+    let has_military = record.table().edition >= ME.since && !status.is_empty();
+    let military = Alerts::flag(alert_bits::EMERGENCY, has_military && ME.is_set(status));
+    let surveillance = SS.code(status).map_or(Alerts::default(), |code| {
+        let raised = match code {
+            1 | 2 => alert_bits::TRANSPONDER_ALERT, // permanent, or temporary
+            3 => alert_bits::SPECIAL_IDENTIFICATION,
             _ => 0,
-        }
+        };
+        Alerts::of(TRANSPONDER, raised)
+    });
+    let stated = alerts_of_emergency(PS.code(status)) | surveillance;
+    if has_military { stated | military } else { stated }
 }
 
 /// An aircraft that sends no version is of version 0.

@@ -82,8 +82,8 @@ fn observation(record: &Record<'_>) -> Observation {
         pressure_altitude_m: FLIGHT_LEVEL.level(record).filter(|_| !height_doubted(record)),
         geometric_height_m: MEASURED_HEIGHT.quantity(record),
         on_ground,
-        alerts: when(SPI.is_set(descriptor), alert_bits::SPECIAL_IDENTIFICATION)
-            | when(ME.is_set(descriptor), alert_bits::EMERGENCY)
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor))
+            | Alerts::flag(alert_bits::EMERGENCY, ME.is_set(descriptor))
             | flight_alerts
             | alerts_of_advisory(record.octets(ADVISORY)),
         state: state(TRE.is_set(status), CNF.is_set(status), TYP.code(descriptor) == Some(0)),

@@ -123,9 +123,9 @@ fn observation(record: &Record<'_>) -> Observation {
             .or(aircraft.barometric_rate_mps)
             .or(aircraft.geometric_rate_mps),
         on_ground: (edition >= SFC.since && SFC.is_set(status)) || aircraft.on_ground,
-        alerts: when(SPI.is_set(status), alert_bits::SPECIAL_IDENTIFICATION)
-            | when(ME.is_set(status), alert_bits::EMERGENCY)
-            | EMS.code(status).map_or(0, alerts_of_emergency)
+        alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(status))
+            | Alerts::flag(alert_bits::EMERGENCY, ME.is_set(status))
+            | alerts_of_emergency(EMS.code(status))
             | aircraft.alerts,
         state: state(
             TSE.is_set(status),
@@ -152,7 +152,7 @@ struct Aircraft {
     address: Option<u64>,
     characters: Option<u64>,
     on_ground: bool,
-    alerts: u8,
+    alerts: Alerts,
     barometric_rate_mps: Option<f64>,
     geometric_rate_mps: Option<f64>,
 }
@@ -166,14 +166,14 @@ impl Aircraft {
                 ID => aircraft.characters = CHARACTERS.number(octets),
                 COM => {
                     let (alerts, on_ground) = flight_status(FLIGHT_STATUS.code(octets));
-                    aircraft.alerts |= alerts;
+                    aircraft.alerts = aircraft.alerts | alerts;
                     aircraft.on_ground |= on_ground;
                 }
                 SAB => {
-                    aircraft.alerts |= EMERGENCY.code(octets).map_or(0, alerts_of_emergency);
+                    aircraft.alerts = aircraft.alerts | alerts_of_emergency(EMERGENCY.code(octets));
                     aircraft.on_ground |= GBS.is_set(octets);
                 }
-                ACS => aircraft.alerts |= alerts_of_advisory(octets),
+                ACS => aircraft.alerts = aircraft.alerts | alerts_of_advisory(octets),
                 BVR => aircraft.barometric_rate_mps = BAROMETRIC_RATE.quantity(octets),
                 GVR => aircraft.geometric_rate_mps = GEOMETRIC_RATE.quantity(octets),
                 _ => {}

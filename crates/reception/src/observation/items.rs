@@ -7,7 +7,7 @@ use asterix::text::icao_character;
 use asterix::{Frn, Record};
 use messages::{Callsign, Identity, TrackState, alert_bits};
 
-use observations::{Quality, ServiceMessage};
+use observations::{Alerts, Quality, ServiceMessage};
 
 use super::Reading;
 
@@ -114,48 +114,52 @@ pub(super) fn state(ended: bool, tentative: bool, extrapolated: bool) -> TrackSt
     }
 }
 
-pub(super) fn when(condition: bool, bits: u8) -> u8 {
-    if condition { bits } else { 0 }
-}
-
-/// Returns the alert of an emergency by the numbers of ADS-B.
-pub(super) fn alerts_of_emergency(number: u8) -> u8 {
-    match number {
+/// Statement about emergencies, by the numbers of ADS-B; nothing is stated where there is no number.
+pub(super) fn alerts_of_emergency(number: Option<u8>) -> Alerts {
+    const ALL: u8 = alert_bits::EMERGENCY
+        | alert_bits::MEDICAL
+        | alert_bits::MINIMUM_FUEL
+        | alert_bits::COMMUNICATION_FAILURE
+        | alert_bits::UNLAWFUL_INTERFERENCE;
+    let raised = |number| match number {
         1 | 6 => alert_bits::EMERGENCY, // of no stated kind, or the aircraft is down
         2 => alert_bits::MEDICAL,
         3 => alert_bits::MINIMUM_FUEL,
         4 => alert_bits::COMMUNICATION_FAILURE,
         5 => alert_bits::UNLAWFUL_INTERFERENCE,
         _ => 0,
-    }
+    };
+    number.map_or(Alerts::default(), |number| Alerts::of(ALL, raised(number)))
 }
 
 /// Alerts, and whether the aircraft is on the ground, by the flight status that a Mode S transponder states (STAT).
-pub(super) fn flight_status(status: Option<u8>) -> (u8, bool) {
-    match status {
+pub(super) fn flight_status(status: Option<u8>) -> (Alerts, bool) {
+    const BOTH: u8 = alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION;
+    let (raised, on_ground) = match status {
+        Some(0) => (0, false),
         Some(1) => (0, true),
         Some(2) => (alert_bits::TRANSPONDER_ALERT, false),
         Some(3) => (alert_bits::TRANSPONDER_ALERT, true),
-        Some(4) => (
-            alert_bits::TRANSPONDER_ALERT | alert_bits::SPECIAL_IDENTIFICATION,
-            false,
-        ),
+        Some(4) => (BOTH, false),
         Some(5) => (alert_bits::SPECIAL_IDENTIFICATION, false),
-        _ => (0, false),
-    }
+        _ => return (Alerts::default(), false),
+    };
+    (Alerts::of(BOTH, raised), on_ground)
 }
 
-/// Returns the alert of an active resolution advisory of a collision avoidance system. Several categories contain BDS
-/// register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2, as bytes; CAT021 has its fields as separate elements.
-pub(super) fn alerts_of_advisory(register: &[u8]) -> u8 {
+/// Statement about a resolution advisory of a collision avoidance system; nothing is stated by an empty register.
+/// Several categories contain BDS register 3,0 of ICAO Annex 10 volume IV, 4.3.8.4.2.2, as bytes; CAT021 has its
+/// fields as separate elements.
+pub(super) fn alerts_of_advisory(register: &[u8]) -> Alerts {
     const ADVISORIES: Field = field(CAT021_V2, &["260", "ARA"]);
     const TERMINATED: Field = field(CAT021_V2, &["260", "RAT"]);
     const MULTIPLE_THREATS: Field = field(CAT021_V2, &["260", "MTE"]);
-    let is_advised = ADVISORIES
-        .number(register)
-        .is_some_and(|bits| bits >> (ADVISORIES.bits - 1) == 1);
-    let active = !TERMINATED.is_set(register) && (is_advised || MULTIPLE_THREATS.is_set(register));
-    when(active, alert_bits::RESOLUTION_ADVISORY)
+    let Some(advisories) = ADVISORIES.number(register) else {
+        return Alerts::default();
+    };
+    let is_advised = advisories >> (ADVISORIES.bits - 1) == 1;
+    let is_active = !TERMINATED.is_set(register) && (is_advised || MULTIPLE_THREATS.is_set(register));
+    Alerts::advisory(is_active)
 }
 
 /// Whether a radar's report contains a transponder's reply, by the kind of detection: 0 none, 1 primary, other kinds

@@ -16,11 +16,11 @@ mod services;
 use asterix::field::{Elements, Field, elements, field, item, whole};
 use asterix::{Frn, Record};
 use messages::{TrackState, alert_bits};
-use observations::{Axes, Observation, Plane, Quality, ServiceMessage};
+use observations::{Alerts, Axes, Observation, Plane, Quality, ServiceMessage};
 
 use items::{
     Reply, alerts_of_advisory, alerts_of_emergency, callsign, components, covariance, flight_status, identity,
-    nanoseconds, secondary, service, state, time_of_day_ns, when,
+    nanoseconds, secondary, service, state, time_of_day_ns,
 };
 
 /// Meaning of a record to the pipeline.

@@ -101,7 +101,7 @@ fn a_radar_track_has_a_plot_behind_it() {
         | alert_bits::EMERGENCY
         | alert_bits::TRANSPONDER_ALERT
         | alert_bits::RESOLUTION_ADVISORY;
-    assert_eq!(track.alerts, everything);
+    assert_eq!(track.alerts.raised, everything);
     let Quality::Covariance([xx, xy, yy]) = track.quality else {
         panic!("{:?}", track.quality);
     };
@@ -182,7 +182,7 @@ fn the_older_radar_format_has_plots_and_tracks_and_half_a_time() {
     assert!(near(plot.slant_polar.unwrap(), [185_200.0, FRAC_PI_2]), "1/128 NM each");
     assert_eq!(plot.identity.mode_3a(), Some(0o7200));
     let alerts = alert_bits::SPECIAL_IDENTIFICATION | alert_bits::UNLAWFUL_INTERFERENCE;
-    assert_eq!(plot.alerts, alerts, "7500, says the radar");
+    assert_eq!(plot.alerts.raised, alerts, "7500, says the radar");
     // A track: I001/010, /020, /161, /042, /200 and /170.
     let track = |status: &[u8]| {
         target(
@@ -246,7 +246,10 @@ fn an_ads_b_report_is_numbered_by_its_address_and_timed_by_its_reception() {
     assert!((found.pressure_altitude_m.unwrap() - 10_668.0).abs() < 1e-9);
     assert!((found.geometric_height_m.unwrap() - 4096.0 * 6.25 * 0.3048).abs() < 1e-9);
     assert_eq!((found.vertical_rate_mps, found.on_ground), (None, true));
-    assert_eq!(found.alerts, alert_bits::MINIMUM_FUEL | alert_bits::TRANSPONDER_ALERT);
+    assert_eq!(
+        found.alerts.raised,
+        alert_bits::MINIMUM_FUEL | alert_bits::TRANSPONDER_ALERT
+    );
     assert_eq!(
         (found.identity.mode_3a(), found.identity.callsign()),
         (Some(0o7200), Some("DLH65A"))
@@ -380,7 +383,7 @@ fn a_system_track_prefers_its_geographic_position_and_uncorrected_altitude() {
     );
     assert!(found.on_ground);
     assert_eq!(
-        found.alerts,
+        found.alerts.raised,
         alert_bits::TRANSPONDER_ALERT | alert_bits::UNLAWFUL_INTERFERENCE
     );
     let corrected = system_track(false, &[0x00], [0x85, 0x70], &[0x00]);
@@ -404,7 +407,9 @@ fn a_system_says_what_became_of_a_track() {
     );
     assert_eq!(state(&[0x00]), TrackState::Confirmed);
     assert!(system_track(true, &[0x01, 0x80], [0, 0], &[0x00]).test);
-    let medical = system_track(true, &[0x41, 0x01, 0x11, 0x01, 0x10], [0, 0], &[0x00]).alerts;
+    let medical = system_track(true, &[0x41, 0x01, 0x11, 0x01, 0x10], [0, 0], &[0x00])
+        .alerts
+        .raised;
     let more = alert_bits::SPECIAL_IDENTIFICATION | alert_bits::EMERGENCY | alert_bits::MEDICAL;
     assert_eq!(medical & more, more);
 }
@@ -447,7 +452,10 @@ fn multilateration_uses_the_transponders_own_word() {
         ],
     );
     assert_eq!((found.track_number, found.plot), (Some(0x3C_650C), true));
-    assert_eq!((found.on_ground, found.alerts), (true, alert_bits::TRANSPONDER_ALERT));
+    assert_eq!(
+        (found.on_ground, found.alerts.raised),
+        (true, alert_bits::TRANSPONDER_ALERT)
+    );
     assert_eq!(found.plane, Plane::Tangent);
 }
 
@@ -455,7 +463,7 @@ fn multilateration_uses_the_transponders_own_word() {
 fn an_advisory_holds_until_it_ends() {
     let advisory = |first: u8, fourth: u8| {
         let records: &[&[u8]] = &[&[0x01, 0x01, 0x01, 0x80], &[0x30, first, 0, fourth, 0, 0, 0]];
-        target(&CAT048_V1_31, records).alerts == alert_bits::RESOLUTION_ADVISORY
+        target(&CAT048_V1_31, records).alerts.raised == alert_bits::RESOLUTION_ADVISORY
     };
     assert!(advisory(0x80, 0x00));
     assert!(advisory(0x00, 0x10), "more than one threat");

@@ -228,6 +228,20 @@ fn reports_that_come_too_late_are_told() {
 }
 
 #[test]
+fn stuck_alerts_are_told_for_a_while() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let stuck = |site: &mut Site| {
+        site.say(ProcessKind::Adapter, "ads-b", NO_SOURCE).counters[Counter::AdvisoriesStuck] = 2;
+    };
+    site.say(ProcessKind::Adapter, "ads-b", NO_SOURCE);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::AlertStuck, stuck, |site| site.pass(700)),
+        "2 targets of ads-b set the bit of an ACAS resolution advisory for more than 2 min without the advisory's text \
+         (last 10 min). Fusion does not show this as an alert."
+    );
+}
+
+#[test]
 fn a_tracker_that_makes_no_tracks_of_many_detections_is_told() {
     let mut site = Site::new(&["source[3].silent_periods=0"]);
     let work = |site: &mut Site, detections, scans, reports| {
