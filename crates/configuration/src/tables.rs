@@ -163,8 +163,9 @@ settings::settings! {
         file: String;
         /// Content of the file.
         format: RecordedFormat = RecordedFormat::Asterix;
-        /// Greatest delay of a report behind newer reports; earlier reports are put in order.
-        reorder_s: Seconds = Seconds::of(0.5), in [0, 60];
+        /// Greatest delay of a report behind newer reports; reports are put in order of time. Ground stations of ADS-B
+        /// hold single messages back for seconds.
+        reorder_s: Seconds = Seconds::of(10.0), in [0, 60];
         /// Use of a recording that ends within a data block, after a kill of the recorder or an incomplete copy.
         truncated: Truncated = Truncated::Refuse;
     }

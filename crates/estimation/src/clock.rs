@@ -8,12 +8,19 @@
 //! The offset is followed as a mean over the latest reports that agree with each other. Single reports far from it do
 //! not move it; several in a row that agree with each other do, since then the clock was set. A source that is wild too
 //! often is wild as a whole, until for a while it hardly was (hysteresis).
+//!
+//! A report may be *late* while its clock is sound: ground stations and centres hold single reports back for seconds. A
+//! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set back.
 
 use messages::NS_PER_S;
 
 /// Successive reports that must agree with each other, against the estimate, before the estimate follows them; and
 /// reports after which the offset is known.
 const AGREEING: u32 = 8;
+/// Greatest delay of a late report behind the others, seconds: the window in which fusion uses late reports.
+const LATE_S: f64 = 10.0;
+/// Late reports in a row that agree with each other and are still believed.
+const LATE_AGREEING: u32 = 3;
 /// Smallest weight of a new report in the offset.
 const GAIN_MIN: f64 = 1.0 / 64.0;
 /// Weight of a new report in the share of wild ones, and the shares from which and below which the source as a whole is
@@ -59,13 +66,16 @@ impl SourceClock {
         let offset_s = time_ns.saturating_sub(received_ns) as f64 / NS_PER_S;
         let is_known = self.reports >= AGREEING;
         let jumps = is_known && !self.is_near(offset_s, self.offset_s);
+        let delay_s = self.offset_s - offset_s;
         self.follow(offset_s);
+        let is_sound = common_s.is_none_or(|common_s| (self.offset_s - common_s).abs() <= self.step_s);
+        let is_late = jumps && is_sound && (0.0..=LATE_S).contains(&delay_s) && self.apart.1 <= LATE_AGREEING;
         let common_s = common_s.or((!is_known).then_some(0.0));
         let is_far = common_s.is_some_and(|common_s| (offset_s - common_s).abs() > self.step_s);
         let is_odd = is_far || jumps;
         self.wild_share += SHARE_GAIN * (f64::from(u8::from(is_odd)) - self.wild_share);
         self.is_wild = self.wild_share > if self.is_wild { WILD_UNTIL } else { WILD_FROM };
-        !is_odd && !self.is_wild
+        (!is_odd || is_late) && !self.is_wild
     }
 
     /// Offset of the clock against times of receipt and its standard deviation from report to report, seconds; positive
@@ -163,6 +173,29 @@ mod tests {
     }
 
     #[test]
+    fn late_reports_of_a_sound_clock_are_believed_up_to_the_window() {
+        for (delay_s, expected) in [(4.0, 100), (9.5, 100), (10.6, 91), (30.0, 91)] {
+            let mut clock = SourceClock::new(5.0);
+            believed(&mut clock, |_| -0.4);
+            let offset_s = |step: i64| if step % 11 == 5 { -0.4 - delay_s } else { -0.4 };
+            assert_eq!(believed(&mut clock, offset_s), expected, "{delay_s}");
+            assert!((clock.offset().unwrap().0 + 0.4).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_clock_set_back_is_not_late_for_long() {
+        let mut clock = SourceClock::new(5.0);
+        believed(&mut clock, |_| 0.0);
+        let outcomes = std::array::from_fn::<_, 20, _>(|step| {
+            let received_ns = NOW + (100 + step as i64) * S / 10;
+            clock.believes(received_ns - 4 * S, received_ns, Some(0.0))
+        });
+        assert_eq!(outcomes.iter().position(|is_believed| !is_believed), Some(3), "{outcomes:?}");
+        assert!((clock.offset().unwrap().0 + 4.0).abs() < 1e-6, "the clock is followed");
+    }
+
+    #[test]
     fn a_clock_that_jumps_is_wild_as_a_whole_and_believed_again_when_it_is_sound() {
         let mut clock = SourceClock::new(5.0);
         assert_eq!(believed(&mut clock, |_| 0.0), 100);
@@ -205,7 +238,7 @@ mod tests {
             for (time_ns, received_ns) in times {
                 let believed = clock.believes(time_ns, received_ns, Some(0.0));
                 let apart = i128::from(time_ns) - i128::from(received_ns);
-                prop_assert!(!believed || apart.abs() <= 5 * i128::from(S));
+                prop_assert!(!believed || apart <= 5 * i128::from(S) && apart >= -15 * i128::from(S));
                 prop_assert!(clock.offset().is_none_or(|(offset_s, sigma_s)| offset_s.is_finite() && sigma_s >= 0.0));
             }
         }
