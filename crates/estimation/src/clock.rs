@@ -191,7 +191,11 @@ mod tests {
             let received_ns = NOW + (100 + step as i64) * S / 10;
             clock.believes(received_ns - 4 * S, received_ns, Some(0.0))
         });
-        assert_eq!(outcomes.iter().position(|is_believed| !is_believed), Some(3), "{outcomes:?}");
+        assert_eq!(
+            outcomes.iter().position(|is_believed| !is_believed),
+            Some(3),
+            "{outcomes:?}"
+        );
         assert!((clock.offset().unwrap().0 + 4.0).abs() < 1e-6, "the clock is followed");
     }
 

@@ -131,6 +131,28 @@ impl Dependence {
         self.groups[usize::from(source)]
     }
 
+    /// Returns the sources that are dependent on `source` or on which it depends, with the correlation of the errors, in
+    /// (0, 1]: the first `N` by number; the rest of the array has a correlation of 0.
+    pub(crate) fn partners<const N: usize>(&self, source: u16) -> [(u16, f64); N] {
+        let (own, count) = (usize::from(source), self.groups.len());
+        let mut partners = [(0, 0.0); N];
+        let of_group = (0..count).filter(|other| *other != own && self.groups[*other] == self.groups[own]);
+        for (place, other) in partners.iter_mut().zip(of_group) {
+            let both = [own * count + other, other * count + own];
+            let differences = both.iter().flat_map(|index| self.differences[*index]);
+            let least = differences.fold(1.0, f64::min);
+            let copied = both.iter().map(|index| self.copies[*index]).fold(0.0, f64::max);
+            // A stated dependence that no report has shown yet counts as complete.
+            let correlation = if least < 1.0 || copied > 0.0 {
+                (1.0 - least).max(copied)
+            } else {
+                1.0
+            };
+            *place = (other as u16, correlation.clamp(0.01, 1.0));
+        }
+        partners
+    }
+
     /// Whether a source bears witness beside those in `others`, given as bits: one that shares errors with them repeats
     /// their measurements, and their false tracks.
     pub(crate) fn is_witness_beside(&self, source: u16, others: u64) -> bool {

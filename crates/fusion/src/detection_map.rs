@@ -60,6 +60,16 @@ impl HitCount {
         ((hits + prior) / (f64::from(self.tries) - hits + prior)).ln()
     }
 
+    /// Number of tries, after forgetting.
+    pub(crate) fn tries(&self) -> f64 {
+        f64::from(self.tries)
+    }
+
+    /// Share of hits; 0 without a try.
+    pub(crate) fn mean(&self) -> f64 {
+        f64::from(self.hits) / f64::from(self.tries).max(f64::MIN_POSITIVE)
+    }
+
     fn share(&self, prior: f64, weight: f64) -> f64 {
         (f64::from(self.hits) + weight * prior) / (f64::from(self.tries) + weight)
     }

@@ -86,6 +86,13 @@ impl ErrorShape {
         self.logarithm[0].hypot(self.logarithm[1])
     }
 
+    /// Returns the standard deviation across the line of sight over that along it, relative to the covariances; `None`
+    /// while no shape is clear.
+    pub(crate) fn ratio(&self) -> Option<f64> {
+        let is_used = self.innovations >= INNOVATIONS_MIN && self.length() >= CLEAR;
+        is_used.then(|| (-self.logarithm[0]).exp())
+    }
+
     /// Returns the stretch of the source's errors for a target and a sensor at these positions.
     pub(crate) fn stretch(&self, target_m: [f64; AXES], place_m: [f64; 2]) -> Stretch {
         let length = self.length();
@@ -197,6 +204,8 @@ mod tests {
     #[test]
     fn long_ellipses_are_found_across_the_line_of_sight() {
         let shape = learned(1.0, 6.0);
+        let stated = shape.ratio().unwrap();
+        assert!((4.5..8.0).contains(&stated), "{stated}");
         for (angle, long) in [(0.0, 3), (std::f64::consts::FRAC_PI_2, 0)] {
             let mut covariance = [1.0, 0.0, 0.0, 1.0, 0.0, 1.0];
             shape.stretch(target_m(angle), PLACE_M).apply(&mut covariance);

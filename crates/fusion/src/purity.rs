@@ -38,6 +38,11 @@ impl Purity {
         self.tallies[usize::from(source)].log_odds(PRIOR).min(0.0)
     }
 
+    /// Counts of a source.
+    pub(crate) fn tally(&self, source: u16) -> &HitCount {
+        &self.tallies[usize::from(source)]
+    }
+
     /// Counts of a source, for checkpoints.
     pub(crate) fn tally_mut(&mut self, source: usize) -> &mut HitCount {
         &mut self.tallies[source]

@@ -201,6 +201,11 @@ impl SourceModel {
         }
     }
 
+    /// Gain of the source's tracker.
+    pub(crate) fn gain(&self) -> &TrackerGain {
+        &self.gain
+    }
+
     /// Factor on the source's covariances that makes its innovations what they should be; 1 if they are.
     pub(crate) fn covariance_scale(&self) -> f64 {
         // Asked at every report: what is surely too small needs no exponential.

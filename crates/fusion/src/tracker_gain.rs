@@ -386,6 +386,25 @@ impl TrackerGain {
         self.is_undone.then(|| self.both_m2.value() / self.stated_m2)
     }
 
+    /// Standard deviations of the source's measurements along the long and the short axis of their ellipse, metres;
+    /// `None` if the source is not undone.
+    pub(crate) fn plane_sigma_m(&self) -> Option<[f64; 2]> {
+        let of_axis = |axis: &MeanSquare| {
+            if axis.is_known() {
+                axis.value()
+            } else {
+                self.both_m2.value()
+            }
+        };
+        self.is_undone
+            .then(|| [of_axis(&self.long_m2).sqrt(), of_axis(&self.short_m2).sqrt()])
+    }
+
+    /// Standard deviation of the source's heights, metres; `None` if heights are not undone.
+    pub(crate) fn height_sigma_m(&self) -> Option<f64> {
+        self.is_height_undone.then(|| self.vertical_m2.value().sqrt())
+    }
+
     /// Whether too little is known to decide.
     pub(crate) fn is_open(&self) -> bool {
         !self.is_undone && (self.fit.samples < FITS_MIN || (self.fit.is_good(false) && !self.both_m2.is_known()))

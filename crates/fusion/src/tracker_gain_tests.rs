@@ -185,6 +185,8 @@ fn a_dozen_young_tracks_are_enough() {
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
     assert!(first.get(3, 3) > 50.0 * 50.0, "the first velocity is a guess");
     assert!(gain.claim().unwrap() > 10.0);
+    let [long, short] = gain.plane_sigma_m().unwrap();
+    assert!(long >= short && (30.0..600.0).contains(&short), "{long} {short}");
 }
 
 #[test]

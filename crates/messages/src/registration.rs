@@ -119,19 +119,21 @@ sample! {
         clock_offset_sigma_s: f64,
         /// Amount of the gross error, in the unit of its kind.
         gross_value: [f64; 2],
-        /// Learned standard deviation of ranges, metres; 0: not learned.
-        range_sigma_m: f32,
-        /// Learned standard deviation of azimuths, radians; 0: not learned.
-        azimuth_sigma_rad: f32,
-        /// Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned.
-        floor_sigma_m: f32,
-        /// Learned correlation time of the source's errors, seconds; 0: not learned.
-        correlation_s: f32,
-        /// Learned rate of false tracks, tracks per second; 0: not learned.
-        false_track_rate: f32,
-        /// Learned mean life of a false track, seconds; 0: not learned.
-        false_track_life_s: f32,
-        /// Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
+        /// Standard deviation of the measurements of a smoothed source along the long axis of the error ellipse,
+        /// metres; 0: not learned.
+        long_sigma_m: f32,
+        /// The same along the short axis, metres.
+        short_sigma_m: f32,
+        /// The same of the height, metres; 0: not learned.
+        height_sigma_m: f32,
+        /// Standard deviation across the line of sight over that along it, relative to the stated covariances; 0: as
+        /// stated.
+        shape_ratio: f32,
+        /// Share of the source's new tracks that turned out to be targets, in (0, 1]; 0: not learned.
+        target_share: f32,
+        /// Delay of the reports, exceeded by one report in ten, seconds.
+        lateness_s: f32,
+        /// Probability that a scan detects a target that the source tracks, in (0, 1]; 0: not learned.
         detection_probability: f32,
         /// Model of the source's error with the best evidence: an `ErrorModel` code.
         error_model: u32,
@@ -179,6 +181,33 @@ impl Registration {
     }
 }
 
+impl Registration {
+    /// Writes what was learned of the source beside its biases.
+    fn write_learned(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.long_sigma_m > 0.0 {
+            let (long, short) = (self.long_sigma_m, self.short_sigma_m);
+            write!(f, ", smoothed: measurements ± {long:.0} and {short:.0} m")?;
+            if self.height_sigma_m > 0.0 {
+                write!(f, ", heights ± {:.0} m", self.height_sigma_m)?;
+            }
+        }
+        if self.shape_ratio > 0.0 {
+            write!(f, ", errors across the line of sight × {:.1}", self.shape_ratio)?;
+        }
+        if self.target_share > 0.0 && self.target_share < 0.95 {
+            write!(f, ", {:.0} % of new tracks are targets", 100.0 * self.target_share)?;
+        }
+        if self.lateness_s > 0.5 {
+            write!(f, ", up to {:.1} s late", self.lateness_s)?;
+        }
+        let dependent = self.dependent_sources.iter().zip(self.dependence);
+        for (source, correlation) in dependent.filter(|(_, correlation)| *correlation > 0.0) {
+            write!(f, ", depends on source {} ({correlation:.1})", source + 1)?;
+        }
+        Ok(())
+    }
+}
+
 /// Writes one line for people: the horizontal offset always, other removed errors, and the covariance scaling if
 /// any.
 impl fmt::Display for Registration {
@@ -188,7 +217,8 @@ impl fmt::Display for Registration {
             write!(f, "grossly off, {error} ({removed}removed); besides ")?;
         }
         if self.comparisons <= 0.0 {
-            return f.write_str("not compared with another source yet");
+            f.write_str("not compared with another source yet")?;
+            return self.write_learned(f);
         }
         let [east, north, up] = self.offset_m;
         let [east_sigma, north_sigma, up_sigma] = self.offset_sigma_m;
@@ -230,7 +260,7 @@ impl fmt::Display for Registration {
         if self.covariance_inflation > 1.0 {
             write!(f, ", covariances × {:.1}", self.covariance_inflation)?;
         }
-        Ok(())
+        self.write_learned(f)
     }
 }
 
@@ -272,6 +302,19 @@ mod tests {
         };
         let line = "-1.5 m east, -6.8 m north ± 0.3 (removed), covariances × 2.0";
         assert_eq!(known.to_string(), line);
+        let learned = Registration {
+            long_sigma_m: 310.0,
+            short_sigma_m: 48.0,
+            shape_ratio: 5.0,
+            target_share: 0.625,
+            lateness_s: 3.04,
+            dependent_sources: [1, 0, 0, 0],
+            dependence: [0.93, 0.0, 0.0, 0.0],
+            ..known
+        };
+        let more = ", smoothed: measurements ± 310 and 48 m, errors across the line of sight × 5.0, 62 % of new tracks are \
+                    targets, up to 3.0 s late, depends on source 2 (0.9)";
+        assert_eq!(learned.to_string(), format!("{line}{more}"));
         let late = Registration {
             time_offset_s: 0.25,
             removed: registration_bits::TIME,

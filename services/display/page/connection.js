@@ -306,7 +306,6 @@ function addressText(address, kind) {
 
 /** @param {any} source @returns {import("./panels.js").Source} */
 function sourceOf(source) {
-  const learned = source.registration;
   return {
     number: source.number,
     name: source.name,
@@ -315,11 +314,7 @@ function sourceOf(source) {
     lastHeard: source.heard_s ?? 0,
     lost: source.lost ?? 0,
     rejected: Object.entries(source.rejected ?? {}).filter(([, count]) => count > 0),
-    comparisons: learned?.comparisons ?? 0,
-    offset: learned?.offset_m ?? [0, 0],
-    offsetSigma: learned ? Math.max(...learned.offset_sigma_m) : 0,
-    removed: Boolean(learned?.removed),
-    inflation: source.inflation ?? 1,
+    errors: source.errors ?? "",
     clockOffset: source.clock_offset_s ?? NaN,
     east: source.site_m?.[0] ?? NaN,
     north: source.site_m?.[1] ?? NaN,

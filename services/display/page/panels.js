@@ -14,10 +14,7 @@ import { CHOICES } from "./settings.js";
  * @property {number} number @property {string} name @property {string} kind
  * @property {number} rate Reports a second. @property {number} lastHeard Seconds UTC; 0: never.
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
- * @property {number} comparisons 0: nothing is known of its errors.
- * @property {[number, number]} offset Learned offset east and north, metres. @property {number} offsetSigma
- * @property {boolean} removed Whether the offset is being removed.
- * @property {number} inflation @property {number} clockOffset Seconds; NaN: unknown.
+ * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
  */
 
@@ -223,14 +220,8 @@ export function sourcesPanel(sources, now) {
     const silent = source.lastHeard > 0 ? now - source.lastHeard : Infinity;
     const late = silent > 10 ? "bad" : silent > 5 ? "warn" : "";
     const rejected = source.rejected.map(([reason, count]) => `${reason} ${grouped(count)}`).join(", ");
-    const offset = Math.hypot(...source.offset);
     const told = [
-      source.comparisons > 0
-        ? `bias ${offset.toFixed(1)} ± ${source.offsetSigma.toFixed(1)} m at ${bearing(...source.offset)
-            .toFixed(0)
-            .padStart(3, "0")}°${source.removed ? " removed" : ""}`
-        : "not compared with another source yet",
-      source.inflation > 1 ? `covariances × ${source.inflation.toFixed(1)}` : "",
+      source.errors,
       Number.isFinite(source.clockOffset) ? `clock ${(source.clockOffset * 1000).toFixed(0)} ms` : "",
       rejected ? `rejected: ${rejected}` : "",
     ].filter((text) => text !== "");

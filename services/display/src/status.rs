@@ -2,7 +2,8 @@
 //!
 //! - `sources`: `number`, `name`, `kind`, `adapter`, `rate_hz`, `heard_s`, `reports`, `lost`, `rejected` {reason:
 //!   count}, `registration` {`comparisons`, `offset_m` [2], `offset_sigma_m` [2], `time_offset_s`, `range_bias_m`,
-//!   `azimuth_bias_deg`, `removed`}, `inflation`, `clock_offset_s`
+//!   `azimuth_bias_deg`, `removed`}, `errors` (all that fusion has learned of the source's errors, as a sentence),
+//!   `inflation`, `clock_offset_s`
 //! - `alarms`: `code`, `name`, `severity`, `event`, `text`, `remedy`, `raised_s`, `changed_s`, `times`, `process`,
 //!   `source`
 //! - `orders`: see [`orders::list`]
@@ -109,6 +110,7 @@ fn source(world: &World, fact: &SourceFact) -> Value {
         "lost": state.lost(),
         "rejected": rejected,
         "registration": registration,
+        "errors": known.to_string(),
         "inflation": known.covariance_inflation,
         "clock_offset_s": (known.clock_offset_sigma_s > 0.0).then_some(known.clock_offset_s),
     })

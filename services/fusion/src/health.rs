@@ -1,8 +1,8 @@
 //! Health of the sources, as fusion estimates and counts it.
 
 use bus::Transport;
-use fusion::Engine;
-use messages::{Counter, Registration};
+use fusion::{Engine, Learned};
+use messages::{Counter, ErrorModel, Registration};
 use runtime::HealthEntry;
 
 use crate::inputs::SourceInput;
@@ -32,8 +32,9 @@ fn registration<S: Transport>(engine: &Engine, input: &SourceInput<S>, common: C
 }
 
 fn errors(engine: &Engine, source: u16) -> Registration {
+    let learned = of_learned(engine.learned(source).unwrap_or_default());
     let Some(known) = engine.source_errors(source).filter(|known| known.samples > 0.0) else {
-        return Registration::default();
+        return learned;
     };
     let sigma = known.variances.map(f64::sqrt);
     let [east, north, up, time, range, azimuth] = known.errors.into();
@@ -50,6 +51,25 @@ fn errors(engine: &Engine, source: u16) -> Registration {
         azimuth_bias_sigma_rad: sigma[5],
         covariance_inflation: engine.covariance_scale(source).unwrap_or(1.0),
         removed: bits.fold(0, |bits, (error, removed)| bits | u32::from(*removed) << error),
+        ..learned
+    }
+}
+
+/// What was learned of a source beside its biases.
+fn of_learned(learned: Learned) -> Registration {
+    let number = |value: Option<f64>| value.unwrap_or_default() as f32;
+    let [long, short] = learned.measurement_sigma_m.unwrap_or_default();
+    Registration {
+        long_sigma_m: long as f32,
+        short_sigma_m: short as f32,
+        height_sigma_m: number(learned.height_sigma_m),
+        shape_ratio: number(learned.shape_ratio),
+        target_share: number(learned.target_share),
+        lateness_s: learned.lateness_s as f32,
+        detection_probability: learned.detection_probability as f32,
+        error_model: learned.error_model.unwrap_or(ErrorModel::Undecided) as u32,
+        dependent_sources: learned.dependent.map(|(source, _)| source),
+        dependence: learned.dependent.map(|(_, correlation)| correlation as f32),
         ..Registration::default()
     }
 }

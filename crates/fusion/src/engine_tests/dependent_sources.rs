@@ -96,6 +96,11 @@ fn run(settings: Settings, copied: Copied) -> (bool, bool) {
         "{copied:?}"
     );
     assert_eq!([0, 2, 3].map(|source| harness.engine.counts_with(source)), [None; 3]);
+    let learned = |source| harness.engine.learned(source).unwrap().dependent;
+    let named = [(0, 1), (1, 0)].map(|(source, other)| learned(source)[0].1 > 0.5 && learned(source)[0].0 == other);
+    assert_eq!(named, [!both; 2], "{copied:?}: {:?}", learned(0));
+    assert_eq!(learned(2), [(0, 0.0); 4]);
+    assert_eq!(harness.engine.learned(9), None);
     (is_believed, both)
 }
 

@@ -1,0 +1,68 @@
+//! What the engine has learned of a source, beside its biases: for health messages, reports and people.
+//!
+//! Nothing here takes part in fusion; the values are read from the models that do, once per health message.
+
+use messages::{ErrorModel, NS_PER_S};
+
+use crate::engine::Engine;
+
+/// Most sources that [`Learned::dependent`] names.
+pub(crate) const DEPENDENT_MAX: usize = 4;
+/// New tracks of a source before the share of targets among them is stated.
+const NEW_TRACKS_MIN: f64 = 8.0;
+
+/// Knowledge of one source.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Learned {
+    /// Standard deviations of the measurements of a source whose tracker is undone, metres: along the long and the
+    /// short axis of the error ellipse, and of the height.
+    pub measurement_sigma_m: Option<[f64; 2]>,
+    /// See `measurement_sigma_m`.
+    pub height_sigma_m: Option<f64>,
+    /// Standard deviation across the line of sight over that along it, both relative to the stated covariances.
+    pub shape_ratio: Option<f64>,
+    /// Share of the source's new tracks that turned out to be targets.
+    pub target_share: Option<f64>,
+    /// Delay of the source's reports, exceeded by one report in ten, seconds.
+    pub lateness_s: f64,
+    /// Probability that a scan detects a target that the source tracks.
+    pub detection_probability: f64,
+    /// Model of the systematic error with the best evidence.
+    pub error_model: Option<ErrorModel>,
+    /// Sources on which the source depends, with the correlation of the errors, in (0, 1], 0 for no source: the first
+    /// ones by number.
+    pub dependent: [(u16, f64); DEPENDENT_MAX],
+}
+
+impl Engine {
+    /// Returns what was learned of `source`; `None` if the source does not exist.
+    pub fn learned(&self, source: u16) -> Option<Learned> {
+        let model = self.sources.models.get(usize::from(source))?;
+        let tally = self.tracks.purity.tally(source);
+        Some(Learned {
+            measurement_sigma_m: model.gain().plane_sigma_m(),
+            height_sigma_m: model.gain().height_sigma_m(),
+            shape_ratio: model.shape.ratio(),
+            target_share: (tally.tries() >= NEW_TRACKS_MIN).then(|| tally.mean()),
+            lateness_s: self.tracks.lifetimes.late_ns(source) as f64 / NS_PER_S,
+            detection_probability: model.detection,
+            error_model: self.error_model(source),
+            dependent: self.tracks.dependence.partners(source),
+        })
+    }
+
+    /// Model of the source's systematic error, among those that are in force; `None` where no error is removed.
+    fn error_model(&self, source: u16) -> Option<ErrorModel> {
+        let known = self.sources.registration.of(source);
+        let [east, north, _, time, range, azimuth] = known.removed;
+        if range || azimuth {
+            Some(ErrorModel::Polar)
+        } else if self.sources.models[usize::from(source)].sees_points(1.0) {
+            Some(ErrorModel::Body)
+        } else if east || north {
+            Some(ErrorModel::Offset)
+        } else {
+            time.then_some(ErrorModel::Time)
+        }
+    }
+}
