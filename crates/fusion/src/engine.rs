@@ -425,6 +425,10 @@ impl Engine {
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
             return;
         }
+        if report.has(sensor_track_bits::PRESSURE_OFFSET) {
+            let offset_m = f64::from(report.pressure_offset_m);
+            self.tracks.pressure.learn(report.position_m, offset_m);
+        }
         let before = self.tracks.sensors.get(sensor).system;
         if before == NO_SYSTEM && self.orders.concerns_tracks {
             self.block(sensor);

@@ -64,6 +64,7 @@ mod orders;
 mod outlet;
 mod places;
 mod plane_filter;
+mod pressure;
 mod publishing;
 mod purity;
 pub mod quality;

@@ -104,6 +104,12 @@ pub(crate) fn write(
         .filter
         .climb_rate()
         .map_or([0.0; 2], |rate| rate.map(|value| value as f32));
+    let offset = tracks
+        .pressure
+        .at(entry.state.position_m)
+        .filter(|_| entry.state.has_height);
+    [message.pressure_offset_m, message.pressure_offset_sigma_m] =
+        offset.map_or([0.0; 2], |offset| offset.map(|value| value as f32));
     message.existence = entry.existence();
     message.updates = entry.reports;
     message.extrapolations = entry.extrapolations;

@@ -14,6 +14,7 @@ use crate::lifetimes::Lifetimes;
 use crate::measurement::{FilterInput, Measurement};
 use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
+use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
 use crate::sensor_tracks::{MemberLink, NO_SYSTEM, Role, SensorEntry, SensorSlot, SensorTracks};
 use crate::system_tracks::{SystemSlot, SystemTracks};
@@ -27,6 +28,8 @@ pub(crate) struct Tracks {
     pub(crate) dependence: Dependence,
     /// How many new tracks of each source turned out to be targets.
     pub(crate) purity: Purity,
+    /// Pressure altitude and height, by region.
+    pub(crate) pressure: PressureOffsets,
     /// Measurements of the last seconds, for late reports.
     pub(crate) kept: KeptMeasurements,
     /// Where what must outlive the process is written.
@@ -70,6 +73,7 @@ impl Tracks {
             lifetimes,
             dependence,
             purity,
+            pressure: PressureOffsets::new(),
             kept,
             checkpoint: None,
             remembered: HashMap::with_hasher(NumberHasher::new(0)),

@@ -31,6 +31,8 @@ bits! {
         LEVEL = 1 << 10;
         /// `turn_rate_radps` is known.
         TURN_RATE = 1 << 11;
+        /// `pressure_offset_m` is known: the report states its height in both ways.
+        PRESSURE_OFFSET = 1 << 12;
     }
 }
 
@@ -113,8 +115,8 @@ sample! {
         existence: f32,
         /// Rate of turn according to the source, clockwise from above, radians per second.
         turn_rate_radps: f32,
-        /// Reserved, 0.
-        reserved: u32,
+        /// Height by pressure, as in `position_m`, minus the height above the ellipsoid that the report states, metres.
+        pressure_offset_m: f32,
     }
 }
 

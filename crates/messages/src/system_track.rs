@@ -144,13 +144,12 @@ sample! {
         identity_ages: IdentityAges,
         /// Probability that the target exists, in (0, 1]; 0: not estimated.
         existence: f32,
-        /// Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown.
-        height_m: f32,
-        /// Standard deviation of `height_m`, metres; 0: unknown.
-        height_sigma_m: f32,
-        /// Pressure altitude minus height above the ellipsoid where the target is, metres.
+        /// Reserved, 0.
+        reserved_heights: [u32; 2],
+        /// Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned
+        /// from reports with both: to be subtracted from the height of `position_m`.
         pressure_offset_m: f32,
-        /// Standard deviation of `pressure_offset_m`, metres; 0: unknown.
+        /// Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
         pressure_offset_sigma_m: f32,
         /// Rate of climb by the vertical filter, metres per second.
         climb_rate_mps: f32,
@@ -185,6 +184,12 @@ impl SystemTrack {
     /// fallen silent.
     pub fn listed(&self) -> &[Contribution] {
         &self.contributions[..usize::from(self.contribution_count).min(CONTRIBUTIONS_MAX)]
+    }
+
+    /// Returns the height by pressure minus the height above the ellipsoid, metres; `None` where the deployment has not
+    /// learned the difference, so that the heights of positions are all that is known.
+    pub fn pressure_offset(&self) -> Option<f64> {
+        (self.pressure_offset_sigma_m > 0.0).then(|| f64::from(self.pressure_offset_m))
     }
 
     /// Returns the pressure altitude of the transponder's newest level, metres; `None` without a sufficiently

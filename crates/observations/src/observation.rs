@@ -61,6 +61,8 @@ pub struct Observation {
     pub stated_altitude: Option<(f64, i64)>,
     /// Height above mean sea level or the ellipsoid, whichever the source gives, metres.
     pub geometric_height_m: Option<f64>,
+    /// Height above the ellipsoid (WGS-84), metres, where the report states it as such.
+    pub ellipsoid_height_m: Option<f64>,
     /// Rate of climb, metres per second.
     pub vertical_rate_mps: Option<f64>,
     /// Set if the target reports that it is on the ground.

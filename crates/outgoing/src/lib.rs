@@ -27,7 +27,8 @@
 //! The pipeline's height is metric: the third coordinate of a position, a height above the ellipsoid. Sources mostly
 //! measure pressure altitude, and the pipeline treats it as a height, with the standard atmosphere and with mean sea
 //! level on the ellipsoid. Tracks do not contain the kind of their deployment's heights. [`HeightReference`] selects
-//! the items: geometric heights, by the frame's definition, or flight levels.
+//! the items: geometric heights, by the frame's definition, or flight levels. Where the deployment has learned the
+//! difference of pressure altitude and height, tracks contain the difference, and the geometric height is sent as well.
 
 #![forbid(unsafe_code)]
 

@@ -7,7 +7,7 @@
 //! | 070 | `reference_time_ns` | |
 //! | 080 | state, alerts, contributions, ground state | see below |
 //! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
-//! | 130 or 135 | height, where a source observes it | geometric or barometric, see [`HeightReference`] |
+//! | 130, 135 | height, where a source observes it | both where their difference is known, else see [`HeightReference`] |
 //! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
 //! | 200, 210, 220 | motion models of fusion | see `motion.rs` |
 //! | 060, 380 ADR and ID | `identity` | |
@@ -432,9 +432,16 @@ impl RecordForm {
 
     fn vertical(&self, report: &SystemReport<'_>, record: &mut RecordWriter) {
         let height_m = report.place.geodetic.height_m();
+        let offset_m = report.track.pressure_offset();
+        let geometric_m = offset_m.map(|offset_m| height_m - offset_m);
         match self.height {
-            HeightReference::Geometric => items::height(record, &GEOMETRIC_ALTITUDE, Some(height_m)),
-            HeightReference::Barometric => items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m)),
+            HeightReference::Geometric => {
+                items::height(record, &GEOMETRIC_ALTITUDE, geometric_m.or(Some(height_m)));
+            }
+            HeightReference::Barometric => {
+                items::height(record, &GEOMETRIC_ALTITUDE, geometric_m);
+                items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m));
+            }
         }
         motion::climb(report.track, report.place.up(), record);
     }

@@ -34,7 +34,10 @@ pub(crate) struct DisplayedHeight {
 /// unknown.
 pub(crate) fn geometric(track: &SystemTrack, frame: Option<&SystemFrame>) -> Option<Vertical> {
     let frame = frame.filter(|_| track.height_valid != 0)?;
-    Some(frame.vertical(track.position_m, track.velocity_mps))
+    let vertical = frame.vertical(track.position_m, track.velocity_mps);
+    // Fusion works with heights by pressure where transponders state them.
+    let height_m = vertical.height_m - track.pressure_offset().unwrap_or_default();
+    Some(Vertical { height_m, ..vertical })
 }
 
 /// Returns the rate of the height above the ellipsoid by the vertical filter, m/s; `None` without such a rate, or if
@@ -132,6 +135,14 @@ mod tests {
         let mut unsure = outbound(20.0, 10.0, 5.0);
         unsure.covariance = Covariance::diagonal([30.0; 3], [4.0; 3]);
         assert_eq!(shown(&unsure, Some(&frame()), 0).flags, HEIGHT, "noise is no climb");
+    }
+
+    #[test]
+    fn the_height_above_the_ellipsoid_is_without_the_weather() {
+        let mut track = outbound(20.0, 75.0, 0.0);
+        (track.pressure_offset_m, track.pressure_offset_sigma_m) = (300.0, 30.0);
+        let height_m = geometric(&track, Some(&frame())).unwrap().height_m;
+        assert!((height_m - 10_700.0).abs() < 0.1, "{height_m}");
     }
 
     #[test]

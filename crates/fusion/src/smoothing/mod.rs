@@ -145,9 +145,6 @@ fn set_vertical(message: &mut SystemTrack, live: &SystemTrack, smoothed: &Smooth
         return;
     };
     let [height, rate] = vertical.mean;
-    if message.height_sigma_m > 0.0 {
-        message.height_m += (height - live.position_m[z]) as f32;
-    }
     message.position_m[z] = height;
     message.velocity_mps[z] = rate;
     let [zz, cross, rr] = vertical.covariance;

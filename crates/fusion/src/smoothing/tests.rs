@@ -195,7 +195,6 @@ fn all_but_the_kinematics_stays_and_unknown_states_have_none() {
         climb_rate_mps: state.climb_rate_mps,
         climb_rate_variance: state.climb_rate_variance,
         movement: state.movement,
-        height_m: state.height_m,
         ..after
     };
     assert_eq!(format!("{like_before:?}"), format!("{state:?}"));

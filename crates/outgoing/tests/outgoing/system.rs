@@ -214,8 +214,15 @@ impl Case {
         let height_m = self.world.system.to_geodetic(track.position_m).height_m();
         let known = track.height_valid != 0;
         let geometric = known && self.height == HeightReference::Geometric;
-        let feet = (-1500.0..=150_000.0).contains(&(height_m / FOOT_M));
-        sent.near_if(&["130"], (geometric && feet).then_some(height_m / FOOT_M), 6.25);
+        let feet = |height_m: f64| (-1500.0..=150_000.0).contains(&(height_m / FOOT_M));
+        let above_m = height_m - track.pressure_offset().unwrap_or_default();
+        let has_both = known && track.pressure_offset().is_some();
+        let feet = feet(above_m);
+        sent.near_if(
+            &["130"],
+            ((geometric || has_both) && feet).then_some(above_m / FOOT_M),
+            6.25,
+        );
         let levels = (-15.0..=1500.0).contains(&(height_m / LEVEL_M));
         let barometric = known && self.height == HeightReference::Barometric && levels;
         sent.near_if(&["135", "CTB"], barometric.then_some(height_m / LEVEL_M), 0.25);

@@ -175,6 +175,10 @@ impl Converter {
             track.measured_m = measured_m;
             track.valid |= bits::MEASURED;
         }
+        if let Some(offset_m) = self.pressure_offset_m(observation) {
+            track.pressure_offset_m = offset_m as f32;
+            track.valid |= bits::PRESSURE_OFFSET;
+        }
         describe(&mut track, observation);
         track.alerts = self.alerts(observation, number, time_ns, is_believed);
         Ok(track)
@@ -275,6 +279,17 @@ impl Converter {
             self.count(Counter::RejectedHeight);
         }
         possible.then_some(height_m)
+    }
+
+    /// The height by pressure less the height above the ellipsoid, if the report states both.
+    fn pressure_offset_m(&self, observation: &Observation) -> Option<f64> {
+        let limits = self.model.limits.height_min_m..=self.model.limits.height_max_m;
+        let by_pressure_m = observation.pressure_altitude_m? + self.altitude_correction_m;
+        let height_m = observation.ellipsoid_height_m?;
+        [by_pressure_m, height_m]
+            .iter()
+            .all(|height_m| limits.contains(height_m))
+            .then_some(by_pressure_m - height_m)
     }
 
     /// Returns the time (UTC, nanoseconds) and the level of the transponder's latest statement. A report without a

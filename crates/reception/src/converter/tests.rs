@@ -721,6 +721,24 @@ fn a_stuck_advisory_is_counted_once_and_is_no_alert() {
 }
 
 #[test]
+fn a_report_with_both_heights_states_their_difference() {
+    let offset = |pressure_m: Option<f64>, ellipsoid_m: Option<f64>| {
+        let report = Observation {
+            pressure_altitude_m: pressure_m,
+            ellipsoid_height_m: ellipsoid_m,
+            geometric_height_m: ellipsoid_m,
+            ..observation(1.0)
+        };
+        let track = converter().convert(&report, 0).unwrap();
+        track.has(bits::PRESSURE_OFFSET).then_some(track.pressure_offset_m)
+    };
+    assert_eq!(offset(Some(1_000.0), Some(880.0)), Some(120.0));
+    assert_eq!(offset(Some(1_000.0), None), None);
+    assert_eq!(offset(None, Some(880.0)), None);
+    assert_eq!(offset(Some(1_000.0), Some(9e5)), None, "no aircraft is there");
+}
+
+#[test]
 fn a_suspect_position_is_refused() {
     let report = Observation {
         suspect: true,

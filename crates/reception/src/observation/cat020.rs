@@ -70,6 +70,7 @@ fn observation(record: &Record<'_>) -> Observation {
         geometric_height_m: MEASURED_HEIGHT
             .quantity(record)
             .or_else(|| GEOMETRIC_HEIGHT.quantity(record)),
+        ellipsoid_height_m: GEOMETRIC_HEIGHT.quantity(record),
         on_ground: GBS.is_set(descriptor) || on_ground,
         alerts: Alerts::flag(alert_bits::SPECIAL_IDENTIFICATION, SPI.is_set(descriptor))
             | flight_alerts

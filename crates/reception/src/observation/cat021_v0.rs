@@ -55,6 +55,7 @@ fn observation(record: &Record<'_>) -> Observation {
             .and_then(|category| covariance_of_velocity_category(category as u8)),
         pressure_altitude_m: PRESSURE_ALTITUDE.quantity(record),
         geometric_height_m: GEOMETRIC_ALTITUDE.quantity(record),
+        ellipsoid_height_m: GEOMETRIC_ALTITUDE.quantity(record),
         vertical_rate_mps: BAROMETRIC_RATE
             .quantity(record)
             .or_else(|| GEOMETRIC_RATE.quantity(record)),

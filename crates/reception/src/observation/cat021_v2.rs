@@ -91,6 +91,7 @@ fn observation(record: &Record<'_>) -> Observation {
         velocity_covariance: NUCR_OR_NACV.code(quality).and_then(covariance_of_velocity_category),
         pressure_altitude_m: PRESSURE_ALTITUDE.quantity(record),
         geometric_height_m: geometric_height_m(record),
+        ellipsoid_height_m: geometric_height_m(record),
         vertical_rate_mps: rate_mps(record, &BAROMETRIC_RATE).or_else(|| rate_mps(record, &GEOMETRIC_RATE)),
         on_ground: GBS.is_set(descriptor),
         alerts: alerts_of_status(record)
