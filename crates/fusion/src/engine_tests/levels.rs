@@ -72,18 +72,16 @@ fn states_have_the_difference_of_both_heights_where_reports_have_shown_it() {
     let mut harness = Harness::new(test_settings(2));
     for step in 0..20 {
         let mut both = report(0, 1, f64::from(step), [0.0, 0.0], [0.0, 0.0]);
-        both.valid |= sensor_track_bits::PRESSURE_OFFSET;
+        both.valid |= sensor_track_bits::PRESSURE_OFFSET | sensor_track_bits::HEIGHT;
         both.pressure_offset_m = 120.0;
-        let state = harness.take(&both).unwrap();
-        let expected = (state.height_valid != 0 && step >= 15).then_some(120.0);
-        assert_eq!(state.pressure_offset(), expected, "{step}");
+        let offset_m = harness.take(&both).unwrap().pressure_offset();
+        assert_eq!(offset_m, (step >= 15).then_some(120.0), "{step}");
     }
-    let other = report(1, 7, 20.5, [9e3, 9e3], [0.0, 0.0]);
+    let mut other = report(1, 7, 20.5, [9e3, 9e3], [0.0, 0.0]);
+    let without_height = harness.take(&other).unwrap();
+    assert_eq!(without_height.pressure_offset(), None);
+    other.time_of_measurement_ns += 1_000_000_000;
+    other.valid |= sensor_track_bits::HEIGHT;
     let state = harness.take(&other).unwrap();
-    assert_eq!(
-        state.pressure_offset().is_some(),
-        state.height_valid != 0,
-        "a source without such reports"
-    );
-    assert!(state.height_valid != 0);
+    assert_eq!(state.pressure_offset(), Some(120.0), "learned of another source's reports");
 }
