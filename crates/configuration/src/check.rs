@@ -13,6 +13,7 @@ use scenario::{SensorKind, SensorSettings};
 use settings::SettingsError;
 
 use super::check_network::{Network, asterix, simulated_sac_sic, technology};
+use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::checked::{Checked, limits, place};
 use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
@@ -98,6 +99,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         // No report is late; files may have late ones, unless that is excluded.
         ReportOrder::Time => engine.late_window_s = engine.late_window_s.filter(|window| window.ns() == 0),
     }
+    engine.qnh = check_qnh(&raw.qnh, &frame)?;
     engine.border.regions = check_regions(&raw.regions, (raw.origin, engine.exchange), &frame)?;
     let own = messages::own_tracks().name;
     let sends_own = |link: &Link| link.send.iter().any(|topic| topic == own.as_str());

@@ -61,7 +61,7 @@ pub(super) fn check_regions(
     Ok(regions)
 }
 
-fn corners(key: &str, raw: &[[f64; 2]], frame: &SystemFrame) -> Checked<Vec<[f64; 2]>> {
+pub(super) fn corners(key: &str, raw: &[[f64; 2]], frame: &SystemFrame) -> Checked<Vec<[f64; 2]>> {
     if !(3..=CORNERS_MAX).contains(&raw.len()) {
         let what = format!("{} corners; a region has 3 to {CORNERS_MAX}", raw.len());
         return Err(SettingsError::new(key, what));

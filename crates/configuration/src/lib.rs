@@ -7,6 +7,7 @@
 
 mod check;
 mod check_network;
+mod check_qnh;
 mod check_region;
 mod checked;
 mod locating;

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
 use outgoing::Technology;
-use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm, STANDARD_PRESSURE_HPA};
+use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm};
 use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
@@ -37,6 +37,8 @@ settings::settings! {
         links as "link": Vec<Link> = Vec::new();
         /// Region of a centre, which owns the targets in the region.
         regions as "region": Vec<RegionTable> = Vec::new();
+        /// Pressure at sea level in a region, for altitudes below the transition level.
+        qnh: Vec<QnhTable> = Vec::new();
         /// World that simulated sources observe.
         scenario: Option<scenario::ScenarioSettings> = None;
         /// Fusion process.
@@ -61,6 +63,29 @@ settings::settings! {
         origin: u32, in [1, u32::MAX];
         /// Corners in turn, latitude and longitude (WGS-84), degrees. Sides are straight in the system frame.
         corners_deg: Vec<[f64; 2]>;
+    }
+
+    /// Pressure at mean sea level (QNH) in a region: tracks below the transition level get an altitude. Of several
+    /// regions that contain a target the first one counts. An order `qnh` sets the pressure of a name.
+    pub struct QnhTable {
+        /// Name.
+        name: String;
+        /// Corners in turn, latitude and longitude (WGS-84), degrees. Sides are straight in the system frame.
+        corners_deg: Vec<[f64; 2]> = Vec::new(), usually "everywhere";
+        /// Pressure, hPa.
+        hpa: f64, in [850, 1100];
+        /// Lowest flight level in use, hundreds of feet.
+        transition_level: u32 = 60, in [10, 300];
+        /// Later pressures.
+        later: Vec<LaterQnhTable> = Vec::new();
+    }
+
+    /// A pressure from a time on.
+    pub struct LaterQnhTable {
+        /// Time (UTC), as in `"2016-05-10T06:00:00Z"`.
+        from: String;
+        /// Pressure, hPa.
+        hpa: f64, in [850, 1100];
     }
 
     /// A place on the Earth (WGS-84).
@@ -131,7 +156,7 @@ settings::settings! {
         /// transponder and high aircraft.
         assumed_height_m: f64 = 5000.0, in [-500, 20e3];
         /// Pressure at sea level, for pressure altitudes. The measured extremes are 870 and 1084 hPa.
-        qnh_hpa: f64 = STANDARD_PRESSURE_HPA, in [850, 1100];
+        qnh_hpa: f64 = messages::STANDARD_PRESSURE_HPA, in [850, 1100];
         /// Place of the sensor.
         place: Option<PlaceTable> = None, usually "the frame's";
         /// Recording.

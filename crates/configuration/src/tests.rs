@@ -122,6 +122,40 @@ fn regions_lie_in_the_system_frame_and_mistakes_in_them_are_named() {
 }
 
 #[test]
+fn pressures_have_regions_and_times_and_mistakes_in_them_are_named() {
+    let read = |table: &str| {
+        let text = format!("{}\n[[qnh]]\nname = \"port\"\n{table}", barcelona());
+        Config::parse(Path::new("barcelona.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let corners = "corners_deg = [[41.0, 2.0], [41.0, 3.0], [42.0, 3.0], [42.0, 2.0]]";
+    let later = "later = [{ from = \"2016-05-10T06:00:00Z\", hpa = 1009.0 }]";
+    let found = read(&format!("hpa = 1005.5\n{corners}\n{later}\ntransition_level = 70")).unwrap();
+    let regional = &found.engine.qnh[0];
+    assert!(regional.region.as_ref().unwrap().contains([0.0, 0.0]));
+    assert_eq!(regional.transition_level, 70);
+    assert_eq!(
+        regional.readings,
+        [(i64::MIN, 1005.5), (1_462_860_000_000_000_000, 1009.0)]
+    );
+    let twice =
+        "later = [{ from = \"2016-05-10T06:00:00Z\", hpa = 1e3 }, { from = \"2016-05-10T06:00:00Z\", hpa = 1e3 }]";
+    for (table, said) in [
+        ("hpa = 29.92", "qnh[0].hpa"),
+        ("hpa = 1000\ntransition_level = 6000", "qnh[0].transition_level"),
+        ("hpa = 1000\ncorners_deg = [[41.0, 2.0]]", "1 corners"),
+        (
+            "hpa = 1000\nlater = [{ from = \"6:00\", hpa = 1000 }]",
+            "\"6:00\" is not a time",
+        ),
+        (&format!("hpa = 1000\n{twice}"), "not later than the time before"),
+        ("hpa = 1000\n[[qnh]]\nname = \"port\"\nhpa = 1000", "earlier table"),
+    ] {
+        let error = read(table).unwrap_err();
+        assert!(error.contains(said), "{table}: {error}");
+    }
+}
+
+#[test]
 fn sensors_and_deployments_have_an_identity() {
     let named = Config::parse(Path::new("barcelona.toml"), &barcelona(), &[]).unwrap();
     let radar = named.source("radar").unwrap();

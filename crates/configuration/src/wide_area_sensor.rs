@@ -142,7 +142,7 @@ fn check_tracks(
             height_m: stands.height_m(),
             // Tracks have places; nothing is assumed of their heights.
             assumed_height_m: 0.0,
-            qnh_hpa: reception::STANDARD_PRESSURE_HPA,
+            qnh_hpa: messages::STANDARD_PRESSURE_HPA,
             limits: raw.limits,
             covariance: CovarianceModel::default(),
         },

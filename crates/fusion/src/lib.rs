@@ -67,6 +67,7 @@ mod plane_filter;
 mod pressure;
 mod publishing;
 mod purity;
+pub mod qnh;
 pub mod quality;
 mod quota;
 mod reference_point;

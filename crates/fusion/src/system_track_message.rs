@@ -7,6 +7,7 @@ use messages::{
 
 use crate::explanation::Sink;
 use crate::outlet::Outlet;
+use crate::qnh;
 use crate::rules::Share;
 use crate::settings::Settings;
 use crate::system_tracks::SystemSlot;
@@ -154,6 +155,11 @@ pub(crate) fn write(
     message.level = level;
     message.level_valid = u8::from(is_known);
     message.level_age_ms = if is_known { (level_age_ns / NS_PER_MS) as u32 } else { 0 };
+    let [east, north, _] = message.position_m;
+    let altitude = qnh::altitude(&settings.qnh, [east, north], level, entry.state.time_ns).filter(|_| is_known);
+    [message.altitude_m, message.qnh_hpa] = altitude.map_or([0.0; 2], |altitude| {
+        [altitude.altitude_m as f32, altitude.qnh_hpa as f32]
+    });
     let left_over = members.len()..usize::from(listed_before).max(members.len());
     message.contributions[left_over].fill(Contribution::default());
 }

@@ -15,6 +15,7 @@
 #![forbid(unsafe_op_in_unsafe_fn)]
 
 mod alarm;
+mod atmosphere;
 mod batch;
 mod codes;
 mod conversion;
@@ -50,6 +51,7 @@ mod wide_area;
 mod work_step;
 
 pub use alarm::{ALARM_TEXT_MAX, Alarm, AlarmEvent, AlarmSeverity};
+pub use atmosphere::{STANDARD_PRESSURE_HPA, pressure_correction_m};
 pub use batch::{BatchHeader, Epochs};
 pub use codes::Constant;
 pub use conversion::Conversion;

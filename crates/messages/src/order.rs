@@ -77,6 +77,8 @@ codes! {
         NotOut = 20, "not-out";
         /// Fusion still publishes the previous snapshot or states.
         Busy = 21, "busy";
+        /// The configuration has no `[[qnh]]` of this name.
+        UnknownQnh = 22, "unknown-qnh";
     }
 }
 
@@ -332,6 +334,10 @@ impl Refusal {
             Self::UnknownSource => "there is no such source; `koseki status` lists the sources".to_owned(),
             Self::UnknownCondition => format!(
                 "no source has an accuracy for the condition \"{}\"; name one of the configuration's, or \"normal\"",
+                order.name()
+            ),
+            Self::UnknownQnh => format!(
+                "there is no [[qnh]] with the name \"{}\" in the configuration",
                 order.name()
             ),
             Self::UnknownRule => format!(

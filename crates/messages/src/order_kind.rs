@@ -151,6 +151,8 @@ orders! {
         "Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence.";
     Cancel = 13, "cancel", Once, needs [Number], may [], value in [0.0, 0.0],
         "An order in force ends.";
+    Qnh = 14, "qnh", Lasts, needs [Name Value], may [], value in [850.0, 1100.0],
+        "The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`.";
 }
 
 impl OrderKind {

@@ -41,6 +41,8 @@ bits! {
         SINKS = 1 << 4;
         /// The height is that of the transponder's level: pressure altitude against 1013.25 hPa.
         LEVEL = 1 << 5;
+        /// The height is an altitude above mean sea level by the pressure of the region (QNH).
+        ALTITUDE = 1 << 6;
     }
 }
 

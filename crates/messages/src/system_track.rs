@@ -144,8 +144,10 @@ sample! {
         identity_ages: IdentityAges,
         /// Probability that the target exists, in (0, 1]; 0: not estimated.
         existence: f32,
-        /// Reserved, 0.
-        reserved_heights: [u32; 2],
+        /// Altitude above mean sea level by `qnh_hpa`, metres, of a target below the transition level.
+        altitude_m: f32,
+        /// Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts.
+        qnh_hpa: f32,
         /// Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned
         /// from reports with both: to be subtracted from the height of `position_m`.
         pressure_offset_m: f32,
@@ -190,6 +192,12 @@ impl SystemTrack {
     /// learned the difference, so that the heights of positions are all that is known.
     pub fn pressure_offset(&self) -> Option<f64> {
         (self.pressure_offset_sigma_m > 0.0).then(|| f64::from(self.pressure_offset_m))
+    }
+
+    /// Returns the altitude above mean sea level by the pressure of the region, metres; `None` where the flight level
+    /// counts.
+    pub fn altitude(&self) -> Option<f64> {
+        (self.qnh_hpa > 0.0).then(|| f64::from(self.altitude_m))
     }
 
     /// Returns the pressure altitude of the transponder's newest level, metres; `None` without a sufficiently

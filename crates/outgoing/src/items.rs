@@ -93,6 +93,14 @@ pub(super) fn level(record: &mut RecordWriter, item: &Elements<1>, height_m: Opt
     );
 }
 
+/// Writes an altitude, after the element that marks the local pressure, where there is one that the bits can hold.
+pub(super) fn altitude(record: &mut RecordWriter, item: &Elements<2>, altitude_m: f64) {
+    let [_, field] = item.fields;
+    if let Some(number) = number_within(field, LEVELS_M, altitude_m) {
+        record.write(item, [1, number]);
+    }
+}
+
 /// Writes a height above the ellipsoid, where there is one that the documents allow.
 pub(super) fn height(record: &mut RecordWriter, item: &Elements<1>, height_m: Option<f64>) {
     let [field] = item.fields;

@@ -59,6 +59,7 @@ const TRACK_NUMBER: Elements<1> = whole(CAT062, "040");
 const GEOMETRIC_ALTITUDE: Elements<1> = whole(CAT062, "130");
 /// Altitude not corrected by the local pressure.
 const BAROMETRIC_ALTITUDE: Elements<1> = elements(CAT062, "135", ["CTB"]);
+const QNH_ALTITUDE: Elements<2> = elements(CAT062, "135", ["QNH", "CTB"]);
 
 const AIRCRAFT: Frn = item(CAT062, "380");
 const ADR: usize = subitem(CAT062, "380", "ADR");
@@ -440,7 +441,10 @@ impl RecordForm {
             }
             HeightReference::Barometric => {
                 items::height(record, &GEOMETRIC_ALTITUDE, geometric_m);
-                items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m));
+                match report.track.altitude() {
+                    Some(altitude_m) => items::altitude(record, &QNH_ALTITUDE, altitude_m),
+                    None => items::level(record, &BAROMETRIC_ALTITUDE, Some(height_m)),
+                }
             }
         }
         motion::climb(report.track, report.place.up(), record);

@@ -10,7 +10,6 @@
 
 mod accuracy;
 mod alert_memory;
-mod atmosphere;
 mod converter;
 pub mod observation;
 mod placing;
@@ -19,7 +18,6 @@ mod reorder;
 mod truncated_time;
 mod velocity;
 
-pub use atmosphere::STANDARD_PRESSURE_HPA;
 pub use converter::Converter;
 pub use reorder::Reorder;
 
@@ -48,7 +46,7 @@ pub struct ConversionModel {
     /// look up more steeply than 30°.
     pub assumed_height_m: f64,
     /// Pressure at mean sea level in the sensor's area, hPa: brings pressure altitudes, which all transponders count
-    /// from [`STANDARD_PRESSURE_HPA`], nearer to heights.
+    /// from [`messages::STANDARD_PRESSURE_HPA`], nearer to heights.
     pub qnh_hpa: f64,
     /// Limits of the sensor's reports.
     pub limits: PlausibilityLimits,

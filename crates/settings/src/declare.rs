@@ -6,7 +6,7 @@ macro_rules! settings {
     ($(
         $(#[doc = $doc:literal])*
         $(#[derive($($derived:ident),*)])?
-        $vis:vis struct $name:ident $(beside [$plain:ident : $plain_type:ty])? $(with $( $base:ident : $base_type:ty $(= $base_default:path)? ),+)? {
+        $vis:vis struct $name:ident $(beside [$($plain:ident : $plain_type:ty),+])? $(with $( $base:ident : $base_type:ty $(= $base_default:path)? ),+)? {
             $(check $check:path;)?
             $(
                 $(#[doc = $key_doc:literal])+
@@ -18,10 +18,10 @@ macro_rules! settings {
         $(#[doc = $doc])*
         #[derive(Clone, Debug, PartialEq $($(, $derived)*)?)]
         $vis struct $name {
-            $(
+            $( $(
                 /// No key: it is made of other tables.
                 pub $plain: $plain_type,
-            )?
+            )+ )?
             $( $(
                 /// Keys that stand among its own.
                 pub $base: $base_type,
@@ -32,7 +32,7 @@ macro_rules! settings {
         impl Default for $name {
             fn default() -> Self {
                 Self {
-                    $( $plain: Default::default(), )?
+                    $( $( $plain: Default::default(), )+ )?
                     $( $( $base: $crate::or_default!($($base_default())?), )+ )?
                     $( $field: $crate::or_default!($($default)?), )*
                 }

@@ -26,7 +26,7 @@
 //! [from low]`; and `, usually "…"`, the default in words if the value alone is not clear. The end of the name is the
 //! unit (`_s`, `_mps`; see [`unit_of`]). The first line of a table may be `check path;`: a function that checks
 //! several keys together. After the name of a table, `with field: KeyTable` includes the keys of another table (`=
-//! path` names the function for its defaults), and `beside [field: Type]` adds a field without a key.
+//! path` names the function for its defaults), and `beside [field: Type]` adds fields without keys.
 //!
 //! The input is a [`Document`]: TOML text, parsed once, with single values replaced (`--set`). Unknown keys are
 //! errors, because a misspelt key would otherwise be a setting without effect. Every error is a [`SettingsError`]

@@ -110,6 +110,7 @@ export class Connection {
         speedEast: track.east_mps,
         speedNorth: track.north_mps,
         isLevel: (track.flags & PICTURE_TRACK.LEVEL) !== 0,
+        isAltitude: (track.flags & PICTURE_TRACK.ALTITUDE) !== 0,
         climb: track.climb_mps,
         climbs: (track.flags & PICTURE_TRACK.CLIMBS) !== 0,
         sinks: (track.flags & PICTURE_TRACK.SINKS) !== 0,

@@ -44,14 +44,15 @@ export function labelOf(track, units, mainName) {
 }
 
 /**
- * Height with the direction of its change. A height that no transponder has stated is marked `~`: it is calculated.
+ * Height with the direction of its change. An altitude by the pressure of the region is marked `A`; a height that no
+ * transponder has stated is marked `~`: it is calculated.
  * @param {import("./picture.js").Track} track @param {string} units
  */
 export function heightText(track, units) {
   if (track.onGround) return "GND";
   if (!Number.isFinite(track.height)) return "---";
   const change = track.climbs ? "↑" : track.sinks ? "↓" : " ";
-  const mark = track.isLevel ? "" : "~";
+  const mark = track.isAltitude ? "A" : track.isLevel ? "" : "~";
   if (units === "metric") return `${mark}${Math.round(track.height)}m${change}`;
   return `${mark}${levelText(levelOf(track))}${change}`;
 }

@@ -15,6 +15,7 @@ import { ALERT } from "./wire.js";
  * @property {number} east @property {number} north metres
  * @property {number} height Metres, the transponder's level or above the ellipsoid; NaN: unknown.
  * @property {boolean} isLevel Whether it is the transponder's level.
+ * @property {boolean} isAltitude Whether it is an altitude by the pressure of the region (QNH).
  * @property {number} climb Rate of the height, metres per second.
  * @property {boolean} climbs @property {boolean} sinks Whether it is shown as climbing, or as descending.
  * @property {number} speedEast @property {number} speedNorth metres per second
@@ -132,6 +133,7 @@ export function blankTrack() {
     north: 0,
     height: NaN,
     isLevel: false,
+    isAltitude: false,
     climb: 0,
     climbs: false,
     sinks: false,

@@ -1,8 +1,9 @@
 //! Height and climb of a target for labels, table, panel, plots, filters, colours and lists.
 //!
 //! The display shows the newest level of the target's transponder if the level is no older than two periods of its
-//! source. Pilots, controllers and all other systems use this level. Without it, the display shows the height above
-//! the ellipsoid, marked as such. The up component of the system frame is no height: the Earth curves away beneath
+//! source. Pilots, controllers and all other systems use this level. Below the transition level of a region with a QNH
+//! the altitude takes its place, marked `A`. Without a level, the display shows the height above the ellipsoid, marked
+//! as such. The up component of the system frame is no height: the Earth curves away beneath
 //! the plane.
 //!
 //! An arrow for climb or descent needs a rate above the noise. It appears at [`BEGINS_MPS`] and at two standard
@@ -10,7 +11,7 @@
 
 use frames::{SystemFrame, Vertical};
 use messages::SystemTrack;
-use messages::picture::picture_track_bits::{CLIMBS, HEIGHT, LEVEL, SINKS};
+use messages::picture::picture_track_bits::{ALTITUDE, CLIMBS, HEIGHT, LEVEL, SINKS};
 
 /// Rate at which an arrow appears: 500 feet a minute, metres per second.
 const BEGINS_MPS: f64 = 2.54;
@@ -52,13 +53,19 @@ pub(crate) fn filtered_climb_mps(track: &SystemTrack, frame: Option<&SystemFrame
 /// Returns the displayed height of a state; `before` holds the flags of the track's previous state.
 pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8) -> DisplayedHeight {
     let geometric = geometric(track, frame);
+    let altitude_m = track.altitude();
     let level_m = track.level_m();
-    let Some(height_m) = level_m.or(geometric.map(|geometric| geometric.height_m)) else {
+    let Some(height_m) = altitude_m.or(level_m).or(geometric.map(|geometric| geometric.height_m)) else {
         return DisplayedHeight {
             height_m: f32::NAN,
             climb_mps: 0.0,
             flags: 0,
         };
+    };
+    let reference = match (altitude_m, level_m) {
+        (Some(_), _) => ALTITUDE,
+        (None, Some(_)) => LEVEL,
+        (None, None) => 0,
     };
     let climb_mps = geometric.map_or(0.0, |geometric| geometric.climb_mps);
     let sigma_mps = track.covariance.get(5, 5).max(0.0).sqrt();
@@ -68,7 +75,7 @@ pub(crate) fn shown(track: &SystemTrack, frame: Option<&SystemFrame>, before: u8
     DisplayedHeight {
         height_m: height_m as f32,
         climb_mps: climb_mps as f32,
-        flags: HEIGHT | if level_m.is_some() { LEVEL } else { 0 } | if begins || goes_on { arrow } else { 0 },
+        flags: HEIGHT | reference | if begins || goes_on { arrow } else { 0 },
     }
 }
 
@@ -135,6 +142,15 @@ mod tests {
         let mut unsure = outbound(20.0, 10.0, 5.0);
         unsure.covariance = Covariance::diagonal([30.0; 3], [4.0; 3]);
         assert_eq!(shown(&unsure, Some(&frame()), 0).flags, HEIGHT, "noise is no climb");
+    }
+
+    #[test]
+    fn the_altitude_goes_before_the_level() {
+        let mut track = outbound(20.0, 75.0, 0.0);
+        (track.level, track.level_valid) = (140, 1);
+        (track.altitude_m, track.qnh_hpa) = (1_000.0, 1_005.0);
+        let shown = shown(&track, Some(&frame()), 0);
+        assert_eq!((shown.height_m, shown.flags), (1_000.0, HEIGHT | ALTITUDE));
     }
 
     #[test]

@@ -83,5 +83,9 @@ fn states_have_the_difference_of_both_heights_where_reports_have_shown_it() {
     other.time_of_measurement_ns += 1_000_000_000;
     other.valid |= sensor_track_bits::HEIGHT;
     let state = harness.take(&other).unwrap();
-    assert_eq!(state.pressure_offset(), Some(120.0), "learned of another source's reports");
+    assert_eq!(
+        state.pressure_offset(),
+        Some(120.0),
+        "learned of another source's reports"
+    );
 }

@@ -9,7 +9,7 @@ use messages::{Decision, DecisionKind, FusionRule, Order, OrderKind, OrderState,
 use super::*;
 use crate::Sink;
 use crate::checkpoint::{CheckpointClock, Memory, Snapshot};
-use crate::settings::RuleName;
+use crate::settings::{RegionalQnh, RuleName};
 
 /// Everything that the engine hands out.
 #[derive(Debug, Default)]
@@ -160,6 +160,39 @@ fn of_two_orders_for_one_hand_over_the_newest_holds() {
     let before = desk.heard.tracks.len();
     desk.scans(6..7, &[[0.0; 2]]);
     assert_eq!(weights(&desk.heard.tracks[before])[usize::from(1 - chosen)], 0.6);
+}
+
+#[test]
+fn an_order_sets_the_pressure_of_a_region_until_it_is_cancelled() {
+    let mut settings = test_settings(2);
+    let regional = RegionalQnh::new("port".to_owned(), None, 60, vec![(i64::MIN, 1013.25)]);
+    settings.qnh.push(regional);
+    let mut desk = Desk::new(settings);
+    let order = |desk: &mut Desk, name: &str, hpa: f64| {
+        let name = Order::default().with_name(name).unwrap().name;
+        desk.order(OrderKind::Qnh, |order| (order.name, order.value) = (name, hpa))
+    };
+    let shown = |desk: &mut Desk, second: f64| {
+        let mut stated = report(0, 1, second, [0.0, 0.0], [0.0, 0.0]);
+        stated.valid |= messages::sensor_track_bits::LEVEL;
+        stated.level = 160;
+        desk.engine.take(&stated, &mut desk.heard);
+        let state = desk.heard.tracks.last().unwrap();
+        (state.qnh_hpa, (f64::from(state.altitude_m) / 0.3048).round())
+    };
+    assert_eq!(order(&mut desk, "prot", 1003.25).map(|_| ()), Err(Refusal::UnknownQnh));
+    assert_eq!(shown(&mut desk, 1.0), (1013.25, 4_000.0));
+    order(&mut desk, "port", 1003.25).unwrap();
+    assert_eq!(shown(&mut desk, 2.0), (1003.25, 3_726.0));
+    let newer = order(&mut desk, "port", 1023.25).unwrap();
+    assert_eq!(
+        shown(&mut desk, 3.0),
+        (1023.25, 4_272.0),
+        "the newer order replaces the older one"
+    );
+    desk.order(OrderKind::Cancel, |order| order.number = newer.number)
+        .unwrap();
+    assert_eq!(shown(&mut desk, 4.0), (1013.25, 4_000.0));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use messages::{FusionRule, NO_SOURCE, Order, OrderKind, Refusal};
 
 use crate::engine::Engine;
+use crate::qnh::RegionalQnh;
 use crate::rules::settings::OrderedEta;
 use crate::rules::{self, RuleMethod};
 use crate::sensor_tracks::SensorSlot;
@@ -16,6 +17,7 @@ pub(super) fn is_same_subject(kind: OrderKind, old: &Order, new: &Order) -> bool
         OrderKind::Condition => new.source == NO_SOURCE || new.source == old.source,
         OrderKind::Out | OrderKind::Adjustment => new.source == old.source,
         OrderKind::Eta => (new.source, new.other_source) == (old.source, old.other_source),
+        OrderKind::Qnh => new.name() == old.name(),
         OrderKind::Rule => true,
         _ => false,
     }
@@ -49,6 +51,10 @@ impl Engine {
                     .then_some(())
                     .ok_or(Refusal::RuleWithoutReports);
             }
+            OrderKind::Qnh => {
+                let is_known = self.settings.qnh.iter().any(|regional| regional.name == order.name());
+                return is_known.then_some(()).ok_or(Refusal::UnknownQnh);
+            }
             OrderKind::In => self.settings.sources[usize::from(order.source)].is_out,
             _ => true,
         };
@@ -60,6 +66,9 @@ impl Engine {
         let configured = &self.orders.configured;
         for (source, adjustment) in self.settings.sources.iter_mut().zip(&configured.adjustments) {
             (source.adjustment, source.is_out) = (*adjustment, false);
+        }
+        for regional in &mut self.settings.qnh {
+            regional.ordered_hpa = None;
         }
         let mut rule = configured.rule;
         self.settings.rule.hand_over.ordered.clear();
@@ -83,6 +92,12 @@ impl Engine {
                     to: order.source,
                     eta: [order.value],
                 }),
+                Some(OrderKind::Qnh) => {
+                    let of_name = |regional: &&mut RegionalQnh| regional.name == order.name();
+                    if let Some(regional) = self.settings.qnh.iter_mut().find(of_name) {
+                        regional.ordered_hpa = Some(order.value);
+                    }
+                }
                 Some(OrderKind::Rule) => rule = FusionRule::from_word(order.name()).or(rule),
                 _ => {}
             }

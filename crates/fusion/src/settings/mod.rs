@@ -18,6 +18,7 @@ use settings::{Seconds, SettingsError};
 pub use crate::border::BorderSettings;
 pub use crate::coverage::{CoverageArea, CoverageTable};
 pub use crate::existence::ExistenceSettings;
+pub use crate::qnh::RegionalQnh;
 pub use crate::registration::settings::RegistrationSettings;
 pub use crate::rules::settings::{
     DropOut, HandOverSettings, Intersection, MosaicCell, MosaicSettings, PairRamp, RAMP_MAX, ResidualKind, RuleName,
@@ -35,7 +36,7 @@ const LATE_WINDOW_S: f64 = 10.0;
 
 settings::settings! {
     /// Fusion.
-    pub struct Settings beside [sources: Vec<SourceSettings>] {
+    pub struct Settings beside [sources: Vec<SourceSettings>, qnh: Vec<RegionalQnh>] {
         /// Spectral density of the white-noise acceleration in the prediction of states.
         process_noise_m2ps3: f64 = 1.0, in [0, 1e6];
         /// Whether optimistic covariances are enlarged (BF-5).

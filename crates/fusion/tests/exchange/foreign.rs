@@ -34,7 +34,7 @@ impl Line {
             system,
             height_m: 0.0,
             assumed_height_m: 0.0,
-            qnh_hpa: reception::STANDARD_PRESSURE_HPA,
+            qnh_hpa: messages::STANDARD_PRESSURE_HPA,
             limits: PlausibilityLimits::default(),
             covariance: CovarianceModel {
                 from: CovarianceFrom::Report,

@@ -221,7 +221,7 @@ prop_compose! {
         state in state(), alerts in prop_oneof![Just(0), any::<u8>()], height_valid in 0..2u8, on_ground in 0..2u8,
         contributions in prop::collection::vec(contribution(reference_ns), 0..4), movement in movement(),
         reference_time_ns in Just(reference_ns), rates in prop::array::uniform3(0..3u8),
-        pressure_offset_m in -500.0..500.0f32,
+        pressure_offset_m in -500.0..500.0f32, altitude_m in -600.0..6e3f32, has_qnh in any::<bool>(),
         climb_rate_mps in -40.0..40.0f32, climb_sigma_mps in 0.01..20.0f32, turn_rate_radps in -0.05..0.05f32,
     ) -> SystemTrack {
         let mut listed = [Contribution::default(); CONTRIBUTIONS_MAX];
@@ -230,6 +230,8 @@ prop_compose! {
             reference_time_ns, track_number, identity, position_m, velocity_mps, covariance, state, alerts,
             height_valid, on_ground, movement, climb_rate_mps, turn_rate_radps,
             pressure_offset_m,
+            altitude_m,
+            qnh_hpa: if has_qnh { 1_003.0 } else { 0.0 },
             pressure_offset_sigma_m: if rates[2] > 0 { 30.0 } else { 0.0 },
             climb_rate_variance: if rates[0] > 0 { climb_sigma_mps * climb_sigma_mps } else { 0.0 },
             // Not known, sure, or noise.

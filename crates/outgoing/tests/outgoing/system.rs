@@ -223,10 +223,11 @@ impl Case {
             ((geometric || has_both) && feet).then_some(above_m / FOOT_M),
             6.25,
         );
-        let levels = (-15.0..=1500.0).contains(&(height_m / LEVEL_M));
+        let sent_m = track.altitude().unwrap_or(height_m);
+        let levels = (-15.0..=1500.0).contains(&(sent_m / LEVEL_M));
         let barometric = known && self.height == HeightReference::Barometric && levels;
-        sent.near_if(&["135", "CTB"], barometric.then_some(height_m / LEVEL_M), 0.25);
-        sent.is(&["135", "QNH"], 0u64);
+        sent.near_if(&["135", "CTB"], barometric.then_some(sent_m / LEVEL_M), 0.25);
+        sent.is(&["135", "QNH"], u64::from(barometric && track.altitude().is_some()));
         sent.is(&["080", "MRH"], u64::from(geometric));
         sent.is(&["080", "SRC"], 0u64);
     }

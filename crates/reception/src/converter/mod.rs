@@ -6,12 +6,12 @@ use estimation::SourceClock;
 use frames::SensorFrame;
 use frames::time::DayUnroller;
 use messages::{
-    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, level_of, sensor_track_bits as bits,
+    Counter, Counters, Covariance, SensorTrack, StageTimes, TrackState, level_of, pressure_correction_m,
+    sensor_track_bits as bits,
 };
 use rustc_hash::FxHashMap;
 
 use super::accuracy::{self, UNKNOWN_POSITION_SIGMA_M, UNKNOWN_VELOCITY_SIGMA_MPS, Velocity};
-use super::atmosphere::altitude_correction_m;
 use super::placing::{Height, SystemPosition, place};
 use super::plausibility::{TimeCheck, TrackMemory};
 use super::truncated_time::complete;
@@ -71,7 +71,7 @@ impl Converter {
             clock: SourceClock::new(model.limits.clock_step().s()),
             time_check: TimeCheck::new(),
             sender: None,
-            altitude_correction_m: altitude_correction_m(model.qnh_hpa),
+            altitude_correction_m: pressure_correction_m(model.qnh_hpa),
             tracks: FxHashMap::default(),
             counters: Counters::default(),
         }

@@ -2,11 +2,11 @@
 
 use frames::{Geodetic, SystemFrame};
 
-use messages::alert_bits;
+use messages::{STANDARD_PRESSURE_HPA, alert_bits};
 use observations::Alerts;
 
 use super::*;
-use crate::{CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, STANDARD_PRESSURE_HPA};
+use crate::{CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality};
 use observations::{Detection, DetectionKind};
 use observations::{Plane, Quality};
 use test_support::S;

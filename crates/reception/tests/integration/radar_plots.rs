@@ -14,7 +14,6 @@ use observations::Observation;
 use reception::observation::{self, Reading};
 use reception::{
     ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
-    STANDARD_PRESSURE_HPA,
 };
 use test_support::S;
 use test_support::recording;
@@ -37,7 +36,7 @@ fn model() -> ConversionModel {
         system,
         height_m: place.height_m(),
         assumed_height_m: 5000.0,
-        qnh_hpa: STANDARD_PRESSURE_HPA,
+        qnh_hpa: messages::STANDARD_PRESSURE_HPA,
         limits: PlausibilityLimits {
             range_m: 400e3,
             height_min_m: -500.0,

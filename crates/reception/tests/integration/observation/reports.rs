@@ -9,7 +9,6 @@ use proptest::prelude::*;
 use reception::observation::{Reading, read};
 use reception::{
     ConversionModel, Converter, CovarianceFrom, CovarianceModel, PlausibilityLimits, PoorQuality, PositionForm,
-    STANDARD_PRESSURE_HPA,
 };
 
 use super::block;
@@ -28,7 +27,7 @@ fn model(polar: bool, form: PositionForm) -> ConversionModel {
         system,
         height_m: place.height_m(),
         assumed_height_m: 5000.0,
-        qnh_hpa: STANDARD_PRESSURE_HPA,
+        qnh_hpa: messages::STANDARD_PRESSURE_HPA,
         limits: PlausibilityLimits {
             range_m: 1e7,
             height_min_m: -1e4,

@@ -17,7 +17,7 @@ const SCALE_M: f64 = 288.15 / 0.0065;
 const EXPONENT: f64 = 0.190_263;
 
 /// Correction to add to a pressure altitude where mean sea level has the pressure `qnh_hpa`, metres.
-pub(crate) fn altitude_correction_m(qnh_hpa: f64) -> f64 {
+pub fn pressure_correction_m(qnh_hpa: f64) -> f64 {
     SCALE_M * ((qnh_hpa / STANDARD_PRESSURE_HPA).powf(EXPONENT) - 1.0)
 }
 
@@ -27,11 +27,11 @@ mod tests {
 
     #[test]
     fn a_hectopascal_is_27_feet() {
-        assert_eq!(altitude_correction_m(STANDARD_PRESSURE_HPA), 0.0);
-        let feet = altitude_correction_m(1014.25) / 0.3048;
+        assert_eq!(pressure_correction_m(STANDARD_PRESSURE_HPA), 0.0);
+        let feet = pressure_correction_m(1014.25) / 0.3048;
         assert!((feet - 27.3).abs() < 0.1, "{feet}");
         // The pilots' table from altimeter setting to pressure altitude: 29.0 inches of mercury, 863 ft.
-        let feet = altitude_correction_m(29.0 * 33.863_886) / 0.3048;
+        let feet = pressure_correction_m(29.0 * 33.863_886) / 0.3048;
         assert!((feet + 863.0).abs() < 1.0, "{feet}");
     }
 }
