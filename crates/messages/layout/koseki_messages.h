@@ -6,16 +6,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0x2bb89f475bbe7daf) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SENSOR_TRACK_SCHEMA UINT64_C(0xd57b159a09bf25f1) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_DETECTION_SCHEMA UINT64_C(0xb3d1d23463cd8924) /* BatchHeader.schema of its slices. */
 #define KOSEKI_SENSOR_BEARING_SCHEMA UINT64_C(0x91e05a7e1c4e0342) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PLATFORM_STATE_SCHEMA UINT64_C(0x8d494f0b5412852b) /* BatchHeader.schema of its slices. */
 #define KOSEKI_WIDE_AREA_SCHEMA UINT64_C(0x3b99c7106b96bc51) /* BatchHeader.schema of its slices. */
 #define KOSEKI_CUE_SCHEMA UINT64_C(0x628bf8748d0293cc) /* BatchHeader.schema of its slices. */
-#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x1975aaa774a255cf) /* BatchHeader.schema of its slices. */
+#define KOSEKI_SYSTEM_TRACK_SCHEMA UINT64_C(0x65ea2ab17958d2dc) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ALARM_SCHEMA UINT64_C(0x63c086661489479) /* BatchHeader.schema of its slices. */
 #define KOSEKI_DECISION_SCHEMA UINT64_C(0x9f26827141266f51) /* BatchHeader.schema of its slices. */
-#define KOSEKI_HEALTH_SCHEMA UINT64_C(0xb4711072fd68b3b9) /* BatchHeader.schema of its slices. */
+#define KOSEKI_HEALTH_SCHEMA UINT64_C(0x6e653e97c332ce46) /* BatchHeader.schema of its slices. */
 #define KOSEKI_PROGRESS_SCHEMA UINT64_C(0x724a090fd5e41882) /* BatchHeader.schema of its slices. */
 #define KOSEKI_ORDER_STATE_SCHEMA UINT64_C(0x75a8ec42ae46cfc0) /* BatchHeader.schema of its slices. */
 #define KOSEKI_FRAME_ORIGIN_SCHEMA UINT64_C(0x7a0c5d4e9d39fa05) /* BatchHeader.schema of its slices. */
@@ -40,6 +40,7 @@
 #define KOSEKI_SENSOR_TRACK_CONTRIBUTORS UINT64_C(0x200) /* `shared_sources` is known: the track is a system track of another centre, which names its sensors. */
 #define KOSEKI_SENSOR_TRACK_LEVEL UINT64_C(0x400) /* `level` holds the level of the target's transponder. */
 #define KOSEKI_SENSOR_TRACK_TURN_RATE UINT64_C(0x800) /* `turn_rate_radps` is known. */
+#define KOSEKI_SENSOR_TRACK_PRESSURE_OFFSET UINT64_C(0x1000) /* `pressure_offset_m` is known: the report states its height in both ways. */
 #define KOSEKI_SENSOR_DETECTION_RANGE_RATE UINT64_C(0x1) /* `range_rate_mps` was measured. */
 #define KOSEKI_SENSOR_DETECTION_SIGMAS UINT64_C(0x2) /* `sigmas` hold standard deviations. */
 #define KOSEKI_SENSOR_DETECTION_LEVEL UINT64_C(0x4) /* `level` holds the level of the target's transponder. */
@@ -198,6 +199,7 @@
 #define KOSEKI_ORDER_RENUMBER UINT64_C(0xb) /* A system track gets a new number, and the old number ends. */
 #define KOSEKI_ORDER_RESET UINT64_C(0xc) /* Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence. */
 #define KOSEKI_ORDER_CANCEL UINT64_C(0xd) /* An order in force ends. */
+#define KOSEKI_ORDER_QNH UINT64_C(0xe) /* The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`. */
 #define KOSEKI_ORDER_STATUS_IN_FORCE UINT64_C(0x1) /* The order has an effect that lasts. */
 #define KOSEKI_ORDER_STATUS_DONE UINT64_C(0x2) /* The effect has taken place, and nothing of it lasts. */
 #define KOSEKI_ORDER_STATUS_CANCELLED UINT64_C(0x3) /* Another order has cancelled this order. */
@@ -226,6 +228,7 @@
 #define KOSEKI_REFUSAL_UNKNOWN_ORDER UINT64_C(0x13) /* No order in force has this number. */
 #define KOSEKI_REFUSAL_NOT_OUT UINT64_C(0x14) /* The source is not out. */
 #define KOSEKI_REFUSAL_BUSY UINT64_C(0x15) /* Fusion still publishes the previous snapshot or states. */
+#define KOSEKI_REFUSAL_UNKNOWN_QNH UINT64_C(0x16) /* The configuration has no `[[qnh]]` of this name. */
 
 typedef struct KosekiStageTimes {
     int64_t ingested_ns; /* The adapter had the report's last byte. */
@@ -363,7 +366,7 @@ typedef struct KosekiSensorTrack {
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the time of measurement. */
     float existence; /* Probability that the target exists according to the source, in (0, 1]; 0: not stated. */
     float turn_rate_radps; /* Rate of turn according to the source, clockwise from above, radians per second. */
-    uint32_t reserved; /* Reserved, 0. */
+    float pressure_offset_m; /* Height by pressure, as in `position_m`, minus the height above the ellipsoid that the report states, metres. */
 } KosekiSensorTrack;
 static_assert(sizeof(KosekiSensorTrack) == 448, "size");
 static_assert(offsetof(KosekiSensorTrack, time_of_measurement_ns) == 0, "offset");
@@ -393,7 +396,7 @@ static_assert(offsetof(KosekiSensorTrack, level_age_ms) == 420, "offset");
 static_assert(offsetof(KosekiSensorTrack, identity_ages) == 424, "offset");
 static_assert(offsetof(KosekiSensorTrack, existence) == 436, "offset");
 static_assert(offsetof(KosekiSensorTrack, turn_rate_radps) == 440, "offset");
-static_assert(offsetof(KosekiSensorTrack, reserved) == 444, "offset");
+static_assert(offsetof(KosekiSensorTrack, pressure_offset_m) == 444, "offset");
 
 typedef struct KosekiSensorDetection {
     int64_t time_of_measurement_ns; /* Time of measurement, UTC, nanoseconds since 1970. */
@@ -615,10 +618,10 @@ typedef struct KosekiSystemTrack {
     uint32_t level_age_ms; /* Age of `level` at the reference time, milliseconds. */
     KosekiIdentityAges identity_ages; /* Ages of the values of `identity` at the reference time. */
     float existence; /* Probability that the target exists, in (0, 1]; 0: not estimated. */
-    float height_m; /* Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown. */
-    float height_sigma_m; /* Standard deviation of `height_m`, metres; 0: unknown. */
-    float pressure_offset_m; /* Pressure altitude minus height above the ellipsoid where the target is, metres. */
-    float pressure_offset_sigma_m; /* Standard deviation of `pressure_offset_m`, metres; 0: unknown. */
+    float altitude_m; /* Altitude above mean sea level by `qnh_hpa`, metres, of a target below the transition level. */
+    float qnh_hpa; /* Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts. */
+    float pressure_offset_m; /* Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned */
+    float pressure_offset_sigma_m; /* Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown. */
     float climb_rate_mps; /* Rate of climb by the vertical filter, metres per second. */
     float climb_rate_variance; /* Variance of `climb_rate_mps`, square metres per square second; 0: unknown. */
     float turn_rate_radps; /* Rate of turn, clockwise from above, radians per second. */
@@ -664,8 +667,8 @@ static_assert(offsetof(KosekiSystemTrack, reserved) == 1439, "offset");
 static_assert(offsetof(KosekiSystemTrack, level_age_ms) == 1440, "offset");
 static_assert(offsetof(KosekiSystemTrack, identity_ages) == 1444, "offset");
 static_assert(offsetof(KosekiSystemTrack, existence) == 1456, "offset");
-static_assert(offsetof(KosekiSystemTrack, height_m) == 1460, "offset");
-static_assert(offsetof(KosekiSystemTrack, height_sigma_m) == 1464, "offset");
+static_assert(offsetof(KosekiSystemTrack, altitude_m) == 1460, "offset");
+static_assert(offsetof(KosekiSystemTrack, qnh_hpa) == 1464, "offset");
 static_assert(offsetof(KosekiSystemTrack, pressure_offset_m) == 1468, "offset");
 static_assert(offsetof(KosekiSystemTrack, pressure_offset_sigma_m) == 1472, "offset");
 static_assert(offsetof(KosekiSystemTrack, climb_rate_mps) == 1476, "offset");
@@ -749,13 +752,13 @@ typedef struct KosekiRegistration {
     double clock_offset_s; /* Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown. */
     double clock_offset_sigma_s; /* Standard deviation of the clock offset, seconds; 0: unknown. */
     double gross_value[2]; /* Amount of the gross error, in the unit of its kind. */
-    float range_sigma_m; /* Learned standard deviation of ranges, metres; 0: not learned. */
-    float azimuth_sigma_rad; /* Learned standard deviation of azimuths, radians; 0: not learned. */
-    float floor_sigma_m; /* Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned. */
-    float correlation_s; /* Learned correlation time of the source's errors, seconds; 0: not learned. */
-    float false_track_rate; /* Learned rate of false tracks, tracks per second; 0: not learned. */
-    float false_track_life_s; /* Learned mean life of a false track, seconds; 0: not learned. */
-    float detection_probability; /* Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned. */
+    float long_sigma_m; /* Standard deviation of the measurements of a smoothed source along the long axis of the error ellipse, */
+    float short_sigma_m; /* The same along the short axis, metres. */
+    float height_sigma_m; /* The same of the height, metres; 0: not learned. */
+    float shape_ratio; /* Standard deviation across the line of sight over that along it, relative to the stated covariances; 0: as */
+    float target_share; /* Share of the source's new tracks that turned out to be targets, in (0, 1]; 0: not learned. */
+    float lateness_s; /* Delay of the reports, exceeded by one report in ten, seconds. */
+    float detection_probability; /* Probability that a scan detects a target that the source tracks, in (0, 1]; 0: not learned. */
     uint32_t error_model; /* Model of the source's error with the best evidence: an `ErrorModel` code. */
     uint16_t dependent_sources[4]; /* Sources with errors that depend on the errors of this source, if `dependence` is not 0. */
     float dependence[4]; /* Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none. */
@@ -776,12 +779,12 @@ static_assert(offsetof(KosekiRegistration, gross) == 116, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_s) == 120, "offset");
 static_assert(offsetof(KosekiRegistration, clock_offset_sigma_s) == 128, "offset");
 static_assert(offsetof(KosekiRegistration, gross_value) == 136, "offset");
-static_assert(offsetof(KosekiRegistration, range_sigma_m) == 152, "offset");
-static_assert(offsetof(KosekiRegistration, azimuth_sigma_rad) == 156, "offset");
-static_assert(offsetof(KosekiRegistration, floor_sigma_m) == 160, "offset");
-static_assert(offsetof(KosekiRegistration, correlation_s) == 164, "offset");
-static_assert(offsetof(KosekiRegistration, false_track_rate) == 168, "offset");
-static_assert(offsetof(KosekiRegistration, false_track_life_s) == 172, "offset");
+static_assert(offsetof(KosekiRegistration, long_sigma_m) == 152, "offset");
+static_assert(offsetof(KosekiRegistration, short_sigma_m) == 156, "offset");
+static_assert(offsetof(KosekiRegistration, height_sigma_m) == 160, "offset");
+static_assert(offsetof(KosekiRegistration, shape_ratio) == 164, "offset");
+static_assert(offsetof(KosekiRegistration, target_share) == 168, "offset");
+static_assert(offsetof(KosekiRegistration, lateness_s) == 172, "offset");
 static_assert(offsetof(KosekiRegistration, detection_probability) == 176, "offset");
 static_assert(offsetof(KosekiRegistration, error_model) == 180, "offset");
 static_assert(offsetof(KosekiRegistration, dependent_sources) == 184, "offset");

@@ -8,16 +8,16 @@ Written by `cargo run -p messages --example layouts`; a test keeps it true.
 
 import ctypes
 
-SENSOR_TRACK_SCHEMA = 0x2bb89f475bbe7daf  # BatchHeader.schema of its slices.
+SENSOR_TRACK_SCHEMA = 0xd57b159a09bf25f1  # BatchHeader.schema of its slices.
 SENSOR_DETECTION_SCHEMA = 0xb3d1d23463cd8924  # BatchHeader.schema of its slices.
 SENSOR_BEARING_SCHEMA = 0x91e05a7e1c4e0342  # BatchHeader.schema of its slices.
 PLATFORM_STATE_SCHEMA = 0x8d494f0b5412852b  # BatchHeader.schema of its slices.
 WIDE_AREA_SCHEMA = 0x3b99c7106b96bc51  # BatchHeader.schema of its slices.
 CUE_SCHEMA = 0x628bf8748d0293cc  # BatchHeader.schema of its slices.
-SYSTEM_TRACK_SCHEMA = 0x1975aaa774a255cf  # BatchHeader.schema of its slices.
+SYSTEM_TRACK_SCHEMA = 0x65ea2ab17958d2dc  # BatchHeader.schema of its slices.
 ALARM_SCHEMA = 0x63c086661489479  # BatchHeader.schema of its slices.
 DECISION_SCHEMA = 0x9f26827141266f51  # BatchHeader.schema of its slices.
-HEALTH_SCHEMA = 0xb4711072fd68b3b9  # BatchHeader.schema of its slices.
+HEALTH_SCHEMA = 0x6e653e97c332ce46  # BatchHeader.schema of its slices.
 PROGRESS_SCHEMA = 0x724a090fd5e41882  # BatchHeader.schema of its slices.
 ORDER_STATE_SCHEMA = 0x75a8ec42ae46cfc0  # BatchHeader.schema of its slices.
 FRAME_ORIGIN_SCHEMA = 0x7a0c5d4e9d39fa05  # BatchHeader.schema of its slices.
@@ -42,6 +42,7 @@ SENSOR_TRACK_WILD_CLOCK = 0x100  # The time of measurement is not believed: it l
 SENSOR_TRACK_CONTRIBUTORS = 0x200  # `shared_sources` is known: the track is a system track of another centre, which names its sensors.
 SENSOR_TRACK_LEVEL = 0x400  # `level` holds the level of the target's transponder.
 SENSOR_TRACK_TURN_RATE = 0x800  # `turn_rate_radps` is known.
+SENSOR_TRACK_PRESSURE_OFFSET = 0x1000  # `pressure_offset_m` is known: the report states its height in both ways.
 SENSOR_DETECTION_RANGE_RATE = 0x1  # `range_rate_mps` was measured.
 SENSOR_DETECTION_SIGMAS = 0x2  # `sigmas` hold standard deviations.
 SENSOR_DETECTION_LEVEL = 0x4  # `level` holds the level of the target's transponder.
@@ -200,6 +201,7 @@ ORDER_SPLIT = 0xa  # A sensor track leaves its system track and gets a system tr
 ORDER_RENUMBER = 0xb  # A system track gets a new number, and the old number ends.
 ORDER_RESET = 0xc  # Everything learned of a source is forgotten: errors, accuracy, detection probability, dependence.
 ORDER_CANCEL = 0xd  # An order in force ends.
+ORDER_QNH = 0xe  # The pressure at mean sea level in a region, hPa, by the name of its `[[qnh]]`.
 ORDER_STATUS_IN_FORCE = 0x1  # The order has an effect that lasts.
 ORDER_STATUS_DONE = 0x2  # The effect has taken place, and nothing of it lasts.
 ORDER_STATUS_CANCELLED = 0x3  # Another order has cancelled this order.
@@ -228,6 +230,7 @@ REFUSAL_BOUND_TRACK = 0x12  # Another order in force already binds the system tr
 REFUSAL_UNKNOWN_ORDER = 0x13  # No order in force has this number.
 REFUSAL_NOT_OUT = 0x14  # The source is not out.
 REFUSAL_BUSY = 0x15  # Fusion still publishes the previous snapshot or states.
+REFUSAL_UNKNOWN_QNH = 0x16  # The configuration has no `[[qnh]]` of this name.
 
 
 class StageTimes(ctypes.Structure):
@@ -431,7 +434,7 @@ class SensorTrack(ctypes.Structure):
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the time of measurement.
         ("existence", ctypes.c_float),  # Probability that the target exists according to the source, in (0, 1]; 0: not stated.
         ("turn_rate_radps", ctypes.c_float),  # Rate of turn according to the source, clockwise from above, radians per second.
-        ("reserved", ctypes.c_uint32),  # Reserved, 0.
+        ("pressure_offset_m", ctypes.c_float),  # Height by pressure, as in `position_m`, minus the height above the ellipsoid that the report states, metres.
     ]
 
     @staticmethod
@@ -467,7 +470,7 @@ assert SensorTrack.level_age_ms.offset == 420
 assert SensorTrack.identity_ages.offset == 424
 assert SensorTrack.existence.offset == 436
 assert SensorTrack.turn_rate_radps.offset == 440
-assert SensorTrack.reserved.offset == 444
+assert SensorTrack.pressure_offset_m.offset == 444
 
 
 class SensorDetection(ctypes.Structure):
@@ -739,10 +742,10 @@ class SystemTrack(ctypes.Structure):
         ("level_age_ms", ctypes.c_uint32),  # Age of `level` at the reference time, milliseconds.
         ("identity_ages", IdentityAges),  # Ages of the values of `identity` at the reference time.
         ("existence", ctypes.c_float),  # Probability that the target exists, in (0, 1]; 0: not estimated.
-        ("height_m", ctypes.c_float),  # Height above the ellipsoid, metres; 0 with a standard deviation of 0: unknown.
-        ("height_sigma_m", ctypes.c_float),  # Standard deviation of `height_m`, metres; 0: unknown.
-        ("pressure_offset_m", ctypes.c_float),  # Pressure altitude minus height above the ellipsoid where the target is, metres.
-        ("pressure_offset_sigma_m", ctypes.c_float),  # Standard deviation of `pressure_offset_m`, metres; 0: unknown.
+        ("altitude_m", ctypes.c_float),  # Altitude above mean sea level by `qnh_hpa`, metres, of a target below the transition level.
+        ("qnh_hpa", ctypes.c_float),  # Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts.
+        ("pressure_offset_m", ctypes.c_float),  # Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned
+        ("pressure_offset_sigma_m", ctypes.c_float),  # Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
         ("climb_rate_mps", ctypes.c_float),  # Rate of climb by the vertical filter, metres per second.
         ("climb_rate_variance", ctypes.c_float),  # Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
         ("turn_rate_radps", ctypes.c_float),  # Rate of turn, clockwise from above, radians per second.
@@ -794,8 +797,8 @@ assert SystemTrack.reserved.offset == 1439
 assert SystemTrack.level_age_ms.offset == 1440
 assert SystemTrack.identity_ages.offset == 1444
 assert SystemTrack.existence.offset == 1456
-assert SystemTrack.height_m.offset == 1460
-assert SystemTrack.height_sigma_m.offset == 1464
+assert SystemTrack.altitude_m.offset == 1460
+assert SystemTrack.qnh_hpa.offset == 1464
 assert SystemTrack.pressure_offset_m.offset == 1468
 assert SystemTrack.pressure_offset_sigma_m.offset == 1472
 assert SystemTrack.climb_rate_mps.offset == 1476
@@ -897,13 +900,13 @@ class Registration(ctypes.Structure):
         ("clock_offset_s", ctypes.c_double),  # Offset of the source's clock against times of receipt, seconds; 0 with a standard deviation of 0: unknown.
         ("clock_offset_sigma_s", ctypes.c_double),  # Standard deviation of the clock offset, seconds; 0: unknown.
         ("gross_value", ctypes.c_double * 2),  # Amount of the gross error, in the unit of its kind.
-        ("range_sigma_m", ctypes.c_float),  # Learned standard deviation of ranges, metres; 0: not learned.
-        ("azimuth_sigma_rad", ctypes.c_float),  # Learned standard deviation of azimuths, radians; 0: not learned.
-        ("floor_sigma_m", ctypes.c_float),  # Learned standard deviation of positions apart from range and azimuth, metres; 0: not learned.
-        ("correlation_s", ctypes.c_float),  # Learned correlation time of the source's errors, seconds; 0: not learned.
-        ("false_track_rate", ctypes.c_float),  # Learned rate of false tracks, tracks per second; 0: not learned.
-        ("false_track_life_s", ctypes.c_float),  # Learned mean life of a false track, seconds; 0: not learned.
-        ("detection_probability", ctypes.c_float),  # Learned detection probability inside the source's coverage, in (0, 1]; 0: not learned.
+        ("long_sigma_m", ctypes.c_float),  # Standard deviation of the measurements of a smoothed source along the long axis of the error ellipse,
+        ("short_sigma_m", ctypes.c_float),  # The same along the short axis, metres.
+        ("height_sigma_m", ctypes.c_float),  # The same of the height, metres; 0: not learned.
+        ("shape_ratio", ctypes.c_float),  # Standard deviation across the line of sight over that along it, relative to the stated covariances; 0: as
+        ("target_share", ctypes.c_float),  # Share of the source's new tracks that turned out to be targets, in (0, 1]; 0: not learned.
+        ("lateness_s", ctypes.c_float),  # Delay of the reports, exceeded by one report in ten, seconds.
+        ("detection_probability", ctypes.c_float),  # Probability that a scan detects a target that the source tracks, in (0, 1]; 0: not learned.
         ("error_model", ctypes.c_uint32),  # Model of the source's error with the best evidence: an `ErrorModel` code.
         ("dependent_sources", ctypes.c_uint16 * 4),  # Sources with errors that depend on the errors of this source, if `dependence` is not 0.
         ("dependence", ctypes.c_float * 4),  # Correlation of the errors of this source and of `dependent_sources`, in (0, 1]; 0: none.
@@ -930,12 +933,12 @@ assert Registration.gross.offset == 116
 assert Registration.clock_offset_s.offset == 120
 assert Registration.clock_offset_sigma_s.offset == 128
 assert Registration.gross_value.offset == 136
-assert Registration.range_sigma_m.offset == 152
-assert Registration.azimuth_sigma_rad.offset == 156
-assert Registration.floor_sigma_m.offset == 160
-assert Registration.correlation_s.offset == 164
-assert Registration.false_track_rate.offset == 168
-assert Registration.false_track_life_s.offset == 172
+assert Registration.long_sigma_m.offset == 152
+assert Registration.short_sigma_m.offset == 156
+assert Registration.height_sigma_m.offset == 160
+assert Registration.shape_ratio.offset == 164
+assert Registration.target_share.offset == 168
+assert Registration.lateness_s.offset == 172
 assert Registration.detection_probability.offset == 176
 assert Registration.error_model.offset == 180
 assert Registration.dependent_sources.offset == 184
