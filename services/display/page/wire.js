@@ -30,6 +30,8 @@ export const PICTURE_TRACK = Object.freeze({
   SINKS: 16,
   /** The height is that of the transponder's level: pressure altitude against 1013.25 hPa. */
   LEVEL: 32,
+  /** The height is an altitude above mean sea level by the pressure of the region (QNH). */
+  ALTITUDE: 64,
 });
 
 /** Bits. */
