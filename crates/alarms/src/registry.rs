@@ -197,6 +197,11 @@ alarms! {
          text (last 10 min). Fusion does not show this as an alert.",
         "No action is needed for the picture. Report the aircraft to their operators: `koseki decode` of a capture \
          lists the addresses with I021/008 RA = 1.";
+    PositionFalse = 36, "position-false", Major, raise 0 s, clear 10 s,
+        "Targets of {source} report false positions: sensors measured the same addresses elsewhere in {bad} of {all} \
+         of the last minute ({share}).",
+        "Find the addresses among the decisions `identity_conflict` of `koseki fuse --explain`. Fusion rejects the \
+         positions of these addresses from this source until the positions agree again.";
 }
 
 #[cfg(test)]

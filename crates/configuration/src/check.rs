@@ -209,6 +209,8 @@ fn check_source(
     let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
     let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
     weighed.sensor_uid = source.uid;
+    let is_self_reported = source.technology == outgoing::Technology::AdsB;
+    weighed.is_self_reported = raw.weighing.self_reported.unwrap_or(is_self_reported);
     let is_radar = |simulated: &SensorSettings| simulated.kind == SensorKind::Radar;
     if raw.place.is_some() || raw.simulated.as_ref().is_some_and(is_radar) {
         weighed.place_m = Some(place_m);

@@ -18,6 +18,7 @@
 use estimation::{ComparedComponents, Gaussian, statistical_distance};
 use messages::{Covariance, SensorTrack, TrackState, sensor_track_bits};
 
+use crate::identity;
 use crate::measurement::gaussian_of;
 use crate::sensor_tracks::{NO_SYSTEM, SensorSlot};
 use crate::settings::Settings;
@@ -52,21 +53,29 @@ impl Search<'_> {
         let entry = self.tracks.sensors.get(own);
         let report = &entry.latest;
         let state = gaussian_of(report);
+        let namesake = self.namesake(own).filter(|(system, _)| self.is_open_to(own, *system));
+        if let Some((system, d2)) = namesake {
+            return visit(system, d2);
+        }
         self.near(report, &state, |system| {
-            if system == entry.system
-                || self.are_kept_apart(entry.system, system)
-                || self
-                    .tracks
-                    .primary_of(system, report.source, own, report.time_of_measurement_ns)
-                    .is_some()
-                || self.must_wait_for(own, system)
-            {
+            if system == entry.system || !self.is_open_to(own, system) {
                 return;
             }
             if let Some(d2) = self.distance(report, &state, system) {
                 visit(system, d2);
             }
         });
+    }
+
+    /// Whether no other track of its source, no order and no younger number keeps a sensor track from `system`.
+    pub(crate) fn is_open_to(&self, own: SensorSlot, system: SystemSlot) -> bool {
+        let entry = self.tracks.sensors.get(own);
+        !self.are_kept_apart(entry.system, system)
+            && self
+                .tracks
+                .primary_of(system, entry.source, own, entry.time_ns)
+                .is_none()
+            && !self.must_wait_for(own, system)
     }
 
     /// Returns a system track already tracked by the sensor track's source whose extent covers the sensor track, with
@@ -103,6 +112,9 @@ impl Search<'_> {
     /// duplicate may be a further duplicate, and is no hindrance.
     pub(crate) fn duplicate(&self, own: SystemSlot, now_ns: i64) -> Option<(SystemSlot, f64)> {
         const MARGIN: f64 = 6.0;
+        if let Some(namesake) = self.namesake_of_system(own, now_ns) {
+            return Some(namesake);
+        }
         let mut best: Option<(f64, SystemSlot)> = None;
         let spread_m2 = self.sources.spread_m2(&self.settings.association, None);
         self.alike(own, now_ns, spread_m2, |system, d2| {
@@ -153,7 +165,9 @@ impl Search<'_> {
                 if entry.bond == Bond::Apart(other.number) {
                     return;
                 }
-                if entry.identity.contradicts(&other.identity) && self.settings.association.use_identity {
+                if self.settings.association.use_identity
+                    && identity::contradict(&entry.identity, &other.identity, &self.settings.association.exponents)
+                {
                     return;
                 }
                 let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
@@ -227,20 +241,32 @@ impl Search<'_> {
     }
 
     /// d² between two states of one time, inside the gates.
-    fn compare(&self, a: &Gaussian, b: &Gaussian, heights: bool, spread_m2: f64) -> Option<f64> {
+    pub(crate) fn compare(&self, a: &Gaussian, b: &Gaussian, heights: bool, spread_m2: f64) -> Option<f64> {
         let settings = &self.settings.association;
         let mut wider = *a;
         for axis in 0..2 {
             wider.covariance.upper[Covariance::index(axis, axis)] += spread_m2;
             wider.covariance.upper[Covariance::index(axis + 3, axis + 3)] += VELOCITY_FLOOR_M2PS2;
         }
+        let exponents = &settings.exponents;
         let scale = 1.0 / (1.0 - settings.error_correlation);
-        let position = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPosition);
+        let stated = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPosition);
+        let position = exponents.position * stated;
         if position > settings.join_gate() {
             return None;
         }
         let both = scale * statistical_distance(&wider, b, ComparedComponents::HorizontalPositionAndVelocity);
-        let height = if heights { height_distance(a, b) } else { 0.0 };
+        // What the velocity adds, given the position.
+        let both = if exponents.weighs_motion() {
+            position + exponents.velocity * (both - stated)
+        } else {
+            both
+        };
+        let height = if heights {
+            exponents.height * height_distance(a, b)
+        } else {
+            0.0
+        };
         // Written so that NaN is refused.
         let inside = height <= settings.join_gate() && both + height <= settings.scan_gate();
         inside.then_some(both + height)
@@ -264,12 +290,14 @@ impl Search<'_> {
     /// Whether neither identity nor height forbids that the report belongs to the system track.
     pub(crate) fn is_compatible(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.tracks.systems.get(system);
-        let identity = !self.settings.association.use_identity || !report.identity.contradicts(&entry.identity);
-        identity && self.can_be_seen_together(report, system)
+        let exponents = &self.settings.association.exponents;
+        let forbidden = self.settings.association.use_identity
+            && identity::contradict(&report.identity, &entry.identity, exponents);
+        !forbidden && self.can_be_seen_together(report, system)
     }
 
     /// Heights must agree if known, and be within the coverage of every source concerned.
-    fn can_be_seen_together(&self, report: &SensorTrack, system: SystemSlot) -> bool {
+    pub(crate) fn can_be_seen_together(&self, report: &SensorTrack, system: SystemSlot) -> bool {
         let entry = self.tracks.systems.get(system);
         let height = report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]);
         let theirs = entry.filter.has_height.then_some(entry.filter.estimate.mean[2]);

@@ -12,7 +12,10 @@
 //! again. A misled filter restarts from the others' reports. Registration continues its comparisons, so that a
 //! constant bias is found and removed, and the source returns.
 //!
-//! Limits: two sources that contradict each other with sound clocks are both used, as are two pairs that agree among
+//! Of two tracks that only a code or call sign joins, and that contradict each other, one is used until a third source
+//! decides or the bias between their sources is known.
+//!
+//! Limits: two other sources that contradict each other with sound clocks are both used, as are two pairs that agree among
 //! themselves. Differences below some five standard deviations are left to registration.
 
 use association::distance::{Symmetric2, squared2};
@@ -20,7 +23,7 @@ use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 
 use crate::registration::ClockError;
-use crate::sensor_tracks::{SensorEntry, SensorSlot};
+use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::tracks::Tracks;
 
 /// d² in the plane up to which two reports of one target agree, and beyond which they contradict each other. Below 0.3
@@ -164,6 +167,11 @@ impl Credibility {
                 }
             }
         }
+        // Of two sources alone, none would ever be found wrong, and the silent one no longer refute false tracks.
+        let others_can_decide = self.sources.len() > 2;
+        if standing == Standing::Open && others_can_decide && yields(tracks, sensor, spread_m2) {
+            return false;
+        }
         if standing != Standing::Open {
             self.learn(entry.source, standing == Standing::Contradicted);
         }
@@ -213,6 +221,28 @@ impl SourceRecord {
         let gain = (1.0 / f64::from(self.samples)).max(GAIN_MIN);
         self.share += gain * (f64::from(u8::from(contradicted)) - self.share);
     }
+}
+
+/// Whether the report of a sensor track that a name alone keeps in its system track is not to be used: it contradicts
+/// another one with a larger share in the estimate, and no report agrees with it. Between two places that a bias keeps
+/// apart, the estimate would jump to and fro.
+fn yields(tracks: &Tracks, sensor: SensorSlot, spread_m2: f64) -> bool {
+    let entry = tracks.sensors.get(sensor);
+    let mut contradicts_stronger = false;
+    for member in tracks.members(entry.system).filter(|member| *member != sensor) {
+        let other = tracks.sensors.get(member);
+        let is_fresh = entry.time_ns - other.time_ns <= tracks.lifetimes.fresh_ns(other.source);
+        if other.is_foreign || other.source == entry.source || !is_fresh {
+            continue;
+        }
+        let d2 = apart(entry, other, spread_m2);
+        if d2 <= AGREES {
+            return false;
+        }
+        let is_stronger = other.role == Role::Primary && other.share > entry.share;
+        contradicts_stronger |= d2 > CONTRADICTS && is_stronger && entry.names.meet(&other.names);
+    }
+    contradicts_stronger
 }
 
 /// Returns whether a report is so near its system track that no comparison is needed.

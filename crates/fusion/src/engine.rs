@@ -380,6 +380,10 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::DroppedTable);
             return None;
         };
+        let identity = match self.settings.association.use_identity {
+            true => sensors.believe(sensor, &report.identity, identity),
+            false => identity,
+        };
         let entry = sensors.get_mut(sensor);
         entry.take(report, identity, &correction, &content);
         entry.repaired = repaired;
@@ -423,6 +427,9 @@ impl Engine {
         if report.state == TrackState::Terminated as u8 {
             self.outbox.counts.add(report.source, Counter::TracksEnded);
             self.end_sensor_track(sensor, report.time_of_measurement_ns, sink);
+            return;
+        }
+        if self.rejects_position(sensor, report.source, sink) {
             return;
         }
         if report.has(sensor_track_bits::PRESSURE_OFFSET) {
@@ -776,7 +783,7 @@ impl Engine {
 
     /// Restarts the unusable filter of a system track from the latest report of the sensor track.
     #[cold]
-    fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+    pub(crate) fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
         self.tracks.restart_filter(sensor);
         self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
         let entry = self.tracks.sensors.get(sensor);

@@ -15,6 +15,7 @@ mod keys;
 mod large_targets;
 mod late;
 mod levels;
+mod names;
 mod orders;
 mod partial_coverage;
 mod passing_time;

@@ -90,7 +90,7 @@ impl Linking<'_> {
         }
         let address = entry.latest.identity.unique_number();
         let known = address
-            .filter(|_| self.settings.association.use_identity)
+            .filter(|_| self.uses_addresses())
             .and_then(|address| self.tracks.systems.with_address(address));
         if let Some(system) = known {
             self.tracks.join(sensor, system);
@@ -146,9 +146,7 @@ impl Linking<'_> {
     fn reassociate<S: Sink>(&mut self, sensor: SensorSlot, report: &SensorTrack, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         let (system, identity) = (entry.system, entry.latest.identity);
-        let mine = identity
-            .unique_number()
-            .filter(|_| self.settings.association.use_identity);
+        let mine = identity.unique_number().filter(|_| self.uses_addresses());
         if let Some(mine) = mine {
             let theirs = self.tracks.systems.get(system).identity.unique_number();
             if theirs.is_some_and(|theirs| theirs != mine) && self.is_free(system) {
@@ -167,8 +165,15 @@ impl Linking<'_> {
         if self.tracks.is_alone(sensor, now_ns) {
             return Next::Wait;
         }
-        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.is_free(system) && self.uncross(sensor, out) {
-            return Next::Done;
+        if crossing::is_due(self.tracks.sensors.get(sensor)) && self.is_free(system) {
+            if self.uncross(sensor, out) {
+                return Next::Done;
+            }
+            if let Some((other, d2)) = self.stray(sensor)
+                && let Some(next) = self.vote_to_merge(sensor, other, d2, out)
+            {
+                return next;
+            }
         }
         if mine.is_none() && self.tracks.systems.get(system).bond != Bond::Joined && self.has_split(sensor, out) {
             out.count(report.source, Counter::ContributionsSplit);
@@ -177,10 +182,26 @@ impl Linking<'_> {
         self.look_for_duplicate(system, now_ns, out)
     }
 
+    fn uses_addresses(&self) -> bool {
+        let settings = &self.settings.association;
+        settings.use_identity && settings.exponents.address > 0.0
+    }
+
     /// Returns whether no order binds a system track. Identities and crossings decide nothing about a bound track.
     #[cold]
     fn is_free(&self, system: SystemSlot) -> bool {
         self.tracks.systems.get(system).bond == Bond::Free
+    }
+
+    /// The system track whose rare name the sensor track bears, while no other member of its own system track does.
+    fn stray(&self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
+        let search = self.search();
+        if search.has_company(sensor) {
+            return None;
+        }
+        let (system, d2) = search.namesake(sensor)?;
+        let is_apart = self.is_free(system) && search.is_open_to(sensor, system) && !search.is_held(sensor);
+        is_apart.then_some((system, d2))
     }
 
     /// Lets sensor tracks change places that keep looking crossed with those of another system track; whether any did.
@@ -220,7 +241,7 @@ impl Linking<'_> {
     /// Whether the mean innovation of the sensor track differs from that of the others by more than noise explains,
     /// several reports in a row.
     fn has_split<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> bool {
-        let gate = self.settings.association.keep_gate;
+        let gate = self.settings.association.keep_gate * self.settings.association.exponents.number;
         let entry = self.tracks.sensors.get(sensor);
         if entry.role == Role::Duplicate || entry.is_foreign {
             return self.part_has_split(sensor);
@@ -231,7 +252,7 @@ impl Linking<'_> {
         else {
             return false;
         };
-        let split = self.misfits(sensor, d2 > gate);
+        let split = self.misfits(sensor, d2 > gate && !self.search().is_held(sensor));
         if split {
             out.decision(&self.tracks.decision(sensor, DecisionKind::Split, d2, gate));
         }

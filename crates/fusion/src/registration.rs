@@ -80,6 +80,9 @@ const SELECT_WORK: usize = 64;
 pub(crate) const TARGETS_MIN: usize = 4;
 /// Samples of a source before other sources' models are judged by comparison with it.
 const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
+/// Mean square of the differences, and share of the contradicting ones, up to which an estimate explains them.
+const LEARNED_FIT_MAX: f64 = 2.0;
+const LEARNED_CONTRADICTED_MAX: f64 = 0.25;
 /// Largest squared statistical length of a difference that is used.
 const DIFFERENCE_GATE: f64 = 25.0;
 /// Largest variance per axis with which detection points may explain a difference, m², in the check for a wrong
@@ -252,6 +255,32 @@ impl Registration {
     pub(crate) fn suspected_shift(&self, source: u16) -> [f64; 2] {
         let known = self.of(source);
         std::array::from_fn(|axis| if known.removed[axis] { 0.0 } else { known.errors[axis] })
+    }
+
+    /// Returns what is left of the biases of `source` in a report after the removal, and the variance of all biases, m
+    /// and m²; `None` until an estimate explains the differences from other sources.
+    pub(crate) fn left(
+        &self,
+        source: u16,
+        position_m: [f64; AXES],
+        velocity_mps: [f64; AXES],
+        place_m: Option<[f64; 2]>,
+    ) -> Option<(f64, f64)> {
+        let known = self.of(source);
+        let index = usize::from(source);
+        let is_learned = known.samples >= SETTLED_MIN
+            && self.fits[index] <= LEARNED_FIT_MAX
+            && self.contradicted[index] <= LEARNED_CONTRADICTED_MAX;
+        if !is_learned {
+            return None;
+        }
+        let effect = sensitivity(position_m, velocity_mps, place_m);
+        let left = effect * Errors::from_fn(|row, _| if known.removed[row] { 0.0 } else { known.errors[row] });
+        let estimated = |row: usize| known.model.estimates(row);
+        let variance_m2 = (0..ERRORS).filter(|row| estimated(*row)).map(|row| {
+            (effect[(0, row)] * effect[(0, row)] + effect[(1, row)] * effect[(1, row)]) * known.variances[row]
+        });
+        Some((left[0].hypot(left[1]), variance_m2.sum()))
     }
 
     /// Returns the variance per axis of the systematic error of a state to which all sources contribute, m². The sum

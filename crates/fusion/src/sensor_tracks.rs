@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::description::Description;
 use crate::error_shape::Stretch;
 use crate::history::Histories;
+use crate::identity::{KnownNames, NameIndex};
 use crate::measurement::{
     CLAIM_MAX, Content, Correction, CovarianceBasis, FilterInput, Measurement, gaussian_of, whole_report,
 };
@@ -17,6 +18,7 @@ use crate::places::{self, TablePlace};
 use crate::quality::Qualities;
 use crate::quota::Quota;
 use crate::tracker_gain::GainEvidence;
+use crate::verification::Verification;
 
 /// Place of a sensor track in its table.
 pub(crate) type SensorSlot = u32;
@@ -109,6 +111,10 @@ pub(crate) struct SensorEntry {
     pub(crate) started_ns: i64,
     /// Where on the target the source sees it.
     pub(crate) point: DetectionPoint,
+    /// Code and call sign that its reports gave.
+    pub(crate) names: KnownNames,
+    /// What sensors showed of the positions that its target reports.
+    pub(crate) verification: Verification,
     /// What its reports showed of the gain of the source's tracker.
     pub(crate) evidence: GainEvidence,
     /// Where the covariance of `latest` comes from.
@@ -161,6 +167,8 @@ impl Default for SensorEntry {
             residual_mean_m: [0.0; 2],
             residual_variance_m2: 0.0,
             point: DetectionPoint::default(),
+            names: KnownNames::default(),
+            verification: Verification::default(),
             evidence: GainEvidence::default(),
             basis: CovarianceBasis::Stated,
             claimed_too_much: 1.0,
@@ -293,6 +301,8 @@ pub(crate) struct SensorTracks {
     quota: Quota,
     #[serde(with = "table")]
     by_number: HashMap<(u16, u32), SensorSlot, NumberHasher>,
+    /// Which of them bear which name.
+    pub(crate) names: NameIndex,
     /// Start of the next search for silent sensor tracks, and end of the present part of the table.
     swept: usize,
     part_end: usize,
@@ -314,6 +324,7 @@ impl SensorTracks {
             free: (0..capacity as SensorSlot).rev().collect(),
             quota: Quota::new(capacity, sources),
             by_number,
+            names: NameIndex::new(capacity),
             swept: 0,
             part_end: 0,
             looks_back: histories.is_some(),
@@ -368,9 +379,28 @@ impl SensorTracks {
         }
     }
 
+    /// Takes the names in the next report of `slot`, with an identity of which `identity` is believed; returns the
+    /// latter, without a code that may be garbled.
+    #[inline]
+    pub(crate) fn believe(&mut self, slot: SensorSlot, reported: &Identity, identity: Identity) -> Identity {
+        let entry = &mut self.entries[slot as usize];
+        if entry.names.knows(reported) {
+            return identity;
+        }
+        let before = entry.names.indexed();
+        entry.names.hear(reported);
+        let believed = entry.names.believe(identity);
+        let after = entry.names.indexed();
+        if before != after {
+            self.names.replace(slot, before, after);
+        }
+        believed
+    }
+
     /// Frees `slot`, which no system track may link to any more.
     pub(crate) fn remove(&mut self, slot: SensorSlot) {
         let entry = &mut self.entries[slot as usize];
+        self.names.replace(slot, entry.names.indexed(), Default::default());
         entry.waits = false;
         entry.live = false;
         self.by_number.remove(&(entry.source, entry.track_number));

@@ -46,6 +46,8 @@ pub(crate) struct Sources {
     /// How targets manoeuvre.
     pub(crate) manoeuvres: Manoeuvres,
     pub(crate) credibility: Credibility,
+    /// Share of each self-reporting source's reports that measuring sensors contradict.
+    contradicted: Vec<f64>,
     /// Error of each source's clock.
     clocks: Vec<ClockError>,
     /// Whether the clock of some source is taken off.
@@ -70,6 +72,7 @@ impl Sources {
             ),
             manoeuvres: Manoeuvres::new(settings.process_noise_m2ps3),
             credibility: Credibility::new(count),
+            contradicted: vec![0.0; count],
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
             usual_claim: 1.0,
@@ -154,7 +157,11 @@ impl Sources {
         let report = in_time.as_ref().unwrap_or(report);
         let corrected = self.alignment.corrected(report, now_ns).or(in_time);
         let report = corrected.as_ref().unwrap_or(report);
-        if let Some(source) = self.alignment.take(report, now_ns, &settings.sources, &self.clocks) {
+        let names = settings.association.use_identity.then_some(&settings.identity);
+        if let Some(source) = self
+            .alignment
+            .take(report, now_ns, (&settings.sources, names), &self.clocks)
+        {
             // What was learned from the few tracks that joined is of another source.
             self.registration.forget(usize::from(source));
         }
@@ -202,6 +209,31 @@ impl Sources {
         let others = (count - 1.0) / count;
         let mean = others / count * (count + 1.0) / (count - 1.0);
         sum_m2 / count * if keeps_one { others * others } else { mean }
+    }
+
+    /// What is left of the biases of a report's source, metres, and the variance of the biases, m²; `None` while they
+    /// are not learned.
+    fn bias_left(&self, sources: &[SourceSettings], report: &SensorTrack) -> Option<(f64, f64)> {
+        let place_m = place_of(&sources[usize::from(report.source)]);
+        self.registration
+            .left(report.source, report.position_m, report.velocity_mps, place_m)
+    }
+
+    /// Distance at which two reports of one target can lie by the biases of their sources, metres: the reach of
+    /// identity until both are learned.
+    pub(crate) fn bias_reach_m(&self, settings: &Settings, one: &SensorTrack, other: &SensorTrack) -> f64 {
+        const SIGMAS: f64 = 4.0;
+        let most_m = settings.identity.reach_m;
+        let left = |report| self.bias_left(&settings.sources, report);
+        match (left(one), left(other)) {
+            (Some(a), Some(b)) => (a.0 + b.0 + SIGMAS * (a.1 + b.1).sqrt()).min(most_m),
+            _ => most_m,
+        }
+    }
+
+    /// Share of the reports of a self-reporting source that measuring sensors contradict.
+    pub(crate) fn contradicted_share(&mut self, source: u16) -> &mut f64 {
+        &mut self.contradicted[usize::from(source)]
     }
 
     /// The known errors of a report.

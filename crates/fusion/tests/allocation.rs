@@ -17,6 +17,7 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 fn settings() -> Settings {
     let source = |name: &str| SourceSettings {
         learns_period: name == "c",
+        is_self_reported: name == "c",
         ..SourceSettings::of(name, 1.0, Accuracy::constant(10.0))
     };
     Settings {
@@ -66,6 +67,16 @@ fn report(step: u64) -> SensorTrack {
     };
     if source == 1 {
         report.identity = Identity::default().with_address(target % 40);
+    }
+    if source > 0 {
+        // Codes that few have or many, that change and are garbled; call signs of every kind.
+        let code = (target % 50 + (step / 5_000) as u32 % 3) as u16 ^ u16::from(random() < 0.05);
+        let callsign = [b'A' + (random() * 26.0) as u8, b' ', 0, b'1', b' ', b' ', b' ', b' '];
+        report.identity = report.identity.with_mode_3a(code).with_callsign(callsign);
+    }
+    if source == 2 && target % 7 == 0 {
+        report.identity = report.identity.with_address(target % 40);
+        report.position_m[1] += 20e3;
     }
     if random() < 0.1 {
         report.covariance.set(0, 1, 130.0);

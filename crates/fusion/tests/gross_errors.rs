@@ -1,7 +1,8 @@
 //! Gross errors of one radar, among three and among two: told within a minute of data, taken off where it is sure whose
 //! they are.
 
-use fusion::settings::{AccuracyTable, Settings, SourceSettings, Weighing};
+use ::settings::Degrees;
+use fusion::settings::{AccuracyTable, CorrectionTable, Settings, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
 use messages::{Bias, BiasKind, SensorTrack, SystemTrack, sensor_track_bits};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
@@ -41,6 +42,17 @@ const CASES: [Case; 4] = [
 
 /// Reports of so many radars of `seconds` of one world, in the order of the times they came; one has the error.
 fn reports(seed: u64, radars: usize, seconds: f64, case: Option<Case>) -> Vec<(i64, SensorTrack)> {
+    reports_of(seed, radars, seconds, case, SensorIdentity::None)
+}
+
+/// The same with what the radars tell of identities.
+fn reports_of(
+    seed: u64,
+    radars: usize,
+    seconds: f64,
+    case: Option<Case>,
+    identity: SensorIdentity,
+) -> Vec<(i64, SensorTrack)> {
     let world = ScenarioSettings {
         targets: 30,
         terminal_share: 0.0,
@@ -54,7 +66,7 @@ fn reports(seed: u64, radars: usize, seconds: f64, case: Option<Case>) -> Vec<(i
         let mut settings = SensorSettings {
             position_m: Some([place_m[0], place_m[1], 0.0]),
             period_s: Some(PERIODS_S[number]),
-            identity: Some(SensorIdentity::None),
+            identity: Some(identity),
             height_sigma_m: Some(50.0),
             ..SensorSettings::new(SensorKind::Radar)
         };
@@ -177,6 +189,38 @@ fn a_reference_source_says_which_of_two_is_off() {
         let engine = run(settings, &reports, &mut nobody());
         let error = engine.gross_error(ERRING as u16).expect("an error is told");
         assert!(is_near(error, case) && error.is_removed, "{error}");
+    }
+}
+
+#[test]
+fn codes_show_half_a_degree_within_a_minute_and_the_value_that_is_told_ends_it() {
+    let degrees = |value: f64| value * std::f64::consts::PI / 180.0;
+    for seed in 51..54 {
+        let case = Case {
+            kind: BiasKind::Azimuth,
+            value: degrees(0.5),
+        };
+        let reports = reports_of(seed, 2, ENOUGH_S, Some(case), SensorIdentity::Mode3A);
+        let told = run(settings(2, false), &reports, &mut nobody());
+        let told: Vec<(u16, Bias)> = (0..2)
+            .filter_map(|source| Some((source, told.gross_error(source)?)))
+            .collect();
+        let &[(source, error)] = &told[..] else {
+            panic!("seed {seed}: {told:?}");
+        };
+        let size = error.value[0].abs();
+        assert!(
+            error.kind == BiasKind::Azimuth && (size - degrees(0.5)).abs() < degrees(0.05),
+            "{error}"
+        );
+        // Whichever of the two is blamed: with its value taken off, both agree.
+        let mut mended = settings(2, false);
+        mended.sources[usize::from(source)].correction = Some(CorrectionTable {
+            azimuth_deg: Degrees::of(error.value[0].to_degrees()),
+            ..CorrectionTable::default()
+        });
+        let engine = run(mended, &reports, &mut nobody());
+        assert!((0..2).all(|source| engine.gross_error(source).is_none()), "seed {seed}");
     }
 }
 

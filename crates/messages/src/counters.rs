@@ -385,6 +385,8 @@ counters! {
         "Reports within the window carried forward because earlier measurements are not kept: the track is young, or the table full.";
     AdvisoriesStuck = "advisories_stuck", AdapterRemark by [Adapter],
         "Targets with the bit of a resolution advisory for minutes without the advisory's text: the bit is not used.";
+    RejectedFalsePosition = "rejected_false_position", FusionRejection by [Fusion],
+        "Reports of targets on their own positions, rejected because sensors measure the same address elsewhere.";
 }
 
 #[cfg(test)]

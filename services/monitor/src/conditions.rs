@@ -85,7 +85,7 @@ impl Conditions {
         self.source_errors(sight, round);
         self.shares.look(sight.observed, sight.now.mono_ns, round);
         self.changed(sight, round);
-        self.never_joined(sight.now, round);
+        self.never_joined(sight, round);
         self.data_off(sight, round);
         self.growing_counters(sight, round);
         self.misfits(sight, round);

@@ -1,5 +1,5 @@
-//! Sources of whose reports too large a share is of no use: they claim times that cannot be, come too late, or make no
-//! tracks.
+//! Sources of whose reports too large a share is of no use: they claim times that cannot be, come too late, give false
+//! positions, or make no tracks.
 //!
 //! Every sensor errs now and then, and one report in a thousand is no alarm: it is counted, and that is enough. So each
 //! of these looks at a share of what has come lately, and at a least number.
@@ -57,11 +57,17 @@ impl SourceShares {
             let adapter = book.adapter(adapter, *number);
             let fusion = book.service(ProcessKind::Fusion, *number);
             let (wild, late) = (fusion[Counter::RejectedClock], adapter[Counter::RejectedLate]);
+            let false_position = fusion[Counter::RejectedFalsePosition];
             let shares = [
                 (
                     AlarmKind::SourceIsolated,
                     [wild, fusion[Counter::Taken].max(wild)],
                     WILD_SHARE_MAX,
+                ),
+                (
+                    AlarmKind::PositionFalse,
+                    [false_position, fusion[Counter::Taken].max(false_position)],
+                    0.0,
                 ),
                 (
                     AlarmKind::ReportsLate,

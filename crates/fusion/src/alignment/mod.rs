@@ -10,6 +10,7 @@
 //! Each report advances the search by a bounded amount of work; verdicts follow when all pairs have been compared.
 
 mod findings;
+mod pairing;
 mod removal;
 mod search;
 mod verdict;
@@ -23,7 +24,7 @@ use crate::alignment::removal::Removal;
 use crate::alignment::search::BiasSearch;
 use crate::alignment::verdict::Evidence;
 use crate::registration::ClockError;
-use crate::settings::{RegistrationSettings, SourceSettings};
+use crate::settings::{IdentitySettings, RegistrationSettings, SourceSettings};
 
 /// Large biases of all sources.
 #[derive(Debug, Serialize, Deserialize)]
@@ -94,7 +95,7 @@ impl Alignment {
         &mut self,
         report: &SensorTrack,
         now_ns: i64,
-        sources: &[SourceSettings],
+        sources: (&[SourceSettings], Option<&IdentitySettings>),
         clocks: &[ClockError],
     ) -> Option<u16> {
         self.search.take(report, now_ns, sources).then(|| self.judge(clocks))?

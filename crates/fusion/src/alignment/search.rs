@@ -12,6 +12,8 @@
 //!    targets lie anywhere; values of pairs of one target pile up in a bin of the histogram.
 //! 4. *Refine* the fullest bin of each kind by the weighted mean of the fitting pairs, then *try* the refined value on
 //!    all tracks. Its score is the number of tracks that it explains, each reduced by its distance.
+//!    If enough tracks of both sources bear the same rare name (module `pairing`), only these pairs are compared, and
+//!    smaller biases show.
 //! 5. *Record* the score in the [`PairFindings`]. A bias counts when collections of different parts of the area agree.
 //!
 //! Limits: slow targets carry too little information; biases beyond the histogram and two kinds at once are not found.
@@ -21,13 +23,14 @@
 use messages::{BiasKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, bin};
+use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, WINDOWS_MIN, bin};
+use crate::alignment::pairing::{DirectedSums, NAMED_SURE, TrackNames, are_near, is_named_bias};
 use crate::gross::{Sigma, TrackMotion};
-use crate::settings::{SourceSettings, longest_period_s};
+use crate::settings::{IdentitySettings, SourceSettings, longest_period_s};
 
 /// Tracks of one source that are compared at most, and at least.
-const TRACKS_MAX: usize = 40;
-const TRACKS_MIN: usize = 4;
+pub(super) const TRACKS_MAX: usize = 40;
+pub(super) const TRACKS_MIN: usize = 4;
 /// Largest number of pairs of tracks compared with a report, minus the pairs of one track.
 const STEP_PAIRS: usize = 128;
 /// Half-width of the part of the area that is looked at, at first and at most, metres, and how it changes.
@@ -50,7 +53,7 @@ const ACCELERATION_MPS2: f64 = 2.0;
 /// Greatest difference of heights, metres.
 const HEIGHT_GATE_M: f64 = 400.0;
 /// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
-const GATE: f64 = 20.0;
+pub(super) const GATE: f64 = 20.0;
 /// Share of fitting tracks at which two sources agree; share of tracks that a bias must explain, and its least
 /// improvement over no bias.
 const AGREES: f64 = 0.6;
@@ -67,6 +70,7 @@ struct TrackSample {
     track_number: u32,
     height_m: Option<f64>,
     identity: Identity,
+    names: TrackNames,
     motion: TrackMotion,
     /// Variances per axis, m² and m²/s².
     position_m2: f64,
@@ -186,6 +190,10 @@ pub(super) struct BiasSearch {
     values: [[f64; 2]; HYPOTHESES.len()],
     scores: [f64; HYPOTHESES.len()],
     same_address: u32,
+    /// Track of the second source with the name of each track of the first source, if names suffice.
+    partners: Vec<Option<u8>>,
+    named: usize,
+    directed: DirectedSums,
     pairs: Vec<PairFindings>,
     /// Worst result of the present comparisons: 0 agreement, 1 disagreement, 2 a bias.
     amiss: usize,
@@ -209,6 +217,9 @@ impl BiasSearch {
             values: [[0.0; 2]; HYPOTHESES.len()],
             scores: [0.0; HYPOTHESES.len()],
             same_address: 0,
+            partners: Vec::with_capacity(TRACKS_MAX),
+            named: 0,
+            directed: DirectedSums::default(),
             pairs: vec![PairFindings::default(); count * count],
             amiss: 0,
         }
@@ -229,13 +240,18 @@ impl BiasSearch {
     }
 
     /// Continues the search with a valid report; true when all pairs of sources have been compared.
-    pub(super) fn take(&mut self, report: &SensorTrack, now_ns: i64, sources: &[SourceSettings]) -> bool {
+    pub(super) fn take(
+        &mut self,
+        report: &SensorTrack,
+        now_ns: i64,
+        (sources, identity): (&[SourceSettings], Option<&IdentitySettings>),
+    ) -> bool {
         match self.phase {
             Phase::Pause(until_ns) if now_ns >= until_ns => {
                 let [least_s, most_s] = COLLECT_S;
                 let collect_s = (COLLECT_PERIODS * longest_period_s(sources)).clamp(least_s, most_s);
                 self.begin(now_ns.saturating_add((collect_s * NS_PER_S) as i64));
-                self.collect(report);
+                self.collect(report, identity);
             }
             Phase::Pause(_) => {}
             Phase::Collect(until_ns) if now_ns >= until_ns => {
@@ -244,8 +260,12 @@ impl BiasSearch {
                 self.phase = Phase::Compare;
                 self.pair = (0, 0);
                 self.next_pair();
+                if self.pair.0 == self.samples.len() {
+                    // Tracks are young, or few: the next collection should not be late.
+                    self.amiss = 1;
+                }
             }
-            Phase::Collect(_) => self.collect(report),
+            Phase::Collect(_) => self.collect(report, identity),
             Phase::Compare => return self.step(now_ns),
         }
         false
@@ -257,7 +277,7 @@ impl BiasSearch {
         self.samples.iter_mut().for_each(Vec::clear);
     }
 
-    fn collect(&mut self, report: &SensorTrack) {
+    fn collect(&mut self, report: &SensorTrack, identity: Option<&IdentitySettings>) {
         let source = usize::from(report.source);
         let [vx, vy, _] = report.velocity_mps;
         let [x, y, _] = report.position_m;
@@ -277,6 +297,9 @@ impl BiasSearch {
             track_number: report.track_number,
             height_m: report.has(sensor_track_bits::HEIGHT).then_some(report.position_m[2]),
             identity: report.identity,
+            names: identity.map_or(TrackNames::default(), |settings| {
+                TrackNames::of(&report.identity, settings)
+            }),
             motion: TrackMotion {
                 position_m: [x, y],
                 velocity_mps: [vx, vy],
@@ -324,8 +347,31 @@ impl BiasSearch {
                 self.pair = (first, second);
                 self.turn_to(Job::AsTheyAre);
                 self.same_address = 0;
+                self.find_partners(first, second);
                 return;
             }
+        }
+    }
+
+    /// Finds the pairs of tracks of one name, if there are enough to compare only these.
+    fn find_partners(&mut self, first: usize, second: usize) {
+        self.partners.clear();
+        self.directed = DirectedSums::default();
+        let [own, others] = [first, second].map(|source| &self.samples[source]);
+        for track in own {
+            let alike = |other: &&TrackSample| {
+                track.names.name(&other.names)
+                    && are_near(&track.motion, &other.motion)
+                    && comparable(track, other).is_some()
+            };
+            let mut found = others.iter().enumerate().filter(|(_, other)| alike(other));
+            let is_alone = || own.iter().filter(|other| track.names.name(&other.names)).count() == 1;
+            let partner = found.next().filter(|_| found.next().is_none() && is_alone());
+            self.partners.push(partner.map(|(index, _)| index as u8));
+        }
+        self.named = self.partners.iter().flatten().count();
+        if self.named < TRACKS_MIN {
+            self.named = 0;
         }
     }
 
@@ -344,7 +390,7 @@ impl BiasSearch {
         let mut work = 0;
         while work < STEP_PAIRS && self.row < self.samples[first].len() {
             self.compare_row(first, second);
-            work += self.samples[second].len();
+            work += if self.named > 0 { 1 } else { self.samples[second].len() };
             self.row += 1;
         }
         if self.row == self.samples[first].len() {
@@ -357,11 +403,19 @@ impl BiasSearch {
     fn compare_row(&mut self, first: usize, second: usize) {
         let own = self.samples[first][self.row];
         let mut best: Option<(f64, [f64; 2], f64, bool)> = None;
-        for other in 0..self.samples[second].len() {
+        let compared = match self.partners[self.row] {
+            _ if self.named == 0 => 0..self.samples[second].len(),
+            Some(partner) => usize::from(partner)..usize::from(partner) + 1,
+            None => 0..0,
+        };
+        for other in compared {
             let other = &self.samples[second][other];
             let Some((motion, sigma)) = comparable(&own, other) else {
                 continue;
             };
+            if self.named > 0 && matches!(self.job, Job::AsTheyAre) {
+                self.directed.add(&own.motion, &motion, sigma.position_m);
+            }
             match self.job {
                 Job::Vote => {
                     for (hypothesis, (side, kind)) in HYPOTHESES.iter().enumerate() {
@@ -400,7 +454,7 @@ impl BiasSearch {
                             _ => 1.0,
                         } / (sigma.position_m * sigma.position_m);
                         let address = own.identity.unique_number();
-                        let same = address.is_some() && address == other.identity.unique_number();
+                        let same = self.named > 0 || (address.is_some() && address == other.identity.unique_number());
                         best = Some((d2, implied, weight, same));
                     }
                 }
@@ -418,18 +472,21 @@ impl BiasSearch {
 
     /// Draws the conclusion from a job that is done, and turns to the next.
     fn finish(&mut self, first: usize, second: usize) {
-        let fewer = self.samples[first].len().min(self.samples[second].len()) as f64;
+        let fewer = match self.named {
+            0 => self.samples[first].len().min(self.samples[second].len()),
+            named => named,
+        } as f64;
         let [score, east, north, weights] = self.sum;
         let state = first * self.samples.len() + second;
         match self.job {
             Job::AsTheyAre => {
                 self.as_they_are = score;
-                if score >= AGREES * fewer {
-                    self.pairs[state] = PairFindings {
-                        agree: true,
-                        ..PairFindings::default()
-                    };
-                    return self.next_pair();
+                let is_settled = match self.named {
+                    0 => score >= AGREES * fewer,
+                    _ => score >= AGREES * fewer && !self.directed.are_suspicious(),
+                };
+                if is_settled {
+                    return self.record_agreement(state);
                 }
                 self.amiss = self.amiss.max(1);
                 *self.votes = Votes::default();
@@ -456,23 +513,35 @@ impl BiasSearch {
                     self.turn_to(Job::Refine(hypothesis + 1));
                     return;
                 }
+                let has_bias = (0..HYPOTHESES.len()).any(|hypothesis| self.explains(hypothesis, fewer));
+                if self.named > 0 && !has_bias && self.as_they_are >= AGREES * fewer {
+                    return self.record_agreement(state);
+                }
                 self.record(state, fewer);
                 self.next_pair();
             }
         }
     }
 
+    /// Records that two sources agree, and turns to the next pair.
+    fn record_agreement(&mut self, state: usize) {
+        self.pairs[state] = PairFindings {
+            agree: true,
+            ..PairFindings::default()
+        };
+        self.next_pair();
+    }
+
     /// Records the scores of two sources; the source with fewer tracks has `fewer`.
     fn record(&mut self, state: usize, fewer: f64) {
+        let explained: [bool; HYPOTHESES.len()] = std::array::from_fn(|hypothesis| self.explains(hypothesis, fewer));
         let state = &mut self.pairs[state];
         state.agree = false;
         state.addresses = self.same_address;
         for (hypothesis, (_, kind)) in HYPOTHESES.iter().enumerate() {
             let (score, value) = (self.scores[hypothesis], self.values[hypothesis]);
             let estimate = &mut state.estimates[hypothesis];
-            let explains =
-                score >= (TRACKS_MIN as f64 - 1.0).max(EXPLAINS * fewer) && score - self.as_they_are >= GAINS * score;
-            if !explains {
+            if !explained[hypothesis] {
                 *estimate = BiasEstimate::default();
                 continue;
             }
@@ -485,8 +554,20 @@ impl BiasSearch {
             for (mean, value) in estimate.value.iter_mut().zip(value) {
                 *mean += (value - *mean) * score / sum;
             }
-            (estimate.score, estimate.windows) = (sum, estimate.windows + 1);
+            let windows = if self.named >= NAMED_SURE { WINDOWS_MIN } else { 1 };
+            (estimate.score, estimate.windows) = (sum, estimate.windows + windows);
         }
+    }
+
+    /// Whether a hypothesis, as tried, explains the tracks, of which the source with fewer has `fewer`.
+    fn explains(&self, hypothesis: usize, fewer: f64) -> bool {
+        let (score, (_, kind)) = (self.scores[hypothesis], HYPOTHESES[hypothesis]);
+        let gain = score - self.as_they_are;
+        let improves = match self.named {
+            0 => gain >= GAINS * score,
+            _ => is_named_bias(kind, self.values[hypothesis], gain, fewer),
+        };
+        score >= (TRACKS_MIN as f64 - 1.0).max(EXPLAINS * fewer) && improves
     }
 
     /// Discards the findings on a source and all others.

@@ -25,7 +25,8 @@ fn traffic(scan: u32, source: u16, target: u32) -> Option<SensorTrack> {
     let number = 100 * u32::from(source) + target;
     let mut report = report(source, number, time_s, place, [90.0 * angle.cos(), 90.0 * angle.sin()]);
     if target.is_multiple_of(2) {
-        report.identity = Identity::default().with_address(0x40_0000 + target);
+        let code = 0o1001 + (target % 0o5000) as u16;
+        report.identity = Identity::default().with_address(0x40_0000 + target).with_mode_3a(code);
     }
     (!is_missed).then_some(report)
 }

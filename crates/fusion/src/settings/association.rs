@@ -2,6 +2,8 @@
 
 use settings::SettingsError;
 
+use crate::settings::identity::FactorExponents;
+
 settings::settings! {
     /// Association of reports with system tracks (TI-3).
     #[derive(Copy)]
@@ -35,6 +37,8 @@ settings::settings! {
         /// Time for which sensor tracks without a system track wait for the rest of their scan, as a part of their
         /// source's period; 0: each track is processed at once, independent of the others.
         scan_wait: f64 = 0.05, in [0, 1];
+        /// Exponents of the factors of association (QF-2).
+        exponents: FactorExponents = FactorExponents::default();
     }
 }
 

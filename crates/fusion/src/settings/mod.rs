@@ -2,10 +2,12 @@
 //! beside the part.
 
 mod association;
+mod identity;
 mod source;
 mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
+pub use identity::{CodePattern, FactorExponents, IdentitySettings};
 pub use source::{
     Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CorrectionTable, MethodAccuracy, ReportLimits, Shares,
     SourceSettings, Weighing,
@@ -57,6 +59,8 @@ settings::settings! {
         capacity: Capacity = Capacity::default();
         /// Association of reports with system tracks (TI-3).
         association: AssociationSettings = AssociationSettings::default();
+        /// Identity as evidence for one target (TI-3).
+        identity: IdentitySettings = IdentitySettings::default();
         /// Life of system tracks.
         life: LifeSettings = LifeSettings::default();
         /// Existence of targets, estimated from reports and missing reports of sources (BF-2).

@@ -30,6 +30,9 @@ settings::settings! {
         shares: Shares = Shares::default();
         /// Names of sources that never count as dependent on this source, however similar their reports are.
         independent_of: Vec<SourceRef> = Vec::new();
+        /// Whether targets report their own positions (ADS-B, AIS). The positions are checked by sources that measure
+        /// targets of the same address.
+        self_reported: Option<bool> = None, usually "as the technology; offline false";
         /// Sensor accuracy (TI-7).
         accuracy: Option<AccuracyTable> = None, usually "20 m; offline as it states";
         /// Known biases, subtracted from each report.
@@ -179,6 +182,8 @@ pub struct SourceSettings {
     pub shares: Vec<SourceRef>,
     /// Whether its tracks are the system tracks of another centre.
     pub is_centre: bool,
+    /// Whether targets report their own positions.
+    pub is_self_reported: bool,
     /// Sources that are never taken for the same as this one.
     pub independent_of: Vec<SourceRef>,
     /// Height above the system origin beyond which it cannot see targets, metres.
@@ -242,6 +247,7 @@ impl SourceSettings {
                 Shares::Unknown => Vec::new(),
             },
             is_centre: weighing.shares == Shares::Unknown,
+            is_self_reported: weighing.self_reported.unwrap_or(false),
             independent_of: weighing.independent_of.clone(),
             ceiling_m: weighing.ceiling_m.unwrap_or(f64::INFINITY),
             correction: Some(weighing.correction).filter(|known| *known != CorrectionTable::default()),
@@ -264,6 +270,7 @@ impl SourceSettings {
             priority: 0,
             shares: Vec::new(),
             is_centre: false,
+            is_self_reported: false,
             independent_of: Vec::new(),
             ceiling_m: f64::INFINITY,
             coverage: None,

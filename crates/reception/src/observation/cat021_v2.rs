@@ -1,15 +1,15 @@
 //! CAT021 from ed 2 on: ADS-B.
 //!
 //! Three generations of transponders state position accuracy in three ways: an uncertainty category (version 0), or
-//! an accuracy category beside an integrity category (versions 1 and 2). The error exceeds the integrity radius once
-//! in ten million flight hours. As a 95 % error the radius is far too large, and is used only without an accuracy
-//! category.
+//! an accuracy category beside an integrity category (versions 1 and 2). The error exceeds the integrity radius with the
+//! probability of an integrity level (SIL), once in ten million hours at best. The radius becomes a 95 % error by that
+//! probability, and is used without an accuracy category. An accuracy category without integrity counts for less.
 
 use asterix::categories::CAT021_V2;
 use asterix::field::added;
 use frames::time::NS_PER_S;
 
-use super::navigation::{covariance_of_velocity_category, radius_of_nacp, radius_of_nic, radius_of_nucp};
+use super::navigation::{Integrity, covariance_of_velocity_category, position_quality};
 use super::*;
 
 const POSITION_TIME: Elements<1> = whole(CAT021_V2, "071");
@@ -52,6 +52,7 @@ const QUALITY: Frn = item(CAT021_V2, "090");
 const NUCR_OR_NACV: Field = field(CAT021_V2, &["090", "NUCRNACV"]);
 const NUCP_OR_NIC: Field = field(CAT021_V2, &["090", "NUCPNIC"]);
 const NACP: Field = field(CAT021_V2, &["090", "NACP"]);
+const SIL: Field = field(CAT021_V2, &["090", "SIL"]);
 
 const STATUS: Frn = item(CAT021_V2, "200");
 const ME: Field = added(CAT021_V2, &["200", "ME"]);
@@ -101,7 +102,11 @@ fn observation(record: &Record<'_>) -> Observation {
             | alerts_of_advisory(record.octets(ADVISORY)),
         state: TrackState::Confirmed,
         quality: NUCP_OR_NIC.code(quality).map_or(Quality::Unstated, |category| {
-            position_quality(VERSION.number(record), category, NACP.code(quality))
+            let integrity = Integrity {
+                category,
+                level: SIL.code(quality),
+            };
+            position_quality(VERSION.number(record), integrity, NACP.code(quality))
         }),
         ..Observation::default()
     }
@@ -166,13 +171,4 @@ fn alerts_of_status(record: &Record<'_>) -> Alerts {
     });
     let stated = alerts_of_emergency(PS.code(status)) | surveillance;
     if has_military { stated | military } else { stated }
-}
-
-/// An aircraft that sends no version is of version 0.
-fn position_quality(version: Option<u64>, integrity: u8, accuracy: Option<u8>) -> Quality {
-    match (version.unwrap_or(0), accuracy) {
-        (0, _) => radius_of_nucp(integrity),
-        (_, Some(category)) => radius_of_nacp(category),
-        (_, None) => radius_of_nic(integrity),
-    }
 }

@@ -57,6 +57,55 @@ pub(super) fn radius_of_nacp(category: u8) -> Quality {
     }
 }
 
+/// Integrity of a position: category of the containment radius (NIC), and level of the probability that the error
+/// exceeds the radius (SIL).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Integrity {
+    pub(super) category: u8,
+    pub(super) level: Option<u8>,
+}
+
+/// Factor on the radius of an accuracy category where nothing is known of the integrity. The standards give none: a
+/// position that nobody monitors is believed half as well.
+const UNMONITORED: f64 = 2.0;
+
+/// Quality of a position by version, integrity and accuracy category (NACp). An aircraft that sends no version is of
+/// version 0.
+pub(super) fn position_quality(version: Option<u64>, integrity: Integrity, accuracy: Option<u8>) -> Quality {
+    if version.unwrap_or(0) == 0 {
+        return radius_of_nucp(integrity.category);
+    }
+    let by_accuracy = accuracy.map_or(Quality::Unknown, radius_of_nacp);
+    match by_accuracy {
+        Quality::Radius95(radius_m) if integrity.category == 0 || integrity.level == Some(0) => {
+            Quality::Radius95(UNMONITORED * radius_m)
+        }
+        Quality::Radius95(_) => by_accuracy,
+        _ => integrity.radius95(),
+    }
+}
+
+impl Integrity {
+    /// Radius of 95 % containment: by a Rayleigh distribution of the errors, of which so many exceed the containment
+    /// radius as the level says. RTCA DO-260B gives 10⁻³, 10⁻⁵ and 10⁻⁷ for the levels 1, 2 and 3.
+    fn radius95(self) -> Quality {
+        let exceeding: f64 = match self.level {
+            Some(0) => return Quality::Unknown,
+            Some(1) => 1e-3,
+            Some(2) => 1e-5,
+            Some(_) => 1e-7,
+            // Without a level, the radius is an upper bound.
+            None => return radius_of_nic(self.category),
+        };
+        match radius_of_nic(self.category) {
+            Quality::Radius95(contained_m) => {
+                Quality::Radius95(contained_m * RADIUS95_SIGMAS / (-2.0 * exceeding.ln()).sqrt())
+            }
+            other => other,
+        }
+    }
+}
+
 /// Returns the containment radius of a navigation integrity category (NIC), by RTCA DO-260B; if the radius depends on
 /// supplements, the largest radius.
 pub(super) fn radius_of_nic(category: u8) -> Quality {

@@ -270,7 +270,7 @@ fn each_generation_of_ads_b_says_differently_how_good_it_is() {
     // NUCr or NACv 2, NUCp or NIC 7; then SIL 3 and NACp 9.
     let one = &[0x4E][..];
     let two = &[0x4F, 0x72][..];
-    let radius = |octets, version| match ads_b(&[0x00], octets, version).quality {
+    let radius = |octets: &[u8], version| match ads_b(&[0x00], octets, version).quality {
         Quality::Radius95(radius) => (10.0 * radius).round() / 10.0,
         other => panic!("{other:?}"),
     };
@@ -279,7 +279,14 @@ fn each_generation_of_ads_b_says_differently_how_good_it_is() {
     assert_eq!(radius(one, 2), 370.4, "NIC, for want of NACp");
     assert_eq!(radius(two, 1), 30.0, "NACp");
     assert_eq!(radius(two, 2), 30.0);
-    assert_eq!(ads_b(&[0x00], &[0x4F, 0x60], 2).quality, Quality::Unknown);
+    // NACp 0: the radius of NIC 7 by SIL 3, 2 and 1, of which 10⁻⁷, 10⁻⁵ and 10⁻³ of the errors lie outside.
+    for (level, metres) in [(0x60, 159.7), (0x40, 188.9), (0x20, 243.9)] {
+        assert_eq!(radius(&[0x4F, level], 2), metres, "{level:02X}");
+    }
+    assert_eq!(ads_b(&[0x00], &[0x4F, 0x00], 2).quality, Quality::Unknown, "SIL 0");
+    assert_eq!(radius(&[0x4F, 0x12], 2), 60.0, "NACp 9 without integrity by SIL");
+    assert_eq!(radius(&[0x41, 0x72], 2), 60.0, "or by NIC");
+    assert_eq!(radius(&[0x4F, 0x12], 0), 92.6, "version 0 has neither");
     let [xx, xy, yy] = ads_b(&[0x00], one, 2).velocity_covariance.unwrap();
     assert!((xx.sqrt() - 3.0 / 2.4477).abs() < 1e-4 && xy == 0.0 && yy == xx);
     assert_eq!(

@@ -1,9 +1,8 @@
 //! Conditions of the sources: silence, clocks, systematic errors, detection, sources that never join.
 
 use alarms::{AlarmKind, Finding, Round, Subject, Usual, above};
-use messages::{Counter, LifeState, ProcessKind, Registration};
+use messages::{Bias, BiasKind, Counter, LifeState, ProcessKind, Registration};
 use observed::{ObservedProcess, ProcessState, SourceFacts};
-use runtime::Now;
 
 use super::{Conditions, RoundView};
 use crate::text::{elapsed, several};
@@ -256,7 +255,8 @@ impl Conditions {
     }
 
     /// Pairs of sources that observe the same targets without association.
-    pub(super) fn never_joined(&mut self, now: Now, round: &mut Round<'_>) {
+    pub(super) fn never_joined(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
+        let now = sight.now;
         if now.mono_ns >= self.apart_due_ns {
             self.apart_due_ns = now.mono_ns + COMPANIONS_NS;
             self.apart = self.companions.apart(now.mono_ns);
@@ -266,7 +266,17 @@ impl Conditions {
                 .get(usize::from(number))
                 .map(|source| source.facts.name.clone())
         };
+        // A bias of azimuth, range or time explains the pairs better than a wrong position does.
+        let is_explained = |source: u16, partner: u16| {
+            let of = |source: u16| sight.observed.book().registration(source).gross_error();
+            let is_between = |error: Bias, partner: u16| error.kind != BiasKind::Position && error.partner == partner;
+            of(source).is_some_and(|error| is_between(error, partner))
+                || of(partner).is_some_and(|error| is_between(error, source))
+        };
         for apart in &self.apart {
+            if is_explained(apart.source, apart.partner) {
+                continue;
+            }
             let (Some(source), Some(partner)) = (name(apart.source), name(apart.partner)) else {
                 continue;
             };

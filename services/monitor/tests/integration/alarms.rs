@@ -242,6 +242,22 @@ fn stuck_alerts_are_told_for_a_while() {
 }
 
 #[test]
+fn false_positions_are_told() {
+    let mut site = Site::new(&["source[3].silent_periods=0"]);
+    let rejected = |site: &mut Site, rejected, taken| {
+        let counters = &mut site.say(ProcessKind::Fusion, "fusion", 3).counters;
+        (counters[Counter::RejectedFalsePosition], counters[Counter::Taken]) = (rejected, taken);
+    };
+    rejected(&mut site, 0, 1_000);
+    let last_minute = |site: &mut Site| site.pass(61);
+    assert_eq!(
+        site.raise_and_clear(AlarmKind::PositionFalse, |site| rejected(site, 40, 3_000), last_minute),
+        "Targets of ads-b report false positions: sensors measured the same addresses elsewhere in 40 of 3,000 reports of the \
+         last minute (1.3 %)."
+    );
+}
+
+#[test]
 fn a_tracker_that_makes_no_tracks_of_many_detections_is_told() {
     let mut site = Site::new(&["source[3].silent_periods=0"]);
     let work = |site: &mut Site, detections, scans, reports| {
@@ -485,9 +501,8 @@ fn a_source_that_sees_less_than_before_is_told() {
     );
 }
 
-#[test]
-fn sources_that_see_the_same_and_never_join_are_told() {
-    let mut site = Site::new(&[]);
+/// Ninety seconds of targets that two sources show apart.
+fn apart(site: &mut Site) {
     for second in 0..90_i64 {
         let now = site.bench.clock.get();
         let mut states = Vec::new();
@@ -515,6 +530,31 @@ fn sources_that_see_the_same_and_never_join_are_told() {
         site.bench.publish(&states);
         site.pass(1);
     }
+}
+
+#[test]
+fn a_bias_that_explains_the_pairs_is_told_instead_of_a_wrong_position() {
+    let mut site = Site::new(&[]);
+    let said = site.say(ProcessKind::Fusion, "fusion", 1);
+    said.registration.set_gross_error(Some(Bias {
+        kind: BiasKind::Azimuth,
+        value: [0.03, 0.0],
+        partner: 0,
+        is_certain: false,
+        is_removed: false,
+    }));
+    apart(&mut site);
+    assert!(
+        matches!(&site.standing()[..], [told] if told.starts_with("radar-east has a bias of +1.72° in azimuth")),
+        "{:?}",
+        site.standing()
+    );
+}
+
+#[test]
+fn sources_that_see_the_same_and_never_join_are_told() {
+    let mut site = Site::new(&[]);
+    apart(&mut site);
     let text = "radar-west and radar-east have no common track, but 6 tracks of each move in parallel, all +9.0 km east and \
                 +0.0 km north apart.";
     assert_eq!(site.standing(), [text]);

@@ -22,10 +22,11 @@ pub(crate) struct FuseSummary<'a> {
 }
 
 /// Counters shown if nonzero: outcome of the reports, by sensor.
-const OF_SENSORS: [Counter; 11] = [
+const OF_SENSORS: [Counter; 12] = [
     Counter::RejectedExtrapolated,
     Counter::RejectedDuplicate,
     Counter::RejectedContradicted,
+    Counter::RejectedFalsePosition,
     Counter::RejectedInvalid,
     Counter::RejectedTooFast,
     Counter::RejectedTooFar,
@@ -227,6 +228,7 @@ fn words(counter: Counter) -> &'static str {
         Counter::RejectedExtrapolated => "extrapolated by the sensor",
         Counter::RejectedDuplicate => "of a second track on one target",
         Counter::RejectedContradicted => "contradicted by others",
+        Counter::RejectedFalsePosition => "of false positions",
         Counter::RejectedInvalid => "invalid",
         Counter::RejectedTooFast => "faster than limits.speed_mps",
         Counter::RejectedTooFar => "beyond limits.range_m",
