@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use asterix::registry;
 use frames::SensorFrame;
+use messages::Identity;
 use outgoing::SensorReports;
 use rustix::process::Signal;
 use test_support::Random;
@@ -17,6 +18,7 @@ use crate::common::{Folder, Home, PLACE, Running, free_address, kill, system, un
 /// Time between two scans: so short that a test of many scans is short, too.
 const PERIOD: Duration = Duration::from_millis(200);
 const TARGETS: usize = 4;
+const CODES: [u16; TARGETS] = [0o4213, 0o4214, 0o7000, 0o7000];
 const TRACKER: &str = "detection_probability = 0.8\n[TABLE.motion]\nprocess_noise_m2ps3 = [20.0, 5.0]\n\
                        [TABLE.confirmation]\ndetections_min = 3\n[TABLE.initiation]\nspeed_sigma_mps = 150.0\n";
 
@@ -32,6 +34,8 @@ struct Radar {
     to: SocketAddr,
     scans: usize,
     random: Random,
+    /// Whether the targets reply with their identities.
+    replies: bool,
 }
 
 impl Site {
@@ -94,7 +98,22 @@ impl Radar {
             to,
             scans: 0,
             random: Random::new(1),
+            replies: false,
         }
+    }
+
+    /// Address, code and callsign of a target; one in a hundred addresses is garbled.
+    fn identity(&mut self, target: usize) -> Identity {
+        if !self.replies {
+            return Identity::default();
+        }
+        let garbled = self.random.unit() < 0.01;
+        let address = 0x4c_a700 + target as u32 + if garbled { 0x1111 } else { 0 };
+        let callsign = [b'K', b'O', b'S', b'1', b'0' + target as u8, b' ', b' ', b' '];
+        Identity::default()
+            .with_address(address)
+            .with_mode_3a(CODES[target])
+            .with_callsign(callsign)
     }
 
     /// Sends the plots of a turn that begins now, and waits for its end.
@@ -112,7 +131,8 @@ impl Radar {
             let east = 10_000.0 + 6000.0 * target as f64 + 60.0 * (off_east - 0.5);
             let north = 15_000.0 + 20.0 * self.scans as f64 + 60.0 * (off_north - 0.5);
             if seen < 0.9 {
-                plots.push(([east, north, 3000.0], target % 2 == 0));
+                let identity = self.identity(target);
+                plots.push(([east, north, 3000.0], target % 2 == 0, identity));
             }
         }
         for _ in 0..5 {
@@ -121,13 +141,13 @@ impl Radar {
                 80e3 * (self.random.unit() - 0.5),
                 5000.0,
             ];
-            plots.push((place, false));
+            plots.push((place, false, Identity::default()));
         }
         self.reports.status(begin_ns, send);
-        for (number, (place, height)) in (1..).zip(plots) {
+        for (number, (place, height, identity)) in (1..).zip(plots) {
             // Several of one time, as azimuths allow.
-            self.reports
-                .plot(begin_ns + 8_000_000 * (number / 2), place, height, send);
+            let time_ns = begin_ns + 8_000_000 * (number / 2);
+            self.reports.replied_plot(time_ns, place, height, &identity, send);
         }
         self.reports.flush(send);
         self.scans += 1;
@@ -186,6 +206,66 @@ fn plots_become_tracks_and_their_recording_gives_the_same_again() {
     let report = site.read("out/latest/report.json");
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert!(report.to_string().contains("\"detections\""), "{report}");
+    site.home.assert_nothing_is_left("test");
+}
+
+/// The replies of the targets reach the published sensor tracks and fusion, and `koseki track` gives the same again.
+#[test]
+fn tracks_of_plots_have_address_code_callsign_and_level() {
+    let mut site = Site::new();
+    site.radar.replies = true;
+    let running = site.start();
+    for _ in 0..40 {
+        site.radar.turn();
+    }
+    let (status, said) = running.stop();
+    assert_eq!(status.code(), Some(0), "{said}");
+    let tracks = site.read("out/latest/sensor_tracks_radar.csv");
+    let values = |text: &str, names: [&str; 3]| -> Vec<[String; 3]> {
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let place = |name: &str| header.iter().position(|of| of == name).unwrap();
+        let places = names.map(place);
+        let rows = reader.records().map(Result::unwrap);
+        rows.map(|row| places.map(|place| row[place].to_owned())).collect()
+    };
+    let known: Vec<[String; 3]> = (0..TARGETS)
+        .map(|target| {
+            let address = format!("{:06X}", 0x4c_a700 + target);
+            [address, format!("{:04o}", CODES[target]), format!("KOS1{target}")]
+        })
+        .collect();
+    let found = values(&tracks, ["address", "mode_3a", "callsign"]);
+    for known in &known {
+        let rows = found.iter().filter(|row| *row == known).count();
+        assert!(rows > 15, "{known:?}: {rows} of {}", found.len());
+    }
+    let strange: Vec<_> = found
+        .iter()
+        .filter(|row| !row[0].is_empty() && !known.contains(row))
+        .collect();
+    assert!(strange.is_empty(), "{strange:?}");
+    // Every second target replies with its height, FL098 at 3000 m; the system tracks have it as level.
+    let system = site.read("out/latest/system_tracks.csv");
+    for [address, level, age_s] in values(&system, ["address", "level", "level_age_s"]) {
+        let Some(target) = known.iter().position(|known| known[0] == address) else {
+            continue;
+        };
+        assert_eq!(level.is_empty(), target % 2 == 1, "{address} {level}");
+        if !level.is_empty() {
+            let (level, age_s): (f64, f64) = (level.parse().unwrap(), age_s.parse().unwrap());
+            assert!(
+                (97.0..100.0).contains(&level) && age_s < 3.0,
+                "{address} {level} {age_s}"
+            );
+        }
+    }
+    let detections = site.read("out/latest/detections_radar.csv");
+    let detections: Vec<&str> = detections.lines().skip(1).collect();
+    assert!(site.tracked("all.csv", &detections, "site.toml") == rows(&tracks));
+    let again = values(&site.read("again.csv"), ["address", "level", "level_age_s"]);
+    let levels = again.iter().filter(|[_, level, _]| !level.is_empty()).count();
+    assert!(levels > 30 && levels < again.len(), "{levels} of {}", again.len());
     site.home.assert_nothing_is_left("test");
 }
 

@@ -2,7 +2,8 @@
 //!
 //! The measured values are in `m0`, `m1`, `m2` in the order of their kind, the range rate is in `m3`, and their
 //! standard deviations are in the `s` columns with the same numbers. Values not measured by a kind must be empty: a
-//! value there indicates mixed-up columns. A row states all of its standard deviations or none.
+//! value there indicates mixed-up columns. A row states all of its standard deviations or none. The values that the
+//! target's transponder stated follow in optional columns ([`crate::replies`]).
 
 use std::io::{self, Read, Write};
 
@@ -11,15 +12,34 @@ use observations::{Detection, DetectionKind, DetectionTruth, QUANTITIES_MAX};
 
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
-use crate::rows::{Columns, Reference, RowReader, RowWriter};
+use crate::replies::{ReplyPlaces, ReplyRow};
+use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
 
 /// Place of the range rate among the columns of measured values.
 const RANGE_RATE: usize = QUANTITIES_MAX;
 
 /// Reads detections.
 pub type DetectionReader<R> = RowReader<R, DetectionColumns>;
-/// Writer of detections. Values read back are equal to the last bit.
+/// Writer of detections without the values of transponders. Values read back are equal to the last bit.
 pub type DetectionWriter<W> = RowWriter<Detection, W>;
+/// Writer of detections with the values of transponders.
+pub type RepliedDetectionWriter<W> = RowWriter<RepliedDetection, W>;
+
+/// Detection with the values of the target's transponder in columns behind the others.
+#[derive(Clone, Copy, Debug)]
+pub struct RepliedDetection(pub Detection);
+
+impl Row for RepliedDetection {
+    fn columns() -> String {
+        [Detection::columns(), ReplyRow::columns()].join(",")
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        self.0.write(out, reference)?;
+        out.write_all(b",")?;
+        ReplyRow(&self.0.reply).write(out, reference)
+    }
+}
 
 columns! {
     /// Places of the columns of detections.
@@ -40,6 +60,7 @@ columns! {
 pub struct DetectionColumns {
     first_day_ns: i64,
     at: DetectionPlaces,
+    reply: ReplyPlaces,
 }
 
 impl<R: Read> DetectionReader<R> {
@@ -52,6 +73,7 @@ impl<R: Read> DetectionReader<R> {
         let columns = DetectionColumns {
             first_day_ns,
             at: DetectionPlaces::find(&table)?,
+            reply: ReplyPlaces::find(&table)?,
         };
         Ok(Self { table, columns })
     }
@@ -76,6 +98,7 @@ impl Columns for DetectionColumns {
             range_rate_mps,
             sigmas: self.sigmas(row, kind, range_rate_mps.is_some())?,
             platform_m,
+            reply: self.reply.read(row)?,
             truth: self.truth(row)?,
         })
     }
@@ -196,6 +219,7 @@ impl Cell for DetectionTruth {
 
 #[cfg(test)]
 mod tests {
+    use observations::TransponderReply;
     use proptest::prelude::*;
 
     use super::*;
@@ -225,6 +249,7 @@ mod tests {
             range_rate_mps: None,
             sigmas: Some([50.0, 50.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
+            reply: TransponderReply::default(),
             truth: Some(DetectionTruth::Target(3)),
         };
         assert_eq!(found[0], position);
@@ -372,6 +397,7 @@ mod tests {
                     range_rate_mps,
                     sigmas,
                     platform_m,
+                    reply: TransponderReply::default(),
                     truth,
                 }
             },

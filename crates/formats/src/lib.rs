@@ -31,6 +31,7 @@ pub mod orders_csv;
 mod parts;
 pub mod platform_states_csv;
 pub mod recording;
+mod replies;
 pub mod rows;
 pub mod sbs;
 pub mod sensor_tracks_csv;

@@ -307,7 +307,7 @@ fn flag(row: Cells<'_>, column: Option<Column>) -> Result<bool, CsvError> {
     }
 }
 
-fn digits(
+pub(crate) fn digits(
     row: Cells<'_>,
     column: Option<Column>,
     radix: u32,
@@ -325,7 +325,7 @@ fn digits(
 }
 
 /// A callsign padded with blanks.
-fn callsign(text: &str) -> Option<Callsign> {
+pub(crate) fn callsign(text: &str) -> Option<Callsign> {
     let mut callsign = *b"        ";
     callsign.get_mut(..text.len())?.copy_from_slice(text.as_bytes());
     text.bytes()

@@ -6,7 +6,7 @@
 
 use csv_table::COVARIANCE_COLUMNS;
 use frames::{Geodetic, SystemFrame};
-use messages::{SensorTrack, SystemTrack, TrackKind, TrackState};
+use messages::{SensorTrack, SystemTrack, TrackKind, TrackState, sensor_track_bits};
 
 use crate::cells::{CellList, Hexadecimal, Octal, Plain, Rounded, SensorId, Time};
 use crate::columns::columns;
@@ -42,6 +42,33 @@ columns! {
     with SensorTrackRow<'_> = SensorTrackRow { sensor_id: Self::SENSOR_ID, track: &row.track };
     "hypotheses" => row.hypotheses,
     "reliability" => Rounded(row.reliability, 6),
+}
+
+/// A tracker's track with what transponders' replies state beyond the columns of all tracks.
+#[derive(Clone, Copy, Debug)]
+pub struct RepliedTrackerTrack(pub TrackerTrack);
+
+columns! {
+    RepliedTrackerTrack: |row|
+    with TrackerTrack = row.0;
+    "mmsi" => row.0.track.identity.mmsi(),
+    "level" => level(&row.0.track).map(|(level, _)| level),
+    "address_age_s" => row.0.track.identity.unique_number().map(|_| age(row.0.track.identity_ages.address_ms)),
+    "mode_3a_age_s" => row.0.track.identity.mode_3a().map(|_| age(row.0.track.identity_ages.mode_3a_ms)),
+    "callsign_age_s" => row.0.track.identity.callsign().map(|_| age(row.0.track.identity_ages.callsign_ms)),
+    "level_age_s" => level(&row.0.track).map(|(_, age)| age),
+}
+
+/// Flight level of a sensor track, and its age in seconds.
+fn level(track: &SensorTrack) -> Option<(Plain, Plain)> {
+    let level = Plain(f64::from(track.level) / 4.0, 2);
+    track
+        .has(sensor_track_bits::LEVEL)
+        .then(|| (level, age(track.level_age_ms)))
+}
+
+fn age(age_ms: u32) -> Plain {
+    Plain(f64::from(age_ms) / 1e3, 3)
 }
 
 /// A system track with its place in the world.

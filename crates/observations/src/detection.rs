@@ -6,7 +6,7 @@
 //! system frame, east, north and up. Angles are radians: bearings clockwise from north, elevations up from the
 //! horizontal, both from the sensor's position at that moment.
 
-use messages::{DetectionKind, SensorDetection, StageTimes, sensor_detection_bits as bits};
+use messages::{DetectionKind, Identity, IdentityAges, SensorDetection, StageTimes, sensor_detection_bits as bits};
 
 use crate::{Sampled, flag, sensor_id};
 
@@ -35,8 +35,23 @@ pub struct Detection {
     pub sigmas: Option<[f64; QUANTITIES_MAX + 1]>,
     /// Position of the sensor, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
+    /// Values that the target's transponder stated.
+    pub reply: TransponderReply,
     /// Truth, if known: for scoring, never for tracking.
     pub truth: Option<DetectionTruth>,
+}
+
+/// Values of a detection that the target's transponder stated; most detections have some of them or none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TransponderReply {
+    /// Address or MMSI, Mode 3/A code, callsign and name.
+    pub identity: Identity,
+    /// Ages of these values at the time of measurement; 0 for values of this look.
+    pub ages: IdentityAges,
+    /// Level in steps of 25 feet at 1013.25 hPa.
+    pub level: Option<i16>,
+    /// Age of the level at the time of measurement, milliseconds.
+    pub level_age_ms: u32,
 }
 
 /// Truth of a detection.
@@ -65,7 +80,13 @@ impl Sampled for Detection {
             platform_m: self.platform_m,
             source,
             kind: self.kind.code(),
-            valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE) | flag(self.sigmas.is_some(), bits::SIGMAS),
+            valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE)
+                | flag(self.sigmas.is_some(), bits::SIGMAS)
+                | flag(self.reply.level.is_some(), bits::LEVEL),
+            identity: self.reply.identity,
+            identity_ages: self.reply.ages,
+            level: self.reply.level.unwrap_or_default(),
+            level_age_ms: self.reply.level_age_ms,
             ..SensorDetection::default()
         }
     }
@@ -81,6 +102,12 @@ impl Sampled for Detection {
             range_rate_mps: (sample.valid & bits::RANGE_RATE != 0).then_some(sample.range_rate_mps),
             sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sample.sigmas),
             platform_m: sample.platform_m,
+            reply: TransponderReply {
+                identity: sample.identity,
+                ages: sample.identity_ages,
+                level: (sample.valid & bits::LEVEL != 0).then_some(sample.level),
+                level_age_ms: sample.level_age_ms,
+            },
             truth: None,
         })
     }
@@ -114,6 +141,15 @@ mod tests {
                     range_rate_mps,
                     sigmas,
                     platform_m: [1.0, 2.0, 3.0],
+                    reply: TransponderReply {
+                        identity: Identity::default().with_address(0x4c_a7b3).with_mode_3a(0o7421),
+                        ages: IdentityAges {
+                            mode_3a_ms: 4000,
+                            ..IdentityAges::default()
+                        },
+                        level: sigmas.map(|_| -3),
+                        level_age_ms: 250,
+                    },
                     truth: None,
                 };
                 let stages = StageTimes {

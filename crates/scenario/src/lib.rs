@@ -31,6 +31,7 @@ mod measurement;
 mod path;
 mod plot;
 mod random;
+mod reply;
 mod resolution;
 mod schedule;
 mod sensor;

@@ -1,6 +1,6 @@
 //! Looks of a sensor at a target: times, detections, and effects on the track.
 
-use messages::{Identity, SensorTrack, TrackState, sensor_track_bits};
+use messages::{Identity, SensorTrack, TrackState, level_of, sensor_track_bits};
 use observations::DetectionTruth as Of;
 use rand::RngExt as _;
 
@@ -133,6 +133,26 @@ impl LookParameters {
         let (settings, scan) = (&self.settings, slot.period(&self.settings).0);
         let site_m = settings.coverage.position_m;
         RadarPlot::new((self.utc_ns(time_s), scan), of, found, site_m, &settings.errors)
+    }
+
+    /// The plot of a target, with the transponder's reply.
+    pub(crate) fn replied_plot(
+        &self,
+        slot: &Slot,
+        time_s: f64,
+        of: Of,
+        (found, state): (&SimulatedMeasurement, &TargetState),
+    ) -> RadarPlot {
+        let plot = self.plot(slot, time_s, of, found);
+        if !self.settings.replies.are_received() || !matches!(of, Of::Target(_)) {
+            return plot;
+        }
+        let height_m = state.height_m + found.position_m[2] - state.position_m[2];
+        RadarPlot {
+            identity: self.reply(slot, state),
+            level: found.height.then_some(height_m).and_then(level_of),
+            ..plot
+        }
     }
 
     fn utc_ns(&self, time_s: f64) -> i64 {

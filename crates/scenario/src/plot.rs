@@ -3,6 +3,7 @@
 //! Plots replace a sensor's tracks as input of a tracker under test. A plot carries no information about earlier
 //! looks; only the truth identifies the target.
 
+use messages::Identity;
 use observations::DetectionTruth as Of;
 use rand::RngExt as _;
 use rand_distr::{Distribution as _, Poisson};
@@ -31,6 +32,10 @@ pub struct RadarPlot {
     pub site_m: [f64; 3],
     /// For a radar: standard deviations of range, metres, and azimuth, radians.
     pub polar_sigma: Option<[f64; 2]>,
+    /// Identity in the transponder's reply.
+    pub identity: Identity,
+    /// Level in the transponder's reply, in steps of 25 feet; `None` of a radar that receives no replies.
+    pub level: Option<i16>,
 }
 
 impl RadarPlot {
@@ -57,6 +62,8 @@ impl RadarPlot {
                 } => Some([range_sigma_m, azimuth_sigma_rad]),
                 PlaneErrors::Cartesian { .. } => None,
             },
+            identity: Identity::default(),
+            level: None,
         }
     }
 

@@ -38,6 +38,8 @@ pub(crate) enum Purpose {
     MergedLook,
     /// One report of a wide-area sensor.
     WideArea,
+    /// The transponder's reply in one look of a radar.
+    Reply,
 }
 
 /// Returns the stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

@@ -140,7 +140,10 @@ impl SimulatedSensor {
                 Some(company) => company.echo(looks, &self.slot, (truth, time_s), &self.targets, (index, found)),
                 None => found.map(|found| (Of::Target(index as u32), found)),
             };
-            plots.extend(echo.map(|(of, found)| looks.plot(&self.slot, time_s, of, &found)));
+            plots.extend(echo.map(|(of, found)| {
+                let state = truth.target_at(index, time_s);
+                looks.replied_plot(&self.slot, time_s, of, (&found, &state))
+            }));
         }
 
         let (period, slot_of_period) = self.slot.period(&looks.settings);

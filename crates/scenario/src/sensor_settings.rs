@@ -86,6 +86,12 @@ settings::settings! {
         plots: bool = false;
         /// Mean number of false plots per period; with `plots` only.
         false_plots_per_period: Option<f64> = None, in [0, 5000], usually "0";
+        /// Probability that a plot has the address and callsign of its target; with `plots` only.
+        address_probability: Option<f64> = None, in [0, 1], usually "0";
+        /// Probability that a plot has the Mode 3/A code of its target; with `plots` only.
+        code_probability: Option<f64> = None, in [0, 1], usually "0";
+        /// Probability that an address or code of a plot is a wrong one; with one of them only.
+        garbled_probability: Option<f64> = None, in [0, 1], usually "0";
         /// Range resolution: two targets that differ in range by less than this value, and in azimuth by less than
         /// `azimuth_resolution_rad`, give a single plot in their middle. With `plots` only; without both keys, every
         /// target gives its own plot.
@@ -120,6 +126,11 @@ impl SensorSettings {
             kind,
             ..Self::default()
         }
+    }
+
+    /// Whether the sensor's plots have the replies of transponders.
+    pub fn receives_replies(&self) -> bool {
+        self.replies().are_received()
     }
 
     /// Returns the sensors of the demonstration with their names: two radars that cover each other's far side,
@@ -206,6 +217,14 @@ impl SensorSettings {
                 "false_plots_per_period",
                 self.false_plots_per_period,
             ),
+            (self.plots, WITH_PLOTS, "address_probability", self.address_probability),
+            (self.plots, WITH_PLOTS, "code_probability", self.code_probability),
+            (
+                self.replies().are_received(),
+                "it needs address_probability or code_probability",
+                "garbled_probability",
+                self.garbled_probability,
+            ),
             (self.plots, WITH_PLOTS, "range_resolution_m", self.range_resolution_m),
             (
                 self.plots,
@@ -256,6 +275,7 @@ impl SensorSettings {
             equipped_share: self.of_kind(self.equipped_share, [1.0, 1.0, 0.9]),
             false_tracks_per_period: self.false_tracks_per_period.unwrap_or(0.0),
             false_plots_per_period: self.false_plots_per_period.unwrap_or(0.0),
+            replies: self.replies(),
             resolution: self.resolution(),
             identity: self.identity_or_usual(),
             dropouts: self.dropouts(),
@@ -314,6 +334,14 @@ impl SensorSettings {
         }
     }
 
+    fn replies(&self) -> ReplySettings {
+        ReplySettings {
+            address_probability: self.address_probability.unwrap_or(0.0),
+            code_probability: self.code_probability.unwrap_or(0.0),
+            garbled_probability: self.garbled_probability.unwrap_or(0.0),
+        }
+    }
+
     fn resolution(&self) -> Option<ResolutionCell> {
         self.range_resolution_m.or(self.azimuth_resolution_rad)?;
         Some(ResolutionCell {
@@ -358,6 +386,7 @@ pub(crate) struct CheckedSensor {
     pub(crate) equipped_share: f64,
     pub(crate) false_tracks_per_period: f64,
     pub(crate) false_plots_per_period: f64,
+    pub(crate) replies: ReplySettings,
     /// `None`: all targets are resolved.
     pub(crate) resolution: Option<ResolutionCell>,
     pub(crate) identity: SensorIdentity,
@@ -412,6 +441,14 @@ pub(crate) enum PlaneErrors {
     Cartesian {
         sigma_m: f64,
     },
+}
+
+/// Replies in the plots of a radar.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReplySettings {
+    pub(crate) address_probability: f64,
+    pub(crate) code_probability: f64,
+    pub(crate) garbled_probability: f64,
 }
 
 /// Resolution of a radar.

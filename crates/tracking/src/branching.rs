@@ -8,6 +8,7 @@ use crate::counts::TrackerCounts;
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
 use crate::hypothesis_store::HypothesisStore;
+use crate::identity::FAR;
 use crate::joined::JoinedClusters;
 use crate::life::Deletion;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
@@ -122,7 +123,8 @@ impl Branches {
         self.of_number.clear();
         for place in joined.tracks() {
             let track = &scan.before.tracks[place as usize];
-            let in_gate = || joined.pairs(place).any(|pair| scan.gating.pairs[pair].plot == plot);
+            let mut pairs = scan.gating.pairs[joined.pairs(place)].iter();
+            let mut in_gate = || pairs.any(|pair| pair.plot == plot && !pair.is_far);
             if !track.is_confirmed() || !in_gate() {
                 continue;
             }
@@ -166,7 +168,7 @@ fn missed_track(joined: &JoinedClusters<'_>, number: u32, counts: &mut TrackerCo
     if !joined.plots.is_empty() || scan.sensor.scan_weight >= 1.0 {
         track.remember(NO_DETECTION);
     }
-    let deletion = &scan.settings.deletion.limits;
+    let deletion = &scan.settings.deletion.of(&track, &scan.settings.identity);
     if deletion.is_met(&track, scan.time_ns) {
         explain_end(scan, &track, deletion, TrackEvent::ENDS);
         return None;
@@ -191,6 +193,10 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     let plot = &scan.plots[found.plot as usize];
     let mut track = scan.before.tracks[number as usize];
     track.motion = track.motion_at(plot.time_ns, &scan.settings.motion);
+    if found.is_far {
+        track.motion.widen(FAR);
+    }
+    track.identity.take(&plot.identity);
     // The update cannot fail: the same comparison succeeded before.
     let _ = track.motion.update(&plot.measurement.weighted(scan.sensor.scan_weight));
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
@@ -215,10 +221,12 @@ pub(crate) fn begin(scan: &ScanContext<'_>, plot: u32, inherited: Option<TargetM
     let updated = inherited.and_then(|mut motion| motion.update(&found.measurement).map(|_| motion));
     let motion = updated.or_else(|| TargetMotion::first(&found.measurement, &settings.initiation, &settings.motion))?;
     let serial = scan.first_serial.wrapping_add(plot);
-    Some(Track {
+    let mut track = Track {
         log_likelihood_ratio: settings.initiation.new_target_share.ln(),
         ..Track::begun(motion, found.time_ns, serial, root)
-    })
+    };
+    track.identity.take(&found.identity);
+    Some(track)
 }
 
 /// SP-7.

@@ -106,15 +106,16 @@ impl ClusterUpdate {
         next: &mut Population,
         counts: &mut TrackerCounts,
     ) {
-        let (directions, deletion) = (Directions::of(scan), &scan.settings.deletion.limits);
+        let directions = Directions::of(scan);
         let ChildHypotheses { branches, store, .. } = &mut self.children;
         store.clear();
         for number in cluster.tracks.clone() {
             let mut track = scan.before.tracks[number as usize];
             directions.take_in(&mut track, claims);
+            let deletion = scan.settings.deletion.of(&track, &scan.settings.identity);
             let is_gone = deletion.is_met(&track, scan.time_ns);
             if is_gone {
-                explain_end(scan, &track, deletion, TrackEvent::ENDS);
+                explain_end(scan, &track, &deletion, TrackEvent::ENDS);
             }
             branches.keep_directed(number, (!is_gone).then_some(track), store);
         }

@@ -11,6 +11,7 @@ use association::components::representative;
 use association::{Grid, distance};
 
 use crate::counts::TrackerCounts;
+use crate::identity::{LOG_NAMED, ScanReplies, TrackIdentity};
 use crate::limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
@@ -31,8 +32,10 @@ pub(crate) const NONE: u32 = u32::MAX;
 pub(crate) struct GatedPair {
     pub(crate) track: u32,
     pub(crate) plot: u32,
-    /// Density of the detection if it is of the track.
+    /// Density of the detection if it is of the track, with what its reply says ([`crate::identity`]).
     pub(crate) log_likelihood: f64,
+    /// Set if the detection lies outside the gate, but names the track's target.
+    pub(crate) is_far: bool,
 }
 
 /// Pairs and clusters of a scan.
@@ -50,6 +53,10 @@ pub(crate) struct Gating {
     sizes: Vec<(u32, u32)>,
     /// By detection: a cluster that contains it, or [`NONE`].
     owner: Vec<u32>,
+    /// By detection: whether its reply names a track in whose gate it lies.
+    is_named: Vec<bool>,
+    /// By detection: whether it has the address of a track in whose gate it lies.
+    pub(crate) is_echo: Vec<bool>,
     /// (representative, cluster), sorted.
     pub(crate) clusters: Vec<(u32, u32)>,
     /// (representative, detection), sorted; detections of no cluster last.
@@ -68,6 +75,8 @@ impl Gating {
             joined: Vec::with_capacity(tracks_max),
             sizes: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
+            is_named: Vec::with_capacity(plots_max),
+            is_echo: Vec::with_capacity(plots_max),
             clusters: Vec::with_capacity(tracks_max),
             plots: Vec::with_capacity(plots_max),
             grid: Grid::new(CELL_M, plots_max),
@@ -81,7 +90,7 @@ impl Gating {
         &mut self,
         population: &Population,
         plots: &[Plot],
-        time_ns: i64,
+        (time_ns, replies): (i64, &ScanReplies),
         sensor: &Sensor,
         counts: &mut TrackerCounts,
     ) {
@@ -96,11 +105,15 @@ impl Gating {
                     .push(sensor.log_miss(sensor.probability_in_view(predicted.widest())));
                 self.search(&predicted, plots.len(), &reach, sensor.gates[1]);
                 let first = self.pairs.len();
-                self.compare(track, compared, &predicted, time_ns, plots, sensor, counts);
+                self.compare(track, compared, &predicted, (time_ns, replies), plots, sensor, counts);
                 self.own(number, first, counts);
             }
         }
         self.pairs_begin.push(self.pairs.len() as u32);
+        if replies.are_any() {
+            self.doubt_echoes(population, plots, replies);
+            self.find_far(population, plots, replies, sensor, counts);
+        }
         self.sort();
     }
 
@@ -130,6 +143,10 @@ impl Gating {
             .iter()
             .map(|cluster| (cluster.tracks.len() as u32, 0));
         self.sizes.extend(sizes);
+        self.is_named.clear();
+        self.is_named.resize(plots.len(), false);
+        self.is_echo.clear();
+        self.is_echo.resize(plots.len(), false);
         self.owner.clear();
         self.owner.resize(plots.len(), NONE);
     }
@@ -161,7 +178,7 @@ impl Gating {
         number: u32,
         track: &Track,
         predicted: &TargetMotion,
-        time_ns: i64,
+        (time_ns, replies): (i64, &ScanReplies),
         plots: &[Plot],
         sensor: &Sensor,
         counts: &mut TrackerCounts,
@@ -182,10 +199,16 @@ impl Gating {
             if innovation.squared_distance > sensor.gates[innovation.dimension - 1] {
                 continue;
             }
+            let log_ratio = replies.log_ratio(&track.identity, &plot.identity);
+            if log_ratio > LOG_NAMED {
+                self.is_named[item as usize] = true;
+                self.is_echo[item as usize] |= track.identity.has_address_of(&plot.identity);
+            }
             let pair = GatedPair {
                 track: number,
                 plot: item,
-                log_likelihood: innovation.log_likelihood,
+                log_likelihood: innovation.log_likelihood + log_ratio,
+                is_far: false,
             };
             if self.pairs.len() - first < room {
                 self.pairs.push(pair);
@@ -199,6 +222,79 @@ impl Gating {
             }
         }
         self.pairs[first..].sort_unstable_by_key(|pair| pair.plot);
+    }
+
+    /// Lowers the likelihood of pairs whose detection names another track that has it in its gate.
+    fn doubt_echoes(&mut self, population: &Population, plots: &[Plot], replies: &ScanReplies) {
+        for pair in self.pairs.iter_mut().filter(|pair| self.is_echo[pair.plot as usize]) {
+            let track = &population.tracks[pair.track as usize].identity;
+            if track.has_another_address_than(&plots[pair.plot as usize].identity) {
+                pair.log_likelihood += replies.log_duplicated();
+            }
+        }
+    }
+
+    /// Adds pairs with the detections outside their gates that name the tracks' targets.
+    fn find_far(
+        &mut self,
+        population: &Population,
+        plots: &[Plot],
+        replies: &ScanReplies,
+        sensor: &Sensor,
+        counts: &mut TrackerCounts,
+    ) {
+        let far_begin = self.pairs.len();
+        for (number, cluster) in (0..).zip(&population.clusters) {
+            for track in cluster.tracks.clone() {
+                let compared = &population.tracks[track as usize];
+                for item in replies.naming(&compared.identity) {
+                    let mut far = self.pairs[far_begin..].iter().filter(|pair| pair.track == track);
+                    let near = &self.pairs[self.pairs_of(track)];
+                    if near.iter().any(|pair| pair.plot == item) || far.any(|pair| pair.plot == item) {
+                        continue;
+                    }
+                    let plot = &plots[item as usize];
+                    let predicted = compared.motion_at(plot.time_ns, &sensor.motion);
+                    let found = predicted
+                        .innovation(&plot.measurement)
+                        .and_then(|innovation| sensor.log_far(&innovation));
+                    let Some((log_likelihood, is_far)) = found else {
+                        continue;
+                    };
+                    if is_far && self.has_strange_reply(track, &compared.identity, plots, replies) {
+                        continue;
+                    }
+                    if self.pairs.len() == self.pairs.capacity() || self.pairs_of(track).len() >= PAIRS_MAX {
+                        counts.dropped_pairs += 1;
+                        continue;
+                    }
+                    let first = self.pairs.len();
+                    self.pairs.push(GatedPair {
+                        track,
+                        plot: item,
+                        log_likelihood: log_likelihood + replies.log_ratio(&compared.identity, &plot.identity),
+                        is_far,
+                    });
+                    self.is_echo[item as usize] |= compared.identity.has_address_of(&plot.identity);
+                    self.own(number, first, counts);
+                }
+            }
+        }
+        if self.pairs.len() > far_begin {
+            self.pairs.sort_unstable_by_key(|pair| (pair.track, pair.plot));
+            let pairs = &self.pairs;
+            for (track, begin) in self.pairs_begin.iter_mut().enumerate() {
+                *begin = pairs.partition_point(|pair| (pair.track as usize) < track) as u32;
+            }
+        }
+    }
+
+    /// Whether a detection in the track's gate has a reply that contradicts and names no target there: replies were
+    /// exchanged, and the target has not moved.
+    fn has_strange_reply(&self, track: u32, identity: &TrackIdentity, plots: &[Plot], replies: &ScanReplies) -> bool {
+        let near = self.pairs[self.pairs_of(track)].iter().map(|pair| pair.plot as usize);
+        near.into_iter()
+            .any(|item| !self.is_named[item] && replies.log_ratio(identity, &plots[item].identity) < 0.0)
     }
 
     /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too

@@ -268,14 +268,20 @@ impl Interpretations {
 /// so many tracks; `None` if it may not start a track.
 fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> Option<f64> {
     let settings = joined.scan.settings;
-    let plot = &joined.scan.plots[joined.plots[row].1 as usize];
+    let place = joined.plots[row].1 as usize;
+    let plot = &joined.scan.plots[place];
     if plot.measurement.place().is_none() || joined.is_start_forbidden(row) {
         return None;
     }
     let of_split = settings.splitting.new_target_share;
     let of_split = of_split.filter(|_| joined.is_in_confirmed_gate(row));
     let plain = of_split.unwrap_or(settings.initiation.new_target_share);
-    Some(joined.support.new_target_share(plain, lacking).ln())
+    let share = joined.support.new_target_share(plain, lacking);
+    Some(if joined.scan.gating.is_echo[place] {
+        (share * settings.identity.duplicated_probability).ln()
+    } else {
+        share.ln()
+    })
 }
 
 /// In how many ways `chosen` of `all` can be chosen, or more than are ever wanted.

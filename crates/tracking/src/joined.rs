@@ -69,7 +69,8 @@ impl<'a> JoinedClusters<'a> {
                 continue;
             }
             rows.confirmed.push(number);
-            for pair in &scan.gating.pairs[scan.gating.pairs_of(track)] {
+            let pairs = &scan.gating.pairs[scan.gating.pairs_of(track)];
+            for pair in pairs.iter().filter(|pair| !pair.is_far) {
                 rows.in_confirmed_gate[rows.row_of[pair.plot as usize] as usize] = true;
             }
         }

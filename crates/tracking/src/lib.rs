@@ -59,6 +59,7 @@ mod field_of_view;
 mod gate;
 mod gating;
 mod hypothesis_store;
+mod identity;
 mod initiation;
 mod interpretations;
 mod joined;
@@ -98,6 +99,7 @@ mod wide_area_tests;
 
 pub use counts::TrackerCounts;
 pub use field_of_view::FieldOfView;
+pub use identity::{IdentitySettings, ReportedIdentity};
 pub use initiation::Initiation;
 pub use limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, DETECTION_COUNTS, HISTORY_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 pub use resumption::{LeftTracks, TrackerMemory};

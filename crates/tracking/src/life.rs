@@ -5,6 +5,7 @@
 
 use settings::Seconds;
 
+use crate::identity::IdentitySettings;
 use crate::track::Track;
 
 settings::settings! {
@@ -48,6 +49,20 @@ impl Confirmation {
             .log_likelihood_ratio_min
             .is_none_or(|least| track.log_likelihood_ratio >= least);
         beyond_doubt && seen_enough && likely
+    }
+}
+
+impl DeletionSettings {
+    /// The conditions for a track: one that names its target may be missed more often.
+    pub(crate) fn of(&self, track: &Track, identity: &IdentitySettings) -> Deletion {
+        let limits = self.limits;
+        if !identity.used || !track.identity.names() {
+            return limits;
+        }
+        Deletion {
+            missed_probability: limits.missed_probability.min(identity.missed_probability),
+            ..limits
+        }
     }
 }
 

@@ -98,6 +98,12 @@ impl DetectionMeasurement {
         }
     }
 
+    /// Whether the height is a part of the measurement.
+    pub(crate) fn has_height(&self) -> bool {
+        use DetectionKind::{BearingElevation, Position3, RangeBearingElevation};
+        matches!(self.kind, Position3 | RangeBearingElevation | BearingElevation)
+    }
+
     /// The mean of several that are off to the same side: of weight `weight` ≤ 1, its standard deviations are larger.
     pub(crate) fn weighted(&self, weight: f64) -> Self {
         let sigmas = self.sigmas.map(|sigma| sigma / weight.sqrt());

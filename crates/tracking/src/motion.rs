@@ -232,6 +232,17 @@ impl TargetMotion {
         Some(innovation)
     }
 
+    /// Lets all standard deviations be larger by a factor.
+    pub(crate) fn widen(&mut self, factor: f64) {
+        for state in [&mut self.steady, &mut self.turning] {
+            state
+                .covariance
+                .upper
+                .iter_mut()
+                .for_each(|element| *element *= factor * factor);
+        }
+    }
+
     /// Mixture of both models.
     pub(crate) fn estimate(&self) -> Gaussian {
         if self.turning_probability == 0.0 {

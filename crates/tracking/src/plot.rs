@@ -3,6 +3,7 @@
 use observations::Detection;
 
 use crate::counts::TrackerCounts;
+use crate::identity::PlotIdentity;
 use crate::measurement::DetectionMeasurement;
 use crate::selection::Selection;
 use crate::settings::SensorFacts;
@@ -18,6 +19,7 @@ pub(crate) struct Plot {
     pub(crate) measurement: DetectionMeasurement,
     /// Logarithm of its weight (WA-1): 0 of nearly all.
     pub(crate) log_weight: f64,
+    pub(crate) identity: PlotIdentity,
 }
 
 /// A scan as the tracker keeps it.
@@ -63,6 +65,11 @@ pub(crate) fn admit(
             detection_id: detection.detection_id,
             measurement,
             log_weight,
+            identity: PlotIdentity::of(
+                &detection.reply,
+                detection.time_of_measurement_ns,
+                measurement.has_height(),
+            ),
         });
     }
 }

@@ -73,6 +73,7 @@ fn may_unite(one: &Plot, other: &Plot) -> bool {
 
 /// Moves a mean by `share` of the way to another detection.
 fn take_in(mean: &mut Plot, plot: &Plot, share: f64) {
+    mean.identity.unite(&plot.identity);
     let (mean, measured) = (&mut mean.measurement, &plot.measurement);
     let has_bearing = matches!(
         mean.kind,
@@ -93,6 +94,7 @@ fn take_in(mean: &mut Plot, plot: &Plot, share: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identity::PlotIdentity;
     use crate::measurement::DetectionMeasurement;
     use crate::testing::position;
 
@@ -101,6 +103,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
+            identity: PlotIdentity::NONE,
             measurement: DetectionMeasurement::of(&position(0, *east, *north), None).unwrap(),
         };
         places.iter().map(plot).collect()
@@ -142,7 +145,8 @@ mod tests {
                 time_ns: 0,
                 detection_id: 0,
                 log_weight: 0.0,
-                measurement: bearing
+                measurement: bearing,
+                identity: PlotIdentity::NONE,
             };
             3
         ];
@@ -156,6 +160,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
+            identity: PlotIdentity::NONE,
             measurement: DetectionMeasurement {
                 kind: DetectionKind::RangeBearing,
                 values: [100.0, bearing, 0.0],

@@ -8,6 +8,7 @@ use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
 use crate::gating::Gating;
+use crate::identity::ScanReplies;
 use crate::limits::DETECTION_COUNTS;
 use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
@@ -22,6 +23,7 @@ pub(crate) struct ScanUpdate {
     /// By sensor.
     sensors: Vec<Sensor>,
     gating: Gating,
+    replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
     /// By detection: set if it lies in a confirmed track's gate; by direction: the claims of tracks.
@@ -37,6 +39,7 @@ impl ScanUpdate {
         Self {
             sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
             gating: Gating::new(tracks, detections),
+            replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
             log_clutter: Vec::with_capacity(detections),
             is_inside: vec![false; detections],
@@ -81,7 +84,9 @@ impl ScanUpdate {
         if !directions_only {
             support.begin_scan(before, *time_ns, &settings.wide_area, counts);
             next.support.reports_ns = *time_ns;
-            self.gating.run(before, plots, *time_ns, &looking, counts);
+            self.replies.read(plots.iter().map(|plot| &plot.identity));
+            self.gating
+                .run(before, plots, (*time_ns, &self.replies), &looking, counts);
         }
         let scan = ScanContext {
             before,

@@ -21,7 +21,8 @@ use messages::NS_PER_S;
 
 use crate::clutter::{ClutterEstimate, SensorArea};
 use crate::field_of_view::FieldOfView;
-use crate::measurement::DIMENSIONS_MAX;
+use crate::identity::FAR;
+use crate::measurement::{DIMENSIONS_MAX, MeasurementInnovation};
 use crate::motion::MotionSettings;
 use crate::plot::Plot;
 use crate::settings::{SensorFacts, Settings};
@@ -126,6 +127,24 @@ impl Sensor {
         1.0 - seen * self.detection_probability * self.gate_probability
     }
 
+    /// Logarithm of the density of a detection that names the target, and whether it lies outside the gate; `None` if it
+    /// lies farther away than such detections do ([`crate::identity`]). One in the gate was not compared if it lies where
+    /// few do: the search is for two quantities.
+    pub(crate) fn log_far(&self, innovation: &MeasurementInnovation) -> Option<(f64, bool)> {
+        let gate = self.gates[innovation.dimension - 1];
+        let distance = innovation.squared_distance;
+        if distance <= gate {
+            return Some((innovation.log_likelihood, false));
+        }
+        // Written so that NaN is refused.
+        if !(gate..=FAR * FAR * gate).contains(&distance) {
+            return None;
+        }
+        let wider = 0.5 * distance * (1.0 - 1.0 / (FAR * FAR)) - innovation.dimension as f64 * FAR.ln();
+        let outside = (1.0 - self.gate_probability).ln();
+        Some((innovation.log_likelihood + wider + outside, true))
+    }
+
     /// Logarithm of that probability, to the power of the scan's weight.
     pub(crate) fn log_miss(&self, seen: f64) -> f64 {
         self.scan_weight * (-seen * self.detection_probability * self.gate_probability).ln_1p()
@@ -135,6 +154,7 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identity::PlotIdentity;
     use crate::measurement::DetectionMeasurement;
     use crate::testing::{S, position, settings};
 
@@ -145,6 +165,7 @@ mod tests {
             time_ns: 0,
             detection_id: 0,
             log_weight: 0.0,
+            identity: PlotIdentity::NONE,
             measurement: DetectionMeasurement::of(&detection, None).unwrap(),
         }
     }

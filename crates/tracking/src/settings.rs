@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use settings::{KeyValue, Node, Place, Range, SettingsError};
 
 use crate::field_of_view::FieldOfView;
+use crate::identity::IdentitySettings;
 use crate::initiation::Initiation;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX};
@@ -41,6 +42,8 @@ settings::settings! {
         reduction: Reduction = Reduction::default();
         /// Assumptions on targets that split (SP-1 … SP-7).
         splitting: Splitting = Splitting::default();
+        /// What transponders' replies say about the track of a detection.
+        identity: IdentitySettings = IdentitySettings::default();
         /// Detections that are not used (WA-1).
         selection: Selection = Selection::default();
         /// Use of a wide-area sensor's reports (WA).

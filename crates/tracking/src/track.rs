@@ -8,6 +8,7 @@
 use kept::kept;
 use messages::NS_PER_S;
 
+use crate::identity::TrackIdentity;
 use crate::limits::HISTORY_MAX;
 use crate::motion::{MotionSettings, TargetMotion};
 
@@ -41,6 +42,7 @@ kept! {
         pub(crate) log_likelihood_ratio: f64,
         /// Sum over the hypotheses that contain the track.
         pub(crate) reliability: f64,
+        pub(crate) identity: TrackIdentity,
         /// Serial numbers of its detections by scan, latest first; without scans of fast sensors that had none in
         /// its cluster.
         pub(crate) history: [u32; HISTORY_MAX],
@@ -64,6 +66,7 @@ impl Track {
             log_silence: 0.0,
             log_likelihood_ratio: 0.0,
             reliability: 0.0,
+            identity: TrackIdentity::NONE,
             history,
         }
     }

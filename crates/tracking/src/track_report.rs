@@ -3,6 +3,7 @@
 use estimation::Gaussian;
 use messages::{NS_PER_S, SensorTrack, TargetType, TrackKind, TrackState, sensor_track_bits};
 
+use crate::identity::ReportedIdentity;
 use crate::motion::noise;
 use crate::population::{Cluster, Population};
 use crate::settings::Settings;
@@ -37,6 +38,8 @@ pub struct TrackReport {
     pub origin_m: Option<[f64; 2]>,
     /// Type of the target, as far as that is known (WA-9).
     pub target_type: TargetType,
+    /// Identity of the target by its transponder's replies.
+    pub identity: ReportedIdentity,
 }
 
 impl TrackReport {
@@ -69,8 +72,14 @@ impl TrackReport {
             kind: self.group.map_or(TrackKind::Single, |_| TrackKind::Group) as u8,
             members: self.group.map_or(0, |group| group.members as u16),
             target_type: self.target_type,
+            identity: self.identity.identity,
+            identity_ages: self.identity.ages(self.time_ns),
             ..SensorTrack::default()
         };
+        if let Some((level, age_ms)) = self.identity.level_at(self.time_ns) {
+            track.valid |= sensor_track_bits::LEVEL;
+            (track.level, track.level_age_ms) = (level, age_ms);
+        }
         if self.height_known {
             track.valid |= sensor_track_bits::HEIGHT | sensor_track_bits::VERTICAL_RATE;
         } else {
@@ -104,6 +113,7 @@ pub(crate) fn report_of(track: &Track, cluster: &Cluster, time_ns: i64, settings
         group: None,
         origin_m: None,
         target_type: TargetType::default(),
+        identity: track.identity.reported(),
     }
 }
 

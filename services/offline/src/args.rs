@@ -86,13 +86,15 @@ Examples:
 NAME  demo       a busy airport and its surroundings with five sensors, as in `koseki demo`
       en-route   the same sensors; all targets fly en route, and every target meets another target
       dense      demo with 400 targets
+      mode-s     200 targets that cross in a small space; plots of radar-south (sensor 5) have addresses, codes, levels
       wide-area  formations not resolved by two radars but counted by a remote sensor: config/wide-area.toml
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
 DIR/truth.csv            a row per whole second and visible target
 DIR/sensor_tracks_K.csv  reports of sensor K, for `koseki fuse`
 DIR/detections_K.csv     detections of sensor K, the input of its own tracker; truth_id -1 is a false target, merged are
-                         several targets in the same detection
+                         several targets in the same detection; columns of replies (as for `koseki track`) if a sensor has
+                         address_probability or code_probability
 DIR/asterix_K.ast        with --asterix, data sent by sensor K: for `koseki decode` and `koseki send`
 DIR/bearings_K.csv       in place of both, bearings of direction finder K, for `koseki locate`; emitter_id is the target's
 DIR/wide_area_NAME.csv   counts of the wide-area sensor of this name, for `koseki track --wide-area`
@@ -209,6 +211,9 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
          bearing, bearing_elevation; m: values in that order, m3 the range rate, if any; s: the standard deviations of m;
          p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
+         Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, level (flight level) of the transponder's
+         reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
+         --out has mmsi, level and the ages of the track's values at the end.
          Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
          number is a scan without detections. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar

@@ -12,12 +12,12 @@ use anyhow::Context as _;
 use configuration::{Config, DEMO};
 use deployment::{Input, Instrument, Source};
 use formats::bearings_csv::BearingWriter;
-use formats::detections_csv::DetectionWriter;
+use formats::detections_csv::{DetectionWriter, RepliedDetection, RepliedDetectionWriter};
 use formats::sensor_tracks_csv::SensorTrackWriter;
 use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
 use observations::sensor_id;
-use observations::{Detection, DetectionKind};
+use observations::{Detection, DetectionKind, TransponderReply};
 use scenario::{
     RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };
@@ -25,10 +25,10 @@ use simulator::SensorFeed;
 
 use crate::args::Simulate;
 use crate::files::Usage;
-use crate::host::Host;
+use crate::host::{Host, TableOutput};
 
 /// Scenarios by name: the underlying deployment, and the changes to it.
-const NAMED: [(&str, &str, &[&str]); 4] = [
+const NAMED: [(&str, &str, &[&str]); 5] = [
     ("demo", DEMO, &[]),
     (
         "en-route",
@@ -41,6 +41,21 @@ const NAMED: [(&str, &str, &[&str]); 4] = [
         ],
     ),
     ("dense", DEMO, &["scenario.targets=400"]),
+    (
+        "mode-s",
+        DEMO,
+        &[
+            "scenario.targets=200",
+            "scenario.half_width_m=40000.0",
+            "scenario.terminal_share=0.0",
+            "scenario.holding_share=0.0",
+            "scenario.surface_share=0.0",
+            "scenario.crossing_share=1.0",
+            "source[4].simulated.address_probability=0.98",
+            "source[4].simulated.code_probability=0.99",
+            "source[4].simulated.garbled_probability=0.01",
+        ],
+    ),
     ("wide-area", include_str!("../../../config/wide-area.toml"), &[]),
 ];
 
@@ -144,7 +159,8 @@ fn write_sensor(
     let plots_path = folder.join(format!("detections_{id}.csv"));
     let unwritten = || format!("{} cannot be written", folder.display());
     let mut tracks = SensorTrackWriter::begin(host.begin(&reports_path)?, 0).with_context(unwritten)?;
-    let mut detections = DetectionWriter::begin(host.begin(&plots_path)?, 0).with_context(unwritten)?;
+    let plots_table = host.begin(&plots_path)?;
+    let mut detections = DetectionTable::begin(plots_table, settings.receives_replies()).with_context(unwritten)?;
     let end_ns = frames::time::ns(end_s);
     let (mut reports, mut plots): (Vec<SensorTrack>, Vec<RadarPlot>) = Default::default();
     let (mut report_count, mut plot_count) = (0, 0);
@@ -166,8 +182,37 @@ fn write_sensor(
         }
     }
     tracks.into_inner().finish()?;
-    detections.into_inner().finish()?;
+    detections.finish()?;
     Ok((report_count, u64::from(plot_count)))
+}
+
+/// Table of detections: with the columns of replies if the sensor receives any, so that other tables stay as they were.
+enum DetectionTable {
+    Plain(DetectionWriter<Box<dyn TableOutput>>),
+    Replied(RepliedDetectionWriter<Box<dyn TableOutput>>),
+}
+
+impl DetectionTable {
+    fn begin(out: Box<dyn TableOutput>, has_replies: bool) -> std::io::Result<Self> {
+        Ok(match has_replies {
+            true => Self::Replied(RepliedDetectionWriter::begin(out, 0)?),
+            false => Self::Plain(DetectionWriter::begin(out, 0)?),
+        })
+    }
+
+    fn write(&mut self, detection: &Detection) -> std::io::Result<()> {
+        match self {
+            Self::Plain(table) => table.write(detection),
+            Self::Replied(table) => table.write(&RepliedDetection(*detection)),
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        match self {
+            Self::Plain(table) => table.into_inner().finish(),
+            Self::Replied(table) => table.into_inner().finish(),
+        }
+    }
 }
 
 /// Writes the messages of one sensor up to `end_s`: bare data blocks in the order of sending.
@@ -289,6 +334,11 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
+        reply: TransponderReply {
+            identity: plot.identity,
+            level: plot.level,
+            ..TransponderReply::default()
+        },
         truth: Some(plot.of),
     }
 }

@@ -9,6 +9,7 @@ use alarms::AlarmKind;
 use bus::Payload;
 use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
+use formats::detections_csv::RepliedDetection;
 use formats::rows::Row;
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
@@ -60,10 +61,10 @@ impl RecordedSample for SensorTrack {
 }
 
 impl RecordedSample for SensorDetection {
-    type Row = Detection;
+    type Row = RepliedDetection;
 
-    fn row(&self, source: u16, _: &SystemFrame) -> Option<Detection> {
-        Detection::of_sample(&Self { source, ..*self })
+    fn row(&self, source: u16, _: &SystemFrame) -> Option<RepliedDetection> {
+        Detection::of_sample(&Self { source, ..*self }).map(RepliedDetection)
     }
 }
 

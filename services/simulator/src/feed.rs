@@ -93,8 +93,9 @@ impl SensorFeed {
                 .status(self.start_utc_ns + (north_s * NS_PER_S) as i64, send);
         }
         for plot in &self.plots {
+            let (time_ns, identity) = (plot.time_of_measurement_ns, &plot.identity);
             self.reports
-                .plot(plot.time_of_measurement_ns, plot.position_m, plot.height, send);
+                .replied_plot(time_ns, plot.position_m, plot.height, identity, send);
         }
         self.reports.flush(send);
     }

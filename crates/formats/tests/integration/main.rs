@@ -3,3 +3,4 @@
 mod autoferry;
 mod containers;
 mod recording;
+mod replies;

@@ -13,7 +13,7 @@ mod radar;
 mod surface;
 
 use frames::{SensorFrame, SystemFrame};
-use messages::{SensorTrack, TrackState, sensor_track_bits as bits};
+use messages::{Identity, SensorTrack, TrackState, sensor_track_bits as bits};
 
 use super::place::{self, Axis, TargetPlace};
 use super::track_numbers::TrackNumbers;
@@ -131,11 +131,23 @@ impl SensorReports {
     /// Sends a radar's plot: the measurement at `time_ns` (UTC, nanoseconds) of a position in the system frame.
     /// Without `height_known`, the target's reply contained no height. Other sensors report no plots.
     pub fn plot(&mut self, time_ns: i64, position_m: [f64; 3], height_known: bool, send: &mut SendBlock<'_>) {
+        self.replied_plot(time_ns, position_m, height_known, &Identity::default(), send);
+    }
+
+    /// Sends a radar's plot as [`Self::plot`], with the identity in the target's reply.
+    pub fn replied_plot(
+        &mut self,
+        time_ns: i64,
+        position_m: [f64; 3],
+        height_known: bool,
+        identity: &Identity,
+        send: &mut SendBlock<'_>,
+    ) {
         let place = TargetPlace::new(&self.site.system, position_m).ok_or(Unsent::Position);
         let written = match &self.form {
             ReportForm::Radar(form) => place.and_then(|place| {
                 let height_m = height_known.then(|| place.geodetic.height_m());
-                form.write_plot(&self.site, time_ns, position_m, height_m, &mut self.record)
+                form.write_plot(&self.site, time_ns, position_m, (height_m, identity), &mut self.record)
             }),
             _ => Err(Unsent::Withheld),
         };

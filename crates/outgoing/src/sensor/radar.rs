@@ -13,7 +13,7 @@
 //! | 210 | `covariance` | if all four deviations fit |
 //! | 230 | alerts, ground state | with Mode S targets, as the document wants |
 //!
-//! A plot has the first four of these items (010, 140, 020, 040) and its flight level, if known.
+//! A plot has the first four of these items (010, 140, 020, 040), and of its reply what is known: 070, 090, 220, 240.
 //!
 //! **Type of detection.** A sensor track does not contain the detecting part of the radar, but its identity implies
 //! the part: an address comes from Mode S, a code or a height from a reply to secondary radar; without any of these
@@ -29,7 +29,7 @@
 //!
 //! Positions farther than 256 NM from the antenna are beyond I048/040 and 042; such reports are refused.
 
-use messages::sensor_track_bits as bits;
+use messages::{Identity, sensor_track_bits as bits};
 
 use super::super::{Unsent, items, quantity};
 use super::{SensorReport, Site};
@@ -142,7 +142,7 @@ impl RadarForm {
         site: &Site,
         time_ns: i64,
         position_m: [f64; 3],
-        height_m: Option<f64>,
+        (height_m, identity): (Option<f64>, &Identity),
         record: &mut RecordWriter,
     ) -> Result<(), Unsent> {
         let sighting = site.frame.sighting(position_m);
@@ -151,10 +151,13 @@ impl RadarForm {
         items::time_of_day(record, &TIME, time_ns);
         record
             .item(DESCRIPTOR)
-            .put(TYP, if height_m.is_some() { 2 } else { 1 })
+            .put(TYP, part_code(identity, height_m.is_some()))
             .put(SIM, site.simulated);
         record.write(&POLAR_POSITION, polar);
+        items::mode_3a(record, &MODE_3A, identity, true);
         items::level(record, &self.flight_level, height_m);
+        items::number(record, &ADDRESS, items::address(identity));
+        items::number(record, &IDENTIFICATION, items::call_sign(identity));
         Ok(())
     }
 }
@@ -196,22 +199,33 @@ impl RadarPosition {
 }
 
 fn detection(report: &SensorReport<'_>) -> DetectionType {
-    let identity = &report.track.identity;
+    detection_type(&report.track.identity, report.has(bits::HEIGHT))
+}
+
+fn detection_type(identity: &Identity, height: bool) -> DetectionType {
     if identity.address().is_some() {
         DetectionType::ModeS
-    } else if identity.mode_3a().is_some() || report.has(bits::HEIGHT) {
+    } else if identity.mode_3a().is_some() || height {
         DetectionType::Secondary
     } else {
         DetectionType::Primary
     }
 }
 
-fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
-    let kind = match detection(report) {
-        _ if report.is_coasted() || report.is_ended() => 0,
+/// The code of I048/020 for a detection.
+fn part_code(identity: &Identity, height: bool) -> u8 {
+    match detection_type(identity, height) {
         DetectionType::Primary => 1,
         DetectionType::Secondary => 2,
         DetectionType::ModeS => 5, // roll-call: it is tracked
+    }
+}
+
+fn descriptor(site: &Site, report: &SensorReport<'_>, record: &mut RecordWriter) {
+    let kind = if report.is_coasted() || report.is_ended() {
+        0
+    } else {
+        part_code(&report.track.identity, report.has(bits::HEIGHT))
     };
     record
         .item(DESCRIPTOR)

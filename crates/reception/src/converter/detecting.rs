@@ -3,7 +3,7 @@
 //! A tracker needs the measurement of this scan only: a position smoothed by the sensor's own filter contains earlier
 //! errors, and a tracker would take these errors for new information. Of a report with plot and track, only the plot
 //! is used; of a report with another kind of position, this position, if it is a plot's. A report without a detection
-//! gives nothing. The target's identity is not used.
+//! gives nothing. The values of the target's transponder (address, code, callsign, level) stay with the detection.
 //!
 //! A radar's plot remains range and bearing, in the system frame and from the radar's position, because the errors
 //! have these axes. If the target sends its height, the measurement is slant range, bearing and elevation, and the
@@ -13,14 +13,14 @@
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use frames::PolarSigma;
-use messages::{Counter, TrackState};
+use messages::{Counter, TrackState, level_of};
 
-use super::Converter;
+use super::{Converter, NS_PER_MS};
 use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
 use crate::placing::{Height, SystemPosition, place};
 use observations::sensor_id;
-use observations::{Detection, DetectionKind};
+use observations::{Detection, DetectionKind, TransponderReply};
 use observations::{Observation, Position};
 
 impl Converter {
@@ -78,8 +78,25 @@ impl Converter {
                 sigmas.get(place).map_or(0.0, |sigma| only_measured(place, *sigma))
             })),
             platform_m,
+            reply: self.reply(observation),
             truth: None,
         })
+    }
+
+    /// Values that the target's transponder stated. A code that is not validated, or garbled, has not come so far.
+    fn reply(&self, observation: &Observation) -> TransponderReply {
+        let limits = &self.model.limits;
+        let possible = limits.height_min_m..=limits.height_max_m;
+        let stated = observation
+            .transponder_altitude()
+            .filter(|(altitude_m, _)| possible.contains(&(altitude_m + self.altitude_correction_m)))
+            .and_then(|(altitude_m, age_ns)| Some((level_of(altitude_m)?, age_ns)));
+        TransponderReply {
+            identity: observation.identity,
+            level: stated.map(|(level, _)| level),
+            level_age_ms: stated.map_or(0, |(_, age_ns)| (age_ns / NS_PER_MS).clamp(0, u32::MAX.into()) as u32),
+            ..TransponderReply::default()
+        }
     }
 
     /// Position measured in this look; `None` if none was.

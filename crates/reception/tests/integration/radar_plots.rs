@@ -152,6 +152,21 @@ fn every_plot_lies_at_its_range_azimuth_and_height() {
 }
 
 #[test]
+fn detections_keep_the_replies_of_their_plots() {
+    let Some(bytes) = recording(PLOTS) else { return };
+    let (seen, _) = convert(&bytes);
+    let mut coded = 0;
+    for plot in seen.iter().map(|seen| &seen.plot) {
+        let reply = Converter::new(model(), 0).detect(plot).expect("a plot").reply;
+        assert_eq!((reply.identity, reply.ages), (plot.identity, Default::default()));
+        let level = plot.pressure_altitude_m.and_then(messages::level_of);
+        assert_eq!((reply.level, reply.level_age_ms), (level, 0));
+        coded += usize::from(reply.identity.mode_3a().is_some() && reply.identity.address().is_some());
+    }
+    assert!(coded > 1000, "{coded}");
+}
+
+#[test]
 fn aircraft_move_as_they_say() {
     let Some(bytes) = recording(PLOTS) else { return };
     let (seen, _) = convert(&bytes);

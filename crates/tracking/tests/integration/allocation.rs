@@ -1,7 +1,8 @@
 //! After its construction the tracker allocates nothing, whatever it is given.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use observations::{Detection, DetectionKind};
+use messages::Identity;
+use observations::{Detection, DetectionKind, TransponderReply};
 use settings::Degrees;
 use test_support::S;
 use tracking::settings::{Limit, SensorFacts, SensorModel, TrackerCapacity};
@@ -44,16 +45,31 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
                 [10.0, 0.01, 0.01, 1.0].map(|sigma| if kind == DetectionKind::Position2 { 10.0 } else { sigma }),
             ),
             platform_m: [-500.0, -500.0, 0.0],
+            reply: TransponderReply::default(),
             truth: None,
         }
     };
     (0..crowd)
         .map(|number| {
-            detection(if number % 20 == 19 {
+            let kind = if number % 20 == 19 {
                 DetectionKind::Bearing
             } else {
                 DetectionKind::Position2
-            })
+            };
+            // A third of them reply; a few have the same address and code.
+            let mut identity = Identity::default();
+            if number % 3 == 0 {
+                identity = identity
+                    .with_address(1 + number as u32 / 6)
+                    .with_mode_3a(number as u16 / 9);
+            }
+            Detection {
+                reply: TransponderReply {
+                    identity,
+                    ..TransponderReply::default()
+                },
+                ..detection(kind)
+            }
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use configuration::SeenDetections;
 use formats::autoferry;
 use formats::detections_csv::DetectionReader;
 use frames::time::NS_PER_DAY;
-use observations::Detection;
+use observations::{Detection, TransponderReply};
 use tracking::Settings;
 use tracking::scans::ScanOfDetections;
 
@@ -102,6 +102,12 @@ impl DetectionInput {
             sensor_ids: scans.iter().map(|scan| scan.sensor_id).collect(),
             scan_max: scans.iter().map(|scan| scan.detections.len()).max().unwrap_or(0),
         }
+    }
+
+    /// Whether any detection has a transponder's reply.
+    pub(super) fn has_replies(&self) -> bool {
+        let none = TransponderReply::default();
+        self.detections.iter().any(|detection| detection.reply != none)
     }
 
     /// Rejects sensors without any stated accuracy.

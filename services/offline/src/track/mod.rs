@@ -54,7 +54,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         period_ns: track.period.map(|period| period.as_nanos() as i64),
         cues: track.cues.is_some(),
     };
-    let mut written = TrackerSink::begin(host, &track.out, track.cues.as_deref())?;
+    let mut written = TrackerSink::begin(host, (&track.out, input.has_replies()), track.cues.as_deref())?;
     (written.reports, written.emissions) = (support, heard);
     let mut tracker = ScanTracker::new(settings, outputs, Arrivals::of(reports), emissions)?;
     let explained = track

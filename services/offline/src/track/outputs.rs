@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context as _;
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
-use formats::tracks_csv::TrackerTrack;
+use formats::tracks_csv::{RepliedTrackerTrack, TrackerTrack};
 use messages::StageTimes;
 use observations::Sampled as _;
 use sources::{SensorScan, TrackSink};
@@ -21,7 +21,7 @@ use crate::host::{Host, TableOutput};
 /// Sink of the tracker's outputs.
 #[derive(Debug)]
 pub(super) struct TrackerSink {
-    tracks: OutcomeTable<TrackerTrack>,
+    tracks: TrackTable,
     cues: Option<OutcomeTable<CueRow>>,
     pub(super) tracked: Tracked,
     pub(super) reports: Option<SupportInput>,
@@ -56,14 +56,55 @@ impl<T: Row> OutcomeTable<T> {
     }
 }
 
+/// Table of tracks: with the columns of replies if any detection has one, so that other tables stay as they were.
+#[derive(Debug)]
+enum TrackTable {
+    Plain(OutcomeTable<TrackerTrack>),
+    Replied(OutcomeTable<RepliedTrackerTrack>),
+}
+
+impl TrackTable {
+    fn begin(host: &dyn Host, path: &Path, has_replies: bool) -> anyhow::Result<Self> {
+        Ok(match has_replies {
+            true => Self::Replied(OutcomeTable::begin(host, path)?),
+            false => Self::Plain(OutcomeTable::begin(host, path)?),
+        })
+    }
+
+    fn write(&mut self, track: TrackerTrack) -> anyhow::Result<()> {
+        match self {
+            Self::Plain(table) => table.write(&track),
+            Self::Replied(table) => table.write(&RepliedTrackerTrack(track)),
+        }
+    }
+
+    fn rows(&self) -> u64 {
+        match self {
+            Self::Plain(table) => table.rows,
+            Self::Replied(table) => table.rows,
+        }
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        match self {
+            Self::Plain(table) => table.writer.into_inner().finish(),
+            Self::Replied(table) => table.writer.into_inner().finish(),
+        }
+    }
+}
+
 impl TrackerSink {
     /// Begins the tables.
     ///
     /// # Errors
     /// If a table cannot be written.
-    pub(super) fn begin(host: &dyn Host, tracks: &Path, cues: Option<&Path>) -> anyhow::Result<Self> {
+    pub(super) fn begin(
+        host: &dyn Host,
+        (tracks, has_replies): (&Path, bool),
+        cues: Option<&Path>,
+    ) -> anyhow::Result<Self> {
         Ok(Self {
-            tracks: OutcomeTable::begin(host, tracks)?,
+            tracks: TrackTable::begin(host, tracks, has_replies)?,
             cues: cues.map(|path| OutcomeTable::begin(host, path)).transpose()?,
             tracked: Tracked::default(),
             reports: None,
@@ -86,8 +127,8 @@ impl TrackerSink {
     /// # Errors
     /// If a table cannot be stored.
     pub(super) fn finish(self) -> anyhow::Result<(u64, Option<u64>)> {
-        let rows = (self.tracks.rows, self.cues.as_ref().map(|cues| cues.rows));
-        self.tracks.writer.into_inner().finish()?;
+        let rows = (self.tracks.rows(), self.cues.as_ref().map(|cues| cues.rows));
+        self.tracks.finish()?;
         self.cues.map_or(Ok(()), |cues| cues.writer.into_inner().finish())?;
         Ok(rows)
     }
@@ -113,7 +154,7 @@ impl TrackSink for TrackerSink {
     fn tracks(&mut self, tracks: &[TrackReport], _extrapolated: bool) {
         self.attempt(|written| {
             tracks.iter().try_for_each(|report| {
-                written.tracks.write(&TrackerTrack {
+                written.tracks.write(TrackerTrack {
                     track: report.sensor_track(0),
                     hypotheses: report.hypotheses,
                     reliability: report.reliability,

@@ -1,0 +1,503 @@
+//! Identity of targets as evidence: what a transponder's reply says for and against a track (HT-14).
+//!
+//! Motion alone confuses targets that cross, and loses those that turn sharply. Most radars also receive the target's
+//! address, Mode 3/A code, callsign or level. The obvious tracker uses the address as a key: one track per address. A
+//! single wrong decode then starts a ghost or takes a detection away, two aircraft of one address become one track, and
+//! a changed code ends a track. This tracker asks of each pair how likely the reply is: from the target of the track,
+//! against from any other origin (another target, a new one, a false reply). The logarithm of this ratio joins that of
+//! the motion, and the hypotheses decide as ever ([`crate::interpretations`]).
+//!
+//! # Model
+//!
+//! A target has a value v of each kind. A look decodes v with the probability 1 − g, else (*garbled*) any value. Codes and
+//! callsigns change between two detections with the probability c; addresses do not. With the share f(x) of other
+//! targets that show x, and the probability p(x), by the detections of the track, that x is its value, the ratio is
+//!
+//! | kind | ratio of the value x | f(x) |
+//! | --- | --- | --- |
+//! | address, MMSI | p(x)·(1 − g)/d + g + (1 − p) | d: the probability of a duplicate |
+//! | code | p(x)·(1 − g)/f(x) + g/(4096·f(x)) + c + (1 − p) | its share of the scan's other codes, at least 1/4096 |
+//! | callsign | as an address, + c; only if the address decides nothing | d |
+//! | level | (1 − g)·N(Δ)/N(0, σₕ) + g, only of measurements without height | – |
+//!
+//! where 1 − p is what a single detection leaves open. A code that many targets show (2000, 7000, the code of a
+//! formation) is thereby weak evidence without a list of such codes; a list covers the first detections ([`is_common`]).
+//! An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the target's new code with
+//! the probability c/(c + g), and becomes the value. An address that contradicts wears the value down by one detection
+//! each time, so that a track does not turn into another aircraft within a few scans.
+//!
+//! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s all
+//! values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
+//! and the price of a whole reply is limited. A bad decode does not break a track.
+//!
+//! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or the
+//! target of another track, has this address with the probability d alone.
+//!
+//! Addresses 000000 and FFFFFF are those of no transponder, and say nothing. Values that a look does not state say nothing.
+//!
+//! # Far detections
+//!
+//! A detection outside the gate may still be of the target if it names it: the target has turned more sharply than any
+//! model. Detections with the track's address, or with its code if the scan has it once, are compared within
+//! [`FAR`] times the gate's size. Their density is that of a target with so much larger deviations, times the
+//! probability that a detection lies outside its gate; the state is widened likewise before the update.
+//!
+//! Sources: S. S. Blackman, R. Popoli, *Design and Analysis of Modern Tracking Systems* (Artech House, 1999), chapter 9,
+//! for attributes in the likelihood of an association; ICAO Annex 10 volume IV (codes, addresses, the steps of levels);
+//! EUROCONTROL standard SUR.ET1.ST01.1000-STD-01-01 for the probabilities of false codes that a radar may have.
+
+use messages::{Identity, IdentityAges, LEVEL_STEP_M, NS_PER_S};
+use observations::TransponderReply;
+
+/// How much larger a gate is for a detection that names the target.
+pub(crate) const FAR: f64 = 5.0;
+/// Least logarithm of a ratio that names a target: ten to one.
+pub(crate) const LOG_NAMED: f64 = std::f64::consts::LN_10;
+/// Most agreeing detections that are counted.
+const COUNT_MAX: u16 = 5;
+/// Number of Mode 3/A codes.
+const CODES: usize = 4096;
+/// How many codes of other targets the list of common codes is worth.
+const PRIOR_CODES: f64 = 10.0;
+/// Share of the targets that show a common code, before any are counted.
+const COMMON_SHARE: f64 = 0.1;
+/// Greatest rate of climb between two levels, metres per second: one standard deviation.
+const CLIMB_SIGMA_MPS: f64 = 10.0;
+/// Standard deviation of a level: that of the rounding to 100 feet, the coarser of the two steps.
+const LEVEL_SIGMA_M: f64 = 4.0 * LEVEL_STEP_M * 0.288_675_134_594_813;
+const NS_PER_MS: i64 = 1_000_000;
+const NONE: u64 = u64::MAX;
+
+settings::settings! {
+    /// What transponders' replies say about the track of a detection (HT-14).
+    #[derive(Copy)]
+    pub struct IdentitySettings {
+        /// Whether tracks use replies. Tracks carry the values either way.
+        used: bool = true;
+        /// Probability that a value is decoded wrongly.
+        garbled_probability: f64 = 0.01, in [1e-6, 0.5];
+        /// Probability that all values of a reply are those of another target.
+        swapped_probability: f64 = 0.002, in [1e-9, 0.5];
+        /// Probability that a code or callsign has changed since the previous detection.
+        changed_probability: f64 = 0.001, in [1e-9, 0.5];
+        /// Probability that another target has the same address.
+        duplicated_probability: f64 = 1e-4, in [1e-9, 0.5];
+        /// Threshold of misses for tracks with a known address or uncommon code, if it is below
+        /// `deletion.missed_probability`: such a target finds its track again.
+        missed_probability: f64 = 1e-7, in [1e-300, 0.99];
+    }
+}
+
+/// The values of a reply as far as they are used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PlotIdentity {
+    /// Unique number, code, callsign; [`NONE`] if not stated.
+    values: [u64; KINDS],
+    /// When they were stated, nanoseconds.
+    stated_ns: [i64; KINDS],
+    level: Option<(i16, i64)>,
+    /// Whether the measurement has the height already.
+    has_height: bool,
+}
+
+/// Kinds of values.
+const KINDS: usize = 3;
+const ADDRESS: usize = 0;
+const CODE: usize = 1;
+const CALLSIGN: usize = 2;
+
+kept::kept! {
+    /// A value of a track.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Believed {
+        value: u64,
+        /// The value of the latest detection, if it was another one.
+        rival: u64,
+        /// When the value was stated last, nanoseconds.
+        stated_ns: i64,
+        /// Detections that agree, at most [`COUNT_MAX`].
+        count: u16,
+    }
+}
+
+kept::kept! {
+    /// What a track knows about its target.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct TrackIdentity {
+        believed: [Believed; KINDS],
+        level: i32,
+        level_ns: i64,
+    }
+}
+
+/// Identity of a target by the detections of its track, with the times of the statements, nanoseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReportedIdentity {
+    /// The values.
+    pub identity: Identity,
+    /// When address, code and callsign were stated last.
+    pub stated_ns: [i64; KINDS],
+    /// Level in steps of 25 feet, and when it was stated.
+    pub level: Option<(i16, i64)>,
+}
+
+impl PlotIdentity {
+    pub(crate) const NONE: Self = Self {
+        values: [NONE; KINDS],
+        stated_ns: [0; KINDS],
+        level: None,
+        has_height: false,
+    };
+
+    /// The reply in a detection at `time_ns`; `has_height` if the detection measures the height.
+    pub(crate) fn of(reply: &TransponderReply, time_ns: i64, has_height: bool) -> Self {
+        // Most detections of most sensors.
+        if reply.identity.kind == 0 && reply.identity.valid == 0 && reply.level.is_none() {
+            return Self::NONE;
+        }
+        let TransponderReply { identity, ages, .. } = reply;
+        let meaningless = |address: u32| matches!(address, 0 | 0x00ff_ffff);
+        let number = identity
+            .unique_number()
+            .filter(|_| !identity.address().or(identity.mmsi()).is_some_and(meaningless));
+        let callsign = identity.callsign().map(|_| u64::from_be_bytes(identity.callsign));
+        let stated_ns = |age_ms: u32| time_ns - i64::from(age_ms) * NS_PER_MS;
+        Self {
+            values: [
+                number.map_or(NONE, u64::from),
+                identity.mode_3a().map_or(NONE, u64::from),
+                callsign.unwrap_or(NONE),
+            ],
+            stated_ns: [ages.address_ms, ages.mode_3a_ms, ages.callsign_ms].map(stated_ns),
+            level: reply.level.map(|level| (level, stated_ns(reply.level_age_ms))),
+            has_height,
+        }
+    }
+
+    pub(crate) fn is_none(&self) -> bool {
+        self.level.is_none() && self.values == [NONE; KINDS]
+    }
+
+    /// Unites the replies of two detections of one target: a value that both state differently is none.
+    pub(crate) fn unite(&mut self, other: &Self) {
+        for kind in 0..KINDS {
+            let (one, another) = (self.values[kind], other.values[kind]);
+            if one == NONE {
+                (self.values[kind], self.stated_ns[kind]) = (another, other.stated_ns[kind]);
+            } else if another != NONE && another != one {
+                self.values[kind] = NONE;
+            }
+        }
+        self.level = self.level.or(other.level);
+    }
+}
+
+impl Believed {
+    const NONE: Self = Self {
+        value: NONE,
+        rival: NONE,
+        stated_ns: 0,
+        count: 0,
+    };
+
+    /// Probability that the target's value is `value`, and what remains open.
+    fn probability(&self, value: u64, changed: f64, garbled: f64) -> (f64, f64) {
+        let of_rival = match (self.rival, self.count) {
+            (NONE, _) => 0.0,
+            (_, 1) => 0.5,
+            _ => changed / (changed + garbled),
+        };
+        let open = if self.rival == NONE && self.count == 1 {
+            garbled
+        } else {
+            0.0
+        };
+        let probability = if value == self.value {
+            1.0 - of_rival - open
+        } else if value == self.rival {
+            of_rival
+        } else {
+            0.0
+        };
+        (probability, open)
+    }
+
+    /// Takes a value that a detection states at `time_ns`.
+    fn take(&mut self, value: u64, time_ns: i64, may_change: bool) {
+        if self.value == NONE || value == self.value {
+            *self = Self {
+                value,
+                rival: NONE,
+                stated_ns: time_ns,
+                count: (self.count + 1).min(COUNT_MAX),
+            };
+            return;
+        }
+        if value != self.rival {
+            self.rival = value;
+            return;
+        }
+        if !may_change && self.count > 1 {
+            self.count -= 1;
+            return;
+        }
+        *self = Self {
+            value,
+            rival: NONE,
+            stated_ns: time_ns,
+            count: 2,
+        };
+    }
+
+    /// The value; `None` if a single detection stated it and another one contradicted.
+    fn reported(&self) -> Option<u64> {
+        (self.value != NONE && (self.count > 1 || self.rival == NONE)).then_some(self.value)
+    }
+}
+
+impl TrackIdentity {
+    pub(crate) const NONE: Self = Self {
+        believed: [Believed::NONE; KINDS],
+        level: 0,
+        level_ns: i64::MIN,
+    };
+
+    /// Takes the reply of a detection of the track.
+    pub(crate) fn take(&mut self, reply: &PlotIdentity) {
+        if reply.is_none() {
+            return;
+        }
+        for kind in 0..KINDS {
+            if reply.values[kind] != NONE {
+                self.believed[kind].take(reply.values[kind], reply.stated_ns[kind], kind != ADDRESS);
+            }
+        }
+        if let Some((level, stated_ns)) = reply.level {
+            (self.level, self.level_ns) = (level.into(), stated_ns);
+        }
+    }
+
+    /// Whether a value of the track names its target among others.
+    pub(crate) fn names(&self) -> bool {
+        let known = |kind: usize| {
+            let believed = &self.believed[kind];
+            believed.value != NONE && believed.count > 1
+        };
+        known(ADDRESS) || (known(CODE) && !is_common(self.believed[CODE].value))
+    }
+
+    /// Whether a reply has the address that several detections of the track stated.
+    pub(crate) fn has_address_of(&self, reply: &PlotIdentity) -> bool {
+        let address = &self.believed[ADDRESS];
+        address.value != NONE && address.count > 1 && reply.values[ADDRESS] == address.value
+    }
+
+    /// Whether several detections of the track stated another address than a reply.
+    pub(crate) fn has_another_address_than(&self, reply: &PlotIdentity) -> bool {
+        let (address, stated) = (&self.believed[ADDRESS], reply.values[ADDRESS]);
+        address.value != NONE && address.count > 1 && stated != NONE && stated != address.value
+    }
+
+    /// Identity as it is published.
+    pub(crate) fn reported(&self) -> ReportedIdentity {
+        if self.level_ns == i64::MIN && self.believed.iter().all(|believed| believed.value == NONE) {
+            return ReportedIdentity::default();
+        }
+        let [address, code, callsign] = self.believed.map(|believed| believed.reported());
+        let mut identity = Identity::default();
+        if let Some(number) = address {
+            identity = match number >> MMSI_BITS {
+                0 => identity.with_address(number as u32),
+                _ => identity.with_mmsi(number as u32),
+            };
+        }
+        if let Some(code) = code {
+            identity = identity.with_mode_3a(code as u16);
+        }
+        if let Some(callsign) = callsign {
+            identity = identity.with_callsign(callsign.to_be_bytes());
+        }
+        ReportedIdentity {
+            identity,
+            stated_ns: self.believed.map(|believed| believed.stated_ns),
+            level: (self.level_ns > i64::MIN).then_some((self.level as i16, self.level_ns)),
+        }
+    }
+}
+
+/// Bit of a unique number that marks an MMSI ([`Identity::unique_number`]).
+const MMSI_BITS: u32 = 30;
+
+impl ReportedIdentity {
+    /// Ages of the values at `time_ns`; 0 for values that are not known.
+    pub fn ages(&self, time_ns: i64) -> IdentityAges {
+        let known = [
+            self.identity.unique_number().is_some(),
+            self.identity.mode_3a().is_some(),
+            self.identity.callsign().is_some(),
+        ];
+        let age = |kind: usize| {
+            if known[kind] {
+                age_ms(time_ns, self.stated_ns[kind])
+            } else {
+                0
+            }
+        };
+        IdentityAges {
+            address_ms: age(ADDRESS),
+            mode_3a_ms: age(CODE),
+            callsign_ms: age(CALLSIGN),
+        }
+    }
+
+    /// Level, and its age at `time_ns`, milliseconds.
+    pub fn level_at(&self, time_ns: i64) -> Option<(i16, u32)> {
+        self.level.map(|(level, stated_ns)| (level, age_ms(time_ns, stated_ns)))
+    }
+}
+
+fn age_ms(time_ns: i64, stated_ns: i64) -> u32 {
+    (time_ns.saturating_sub(stated_ns) / NS_PER_MS).clamp(0, u32::MAX.into()) as u32
+}
+
+/// Codes that many aircraft show at the same time (ICAO EUR Doc 023, and their equals elsewhere).
+fn is_common(code: u64) -> bool {
+    matches!(code, 0 | 0o1000 | 0o1200 | 0o2000 | 0o7000)
+}
+
+/// The replies of a scan: which are rare, and where they are.
+#[derive(Clone, Debug)]
+pub(crate) struct ScanReplies {
+    /// By code: number of detections, and the last of them.
+    codes: Vec<(u32, u32)>,
+    /// Number of detections with a code.
+    coded: u32,
+    /// (unique number, detection), sorted.
+    numbers: Vec<(u64, u32)>,
+    any: bool,
+    settings: IdentitySettings,
+    /// Spread of heights that are not known.
+    height_sigma_m: f64,
+}
+
+impl ScanReplies {
+    pub(crate) fn new(plots_max: usize, settings: IdentitySettings, height_sigma_m: f64) -> Self {
+        Self {
+            settings,
+            height_sigma_m,
+            codes: vec![(0, 0); CODES],
+            coded: 0,
+            numbers: Vec::with_capacity(plots_max),
+            any: false,
+        }
+    }
+
+    /// Reads the replies of a scan.
+    pub(crate) fn read<'a>(&mut self, replies: impl Iterator<Item = &'a PlotIdentity>) {
+        if self.coded > 0 {
+            self.codes.fill((0, 0));
+        }
+        (self.coded, self.any) = (0, false);
+        self.numbers.clear();
+        if !self.settings.used {
+            return;
+        }
+        for (place, reply) in (0..).zip(replies).filter(|(_, reply)| !reply.is_none()) {
+            let [number, code, _] = reply.values;
+            self.any = true;
+            if number != NONE {
+                self.numbers.push((number, place));
+            }
+            if code != NONE {
+                self.codes[code as usize % CODES].0 += 1;
+                self.codes[code as usize % CODES].1 = place;
+                self.coded += 1;
+            }
+        }
+        self.numbers.sort_unstable();
+    }
+
+    /// Whether any detection of the scan has a reply.
+    pub(crate) fn are_any(&self) -> bool {
+        self.any
+    }
+
+    /// Logarithm of the probability that another target has an address, too.
+    pub(crate) fn log_duplicated(&self) -> f64 {
+        self.settings.duplicated_probability.ln()
+    }
+
+    /// Detections that name the target of a track by address, or by a code that the scan has once.
+    pub(crate) fn naming(&self, track: &TrackIdentity) -> impl Iterator<Item = u32> + '_ {
+        let [address, code, _] = track.believed.map(|believed| believed.value);
+        let first = self.numbers.partition_point(|(number, _)| *number < address);
+        let by_address = self.numbers[first..]
+            .iter()
+            .take_while(move |(number, _)| *number == address);
+        let alone = self
+            .codes
+            .get(code as usize)
+            .filter(|(count, _)| *count == 1 && !is_common(code));
+        let by_code = alone.map(|(_, place)| *place);
+        by_address.map(|(_, place)| *place).chain(by_code)
+    }
+
+    /// Share of other targets with the code of a detection of the scan.
+    fn share(&self, code: u64) -> f64 {
+        let (count, _) = self.codes[code as usize % CODES];
+        let prior = if is_common(code) {
+            COMMON_SHARE
+        } else {
+            1.0 / CODES as f64
+        };
+        let [others, of_all] = [count, self.coded].map(|count| f64::from(count.saturating_sub(1)));
+        ((PRIOR_CODES * prior + others) / (PRIOR_CODES + of_all)).max(1.0 / CODES as f64)
+    }
+
+    /// Logarithm of the ratio of the likelihoods of a detection's reply: from the target of a track, and from elsewhere.
+    pub(crate) fn log_ratio(&self, track: &TrackIdentity, reply: &PlotIdentity) -> f64 {
+        if !self.any || reply.is_none() {
+            return 0.0;
+        }
+        let IdentitySettings {
+            garbled_probability: g,
+            swapped_probability: s,
+            changed_probability: c,
+            duplicated_probability: d,
+            ..
+        } = self.settings;
+        let compared = |kind: usize| {
+            let (value, believed) = (reply.values[kind], &track.believed[kind]);
+            (value != NONE && believed.value != NONE).then_some((value, believed))
+        };
+        let mut ratio = None;
+        let mut add = |of: f64| ratio = Some(ratio.unwrap_or(1.0) * of);
+        let by_number = compared(ADDRESS);
+        if let Some((value, believed)) = by_number {
+            let (p, open) = believed.probability(value, 0.0, g);
+            add(p * (1.0 - g) / d + g + open);
+        }
+        if let Some((value, believed)) = compared(CODE) {
+            let (p, open) = believed.probability(value, c, g);
+            let share = self.share(value);
+            add(p * (1.0 - g) / share + g / (CODES as f64 * share) + c + open);
+        }
+        if let Some((value, believed)) = compared(CALLSIGN).filter(|_| by_number.is_none()) {
+            let (p, open) = believed.probability(value, c, g);
+            add(p * (1.0 - g) / d + g + c + open);
+        }
+        let of_level = reply.level.filter(|_| !reply.has_height);
+        if let Some((level, stated_ns)) = of_level.filter(|_| track.level_ns > i64::MIN) {
+            let seconds = stated_ns.saturating_sub(track.level_ns) as f64 / NS_PER_S;
+            let sigma_m = (2.0f64.sqrt() * LEVEL_SIGMA_M).hypot(CLIMB_SIGMA_MPS * seconds);
+            let apart_m = LEVEL_STEP_M * f64::from(i32::from(level) - track.level);
+            let density = (-0.5 * (apart_m / sigma_m).powi(2)).exp() * self.height_sigma_m / sigma_m;
+            add((1.0 - g) * density + g);
+        }
+        ratio.map_or(0.0, |ratio| ((1.0 - s) * ratio + s).ln())
+    }
+}
+
+#[cfg(test)]
+#[path = "identity_tests.rs"]
+mod tests;
