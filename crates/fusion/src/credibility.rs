@@ -58,6 +58,8 @@ pub(crate) struct Credibility {
     sources: Vec<SourceRecord>,
     /// Sources that are set aside, as bits.
     set_aside: u64,
+    /// Sources that are not compared, as bits.
+    passed_over: u64,
 }
 
 /// Result of the comparison of a report with the other sources' reports of its target.
@@ -76,6 +78,7 @@ impl Credibility {
         Self {
             sources: vec![SourceRecord::default(); sources],
             set_aside: 0,
+            passed_over: 0,
         }
     }
 
@@ -88,6 +91,27 @@ impl Credibility {
     /// Whether a source is set aside.
     pub(crate) fn is_set_aside(&self, source: u16) -> bool {
         self.set_aside & (1 << source) != 0
+    }
+
+    /// Passes over these sources, as bits: their states are known to lag behind a step of their errors, while their
+    /// measurements do not.
+    pub(crate) fn pass_over(&mut self, sources: u64) {
+        let begun = sources & !self.passed_over;
+        for source in 0..self.sources.len() as u16 {
+            if begun & (1 << source) != 0 {
+                self.reset(source);
+            }
+        }
+        self.passed_over = sources;
+    }
+
+    fn is_passed_over(&self, source: u16) -> bool {
+        self.passed_over & (1 << source) != 0
+    }
+
+    /// Returns the sources that are set aside, as bits.
+    pub(crate) fn all_set_aside(&self) -> u64 {
+        self.set_aside
     }
 
     /// Returns whether any source is set aside.
@@ -108,6 +132,9 @@ impl Credibility {
     ) -> bool {
         let entry = tracks.sensors.get(sensor);
         let source = usize::from(entry.source);
+        if self.passed_over != 0 && self.is_passed_over(entry.source) {
+            return true;
+        }
         if self.set_aside == 0 && is_near_track(tracks, entry, spread_m2) {
             self.sources[source].learn(false);
             return true;
@@ -119,12 +146,13 @@ impl Credibility {
     #[cold]
     fn weigh(&mut self, tracks: &Tracks, sensor: SensorSlot, spread_m2: f64, clocks: &[ClockError]) -> bool {
         let entry = tracks.sensors.get(sensor);
+        let passed_over = self.passed_over;
         let others = || {
             let system = tracks.contributing_here(entry.system, entry.time_ns);
             system
                 .filter(|member| *member != sensor)
                 .map(|member| tracks.sensors.get(member))
-                .filter(|other| other.source != entry.source)
+                .filter(move |other| other.source != entry.source && passed_over & (1 << other.source) == 0)
         };
         let distance = |other: &SensorEntry| apart(entry, other, spread_m2);
         let (mut agreeing, mut against, mut one_against) = (0u32, 0u32, None);

@@ -458,7 +458,7 @@ impl Engine {
         if entry.role != Role::Primary {
             self.outbox.counts.add(report.source, Counter::RejectedDuplicate);
         } else if !entry.is_foreign && !self.sources.admits(&self.settings.association, &self.tracks, sensor) {
-            self.set_aside(sensor);
+            self.set_aside(sensor, measurement);
         } else if system == before {
             self.update(sensor, report, measurement, sink);
         } else {
@@ -470,12 +470,17 @@ impl Engine {
     /// Excludes a sensor track that other sources contradict from the estimate. Its reports are still compared with
     /// theirs.
     #[cold]
-    fn set_aside(&mut self, sensor: SensorSlot) {
+    fn set_aside(&mut self, sensor: SensorSlot, measurement: Option<&Measurement>) {
         let entry = self.tracks.sensors.get_mut(sensor);
         entry.role = Role::SetAside;
         let source = entry.source;
         self.outbox.counts.add(source, Counter::RejectedContradicted);
-        self.sources.compare(&self.settings, &self.tracks, sensor);
+        if let Some(measurement) = measurement {
+            self.sources
+                .learn_of_contradiction(&self.settings, &self.tracks, (sensor, measurement));
+        }
+        self.sources
+            .compare(&self.settings, &self.tracks, (sensor, measurement));
     }
 
     /// Associates a sensor track, whose `report` has just been stored, with a system track.
@@ -641,7 +646,8 @@ impl Engine {
             self.update_filter(sensor, measurement, sink);
         }
         self.keep_alive(sensor, system, report);
-        self.sources.compare(&self.settings, &self.tracks, sensor);
+        self.sources
+            .compare(&self.settings, &self.tracks, (sensor, measurement));
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
         self.life
@@ -751,7 +757,8 @@ impl Engine {
         for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
             *residual += point;
         }
-        if self.tracks.systems.get(system).life == TrackState::Confirmed {
+        let is_misled = self.sources.registration.has_misled_filters();
+        if self.tracks.systems.get(system).life == TrackState::Confirmed && !is_misled {
             let velocity_mps = [velocity[0], velocity[1], 0.0];
             self.sources.manoeuvres.learn(velocity_mps, &innovation);
         }

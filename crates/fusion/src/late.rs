@@ -141,6 +141,7 @@ impl Engine {
         let entry = self.tracks.sensors.get(sensor);
         let (source, time_ns) = (entry.source, report.time_of_measurement_ns);
         let track = (source, entry.track_number);
+        let shown = (source, &entry.evidence);
         let kept = &self.tracks.kept;
         let (before, after) = kept.around(entry.system, track, time_ns)?;
         let seconds = |from_ns: i64, to_ns: i64| (to_ns - from_ns) as f64 / NS_PER_S;
@@ -149,7 +150,7 @@ impl Engine {
             &before.correction.undone(before.state),
             seconds(before.time_ns, time_ns),
         );
-        let mut measurement = self.sources.measurement_between(source, earlier, (&own, has_height))?;
+        let mut measurement = self.sources.measurement_between(shown, earlier, (&own, has_height))?;
         let correction = self.sources.correction_of(&self.settings.sources, report);
         measurement.correct(&correction);
         let referred = self.points.known(&self.tracks, sensor, &measurement);
@@ -158,7 +159,7 @@ impl Engine {
             let after = kept.at(place);
             let earlier = (&own, seconds(time_ns, after.time_ns));
             let later = (&after.correction.undone(after.state), after.has_height);
-            let mut measurement = self.sources.measurement_between(source, earlier, later)?;
+            let mut measurement = self.sources.measurement_between(shown, earlier, later)?;
             measurement.correct(&after.correction);
             measurement.refer(after.point_m, after.point_m2);
             Some((place, measurement))

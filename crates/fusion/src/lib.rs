@@ -87,6 +87,7 @@ mod source_model;
 mod source_ref;
 mod sources;
 mod state;
+mod step_memory;
 pub mod suspects;
 mod system_track_message;
 mod system_tracks;

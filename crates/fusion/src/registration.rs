@@ -18,9 +18,9 @@
 //! its offset as prior, and its source weighs less in the median.
 //!
 //! Errors may change. If the latest differences show a drift, only the differences of the last seconds count until the
-//! estimate has caught up. After a step, the estimate of the source that changed starts anew (module `recent`). The
-//! published covariances include the remaining differences, the offsets that are not removed, and the unobservable
-//! error of the median itself.
+//! estimate has caught up (module `recent`). After a step, the estimate of the source that changed starts anew (modules
+//! `changes` and `steps`). The published covariances include the remaining differences, the offsets that are not
+//! removed, and the unobservable error of the median itself.
 //!
 //! Sixty-four sources that all observe the same targets form four thousand pairs, a millisecond of work. No report
 //! may wait that long, so a solution proceeds in steps of bounded work, and the estimates change once it is complete.
@@ -40,6 +40,7 @@
 //!
 //! Source: Y. Bar-Shalom, P. Willett, X. Tian, *Tracking and Data Fusion* (YBS, 2011), chapter 9, for the model.
 
+mod changes;
 mod errors;
 mod gauge;
 mod model;
@@ -47,17 +48,20 @@ mod recent;
 mod rows;
 pub(crate) mod settings;
 mod significance;
+mod solution;
+mod steps;
 
 use kept::kept;
 use messages::AXES;
-use nalgebra::{Cholesky, Const, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
-use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances, sensitivity};
-use crate::registration::model::BiasModel;
-use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN, step_limit};
+use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
+use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::significance::PointsVariance;
+use crate::registration::solution::{SETTLED_MIN, SolutionProgress};
+use crate::registration::steps::{FormerErrors, Seed, StepSearch};
 
 pub use crate::registration::errors::SourceErrors;
 pub(crate) use crate::registration::errors::{ClockError, TargetView};
@@ -67,19 +71,8 @@ pub use crate::registration::rows::{ERRORS, Errors};
 const VELOCITY_GATE_MPS: f64 = 300.0;
 /// Weight of one sample: errors of tracks persist over several reports.
 const SAMPLE_WEIGHT: f64 = 0.25;
-/// Sweeps of Gauss–Seidel per tick.
-const SWEEPS: usize = 4;
-/// Work of one step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
-const STEP_WORK: usize = 192;
-/// Work of factoring the equations of a source, and of solving them, in visits to pairs.
-const FACTOR_WORK: usize = 16;
-const SOLVE_WORK: usize = 4;
-/// Work of comparing the models of a source, likewise.
-const SELECT_WORK: usize = 64;
 /// Targets from which on a difference of all targets is no wrong join of few.
 pub(crate) const TARGETS_MIN: usize = 4;
-/// Samples of a source before other sources' models are judged by comparison with it.
-const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 /// Mean square of the differences, and share of the contradicting ones, up to which an estimate explains them.
 const LEARNED_FIT_MAX: f64 = 2.0;
 const LEARNED_CONTRADICTED_MAX: f64 = 0.25;
@@ -93,8 +86,7 @@ const RECENT_TIMES: f64 = 3.0;
 /// Weight of one difference in the mean of their squares, and the largest mean that a clear error may have caused.
 const FIT_GAIN: f64 = 1.0 / 64.0;
 const FIT_MAX: f64 = 12.0;
-/// Share of contradicting differences at which the estimate is dropped, and the weight of one difference.
-const CONTRADICTED: f64 = 0.75;
+/// Weight of one difference in the share of contradicting differences.
 const CONTRADICTION_GAIN: f64 = 1.0 / 64.0;
 
 kept! {
@@ -145,8 +137,8 @@ pub(crate) struct Registration {
     targets: f64,
     /// Duration of a tick, seconds.
     tick_s: f64,
-    /// Whether the position of each sensor is known.
-    has_place: Vec<bool>,
+    /// Position of each sensor, if known.
+    places_m: Vec<Option<[f64; 2]>>,
     /// Latest differences of each source.
     recents: Vec<Recent>,
     /// Ticks of each source's present estimate, and number of its solutions, at most [`SOLUTIONS_MIN`].
@@ -156,18 +148,12 @@ pub(crate) struct Registration {
     keep: f64,
     keep_drifting: f64,
     solution: SolutionProgress,
-}
-
-/// A solution in progress.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct SolutionProgress {
-    /// Next sweep and source; `None` if no solution is in progress.
-    next: Option<(usize, usize)>,
-    sources: Vec<SourceErrors>,
-    /// Factored normal equations of each source, set in the first sweep.
-    factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
-    /// Change of a model that raises the evidence most, and by how much.
-    best: Option<(f64, usize, BiasModel)>,
+    steps: StepSearch,
+    /// Of each source: what its latest step revealed, its estimate before that, and for how many ticks more its states
+    /// lag behind the step.
+    seeds: Vec<Seed>,
+    formers: Vec<Option<FormerErrors>>,
+    young: Vec<u8>,
 }
 
 impl Registration {
@@ -180,7 +166,7 @@ impl Registration {
             partners: vec![0; sources],
             contradicted: vec![0.0; sources],
             fits: vec![1.0; sources],
-            has_place: vec![false; sources],
+            places_m: vec![None; sources],
             recents: vec![Recent::default(); sources],
             ticks: vec![0; sources],
             solutions: vec![0; sources],
@@ -189,13 +175,12 @@ impl Registration {
             targets: 1.0,
             keep: (-tick_s / memory_s).exp(),
             keep_drifting: (-tick_s / RECENT_S.min(memory_s)).exp(),
-            solution: SolutionProgress {
-                next: None,
-                sources: vec![unknown; sources],
-                factors: vec![None; sources],
-                best: None,
-            },
+            solution: SolutionProgress::new(sources),
             sources: vec![unknown; sources],
+            steps: StepSearch::new(sources),
+            seeds: vec![Seed::NONE; sources],
+            formers: vec![None; sources],
+            young: vec![0; sources],
         }
     }
 
@@ -383,10 +368,12 @@ impl Registration {
             *fit += FIT_GAIN * ((squared / axes as f64).min(FIT_MAX) - *fit);
         }
         for view in [a, b] {
-            self.has_place[usize::from(view.source)] = view.place_m.is_some();
+            self.places_m[usize::from(view.source)] = view.place_m;
         }
         let bounded = rest * (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
-        let is_solved = |view: &TargetView| self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN;
+        let is_solved = |view: &TargetView| {
+            self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN && !self.is_young(view.source)
+        };
         if settled && is_solved(a) && is_solved(b) {
             for (view, of, bounded) in [(a, &of_a, bounded), (b, &of_b, -bounded)] {
                 let weighted = of.transpose() * (weight_of_recent * SAMPLE_WEIGHT);
@@ -427,197 +414,6 @@ impl Registration {
         self.sources[usize::from(own)].samples += 1.0;
     }
 
-    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
-    /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`.
-    pub(crate) fn begin(&mut self, restarted: impl FnMut(u16)) {
-        if self.is_solving() {
-            return;
-        }
-        let keep = self.keep.powf(1.0 / SWEEPS as f64);
-        for source in &mut self.sources {
-            for _ in 0..SWEEPS {
-                source.samples *= keep;
-            }
-        }
-        for ticks in &mut self.ticks {
-            *ticks = ticks.saturating_add(1);
-        }
-        for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
-            recent.look(self.keep_drifting, known.model);
-        }
-        self.forget_after_step(restarted);
-        self.solution.sources.copy_from_slice(&self.sources);
-        self.solution.best = None;
-        self.solution.next = Some((0, 0));
-    }
-
-    /// Returns whether a solution is in progress.
-    pub(crate) fn is_solving(&self) -> bool {
-        self.solution.next.is_some()
-    }
-
-    /// Performs one step of the solution and returns whether the solution is now complete; then [`Self::decide`] is
-    /// due. The estimate of a source with impossible or contradicted errors is dropped, and the source is passed to
-    /// `restarted`. `clocks` are the clock errors of the sources from the times of receipt.
-    pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
-        let Some((mut sweep, mut own)) = self.solution.next.take() else {
-            return false;
-        };
-        let mut work = 0;
-        while sweep <= SWEEPS {
-            if work >= STEP_WORK {
-                self.solution.next = Some((sweep, own));
-                return false;
-            }
-            if sweep == SWEEPS {
-                self.compare_models(own, clock_of(clocks, own));
-                work += SELECT_WORK + self.partners[own].count_ones() as usize;
-                own += 1;
-                if own == self.sources.len() {
-                    sweep += 1;
-                }
-                continue;
-            }
-            if sweep == 0 {
-                self.forget_and_factor(own, clock_of(clocks, own));
-                work += FACTOR_WORK;
-            }
-            work += SOLVE_WORK + self.partners[own].count_ones() as usize;
-            self.solve(own, clock_of(clocks, own));
-            own += 1;
-            if own == self.sources.len() {
-                if self.reference.is_none() {
-                    gauge::fix(&mut self.solution.sources, clocks);
-                }
-                (sweep, own) = (sweep + 1, 0);
-            }
-        }
-        if let Some((_, own, model)) = self.solution.best {
-            self.sources[own].model = model;
-        }
-        for own in 0..self.sources.len() {
-            let solved = self.solution.sources[own];
-            if solved.are_possible() && self.contradicted[own] <= CONTRADICTED {
-                (self.sources[own].errors, self.sources[own].variances) = (solved.errors, solved.variances);
-                let is_begun = self.sources[own].samples >= SAMPLES_MIN;
-                self.solutions[own] = (self.solutions[own] + u8::from(is_begun)).min(SOLUTIONS_MIN);
-            } else {
-                self.forget(own);
-                restarted(own as u16);
-            }
-        }
-        true
-    }
-
-    /// Drops the estimate of a source and all sums behind it.
-    pub(crate) fn forget(&mut self, own: usize) {
-        let count = self.sources.len();
-        for other in partners(self.partners[own]) {
-            self.pairs[own * count + other] = EMPTY;
-            self.pairs[other * count + own] = EMPTY;
-            self.partners[other] &= !(1 << own);
-        }
-        self.partners[own] = 0;
-        self.contradicted[own] = 0.0;
-        self.fits[own] = 1.0;
-        self.recents[own] = Recent::default();
-        self.ticks[own] = 0;
-        self.solutions[own] = 0;
-        self.sources[own] = SourceErrors::unknown();
-    }
-
-    /// Drops the estimates of the sources whose errors changed by a step; they are passed to `restarted`.
-    fn forget_after_step(&mut self, mut restarted: impl FnMut(u16)) {
-        let is_sought = |own: usize| self.reference != Some(own as u16) && self.sources[own].samples >= SAMPLES_MIN;
-        let sought = (0..self.sources.len()).filter(|own| is_sought(*own));
-        let limit = step_limit(sought.map(|own| &self.recents[own]));
-        if limit == f64::INFINITY || self.targets < TARGETS_MIN as f64 {
-            return;
-        }
-        for own in 0..self.sources.len() {
-            if self.reference != Some(own as u16) && self.recents[own].is_step(limit) {
-                self.forget(own);
-                restarted(own as u16);
-            }
-        }
-        // The latest differences of all sources contain the step.
-        self.recents.fill(Recent::default());
-    }
-
-    /// Decays the sums of one source by one tick, and factors its normal equations.
-    fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
-        let count = self.sources.len();
-        let (mut normal, _) = prior(clock);
-        for other in partners(self.partners[own]) {
-            let pair = &mut self.pairs[own * count + other];
-            let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
-            let keep = if drifts { self.keep_drifting } else { self.keep };
-            pair.own *= keep;
-            pair.cross *= keep;
-            pair.right *= keep;
-            normal += pair.own;
-        }
-        self.solution.sources[own].model.hold(&mut normal);
-        let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
-        let factor = if is_sought { normal.cholesky() } else { None };
-        if let Some(factor) = &factor {
-            let held = self.solution.sources[own].model;
-            self.solution.sources[own].variances = held.known(factor.inverse().diagonal(), &prior_variances());
-        }
-        self.solution.factors[own] = factor;
-    }
-
-    /// Solves for the errors of one source, with the errors of the others fixed.
-    fn solve(&mut self, own: usize, clock: ClockError) {
-        let Some(factor) = &self.solution.factors[own] else {
-            return;
-        };
-        let count = self.sources.len();
-        let (_, mut right) = prior(clock);
-        for other in partners(self.partners[own]) {
-            let pair = &self.pairs[own * count + other];
-            right += pair.right + pair.cross * self.solution.sources[other].errors;
-        }
-        let known = &mut self.solution.sources[own];
-        known.errors = known.model.known(factor.solve(&right), &Errors::zeros());
-    }
-
-    /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved
-    /// for yet.
-    fn settled_equations(&self, own: usize, clock: ClockError) -> (NormalMatrix, Errors) {
-        let count = self.sources.len();
-        let (mut normal, mut right) = prior(clock);
-        for other in partners(self.partners[own]) {
-            if self.sources[other].samples >= SETTLED_MIN {
-                let pair = &self.pairs[own * count + other];
-                normal += pair.own;
-                right += pair.right + pair.cross * self.solution.sources[other].errors;
-            }
-        }
-        (normal, right)
-    }
-
-    /// Compares the models of a source by their evidence, with the errors of the others fixed.
-    fn compare_models(&mut self, own: usize, clock: ClockError) {
-        let samples = self.sources[own].samples;
-        if self.solution.factors[own].is_none() || samples < SAMPLES_MIN {
-            return;
-        }
-        let (normal, right) = self.settled_equations(own, clock);
-        let better = self.sources[own].model.better(
-            &normal,
-            &right,
-            1.0 / self.fits[own].max(1.0),
-            SAMPLE_WEIGHT * samples,
-            self.has_place[own],
-        );
-        if let Some((gain, model)) = better
-            && self.solution.best.is_none_or(|(best, ..)| gain > best)
-        {
-            self.solution.best = Some((gain, own, model));
-        }
-    }
-
     /// Decides the significance of the errors once a solution is complete. `spread_m2` returns the variance per axis of
     /// the detection points of a source, `None` if too little is known for a decision. `targets` is the number of
     /// targets that several sources observe.
@@ -642,7 +438,11 @@ impl Registration {
                 true => f64::INFINITY,
                 false => offset_m2 / self.mean_squared_speed(own),
             };
+            let before = self.sources[own].removed;
             significance::decide(&mut self.sources[own], &PointsVariance { offset_m2, time_s2 });
+            if self.sources[own].removed != before {
+                self.steps.clear();
+            }
         }
     }
 
@@ -654,17 +454,6 @@ impl Registration {
         });
         (speeds / weights).max(1.0)
     }
-}
-
-/// Returns the normal equations of a source before any comparison.
-fn prior(clock: ClockError) -> (NormalMatrix, Errors) {
-    let mut normal =
-        NormalMatrix::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
-    let mut right = Errors::zeros();
-    let (information, offset_s) = clock.prior();
-    normal[(TIME, TIME)] = information;
-    right[TIME] = information * offset_s;
-    (normal, right)
 }
 
 /// Returns the sources in the bit set `bits`, in rising order.

@@ -88,7 +88,7 @@ kept! {
         filtered_share: f64,
         looked_at: u32,
         process_noise: Option<NearlyConstantVelocity>,
-        covariance_scale: Seeker,
+        pub(crate) covariance_scale: Seeker,
         /// Shape of the errors.
         pub(crate) shape: ErrorShape,
         /// Gain of the source's tracker.
@@ -180,6 +180,21 @@ impl SourceModel {
             self.shape = ErrorShape::default();
         }
         undone
+    }
+
+    /// Undoes the source's tracker between two states of a track that need not be the latest; `None` if the source is
+    /// not undone. Learns nothing.
+    pub(crate) fn undone_between(
+        &self,
+        evidence: &GainEvidence,
+        change: &Change,
+        stated: &Covariance,
+    ) -> Option<Undone> {
+        if !self.gain.is_undone() {
+            return None;
+        }
+        let (mut gain, mut evidence) = (self.gain, *evidence);
+        gain.take(&mut evidence, change, stated)
     }
 
     /// By how much the covariances of the source, which show no filter, are too small; `None` if not known.
@@ -363,6 +378,42 @@ mod tests {
             far.spread_m2() > 2000.0 && !far.sees_points(2.0),
             "larger than a target"
         );
+    }
+
+    #[test]
+    fn a_tracker_is_undone_between_any_two_states_as_between_the_latest() {
+        const SECONDS: f64 = 4.0;
+        let stated = Covariance::diagonal([40.0; 3], [15.0; 3]);
+        let (mut model, mut random) = (SourceModel::default(), test_support::Random::new(3));
+        let mut evidence = GainEvidence::NONE;
+        let change = |random: &mut test_support::Random| {
+            let innovation_m: [f64; 3] = std::array::from_fn(|_| random.between(-90.0, 90.0));
+            Change {
+                position_m: innovation_m.map(|part| 0.5 * part),
+                velocity_mps: innovation_m.map(|part| 0.2 * part / SECONDS),
+                seconds: SECONDS,
+                has_height: true,
+            }
+        };
+        let unknown = model.undone_between(&evidence, &change(&mut random), &stated);
+        assert_eq!(unknown, None, "nothing is known yet");
+        for report in 0..2000 {
+            if report % 40 == 0 {
+                evidence = GainEvidence::NONE;
+            }
+            model.undo(&mut evidence, &change(&mut random), &stated);
+        }
+        let next = change(&mut random);
+        let between = model.undone_between(&evidence, &next, &stated).unwrap();
+        let (innovation_m, _) = between.measurement.unwrap();
+        for (innovation, moved) in innovation_m.iter().zip(next.position_m) {
+            assert!(
+                (innovation - 2.0 * moved).abs() < 0.3 * moved.abs() + 3.0,
+                "{innovation_m:?}"
+            );
+        }
+        let again = model.undone_between(&evidence, &next, &stated).unwrap();
+        assert_eq!(between, again, "nothing was learned");
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! What is known of the sources as a whole: what they were learned to be worth, their systematic errors, and how
 //! targets move.
 
-use estimation::{AxisNoise, Gaussian, Matrix3, NearlyConstantVelocity};
+mod changes;
+
+use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
@@ -11,8 +13,8 @@ use crate::error_shape::Stretch;
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::manoeuvres::Manoeuvres;
 use crate::measurement::{
-    CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, UnfilteredContent, as_reported, as_stated,
-    gaussian_of, recovered_measurement, shows_filter, whole_report,
+    CLAIM_MAX, Content, Correction, CovarianceBasis, Measurement, UnfilteredContent, as_reported, gaussian_of,
+    recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
 use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
@@ -20,6 +22,7 @@ use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
+use crate::step_memory::StepMemory;
 use crate::tracker_gain::{Change, GainEvidence};
 use crate::tracks::Tracks;
 
@@ -54,6 +57,9 @@ pub(crate) struct Sources {
     corrects_clocks: bool,
     /// By how much covariances that show no filter are too small, as a factor.
     usual_claim: f64,
+    /// Sources that were set aside at the last look, as bits.
+    was_set_aside: u64,
+    before_step: StepMemory,
 }
 
 impl Sources {
@@ -76,6 +82,8 @@ impl Sources {
             clocks: vec![ClockError::default(); count],
             corrects_clocks: false,
             usual_claim: 1.0,
+            was_set_aside: 0,
+            before_step: StepMemory::new(count),
         }
     }
 
@@ -377,20 +385,6 @@ impl Sources {
         });
     }
 
-    /// The measurement that led from a state of a sensor track of `source`, so many seconds before, to another one;
-    /// `None` if none can have. Learns nothing.
-    pub(crate) fn measurement_between(
-        &self,
-        source: u16,
-        (before, seconds): (&Gaussian, f64),
-        (after, has_height): (&Gaussian, bool),
-    ) -> Option<Measurement> {
-        match self.models[usize::from(source)].process_noise() {
-            Some(noise) => recovered_measurement(&noise.predicted(before, seconds), after, has_height),
-            None => Some(as_stated(after.position_m(), &after.covariance, has_height)),
-        }
-    }
-
     /// Learns from an innovation how true its source's covariances are and where its detection points lie.
     pub(crate) fn learn_of_innovation(
         &mut self,
@@ -417,7 +411,14 @@ impl Sources {
         }
         let about_mean = std::array::from_fn(|axis| innovation.residual_m[axis] - before[axis]);
         let squared = association::distance::squared2(about_mean, innovation.covariance_m2);
-        if settings.consistency && squared.is_finite() {
+        if settings.registration.enabled && tracks.systems.get(system).life == TrackState::Confirmed {
+            self.registration.add_innovation(
+                source,
+                (innovation.residual_m, innovation.covariance_m2),
+                [target_m[0], target_m[1]],
+            );
+        }
+        if settings.consistency && squared.is_finite() && !self.registration.has_misled_filters() {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
             let steady = tracks.systems.get(system).filter.steadiness();
@@ -487,7 +488,12 @@ impl Sources {
 
     /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
     /// difference.
-    pub(crate) fn compare(&mut self, settings: &Settings, tracks: &Tracks, sensor: SensorSlot) {
+    pub(crate) fn compare(
+        &mut self,
+        settings: &Settings,
+        tracks: &Tracks,
+        (sensor, measurement): (SensorSlot, Option<&Measurement>),
+    ) {
         let entry = tracks.sensors.get(sensor);
         let (report, system) = (&entry.latest, entry.system);
         let source = report.source;
@@ -508,13 +514,21 @@ impl Sources {
             .filter(|member| *member != sensor && confirmed(member))
             .max_by_key(|member| {
                 let latest = &tracks.sensors.get(*member).latest;
-                (latest.time_of_measurement_ns, latest.source)
+                let lags = self.registration.is_young(latest.source);
+                (!lags, latest.time_of_measurement_ns, latest.source)
             });
         let Some(other) = latest else {
             return;
         };
         let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
-        let (own, other) = (view(sensor), view(other));
+        let (mut own, other) = (view(sensor), view(other));
+        if self.registration.is_young(source)
+            && let Some(measurement) = measurement
+        {
+            own.take_measurement(measurement, tracks.sensors.get(sensor).correction());
+        } else if self.registration.is_young(other.source) && !self.registration.is_young(source) {
+            return;
+        }
         let extent_m = settings.association.extent_sigma_m;
         let points_m2 = self.possible_points_m2(extent_m * extent_m);
         let entry = tracks.systems.get(system);
@@ -557,7 +571,16 @@ impl Sources {
         mut restarted: impl FnMut(u16),
     ) {
         if due {
+            self.begin_anew_where_set_aside(&mut restarted);
+            if sees_points {
+                self.registration.pass_over_innovations();
+            }
             self.registration.begin(&mut restarted);
+            self.credibility.pass_over(self.registration.with_known_steps());
+            self.before_step.look(&self.models, &mut self.manoeuvres);
+            if self.registration.takes_step() {
+                self.before_step.restore(&mut self.models, &mut self.manoeuvres);
+            }
         }
         if !self.registration.is_solving() || !self.registration.step(&self.clocks, restarted) {
             return;
@@ -573,8 +596,10 @@ impl Sources {
             true => Some(learned_m2),
             false => decides_early.then_some(largest_m2),
         };
+        let before = self.registration.removing();
         self.registration
             .decide(&self.clocks, spread_m2, confirmed, sees_points);
+        self.trust_found(before);
     }
 
     /// Takes over how the sources' own trackers let their targets move: the median of what they assume.

@@ -11,6 +11,7 @@ use messages::AXES;
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
+use crate::measurement::{Correction, Measurement};
 use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, ERRORS, Errors, RANGE, TIME};
 
@@ -68,6 +69,16 @@ impl TargetView {
     /// Returns the displacement of the report of a target with this velocity by the source's biases.
     pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
         sensitivity(self.position_m, velocity_mps, self.place_m)
+    }
+
+    /// Takes the measurement behind a state, from which `correction` was taken off, in place of the state.
+    pub(crate) fn take_measurement(&mut self, measurement: &Measurement, correction: &Correction) {
+        let mut measurement = *measurement;
+        measurement.uncorrect(correction);
+        let [xx, xy, xz, yy, yz, zz] = measurement.covariance_m2;
+        self.position_m = measurement.position_m;
+        self.covariance_m2 = estimation::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        self.has_height &= measurement.axes == AXES;
     }
 }
 

@@ -6,6 +6,10 @@
 //! the differences, less a penalty for each estimated error. Height and time offset are part of every model. A source
 //! without errors has the model of an offset, which is then insignificant.
 //!
+//! Comparisons of one target depend on each other: its points and the errors of its trackers persist. So a target counts
+//! as one comparison at first, and as a further one every five seconds. Otherwise the points of large targets
+//! look like a rotation within the first scans.
+//!
 //! A change to a model with as many errors or more must raise the evidence clearly. One source changes its model at a
 //! time, the one with most to gain: its rivals for the same differences are judged again with that error removed.
 //!
@@ -46,6 +50,9 @@ const WITH_PLACE: [BiasModel; 7] = [
 impl BiasModel {
     /// A constant offset.
     pub(crate) const OFFSET: Self = Self::new(true, false, false);
+
+    /// An offset and an azimuth bias.
+    pub(crate) const TURNED: Self = Self::new(true, false, true);
 
     const fn new(offset: bool, range: bool, azimuth: bool) -> Self {
         Self { offset, range, azimuth }

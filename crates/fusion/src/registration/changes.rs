@@ -1,0 +1,165 @@
+//! Changes of the systematic errors of a source: the start of a new estimate, and the time after it.
+//!
+//! A step shows in the innovations (module `steps`), or in the differences of states (module `recent`), or the other
+//! sources contradict a source by more than the filters accept. The estimate of the source that changed is dropped. The
+//! states of its tracker lag behind the step for some scans: until then its measurements are compared with the states
+//! of others, its states are compared with nothing, and the innovations of misled filters teach nothing.
+
+use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
+use crate::registration::recent::{Recent, SOLUTIONS_MIN, step_limit};
+use crate::registration::rows::{AZIMUTH, RANGE};
+use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, YOUNG_TICKS};
+use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
+
+/// Samples for which the innovations count that showed a step.
+const SEEDED_SAMPLES: f64 = 1.2 * SAMPLES_MIN;
+/// Chi-square with two degrees of freedom up to which an offset may be none.
+const EXPLAINED_2: f64 = 9.2;
+
+impl Registration {
+    /// Drops the estimate of a source and all sums behind it.
+    pub(crate) fn forget(&mut self, own: usize) {
+        let count = self.sources.len();
+        for other in partners(self.partners[own]) {
+            self.pairs[own * count + other] = EMPTY;
+            self.pairs[other * count + own] = EMPTY;
+            self.partners[other] &= !(1 << own);
+        }
+        self.partners[own] = 0;
+        self.contradicted[own] = 0.0;
+        self.fits[own] = 1.0;
+        self.recents[own] = Recent::default();
+        self.ticks[own] = 0;
+        self.solutions[own] = 0;
+        self.sources[own] = SourceErrors::unknown();
+        self.seeds[own] = Seed::NONE;
+        self.formers[own] = None;
+        self.young[own] = 0;
+        self.steps.clear();
+    }
+
+    /// Drops the estimates of the sources whose errors changed by a step; they are passed to `restarted`.
+    pub(super) fn forget_after_step(&mut self, mut restarted: impl FnMut(u16)) {
+        let is_sought = |own: usize| self.reference != Some(own as u16) && self.sources[own].samples >= SAMPLES_MIN;
+        let sought = (0..self.sources.len()).filter(|own| is_sought(*own));
+        let limit = step_limit(sought.map(|own| &self.recents[own]));
+        if limit == f64::INFINITY || self.targets < TARGETS_MIN as f64 {
+            return;
+        }
+        for own in 0..self.sources.len() {
+            if self.reference != Some(own as u16) && self.recents[own].is_step(limit) {
+                self.begin_anew(own);
+                restarted(own as u16);
+            }
+        }
+        // The latest differences of all sources contain the step.
+        self.recents.fill(Recent::default());
+    }
+
+    /// Adds an innovation of a source's report: residual and its covariance, of a target at this
+    /// position east and north.
+    #[inline]
+    pub(crate) fn add_innovation(&mut self, source: usize, innovation: ([f64; 2], [f64; 3]), position_m: [f64; 2]) {
+        let (mut residual_m, covariance_m2) = innovation;
+        // What is known but not removed is no change.
+        let suspected_m = self.suspected_shift(source as u16);
+        for (residual, suspected) in residual_m.iter_mut().zip(suspected_m) {
+            *residual -= suspected;
+        }
+        self.steps.add(source, (residual_m, covariance_m2), position_m);
+    }
+
+    /// Returns whether the errors of a source changed so recently that its tracker's states lag behind.
+    pub(crate) fn is_young(&self, source: u16) -> bool {
+        self.young[usize::from(source)] > 0
+    }
+
+    /// Returns the sources with a recent step that has been estimated, as bits: their trackers' states lag behind the
+    /// step, so that they contradict the others without need.
+    pub(crate) fn with_known_steps(&self) -> u64 {
+        let is_known =
+            |own: usize| self.young[own] > 0 && self.seeds[own].normal[(2, 2)] > 0.0 && self.is_corrected(own);
+        (0..self.sources.len()).fold(0, |bits, own| bits | u64::from(is_known(own)) << own)
+    }
+
+    /// Returns whether a step was found at this tick or the last one.
+    pub(crate) fn takes_step(&self) -> bool {
+        self.young.iter().any(|young| *young + 1 >= YOUNG_TICKS)
+    }
+
+    /// Forgets the innovations: they contain the points of targets that the sources detect.
+    pub(crate) fn pass_over_innovations(&mut self) {
+        self.steps.clear();
+    }
+
+    /// Returns whether filters may still be misled by a step.
+    pub(crate) fn has_misled_filters(&self) -> bool {
+        self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
+    }
+
+    /// Starts the estimate of a source anew if its innovations show a step.
+    pub(super) fn look_for_step(&mut self, restarted: &mut impl FnMut(u16)) {
+        let is_sought = |own: usize| {
+            self.reference != Some(own as u16)
+                && self.sources[own].samples >= SAMPLES_MIN
+                && self.solutions[own] >= SOLUTIONS_MIN
+                && self.young[own] == 0
+        };
+        let step = self.steps.look(is_sought);
+        let Some(step) = step.filter(|_| self.targets >= TARGETS_MIN as f64) else {
+            return;
+        };
+        let own = step.source;
+        let old = self.sources[own];
+        let (seed, model) = Seed::of(&step, &old, self.formers[own].as_ref(), self.places_m[own]);
+        self.begin_anew(own);
+        self.seeds[own] = seed;
+        self.sources[own].model = model;
+        self.sources[own].samples = SEEDED_SAMPLES;
+        restarted(own as u16);
+    }
+
+    /// Returns the sources of which a horizontal error is removed, as bits.
+    pub(crate) fn removing(&self) -> u64 {
+        let is_removed = |known: &SourceErrors| [0, RANGE, AZIMUTH].into_iter().any(|row| known.removed[row]);
+        let sources = self.sources.iter().enumerate();
+        sources.fold(0, |bits, (own, known)| bits | u64::from(is_removed(known)) << own)
+    }
+
+    /// Returns whether the present estimate of a source that changed has been solved for the first time, and makes its
+    /// reports right.
+    pub(crate) fn is_first_solution(&self, source: u16) -> bool {
+        let own = usize::from(source);
+        self.is_young(source) && self.solutions[own] == 1 && self.is_corrected(own)
+    }
+
+    /// Returns whether the horizontal errors of a source are removed, or insignificant.
+    fn is_corrected(&self, own: usize) -> bool {
+        let known = &self.sources[own];
+        let squared = |row: usize| known.errors[row] * known.errors[row] / known.variances[row];
+        self.solutions[own] > 0 && (known.removed[0] || known.removed[AZIMUTH] || squared(0) + squared(1) < EXPLAINED_2)
+    }
+
+    /// Starts the estimate of a source anew, unless it is new; returns whether it did.
+    pub(crate) fn begin_anew_if_settled(&mut self, source: u16) -> bool {
+        let own = usize::from(source);
+        let is_settled = self.reference != Some(source)
+            && self.solutions[own] >= SOLUTIONS_MIN
+            && self.young[own] == 0
+            && self.targets >= TARGETS_MIN as f64;
+        if is_settled {
+            self.begin_anew(own);
+        }
+        is_settled
+    }
+
+    /// Drops the estimate of a source whose errors have changed; the estimate is a rival of the next one.
+    pub(crate) fn begin_anew(&mut self, own: usize) {
+        let former = FormerErrors::of(&self.sources[own]);
+        self.forget(own);
+        self.formers[own] = Some(former);
+        self.young[own] = YOUNG_TICKS;
+        // The latest differences of all sources contain the step.
+        self.recents.fill(Recent::default());
+    }
+}

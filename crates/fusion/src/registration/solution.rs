@@ -1,0 +1,235 @@
+//! The solution of the normal equations of all sources, in steps of bounded work.
+//!
+//! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the others
+//! fixed. Then the models of each source are compared. The estimates change once all of it is complete.
+
+use nalgebra::{Cholesky, Const};
+use serde::{Deserialize, Serialize};
+
+use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, SourceErrors, clock_of, prior_variances};
+use crate::registration::model::BiasModel;
+use crate::registration::recent::SOLUTIONS_MIN;
+use crate::registration::rows::{ERRORS, Errors, NormalMatrix, TIME};
+use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
+
+/// Sweeps of Gauss–Seidel per tick.
+const SWEEPS: usize = 4;
+/// Work of one step of a solution, in visits to pairs: about ten microseconds. The source in progress is completed.
+const STEP_WORK: usize = 192;
+/// Work of factoring the equations of a source, and of solving them, in visits to pairs.
+const FACTOR_WORK: usize = 16;
+const SOLVE_WORK: usize = 4;
+/// Work of comparing the models of a source, likewise.
+const SELECT_WORK: usize = 64;
+/// Samples of a source before other sources' models are judged by comparison with it.
+pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
+/// Time after which a further comparison of one target counts as independent in the evidence for a model, seconds: its
+/// points and the errors of its trackers persist.
+const INDEPENDENT_S: f64 = 5.0;
+/// Share of contradicting differences at which the estimate is dropped.
+const CONTRADICTED: f64 = 0.75;
+
+/// A solution in progress.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct SolutionProgress {
+    /// Next sweep and source; `None` if no solution is in progress.
+    next: Option<(usize, usize)>,
+    sources: Vec<SourceErrors>,
+    /// Factored normal equations of each source, set in the first sweep.
+    factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
+    /// Change of a model that raises the evidence most, and by how much.
+    best: Option<(f64, usize, BiasModel)>,
+}
+
+impl SolutionProgress {
+    pub(super) fn new(sources: usize) -> Self {
+        Self {
+            next: None,
+            sources: vec![SourceErrors::unknown(); sources],
+            factors: vec![None; sources],
+            best: None,
+        }
+    }
+}
+
+impl Registration {
+    /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
+    /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`.
+    pub(crate) fn begin(&mut self, mut restarted: impl FnMut(u16)) {
+        if self.is_solving() {
+            return;
+        }
+        let keep = self.keep.powf(1.0 / SWEEPS as f64);
+        for source in &mut self.sources {
+            for _ in 0..SWEEPS {
+                source.samples *= keep;
+            }
+        }
+        for ticks in &mut self.ticks {
+            *ticks = ticks.saturating_add(1);
+        }
+        for young in &mut self.young {
+            *young = young.saturating_sub(1);
+        }
+        for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
+            recent.look(self.keep_drifting, known.model);
+        }
+        self.look_for_step(&mut restarted);
+        self.forget_after_step(restarted);
+        self.solution.sources.copy_from_slice(&self.sources);
+        self.solution.best = None;
+        self.solution.next = Some((0, 0));
+    }
+
+    /// Returns whether a solution is in progress.
+    pub(crate) fn is_solving(&self) -> bool {
+        self.solution.next.is_some()
+    }
+
+    /// Performs one step of the solution and returns whether the solution is now complete; then [`Self::decide`] is
+    /// due. The estimate of a source with impossible or contradicted errors is dropped, and the source is passed to
+    /// `restarted`. `clocks` are the clock errors of the sources from the times of receipt.
+    pub(crate) fn step(&mut self, clocks: &[ClockError], mut restarted: impl FnMut(u16)) -> bool {
+        let Some((mut sweep, mut own)) = self.solution.next.take() else {
+            return false;
+        };
+        let mut work = 0;
+        while sweep <= SWEEPS {
+            if work >= STEP_WORK {
+                self.solution.next = Some((sweep, own));
+                return false;
+            }
+            if sweep == SWEEPS {
+                self.compare_models(own, clock_of(clocks, own));
+                work += SELECT_WORK + self.partners[own].count_ones() as usize;
+                own += 1;
+                if own == self.sources.len() {
+                    sweep += 1;
+                }
+                continue;
+            }
+            if sweep == 0 {
+                self.forget_and_factor(own, clock_of(clocks, own));
+                work += FACTOR_WORK;
+            }
+            work += SOLVE_WORK + self.partners[own].count_ones() as usize;
+            self.solve(own, clock_of(clocks, own));
+            own += 1;
+            if own == self.sources.len() {
+                if self.reference.is_none() {
+                    gauge::fix(&mut self.solution.sources, clocks);
+                }
+                (sweep, own) = (sweep + 1, 0);
+            }
+        }
+        if let Some((_, own, model)) = self.solution.best {
+            self.sources[own].model = model;
+            self.steps.clear();
+        }
+        for own in 0..self.sources.len() {
+            let solved = self.solution.sources[own];
+            if solved.are_possible() && self.contradicted[own] <= CONTRADICTED {
+                (self.sources[own].errors, self.sources[own].variances) = (solved.errors, solved.variances);
+                let is_begun = self.sources[own].samples >= SAMPLES_MIN;
+                self.solutions[own] = (self.solutions[own] + u8::from(is_begun)).min(SOLUTIONS_MIN);
+            } else {
+                self.forget(own);
+                restarted(own as u16);
+            }
+        }
+        true
+    }
+
+    /// Decays the sums of one source by one tick, and factors its normal equations.
+    fn forget_and_factor(&mut self, own: usize, clock: ClockError) {
+        let count = self.sources.len();
+        self.seeds[own].fade(self.keep_drifting);
+        let (mut normal, _) = prior(clock);
+        normal += self.seeds[own].normal;
+        for other in partners(self.partners[own]) {
+            let pair = &mut self.pairs[own * count + other];
+            let drifts = self.recents[own].is_drift() || self.recents[other].is_drift();
+            let keep = if drifts { self.keep_drifting } else { self.keep };
+            pair.own *= keep;
+            pair.cross *= keep;
+            pair.right *= keep;
+            normal += pair.own;
+        }
+        self.solution.sources[own].model.hold(&mut normal);
+        let is_sought = self.reference != Some(own as u16) && self.sources[own].samples != 0.0;
+        let factor = if is_sought { normal.cholesky() } else { None };
+        if let Some(factor) = &factor {
+            let held = self.solution.sources[own].model;
+            self.solution.sources[own].variances = held.known(factor.inverse().diagonal(), &prior_variances());
+        }
+        self.solution.factors[own] = factor;
+    }
+
+    /// Solves for the errors of one source, with the errors of the others fixed.
+    fn solve(&mut self, own: usize, clock: ClockError) {
+        let Some(factor) = &self.solution.factors[own] else {
+            return;
+        };
+        let count = self.sources.len();
+        let (_, mut right) = prior(clock);
+        right += self.seeds[own].right;
+        for other in partners(self.partners[own]) {
+            let pair = &self.pairs[own * count + other];
+            right += pair.right + pair.cross * self.solution.sources[other].errors;
+        }
+        let known = &mut self.solution.sources[own];
+        known.errors = known.model.known(factor.solve(&right), &Errors::zeros());
+    }
+
+    /// Returns the normal equations of one source without the comparisons with sources whose own errors are not solved
+    /// for yet.
+    fn settled_equations(&self, own: usize, clock: ClockError) -> (NormalMatrix, Errors) {
+        let count = self.sources.len();
+        let (mut normal, mut right) = prior(clock);
+        normal += self.seeds[own].normal;
+        right += self.seeds[own].right;
+        for other in partners(self.partners[own]) {
+            if self.sources[other].samples >= SETTLED_MIN {
+                let pair = &self.pairs[own * count + other];
+                normal += pair.own;
+                right += pair.right + pair.cross * self.solution.sources[other].errors;
+            }
+        }
+        (normal, right)
+    }
+
+    /// Compares the models of a source by their evidence, with the errors of the others fixed.
+    fn compare_models(&mut self, own: usize, clock: ClockError) {
+        let samples = self.sources[own].samples;
+        if self.solution.factors[own].is_none() || samples < SAMPLES_MIN {
+            return;
+        }
+        let (normal, right) = self.settled_equations(own, clock);
+        let weighted = SAMPLE_WEIGHT * samples;
+        let age_s = f64::from(self.ticks[own]) * self.tick_s;
+        let effective = weighted.min(SAMPLE_WEIGHT * self.targets * (1.0 + age_s / INDEPENDENT_S));
+        let better = self.sources[own].model.better(
+            &normal,
+            &right,
+            effective / weighted / self.fits[own].max(1.0),
+            effective,
+            self.places_m[own].is_some(),
+        );
+        if let Some((gain, model)) = better
+            && self.solution.best.is_none_or(|(best, ..)| gain > best)
+        {
+            self.solution.best = Some((gain, own, model));
+        }
+    }
+}
+
+/// Returns the normal equations of a source before any comparison.
+fn prior(clock: ClockError) -> (NormalMatrix, Errors) {
+    let mut normal =
+        NormalMatrix::from_diagonal(&Errors::from_fn(|row, _| 1.0 / (PRIOR_SIGMA[row] * PRIOR_SIGMA[row])));
+    let mut right = Errors::zeros();
+    let (information, offset_s) = clock.prior();
+    normal[(TIME, TIME)] = information;
+    right[TIME] = information * offset_s;
+    (normal, right)
+}

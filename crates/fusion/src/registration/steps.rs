@@ -1,0 +1,407 @@
+//! Steps of the systematic errors: a generalised likelihood ratio on innovations, and the start of a new estimate.
+//!
+//! The differences of registration compare states of trackers. A tracker follows a step of its sensor over several
+//! scans, and settled sources are compared rarely, so that such differences show a step after half a minute. The
+//! innovations of the system filters show the step in the next scan: the measurements behind the states are
+//! independent of each other, and each report has an innovation.
+//!
+//! For each source and for several possible times of the step, the mean innovation since then is compared with the mean
+//! innovation of all other sources since then. Both means contain what all sources have in common, such as the lag of
+//! the filters in a turn, and the part of the step that the filters have absorbed already. The difference of the means
+//! is the most likely step, and its squared statistical length the ratio of the likelihoods. A step is an offset, or an
+//! offset and a rotation. The length is reduced where the innovations of the source scatter more than expected. The
+//! source with the greatest length has changed, if no other source comes near it; two sources alone are not told apart.
+//!
+//! The new estimate of the source that changed begins with the step that was found. Its former estimate is a rival: if
+//! it explains the new errors, as after the end of a fault, it is taken up again.
+//!
+//! Source: A. Willsky, H. Jones, *A generalized likelihood ratio approach to the detection and estimation of jumps in
+//! linear systems*, IEEE Transactions on Automatic Control 21 (1976).
+
+use association::distance::{Symmetric2, squared2};
+use serde::{Deserialize, Serialize};
+
+use crate::registration::errors::SourceErrors;
+use crate::registration::model::BiasModel;
+use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, TIME};
+
+type Matrix3 = nalgebra::Matrix3<f64>;
+type Vector3 = nalgebra::Vector3<f64>;
+
+/// Rows of the errors that may step.
+const ROWS: [usize; 3] = [0, 1, AZIMUTH];
+
+/// Intervals of the memory, and ticks of each interval.
+const INTERVALS: usize = 12;
+const INTERVAL_TICKS: u8 = 2;
+/// Numbers of the latest intervals that are tested for a step at their beginning.
+const STARTS: [usize; 7] = [1, 2, 3, 4, 6, 9, 12];
+/// Innovations of the source, and of all others, for a test.
+const COUNT_MIN: f64 = 6.0;
+/// Squared statistical length of a rotation that is more than an offset.
+const TURNS: f64 = 16.0;
+/// Weight of one innovation: turns make innovations of one target depend on each other.
+const WEIGHT: f64 = 0.5;
+/// Largest squared length of one innovation. Scattered absurd reports make no step, as they enlarge the scatter.
+const SQUARED_MAX: f64 = 1000.0;
+/// Squared statistical length of a step, and share of it that a second source may have.
+const STEP: f64 = 25.0;
+const SECOND_MAX: f64 = 0.6;
+/// Squared statistical length up to which a former estimate explains the new errors.
+const EXPLAINED: f64 = 11.3;
+/// Standard deviation of a former estimate that is taken up again, metres.
+const FORMER_SIGMA_M: f64 = 10.0;
+/// Standard deviation of a found step relative to its length: filters and trackers have absorbed a part.
+const UNKNOWN_SHARE: f64 = 0.1;
+/// Least standard deviation of a rotation, radians: ten metres at fifty kilometres.
+const ROTATION_MIN_RAD: f64 = 2e-4;
+/// Ticks after a step in which measurements are compared instead of states: trackers have not followed the step yet.
+pub(crate) const YOUNG_TICKS: u8 = 25;
+
+/// Ticks after a step in which filters may still be misled by it.
+pub(crate) const MISLED_TICKS: u8 = 6;
+
+/// Sums of the innovations of one source in one interval, as the normal equations of an offset and a rotation.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Sums {
+    /// Σ HᵀWH of the offset (xx, xy, yy), the products of offset and rotation, and of the rotation.
+    information: [f64; 3],
+    mixed: [f64; 2],
+    rotation: f64,
+    /// Σ HᵀW·residual.
+    sum: [f64; 3],
+    /// Σ of squared lengths, and number.
+    squares: f64,
+    count: f64,
+}
+
+impl Sums {
+    fn plus(mut self, other: &Self, sign: f64) -> Self {
+        fn add<const N: usize>(own: &mut [f64; N], other: &[f64; N], sign: f64) {
+            own.iter_mut().zip(other).for_each(|(own, other)| *own += sign * other);
+        }
+        add(&mut self.information, &other.information, sign);
+        add(&mut self.mixed, &other.mixed, sign);
+        add(&mut self.sum, &other.sum, sign);
+        self.rotation += sign * other.rotation;
+        self.squares += sign * other.squares;
+        self.count += sign * other.count;
+        self
+    }
+
+    /// Returns the mean and its covariance, if there is no rotation.
+    fn mean(&self) -> ([f64; 2], Symmetric2) {
+        let [xx, xy, yy] = inverse(self.information);
+        let [east, north, _] = self.sum;
+        ([xx * east + xy * north, xy * east + yy * north], [xx, xy, yy])
+    }
+
+    /// Returns the variance of the innovations about their mean relative to the expected one; at least 1.
+    fn scatter(&self, [east, north]: [f64; 2]) -> f64 {
+        let explained = self.sum[0] * east + self.sum[1] * north;
+        ((self.squares - explained) / (2.0 * self.count - 2.0)).max(1.0)
+    }
+
+    /// Returns the step of offset and rotation relative to the mean of the others, and its covariance.
+    fn turned(&self, others_m: [f64; 2], others_m2: Symmetric2) -> Option<(Vector3, Matrix3)> {
+        let ([xx, xy, yy], [xa, ya]) = (self.information, self.mixed);
+        let normal = Matrix3::new(xx, xy, xa, xy, yy, ya, xa, ya, self.rotation);
+        let right = Vector3::from(self.sum);
+        let inverse = normal.cholesky()?.inverse();
+        let explained = right.dot(&(inverse * right));
+        let scatter = ((self.squares - explained) / (2.0 * self.count - 3.0)).max(1.0);
+        let others = Vector3::new(others_m[0], others_m[1], 0.0);
+        let mut covariance = inverse * (scatter / WEIGHT);
+        covariance[(0, 0)] += others_m2[0];
+        covariance[(0, 1)] += others_m2[1];
+        covariance[(1, 0)] += others_m2[1];
+        covariance[(1, 1)] += others_m2[2];
+        Some((inverse * right - others, covariance))
+    }
+}
+
+fn inverse([xx, xy, yy]: Symmetric2) -> Symmetric2 {
+    let determinant = xx * yy - xy * xy;
+    [yy / determinant, -xy / determinant, xx / determinant]
+}
+
+/// A step of the errors of one source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Step {
+    pub(crate) source: usize,
+    /// Offset east and north, metres, and rotation about the origin, radians clockwise; the covariance of the three.
+    by: Vector3,
+    covariance: Matrix3,
+    /// Whether it is more than an offset.
+    turns: bool,
+    /// Squared statistical length.
+    length: f64,
+}
+
+/// What is known of a source that changed from the step itself.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Seed {
+    /// Normal equations, which fade.
+    pub(crate) normal: NormalMatrix,
+    pub(crate) right: Errors,
+}
+
+impl Seed {
+    pub(crate) const NONE: Self = Self {
+        normal: NormalMatrix::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; ERRORS])),
+        right: Errors::from_array_storage(nalgebra::ArrayStorage([[0.0; ERRORS]; 1])),
+    };
+
+    /// Returns what a step reveals of a source whose errors were `old`, with its `former` estimate as rival,
+    /// and the model of the new errors. `place_m` is the position of the sensor, if known.
+    pub(crate) fn of(
+        step: &Step,
+        old: &SourceErrors,
+        former: Option<&FormerErrors>,
+        place_m: Option<[f64; 2]>,
+    ) -> (Self, BiasModel) {
+        let [east, north] = place_m.unwrap_or_default();
+        // A rotation about the origin is one about the sensor, and an offset.
+        let moved = Matrix3::new(1.0, 0.0, north, 0.0, 1.0, -east, 0.0, 0.0, 1.0);
+        let by = moved * step.by;
+        let mut covariance = moved * step.covariance * moved.transpose();
+        let unknown = UNKNOWN_SHARE * by.xy().norm();
+        covariance[(0, 0)] += unknown * unknown;
+        covariance[(1, 1)] += unknown * unknown;
+        covariance[(2, 2)] += UNKNOWN_SHARE * UNKNOWN_SHARE * by.z * by.z + ROTATION_MIN_RAD * ROTATION_MIN_RAD;
+        let before = ROWS.map(|row| old.errors[row]);
+        let now = by + Vector3::from(before);
+        let mut seed = Self::NONE;
+        for row in [2, TIME] {
+            // Doubled deviations: the height and the clock may have changed, too.
+            seed.add_row(row, old.errors[row], 4.0 * old.variances[row]);
+        }
+        if let Some(former) = former
+            && former.explains(&now, &covariance)
+        {
+            for (part, row) in ROWS
+                .into_iter()
+                .enumerate()
+                .filter(|(_, row)| former.model.estimates(*row))
+            {
+                seed.add_row(row, former.errors[part], former.variances[part]);
+            }
+            return (seed, former.model);
+        }
+        let model = if step.turns || old.model.is_polar() {
+            BiasModel::TURNED
+        } else {
+            BiasModel::OFFSET
+        };
+        if model == BiasModel::OFFSET {
+            let offset_m2 = [covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]];
+            let [xx, xy, yy] = inverse(offset_m2);
+            let information = Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0);
+            seed.add(&information, &now);
+        } else if let Some(factor) = covariance.cholesky() {
+            seed.add(&factor.inverse(), &now);
+        }
+        (seed, model)
+    }
+
+    fn add(&mut self, information: &Matrix3, errors: &Vector3) {
+        let right = information * errors;
+        for (part, row) in ROWS.into_iter().enumerate() {
+            self.right[row] += right[part];
+            for (other, column) in ROWS.into_iter().enumerate() {
+                self.normal[(row, column)] += information[(part, other)];
+            }
+        }
+    }
+
+    fn add_row(&mut self, row: usize, error: f64, variance: f64) {
+        self.normal[(row, row)] += 1.0 / variance;
+        self.right[row] += error / variance;
+    }
+
+    pub(crate) fn fade(&mut self, keep: f64) {
+        self.normal *= keep;
+        self.right *= keep;
+    }
+}
+
+/// Offset and azimuth bias of a source before its latest step.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct FormerErrors {
+    errors: [f64; 3],
+    variances: [f64; 3],
+    model: BiasModel,
+}
+
+impl FormerErrors {
+    pub(crate) fn of(known: &SourceErrors) -> Self {
+        let least = [FORMER_SIGMA_M, FORMER_SIGMA_M, ROTATION_MIN_RAD];
+        let variance = |part: usize| {
+            let known = known.model.estimates(ROWS[part]).then(|| known.variances[ROWS[part]]);
+            known.unwrap_or_default().max(least[part] * least[part])
+        };
+        Self {
+            errors: ROWS.map(|row| known.errors[row]),
+            variances: std::array::from_fn(variance),
+            model: known.model,
+        }
+    }
+
+    fn explains(&self, errors: &Vector3, covariance: &Matrix3) -> bool {
+        let apart = errors - Vector3::from(self.errors);
+        let covariance = covariance + Matrix3::from_diagonal(&Vector3::from(self.variances));
+        covariance
+            .cholesky()
+            .is_some_and(|factor| apart.dot(&factor.solve(&apart)) < EXPLAINED)
+    }
+}
+
+/// Search for steps of all sources.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct StepSearch {
+    /// Per source, and per interval as a ring.
+    sums: Vec<[Sums; INTERVALS]>,
+    /// Sums of all sources per interval.
+    total: [Sums; INTERVALS],
+    /// Present interval, and its ticks.
+    present: usize,
+    ticks: u8,
+}
+
+impl StepSearch {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self {
+            sums: vec![[Sums::default(); INTERVALS]; sources],
+            total: [Sums::default(); INTERVALS],
+            present: 0,
+            ticks: 0,
+        }
+    }
+
+    /// Adds an innovation of a source: residual, its covariance, and the position of the target east and north.
+    #[inline]
+    pub(crate) fn add(
+        &mut self,
+        source: usize,
+        (residual_m, covariance_m2): ([f64; 2], Symmetric2),
+        position_m: [f64; 2],
+    ) {
+        let [xx, xy, yy] = inverse(covariance_m2);
+        let squared = squared2(residual_m, covariance_m2);
+        // NaN is rejected.
+        if !(squared < f64::MAX && xx > 0.0) {
+            return;
+        }
+        let bound = (SQUARED_MAX / squared.max(SQUARED_MAX)).sqrt();
+        let [east, north] = residual_m.map(|part| part * bound);
+        let sums = &mut self.sums[source][self.present];
+        // Azimuth counts clockwise from north.
+        let turned = [position_m[1], -position_m[0]];
+        let mixed = [xx * turned[0] + xy * turned[1], xy * turned[0] + yy * turned[1]];
+        let added = Sums {
+            information: [xx, xy, yy],
+            mixed,
+            rotation: mixed[0] * turned[0] + mixed[1] * turned[1],
+            sum: [
+                xx * east + xy * north,
+                xy * east + yy * north,
+                mixed[0] * east + mixed[1] * north,
+            ],
+            squares: squared.min(SQUARED_MAX),
+            count: 1.0,
+        };
+        *sums = sums.plus(&added, 1.0);
+    }
+
+    /// Forgets all innovations: corrections have changed.
+    pub(crate) fn clear(&mut self) {
+        self.sums.fill([Sums::default(); INTERVALS]);
+        self.ticks = 0;
+    }
+
+    /// Looks for a step once per tick, among the sources that are `sought`.
+    pub(crate) fn look(&mut self, sought: impl Fn(usize) -> bool) -> Option<Step> {
+        let step = self.step(sought);
+        self.ticks += 1;
+        if self.ticks >= INTERVAL_TICKS {
+            self.ticks = 0;
+            self.present = (self.present + 1) % INTERVALS;
+            for sums in &mut self.sums {
+                sums[self.present] = Sums::default();
+            }
+        }
+        step
+    }
+
+    fn step(&mut self, sought: impl Fn(usize) -> bool) -> Option<Step> {
+        self.total = [Sums::default(); INTERVALS];
+        for sums in &self.sums {
+            for (total, sums) in self.total.iter_mut().zip(sums) {
+                *total = total.plus(sums, 1.0);
+            }
+        }
+        let (mut best, mut second): (Option<Step>, f64) = (None, 0.0);
+        for source in 0..self.sums.len() {
+            let Some(step) = self.step_of(source) else {
+                continue;
+            };
+            if best.is_none_or(|best| step.length > best.length) {
+                second = best.map_or(second, |best| best.length.max(second));
+                best = Some(step);
+            } else {
+                second = second.max(step.length);
+            }
+        }
+        best.filter(|best| best.length > STEP && second < SECOND_MAX * best.length && sought(best.source))
+    }
+
+    /// Returns the most likely step of one source.
+    fn step_of(&self, source: usize) -> Option<Step> {
+        let (mut own, mut others) = (Sums::default(), Sums::default());
+        let mut best: Option<Step> = None;
+        for back in 0..INTERVALS {
+            let interval = (self.present + INTERVALS - back) % INTERVALS;
+            let sums = &self.sums[source][interval];
+            own = own.plus(sums, 1.0);
+            others = others.plus(&self.total[interval].plus(sums, -1.0), 1.0);
+            if !STARTS.contains(&(back + 1)) || own.count < COUNT_MIN || others.count < COUNT_MIN {
+                continue;
+            }
+            let ((mean_m, own_m2), (others_m, others_m2)) = (own.mean(), others.mean());
+            let by_m = [mean_m[0] - others_m[0], mean_m[1] - others_m[1]];
+            let own_m2 = own_m2.map(|value| value * own.scatter(mean_m) / WEIGHT);
+            let others_m2 = others_m2.map(|value| value * others.scatter(others_m) / WEIGHT);
+            let covariance_m2: Symmetric2 = std::array::from_fn(|place| own_m2[place] + others_m2[place]);
+            let length = squared2(by_m, covariance_m2);
+            if length.is_finite() && best.is_none_or(|best| length > best.length) {
+                let [xx, xy, yy] = covariance_m2;
+                best = Some(Step {
+                    source,
+                    by: Vector3::new(by_m[0], by_m[1], 0.0),
+                    covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
+                    turns: false,
+                    length,
+                });
+            }
+            let Some((by, covariance)) = own.turned(others_m, others_m2) else {
+                continue;
+            };
+            let length = covariance.cholesky().map_or(0.0, |factor| by.dot(&factor.solve(&by)));
+            let is_turned = by.z * by.z > TURNS * covariance[(2, 2)];
+            if is_turned && best.is_none_or(|best| length > best.length) {
+                best = Some(Step {
+                    source,
+                    by,
+                    covariance,
+                    turns: true,
+                    length,
+                });
+            }
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+#[path = "steps_tests.rs"]
+mod tests;
