@@ -26,7 +26,7 @@ def rows(path, valid_velocity=False):
         number = next(name for name in ("target_id", "system_track_id", "sensor_track_id") if name in names)
         has_covariance = set(COVARIANCE) <= set(names)
         for row in reader:
-            if row.get("state") in ("tentative", "terminated") or valid_velocity and row.get("velocity_valid") == "0":
+            if row.get("state") in ("tentative", "suspended", "terminated") or valid_velocity and row.get("velocity_valid") == "0":
                 continue
             covariance = np.full((6, 6), np.nan)
             if has_covariance and all(row[name] for name in COVARIANCE):

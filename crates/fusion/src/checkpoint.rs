@@ -12,7 +12,7 @@
 //! | positions | each source: how far its reports have been worked off | after each report |
 //! | systems | each system track: number, state, life, identity | when it changes; every second state |
 //! | members | each sensor track that belongs to a system track | when it joins or leaves |
-//! | remembered | each member from before the last start that has not reported since | at the start |
+//! | remembered | each former member that has not reported since: before the start, of a suspended track | at both |
 //! | sources | learned properties of each source | in turn |
 //! | pairs | of each pair of sources: sums of registration, gross errors, dependence | in turn |
 //! | classes | how hard each class of targets turns | in turn |
@@ -38,7 +38,7 @@ pub use kept::{Memory, MemoryRefusal};
 use crate::settings::{Capacity, SourceSettings};
 
 /// Version of the records; increase with each change of their contents.
-const FORMAT: u64 = 9;
+const FORMAT: u64 = 10;
 /// Word that names the report in work, as [`report_key`](crate::suspects::report_key) does; 0 before the first report.
 pub const IN_WORK: usize = HEAD;
 /// Most words of a record's contents.

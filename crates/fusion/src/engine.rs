@@ -407,12 +407,13 @@ impl Engine {
             self.outbox.counts.add(report.source, Counter::RejectedOutOfOrder);
             return None;
         }
-        if age_ns > self.tracks.lifetimes.terminate_ns {
+        if age_ns > self.tracks.lifetimes.silence_ns(report.source) {
             // The source has reused the number for another target.
             self.tracks.drop_sensor_track(sensor);
             return Some(None);
         }
         self.tracks.lifetimes.learn(report.source, time_ns, Some(age_ns));
+        self.tracks.lifetimes.learn_gap(report.source, age_ns);
         Some(Some((sensor, age_ns as f64 / NS_PER_S)))
     }
 
@@ -449,6 +450,10 @@ impl Engine {
         }
         let system = self.tracks.sensors.get(sensor).system;
         if system == NO_SYSTEM {
+            return;
+        }
+        if system != before && self.tracks.systems.get(system).life == TrackState::Suspended {
+            self.resume_number(sensor, report, sink);
             return;
         }
         let period_ns = self.settings.sources[usize::from(report.source)].period_ns;
@@ -606,6 +611,9 @@ impl Engine {
             return;
         }
         let report = self.tracks.sensors.get(sensor).latest;
+        if !self.tracks.systems.has_room(report.source) {
+            self.make_room(report.source, sink);
+        }
         let out = &mut self.outbox.to(sink);
         let mut linking = Linking {
             settings: &self.settings,
@@ -650,8 +658,13 @@ impl Engine {
             .compare(&self.settings, &self.tracks, (sensor, measurement));
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
+        let was_shown = self.tracks.systems.get(system).was_shown;
         self.life
             .update_existence(&self.settings, &mut self.tracks, &self.sources, cause, out);
+        if !was_shown && self.tracks.systems.get(system).was_shown && !self.tracks.systems.silent.is_empty() {
+            self.take_former_number(sensor, report.time_of_measurement_ns, sink);
+        }
+        let out = &mut self.outbox.to(sink);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
     }
@@ -879,10 +892,6 @@ impl Engine {
                     .follow_periods(&self.settings.sources, self.settings.association.scan_wait);
             }
         }
-        let silent_ns = self
-            .schedule
-            .now_ns()
-            .saturating_sub(self.tracks.lifetimes.terminate_ns);
-        self.tracks.drop_silent(silent_ns);
+        self.tracks.drop_silent(self.schedule.now_ns());
     }
 }

@@ -19,6 +19,7 @@ mod names;
 mod orders;
 mod partial_coverage;
 mod passing_time;
+mod resting_numbers;
 mod resumption;
 mod several_duplicates;
 mod slow_sources;
@@ -420,7 +421,7 @@ fn without_reports_a_track_coasts_and_ends_at_the_configured_times() {
     harness.advance(23.0);
     assert_eq!(harness.live(), 1);
     harness.advance(23.1);
-    assert_eq!(harness.published.last().unwrap().state, TrackState::Terminated as u8);
+    assert_eq!(harness.published.last().unwrap().state, TrackState::Suspended as u8);
     assert_eq!(harness.live(), 0);
 }
 

@@ -2,6 +2,7 @@
 
 use messages::{AXES, Counter, Covariance, Identity, NS_PER_S, STATE_LEN, SensorTrack, TrackState, sensor_track_bits};
 
+use crate::filter::TargetFilter;
 use crate::gross;
 use crate::settings::{CorrectionTable, ReportLimits, SourceSettings};
 use crate::system_tracks::SystemTracks;
@@ -21,6 +22,8 @@ const UNKNOWN_VELOCITY_SIGMA_MPS: f64 = 100.0;
 const TIME_MAX_NS: i64 = 1 << 62;
 /// Largest distance between two reports of the same address for the same target, metres.
 const ADDRESS_REACH_M: f64 = 10e3;
+/// Silence beyond which that distance grows no more, seconds.
+const ADDRESS_SILENCE_S: f64 = 120.0;
 
 /// Whether a point lies within `limit` of the origin of its coordinates.
 fn is_in_reach([east, north]: [f64; 2], limit: f64) -> bool {
@@ -142,6 +145,15 @@ pub(crate) fn repaired(report: &SensorTrack) -> Option<SensorTrack> {
     Some(SensorTrack { covariance, ..*report })
 }
 
+/// How far a target that was last seen long ago can be from where it would be in straight flight, metres: it may have
+/// turned round at once.
+#[cold]
+fn way_m(filter: &TargetFilter, time_ns: i64) -> f64 {
+    let speed = filter.estimate.mean[3].hypot(filter.estimate.mean[4]);
+    let seconds = (time_ns - filter.time_ns).max(0) as f64 / NS_PER_S;
+    2.0 * speed * seconds.min(ADDRESS_SILENCE_S)
+}
+
 /// Returns the accepted part of a report's identity, and the counter to increase: an address of a target far away is
 /// not accepted, because transponders are misread, and two can have the same address.
 pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) -> (Identity, Option<Counter>) {
@@ -152,9 +164,14 @@ pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) ->
     else {
         return (identity, None);
     };
-    let carried_m = systems.get(system).filter.place_at(report.time_of_measurement_ns);
+    let entry = systems.get(system);
+    let carried_m = entry.filter.place_at(report.time_of_measurement_ns);
     let apart = |axis: usize| report.position_m[axis] - carried_m[axis];
-    if apart(0) * apart(0) + apart(1) * apart(1) <= ADDRESS_REACH_M * ADDRESS_REACH_M {
+    let mut reach_m = ADDRESS_REACH_M;
+    if entry.life == TrackState::Suspended {
+        reach_m += way_m(&entry.filter, report.time_of_measurement_ns);
+    }
+    if apart(0) * apart(0) + apart(1) * apart(1) <= reach_m * reach_m {
         return (identity, None);
     }
     (identity.without_unique_number(), Some(Counter::IdentityConflicts))

@@ -1,10 +1,14 @@
-//! The life of a system track: tentative, confirmed, coasted, terminated (QF-8), by evidence where there is any.
+//! The life of a system track: tentative, confirmed, coasted, suspended, terminated (QF-8), by evidence where there is
+//! any.
 //!
 //! A track becomes tentative with its first report, and confirmed once the evidence suffices. A confirmed track coasts
-//! if no source has reported the target for a while. A track ends in one of four ways:
+//! if no source has reported the target for a while, and is suspended a life time after the last report: it is shown
+//! no more, but its number rests for `numbers.rest_s`, and a target that comes back resumes it (module `resumption`).
+//! A track ends in one of five ways:
 //!
-//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown, `terminate_ns`
-//!   after the last report of any other (module `lifetimes` derives both times from the sources' periods).
+//! - Without reports: `tentative_ns` after the last report of a tentative track that was never shown, at the end of the
+//!   rest any other (module `lifetimes` derives the times from the sources' periods).
+//! - Suspended, if too many others are suspended, or a new track needs its place.
 //! - By a merge into another track (module `linking`).
 //! - By an order (module `orders`).
 //! - In a start from a checkpoint, if the stored track has become too old (module `restore`).
@@ -21,6 +25,7 @@ use crate::explanation::Sink;
 use crate::outlet::Outlet;
 use crate::purity::LASTING_REPORTS;
 use crate::settings::{Settings, SourceSettings};
+use crate::silent_tracks::SUSPENDED_MAX;
 use crate::sources::Sources;
 use crate::system_track_message::{publish_change, publish_extrapolated};
 use crate::system_tracks::SystemSlot;
@@ -330,6 +335,16 @@ fn count_target(tracks: &mut Tracks, system: SystemSlot, now_ns: i64) {
     }
 }
 
+/// Counts a system track that only one source reported, and reports no more, as no target, once.
+fn count_false(tracks: &mut Tracks, system: SystemSlot) {
+    let entry = tracks.systems.get_mut(system);
+    if !entry.is_counted && entry.contributors.count_ones() == 1 {
+        entry.is_counted = true;
+        let source = entry.contributors.trailing_zeros() as u16;
+        tracks.purity.learn(source, false);
+    }
+}
+
 /// Returns the log-likelihood ratio of two sources in agreement: the more unconfirmed tracks there are relative to
 /// confirmed tracks, the more often two coincide by chance.
 fn agreement_log_ratio(tracks: &Tracks) -> f64 {
@@ -360,7 +375,8 @@ fn may_be_another(
         && search.is_shown_already(system, now_ns)
 }
 
-/// Lets a system track with a due deadline coast or terminate. Returns the next deadline; `None` after termination.
+/// Lets a system track with a due deadline coast, rest or terminate. Returns the next deadline; `None` after
+/// termination.
 fn run_timer<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,
@@ -368,8 +384,13 @@ fn run_timer<S: Sink>(
     deadline_ns: i64,
     out: &mut Outlet<'_, S>,
 ) -> Option<i64> {
-    let (tentative_ns, terminate_ns) = (tracks.lifetimes.tentative_ns, tracks.lifetimes.terminate_ns);
     let entry = tracks.systems.get(slot);
+    let tentative_ns = tracks.lifetimes.tentative_ns;
+    // Only what is a target for certain leaves gaps; a false track is not to be shown any longer.
+    let terminate_ns = match entry.is_counted {
+        true => tracks.lifetimes.silence_of(entry.contributors),
+        false => tracks.lifetimes.terminate_ns,
+    };
     let (coast_ns, last_ns) = (entry.fresh_until_ns, entry.last_report_ns);
     let end_ns = last_ns.saturating_add(terminate_ns);
     let due_ns = match entry.life {
@@ -377,7 +398,8 @@ fn run_timer<S: Sink>(
         TrackState::Tentative if entry.was_shown => end_ns,
         TrackState::Tentative => last_ns.saturating_add(tentative_ns),
         TrackState::Confirmed => coast_ns,
-        TrackState::Coasted | TrackState::Suspended => end_ns,
+        TrackState::Coasted => end_ns,
+        TrackState::Suspended => end_ns.saturating_add(settings.numbers.rest_s.ns()),
     };
     if deadline_ns < due_ns {
         return Some(due_ns);
@@ -388,8 +410,26 @@ fn run_timer<S: Sink>(
         publish_change(settings, tracks, slot, deadline_ns, out);
         return Some(end_ns);
     }
+    let rest_ns = settings.numbers.rest_s.ns();
+    if entry.was_shown && entry.life != TrackState::Suspended && rest_ns > 0 {
+        suspend(settings, tracks, slot, deadline_ns, out);
+        return Some(end_ns.saturating_add(rest_ns));
+    }
     end(settings, tracks, slot, deadline_ns, 0, out);
     None
+}
+
+/// Takes a system track that no source reports out of the picture and lets its number rest.
+fn suspend<S: Sink>(settings: &Settings, tracks: &mut Tracks, slot: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) {
+    if tracks.systems.count_in_state(TrackState::Suspended) >= SUSPENDED_MAX
+        && let Some(oldest) = tracks.systems.longest_suspended(None)
+    {
+        end(settings, tracks, oldest, now_ns, 0, out);
+    }
+    tracks.suspend(slot);
+    count_false(tracks, slot);
+    out.decision(&tracks.decision_on(slot, DecisionKind::Suspended, now_ns, f64::NAN));
+    publish_extrapolated(settings, tracks, slot, now_ns, out);
 }
 
 /// Counts that a contributing source has seen nothing, `misses` times in a row, where it expected a target.
@@ -453,10 +493,9 @@ pub(crate) fn end<S: Sink>(
     }
     tracks.systems.end(slot);
     tracks.kept.forget(slot);
-    let entry = tracks.systems.get_mut(slot);
-    entry.merged_into = merged_into;
-    if merged_into == 0 && !entry.is_counted && entry.contributors.count_ones() == 1 {
-        tracks.purity.learn(entry.contributors.trailing_zeros() as u16, false);
+    tracks.systems.get_mut(slot).merged_into = merged_into;
+    if merged_into == 0 {
+        count_false(tracks, slot);
     }
     out.count(NO_SOURCE, Counter::TracksTerminated);
     out.decision(&tracks.decision_on(slot, DecisionKind::Ended, now_ns, f64::NAN));

@@ -3,7 +3,8 @@
 //! A track must live until the next report of its slowest source: with a radar turn of twelve seconds, tracks that
 //! end after six would restart at every turn. Life times without a configured value follow from the sources' periods,
 //! and an unknown period is learned: the median time between two reports of a sensor track. Before the second report
-//! of a source, the source may be slow, and tracks get sufficient time.
+//! of a source, the source may be slow, and tracks get sufficient time. A track also lives through the gaps that its
+//! sources leave now and then (module `gaps`).
 //!
 //! Reports may be late (order `arrival`): what was measured some seconds ago may be the latest that can have come. How
 //! late most reports of a source are is learned, and added to the time for which they count.
@@ -12,6 +13,7 @@ use messages::NS_PER_S;
 use serde::{Deserialize, Serialize};
 use settings::{Seconds, SettingsError};
 
+use crate::gaps::Gaps;
 use crate::settings::{FRESH_PERIODS, LifeSettings, Settings, SourceSettings};
 use crate::source_model::Median;
 
@@ -34,9 +36,11 @@ pub(crate) struct Lifetimes {
     fresh_ns: Vec<i64>,
     /// How late most reports are, per source, nanoseconds; `None` before the first.
     late_ns: Vec<Option<i64>>,
+    /// The gaps of each source; empty where the configuration states the life time.
+    gaps: Vec<Gaps>,
     /// Time without a report after which a tentative track ends, nanoseconds.
     pub(crate) tentative_ns: i64,
-    /// Time without a report after which a confirmed track ends, nanoseconds.
+    /// Least time without a report after which a confirmed track ends, nanoseconds.
     pub(crate) terminate_ns: i64,
 }
 
@@ -69,6 +73,10 @@ impl Lifetimes {
             learned: learned.collect(),
             fresh_ns: sources.iter().map(|source| source.fresh_ns).collect(),
             late_ns: vec![None; sources.len()],
+            gaps: match settings.terminate_s {
+                Some(_) => Vec::new(),
+                None => vec![Gaps::default(); sources.len()],
+            },
             tentative_ns: 0,
             terminate_ns: 0,
         };
@@ -99,6 +107,29 @@ impl Lifetimes {
         };
         *known = Some(known.unwrap_or_default() + change_ns);
         self.fresh_ns[usize::from(source)] += change_ns;
+    }
+
+    /// Learns from an interval between two reports of one sensor track of `source`.
+    #[inline]
+    pub(crate) fn learn_gap(&mut self, source: u16, interval_ns: i64) {
+        if let Some(gaps) = self.gaps.get_mut(usize::from(source)) {
+            gaps.learn(interval_ns);
+        }
+    }
+
+    /// Time without a report after which a track of `source` ends, nanoseconds.
+    pub(crate) fn silence_ns(&self, source: u16) -> i64 {
+        let gaps = self.gaps.get(usize::from(source));
+        gaps.map_or(0, Gaps::silence_ns).max(self.terminate_ns)
+    }
+
+    /// Time without a report after which a confirmed track of these sources (bits) ends, nanoseconds.
+    pub(crate) fn silence_of(&self, sources: u64) -> i64 {
+        (0..self.fresh_ns.len() as u16)
+            .filter(|source| sources & (1 << source) != 0)
+            .map(|source| self.silence_ns(source))
+            .max()
+            .unwrap_or(self.terminate_ns)
     }
 
     /// Learns from a report of `source`, `since_ns` after the previous report of its sensor track, if any.
@@ -256,6 +287,20 @@ mod tests {
             lifetimes.learn_lateness(1, 0);
         }
         assert!(lifetimes.late_ns(1) < S / 1000, "delays end");
+    }
+
+    #[test]
+    fn a_track_lives_through_the_gaps_of_its_own_sources() {
+        let mut settings = test_settings(2);
+        let mut lifetimes = Lifetimes::new(&settings.life, &settings.sources);
+        (0..10).for_each(|_| lifetimes.learn_gap(1, 30 * S));
+        let [one, other, both, all] = [0b01, 0b10, 0b11, u64::MAX].map(|sources| lifetimes.silence_of(sources));
+        assert_eq!((one, both, all), (20 * S, other, other));
+        assert!((30 * S..45 * S).contains(&other), "{other}");
+        settings.life.terminate_s = Some(Seconds::of_ns(5 * S));
+        let mut stated = Lifetimes::new(&settings.life, &settings.sources);
+        stated.learn_gap(1, 30 * S);
+        assert_eq!((stated.silence_ns(1), stated.silence_of(0b10)), (5 * S, 5 * S));
     }
 
     #[test]

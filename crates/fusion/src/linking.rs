@@ -98,8 +98,11 @@ impl Linking<'_> {
             out.decision(&self.tracks.decision(sensor, kind, f64::NAN, f64::NAN));
         } else if let Some((system, d2)) = self.recall(sensor) {
             self.tracks.join(sensor, system);
-            let gate = self.search().resumption_gate();
-            out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
+            // The engine explains a resumption.
+            if self.tracks.systems.get(system).life != TrackState::Suspended {
+                let gate = self.search().resumption_gate();
+                out.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
+            }
         } else if self.tracks.is_established(sensor) || self.is_slow(sensor) {
             return Next::Wait;
         }
@@ -112,10 +115,14 @@ impl Linking<'_> {
         self.settings.sources[usize::from(source)].period_ns >= SLOW_NS
     }
 
-    /// Returns the former system track of the sensor track before a restart, if still possible, with d².
+    /// Returns the former system track of the sensor track, from before a restart or before it was suspended, if still
+    /// possible, with d².
     fn recall(&mut self, sensor: SensorSlot) -> Option<(SystemSlot, f64)> {
         let system = self.tracks.recall(sensor)?;
-        let d2 = self.search().resumption_distance(sensor, system)?;
+        let d2 = match self.tracks.systems.get(system).life {
+            TrackState::Suspended => self.search().number_resumes(sensor, system)?,
+            _ => self.search().resumption_distance(sensor, system)?,
+        };
         Some((system, d2))
     }
 

@@ -98,7 +98,8 @@ impl TrackPublisher {
     ) {
         for system in tracks.systems.slots() {
             let entry = tracks.systems.get(system);
-            if entry.life != TrackState::Terminated && entry.state.time_ns <= time_ns {
+            let lives = !matches!(entry.life, TrackState::Suspended | TrackState::Terminated);
+            if lives && entry.state.time_ns <= time_ns {
                 self.weigh(settings, tracks, sources, (system, time_ns, None), out);
             }
         }

@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The places of one table, by source.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Quota {
     sources: Vec<Places>,
     /// Equal part of the table.
@@ -60,6 +60,37 @@ impl Quota {
         places.taken += 1;
         places.claimed = places.claimed.max(places.taken.min(self.share));
         true
+    }
+
+    /// Whether [`Self::take`] would give `source` a place.
+    pub(crate) fn has_room(&self, source: u16) -> bool {
+        let reserved = self.sources[usize::from(source)].reserved();
+        self.free > self.reserved || (reserved > 0 && self.free > 0)
+    }
+
+    /// Whether a place of `from`, given back, would be there for `to`.
+    pub(crate) fn may_hand_over(&self, from: u16, to: u16) -> bool {
+        let before = self.sources[usize::from(from)];
+        let after = Places {
+            taken: before.taken - 1,
+            ..before
+        };
+        let receiver = if from == to {
+            after
+        } else {
+            self.sources[usize::from(to)]
+        };
+        receiver.reserved() > 0 || self.free + 1 > self.reserved + after.reserved() - before.reserved()
+    }
+
+    /// Gives a place of `from` to `to`, if that may be; whether it was.
+    pub(crate) fn hand_over(&mut self, from: u16, to: u16) -> bool {
+        let may = self.may_hand_over(from, to);
+        if may {
+            self.give_back(from);
+            self.take(to);
+        }
+        may
     }
 
     /// Gives a place of `source` back.
@@ -118,7 +149,14 @@ mod tests {
             let mut quota = Quota::new(capacity, 3);
             for (source, takes) in events {
                 let before = quota.sources[usize::from(source)];
-                if takes {
+                let receiver = (source + 1) % 3;
+                if takes && before.taken > 3 {
+                    let may = quota.may_hand_over(source, receiver);
+                    let had = quota.sources[usize::from(receiver)].taken;
+                    prop_assert_eq!(quota.hand_over(source, receiver), may);
+                    prop_assert_eq!(quota.sources[usize::from(receiver)].taken, had + usize::from(may));
+                } else if takes {
+                    prop_assert_eq!(quota.has_room(source), quota.clone().take(source));
                     let taken = quota.take(source);
                     prop_assert!(taken || before.reserved() == 0 || quota.free == 0);
                 } else if before.taken > 0 {

@@ -91,10 +91,15 @@ impl Engine {
         self.schedule.pass(passed_ns);
         self.resume_learned(snapshot);
         let mut numbers: Vec<(u32, SystemSlot)> = Vec::new();
+        let live = self.live_numbers(snapshot);
         for (_, kept) in snapshot.all::<KeptTrack>(RecordKind::Systems) {
             let Some(was) = kept.life().filter(|_| kept.is_of(self.settings.sources.len())) else {
                 continue;
             };
+            // The process died while a target took its former number over.
+            if was == TrackState::Suspended && live.binary_search(&kept.number).is_ok() {
+                continue;
+            }
             let had_ended = was == TrackState::Terminated;
             if had_ended && passed_ns.saturating_sub(kept.state_ns()) > TOLD_AGAIN_NS {
                 continue;
@@ -130,6 +135,21 @@ impl Engine {
         let least = numbers.last().map_or(1, |(number, _)| numbering::following(*number));
         self.start_numbers_at(reserved.unwrap_or(least));
         self.resume_orders(snapshot.all::<OrderRecord>(RecordKind::Orders), sink);
+    }
+
+    /// Numbers of the kept system tracks that are neither suspended nor ended, in ascending order.
+    fn live_numbers(&self, snapshot: &Snapshot) -> Vec<u32> {
+        let lives = |kept: &KeptTrack| {
+            !matches!(kept.life(), None | Some(TrackState::Suspended | TrackState::Terminated))
+                && kept.is_of(self.settings.sources.len())
+        };
+        let kept = snapshot.all::<KeptTrack>(RecordKind::Systems);
+        let mut numbers: Vec<u32> = kept
+            .filter(|(_, kept)| lives(kept))
+            .map(|(_, kept)| kept.number)
+            .collect();
+        numbers.sort_unstable();
+        numbers
     }
 
     /// The next system track that starts has this number.

@@ -50,8 +50,16 @@ pub(crate) fn publish_extrapolated<S: Sink>(
         .at(now_ns.max(entry.state.time_ns), settings.process_noise_m2ps3);
     // A state that was finite when it was formed stays so on its way.
     out.track(|message| write(message, settings, tracks, slot, None, None));
-    if settings.exchange && tracks.systems.get(slot).life == TrackState::Terminated {
-        out.own_track(|message| write(message, settings, tracks, slot, None, None));
+    // Another centre lets the number rest by itself.
+    let has_ended = matches!(
+        tracks.systems.get(slot).life,
+        TrackState::Suspended | TrackState::Terminated
+    );
+    if settings.exchange && has_ended {
+        out.own_track(|message| {
+            write(message, settings, tracks, slot, None, None);
+            message.state = TrackState::Terminated.code();
+        });
     }
     tracks.keep(slot);
 }

@@ -19,6 +19,7 @@ use crate::places::{self, TablePlace};
 use crate::quota::Quota;
 use crate::rules::RuleMemory;
 use crate::sensor_tracks::SensorSlot;
+use crate::silent_tracks::SilentTracks;
 use crate::state::State;
 
 /// Place of a system track in its table.
@@ -294,6 +295,10 @@ pub(crate) struct SystemTracks {
     free: Vec<SystemSlot>,
     quota: Quota,
     pub(crate) grid: Grid,
+    /// Shown tracks without fresh reports.
+    pub(crate) silent: SilentTracks,
+    /// A place that an ended track has left to the next one that starts.
+    vacated: Option<SystemSlot>,
     #[serde(with = "table")]
     by_address: HashMap<u32, SystemSlot, NumberHasher>,
     /// When each entry must be looked at next, earliest first. Every entry in use has exactly one deadline here; one
@@ -314,6 +319,8 @@ impl SystemTracks {
             free: (0..capacity as SystemSlot).rev().collect(),
             quota: Quota::new(capacity, sources),
             grid: Grid::new(cell_m, capacity),
+            silent: SilentTracks::new(capacity),
+            vacated: None,
             by_address: HashMap::with_capacity_and_hasher(2 * capacity, NumberHasher::new(2 * capacity)),
             deadlines: BinaryHeap::with_capacity(capacity),
             next_number: 1,
@@ -325,7 +332,10 @@ impl SystemTracks {
     pub(crate) fn insert(&mut self, owner: u16, filter: TargetFilter, deadline_ns: i64) -> Option<SystemSlot> {
         let number = self.next_number;
         let entry = SystemEntry::new((number, owner), TrackState::Tentative, filter, deadline_ns);
-        let slot = self.take_in(entry, deadline_ns)?;
+        let slot = match self.vacated.take() {
+            Some(slot) => self.replace(slot, entry),
+            None => self.take_in(entry, deadline_ns)?,
+        };
         self.next_number = numbering::following(self.next_number);
         Some(slot)
     }
@@ -341,15 +351,51 @@ impl SystemTracks {
         Some(slot)
     }
 
+    /// Puts an entry in the place of an ended one. The deadline of the place stands, and is an early one.
+    #[cold]
+    fn replace(&mut self, slot: SystemSlot, entry: SystemEntry) -> SystemSlot {
+        if let Some(memory) = self.memories.get_mut(slot as usize) {
+            *memory = RuleMemory::default();
+        }
+        self.in_state[TrackState::Terminated as usize] -= 1;
+        self.in_state[entry.life as usize] += 1;
+        self.entries[slot as usize] = entry;
+        slot
+    }
+
+    /// Whether there is a place for a new system track of `owner`.
+    pub(crate) fn has_room(&self, owner: u16) -> bool {
+        !self.free.is_empty() && self.quota.has_room(owner)
+    }
+
+    /// The suspended system track that has been silent longest of those whose place `owner` may have.
+    #[cold]
+    pub(crate) fn longest_suspended(&self, owner: Option<u16>) -> Option<SystemSlot> {
+        let may_go = |from: u16| owner.is_none_or(|owner| self.quota.may_hand_over(from, owner));
+        self.silent.longest_suspended(may_go)
+    }
+
+    /// Leaves the place of an ended system track to the next one, which `owner` starts.
+    #[cold]
+    pub(crate) fn vacate(&mut self, slot: SystemSlot, owner: u16) {
+        let entry = &mut self.entries[slot as usize];
+        if self.quota.hand_over(entry.owner, owner) {
+            (entry.owner, self.vacated) = (owner, Some(slot));
+        }
+    }
+
     /// Takes in a track that was kept, which lives from now on as `life` says; `None` if the table has no place for it.
     pub(crate) fn resume(&mut self, kept: &KeptTrack, life: TrackState) -> Option<SystemSlot> {
         let slot = self.take_in(SystemEntry::resumed(kept, life), kept.last_report_ns)?;
         let entry = &self.entries[slot as usize];
         let [x, y, _] = entry.filter.estimate.position_m();
-        self.grid.place(slot, x, y);
+        if life != TrackState::Suspended {
+            self.grid.place(slot, x, y);
+        }
         if let Some(address) = entry.identity.unique_number() {
             self.by_address.entry(address).or_insert(slot);
         }
+        self.follow_silence(slot);
         Some(slot)
     }
 
@@ -408,6 +454,29 @@ impl SystemTracks {
         let before = std::mem::replace(&mut entry.life, life);
         self.in_state[before as usize] -= 1;
         self.in_state[life as usize] += 1;
+        self.follow_silence(slot);
+    }
+
+    /// Lists a track as silent, or no longer, as its life says.
+    fn follow_silence(&mut self, slot: SystemSlot) {
+        let entry = &self.entries[slot as usize];
+        let is_silent = match entry.life {
+            TrackState::Coasted | TrackState::Suspended => true,
+            TrackState::Tentative => entry.was_shown,
+            TrackState::Confirmed | TrackState::Terminated => false,
+        };
+        if is_silent {
+            let rests = entry.life == TrackState::Suspended;
+            self.silent.add(slot, &entry.filter, (entry.owner, rests));
+        } else {
+            self.silent.remove(slot);
+        }
+    }
+
+    /// Makes the system track invisible to searches by place: its number rests.
+    pub(crate) fn suspend(&mut self, slot: SystemSlot) {
+        self.grid.remove(slot);
+        self.set_life(slot, TrackState::Suspended);
     }
 
     /// How many entries are in `life`.

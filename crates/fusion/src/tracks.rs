@@ -2,17 +2,16 @@
 
 use kept::kept;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 use messages::{Decision, DecisionKind, TrackState};
 
 use crate::checkpoint::{CheckpointWriter, RecordKind};
 use crate::dependence::Dependence;
 use crate::filter::TargetFilter;
+use crate::former_members::FormerMembers;
 use crate::kept_measurements::KeptMeasurements;
 use crate::lifetimes::Lifetimes;
 use crate::measurement::{FilterInput, Measurement};
-use crate::number_hasher::{NumberHasher, table};
 use crate::numbering;
 use crate::pressure::PressureOffsets;
 use crate::purity::Purity;
@@ -35,9 +34,8 @@ pub(crate) struct Tracks {
     /// Where what must outlive the process is written.
     #[serde(skip)]
     pub(crate) checkpoint: Option<CheckpointWriter>,
-    /// Members from before the start.
-    #[serde(with = "table")]
-    remembered: Remembered,
+    /// Members from before the start, and of suspended system tracks.
+    remembered: FormerMembers,
 }
 
 /// Time between two states of a system track that are kept, nanoseconds, and states of which one is.
@@ -55,10 +53,6 @@ kept! {
     }
 }
 
-/// Sensor tracks that were members of system tracks when the process before this one died, and have not reported since:
-/// the system track of each, its number, and the place of the record in the checkpoint.
-type Remembered = HashMap<(u16, u32), (SystemSlot, u32, usize), NumberHasher>;
-
 impl Tracks {
     pub(crate) fn new(
         sensors: SensorTracks,
@@ -68,6 +62,7 @@ impl Tracks {
         kept: KeptMeasurements,
     ) -> Self {
         Self {
+            remembered: FormerMembers::new(sensors.capacity()),
             sensors,
             systems,
             lifetimes,
@@ -76,40 +71,68 @@ impl Tracks {
             pressure: PressureOffsets::new(),
             kept,
             checkpoint: None,
-            remembered: HashMap::with_hasher(NumberHasher::new(0)),
         }
     }
 
     /// Remembers members of system tracks that have just been taken in again, the newest first, as many as there can
     /// be: of one that found its way back by its address, there is an older word too.
     pub(crate) fn remember(&mut self, members: Vec<(TrackMembership, SystemSlot)>) {
-        let capacity = 2 * members.len();
-        self.remembered = HashMap::with_capacity_and_hasher(capacity, NumberHasher::new(capacity));
         for (member, system) in members {
-            let place = self.remembered.len();
-            if place == self.sensors.capacity() {
+            let key = (member.source, member.track_number);
+            if !self.remembered.contains(key.0, key.1)
+                && self.remembered.add(key, system, member.system_track).is_none()
+            {
                 break;
             }
-            let value = (system, member.system_track, place);
-            let key = (member.source, member.track_number);
-            self.remembered.entry(key).or_insert(value);
         }
     }
 
-    /// The system track that a sensor track, which has just reported for the first time since the start, belonged to
+    /// Lets the number of a system track rest: its sensor tracks go, and find their way back by their numbers.
+    pub(crate) fn suspend(&mut self, system: SystemSlot) {
+        let number = self.systems.get(system).number;
+        let Self {
+            systems, remembered, ..
+        } = self;
+        remembered.make_room(|former| {
+            let entry = systems.get(former.slot);
+            entry.number == former.number && entry.life != TrackState::Terminated
+        });
+        while let Some(sensor) = self.systems.get(system).members {
+            let entry = self.sensors.get(sensor);
+            let member = TrackMembership {
+                source: entry.source,
+                track_number: entry.track_number,
+                system_track: number,
+            };
+            let place = self
+                .remembered
+                .add((member.source, member.track_number), system, number);
+            if let (Some(checkpoint), Some(place)) = (&mut self.checkpoint, place) {
+                checkpoint.write(RecordKind::Remembered, place as usize, &member);
+            }
+            self.drop_sensor_track(sensor);
+        }
+        self.systems.suspend(system);
+        self.kept.forget(system);
+    }
+
+    /// The system track that a sensor track, which has just reported for the first time, belonged to
     /// before, if that lives. It is asked once.
     pub(crate) fn recall(&mut self, sensor: SensorSlot) -> Option<SystemSlot> {
         if self.remembered.is_empty() {
             return None;
         }
         let entry = self.sensors.get(sensor);
-        let key = (entry.source, entry.track_number);
-        let (system, number, place) = self.remembered.remove(&key)?;
+        let former = self.remembered.take(entry.source, entry.track_number)?;
         if let Some(checkpoint) = &mut self.checkpoint {
-            checkpoint.write(RecordKind::Remembered, place, &TrackMembership::default());
+            checkpoint.write(
+                RecordKind::Remembered,
+                former.place as usize,
+                &TrackMembership::default(),
+            );
         }
-        let entry = self.systems.get(system);
-        (entry.number == number && entry.life != TrackState::Terminated).then_some(system)
+        let entry = self.systems.get(former.slot);
+        (entry.number == former.number && entry.life != TrackState::Terminated).then_some(former.slot)
     }
 
     /// Writes what there is to be kept of a system track into the checkpoint, unless that has just been done: nobody
@@ -180,13 +203,13 @@ impl Tracks {
     /// Begins to keep what there is in `checkpoint`.
     pub(crate) fn keep_in(&mut self, mut checkpoint: CheckpointWriter) {
         checkpoint.write(RecordKind::Numbers, 0, &numbering::reserved(self.systems.next_number()));
-        for ((source, track_number), (_, system_track, place)) in &self.remembered {
+        for ((source, track_number), former) in self.remembered.iter() {
             let member = TrackMembership {
                 source: *source,
                 track_number: *track_number,
-                system_track: *system_track,
+                system_track: former.number,
             };
-            checkpoint.write(RecordKind::Remembered, *place, &member);
+            checkpoint.write(RecordKind::Remembered, former.place as usize, &member);
         }
         self.checkpoint = Some(checkpoint);
         for system in self.systems.slots() {
@@ -383,10 +406,16 @@ impl Tracks {
         self.sensors.remove(sensor);
     }
 
-    /// Frees sensor tracks without report since `since_ns`, a few places of the table at a time.
-    pub(crate) fn drop_silent(&mut self, since_ns: i64) {
+    /// Frees sensor tracks that have been silent for the life time of their source's tracks at `now_ns`, a few places
+    /// of the table at a time.
+    pub(crate) fn drop_silent(&mut self, now_ns: i64) {
+        let since_ns = now_ns.saturating_sub(self.lifetimes.terminate_ns);
         for sensor in self.sensors.next_places() {
-            if self.sensors.is_silent(sensor, since_ns) {
+            if !self.sensors.is_silent(sensor, since_ns) {
+                continue;
+            }
+            let silence_ns = self.lifetimes.silence_ns(self.sensors.get(sensor).source);
+            if self.sensors.is_silent(sensor, now_ns.saturating_sub(silence_ns)) {
                 self.drop_sensor_track(sensor);
             }
         }

@@ -35,7 +35,8 @@ fn settings() -> Settings {
     }
 }
 
-/// One report of an endless traffic that joins, splits, merges, renumbers, ends, overflows the tables and lies.
+/// One report of an endless traffic that joins, splits, merges, renumbers, ends, falls silent and comes back, overflows
+/// the tables and lies.
 fn report(step: u64) -> SensorTrack {
     let mut noise = step.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut random = || {
@@ -46,6 +47,9 @@ fn report(step: u64) -> SensorTrack {
     };
     let (source, target) = ((random() * 3.0) as u16, (random() * 90.0) as u32);
     let second = step / 100;
+    // A quarter of the targets is silent for half a minute, in turn; others report instead.
+    let is_silent = (u64::from(target) + second / 31).is_multiple_of(4);
+    let target = if is_silent { (target + 1) % 90 } else { target };
     let mut report = SensorTrack {
         time_of_measurement_ns: step as i64 * S / 100,
         source,
@@ -119,6 +123,7 @@ fn the_engine_and_the_merger_allocate_nothing_once_built() {
         messages::Counter::DroppedTable,
         messages::Counter::TracksMerged,
         messages::Counter::RejectedInvalid,
+        messages::Counter::NumbersResumed,
     ] {
         assert!(counts.get(counter) > 0, "the traffic was meant to cause {counter:?}");
     }

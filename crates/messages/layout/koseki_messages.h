@@ -186,6 +186,8 @@
 #define KOSEKI_DECISION_KIND_UNCROSSED UINT64_C(0xe) /* A sensor track has changed places with another track of its source: value the sum of log-likelihood */
 #define KOSEKI_DECISION_KIND_ORDERED UINT64_C(0xf) /* An order of an operator has changed a system track: value the number of the order. */
 #define KOSEKI_DECISION_KIND_ORDER_ENDED UINT64_C(0x10) /* An order on system tracks has ended, because the tracks are farther apart than permitted: value the */
+#define KOSEKI_DECISION_KIND_SUSPENDED UINT64_C(0x11) /* A system track that was shown is no longer reported: its number rests. */
+#define KOSEKI_DECISION_KIND_RESUMED UINT64_C(0x12) /* A target has come back under its former number: value the logarithm of the likelihood ratio of the same */
 #define KOSEKI_ORDER_CONDITION UINT64_C(0x1) /* A weather condition holds for the accuracy of a source, or of all sources (TI-7). */
 #define KOSEKI_ORDER_SNAPSHOT UINT64_C(0x2) /* Fusion publishes a snapshot of the engine, for a recorder. */
 #define KOSEKI_ORDER_OUT UINT64_C(0x3) /* The reports of a source are counted and not used. */

@@ -387,6 +387,10 @@ counters! {
         "Targets with the bit of a resolution advisory for minutes without the advisory's text: the bit is not used.";
     RejectedFalsePosition = "rejected_false_position", FusionRejection by [Fusion],
         "Reports of targets on their own positions, rejected because sensors measure the same address elsewhere.";
+    SuspendedTracks = "suspended_tracks", Level by [],
+        "Level: suspended system tracks: not shown, while their numbers rest.";
+    NumbersResumed = "numbers_resumed", Picture by [Fusion],
+        "System tracks under the number that their target had before it was silent.";
 }
 
 #[cfg(test)]

@@ -47,6 +47,12 @@ codes! {
         /// An order on system tracks has ended, because the tracks are farther apart than permitted: value the
         /// distance in standard deviations.
         OrderEnded = 16, "order_ended";
+        /// A system track that was shown is no longer reported: its number rests.
+        Suspended = 17, "suspended";
+        /// A target has come back under its former number: value the logarithm of the likelihood ratio of the same
+        /// target to another one, limit the least; both NaN by its address, or by its track's number at a source. The
+        /// other system track is the number that it had until then, 0 if none.
+        Resumed = 18, "resumed";
     }
 }
 

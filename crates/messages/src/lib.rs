@@ -111,6 +111,13 @@ codes! {
     }
 }
 
+impl TrackState {
+    /// Whether the state with this code takes a track off the picture: the track is suspended, or has ended.
+    pub const fn is_off(code: u8) -> bool {
+        code == Self::Suspended as u8 || code == Self::Terminated as u8
+    }
+}
+
 codes! {
     /// Kind of object followed by a track.
     #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -12,6 +12,8 @@ pub struct TrackCounts {
     pub coasted: u64,
     /// Tentative now.
     pub tentative: u64,
+    /// Suspended now: not shown, while their numbers rest.
+    pub suspended: u64,
     /// Maximum number that were confirmed or coasted at a time.
     pub live_max: u64,
     /// Started so far.
@@ -20,6 +22,8 @@ pub struct TrackCounts {
     pub ever_confirmed: u64,
     /// Ended so far.
     pub ended: u64,
+    /// Resumed by their targets after a silence, so far.
+    pub resumed: u64,
     /// Found to be the same target as another, so far.
     pub merged: u64,
     /// Sensor tracks removed from a system track that they no longer fitted, so far.
@@ -36,10 +40,12 @@ impl TrackCounts {
             confirmed: live.saturating_sub(coasted),
             coasted,
             tentative: fusion[Counter::TentativeTracks],
+            suspended: fusion[Counter::SuspendedTracks],
             live_max,
             started: fusion[Counter::TracksStarted],
             ever_confirmed: fusion[Counter::TracksConfirmed],
             ended: fusion[Counter::TracksTerminated],
+            resumed: fusion[Counter::NumbersResumed],
             merged: fusion[Counter::TracksMerged],
             split: fusion[Counter::ContributionsSplit],
             hand_overs: fusion[Counter::HandOvers],

@@ -315,7 +315,7 @@ impl SystemReports {
             return Err(Unsent::Withheld);
         }
         let place = TargetPlace::new(&self.form.frame, track.position_m).ok_or(Unsent::Position)?;
-        let is_last = state == TrackState::Terminated;
+        let is_last = TrackState::is_off(track.state);
         let entry = if is_last {
             let entry = self.numbers.end(track.track_number, track.reference_time_ns);
             *entry.ok_or(Unsent::Withheld)?

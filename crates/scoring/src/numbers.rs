@@ -51,6 +51,11 @@ impl NumberTally {
             self.ended.insert(number);
             return;
         }
+        if track.state == TrackState::Suspended as u8 {
+            // Its target keeps the number, and is not shown.
+            self.live.remove(&number);
+            return;
+        }
         if self.ended.contains(&number) {
             self.reused.insert(number);
         }
@@ -187,6 +192,22 @@ mod tests {
         assert_eq!((tally.renumbered(&before), tally.began_ns()), (vec![], 207));
         tally.take(7, &state(8, 16, TrackState::Confirmed, 208));
         assert_eq!((tally.reused().len(), tally.carriers().len()), (3, 2));
+    }
+
+    #[test]
+    fn a_suspended_track_keeps_the_number_for_its_target_and_is_not_forgotten() {
+        let mut tally = NumberTally::default();
+        tally.take(5, &state(2, 12, TrackState::Confirmed, 100));
+        tally.begin();
+        tally.take(5, &state(2, 12, TrackState::Suspended, 101));
+        let before = tally.clone();
+        tally.take(6, &state(3, 13, TrackState::Confirmed, 102));
+        assert_eq!(tally.forgotten(&before), [0; 0]);
+        let mut other = tally.clone();
+        tally.take(6, &state(2, 12, TrackState::Confirmed, 103));
+        assert_eq!((tally.renumbered(&before), tally.reused().len()), (vec![], 0));
+        other.take(6, &state(9, 12, TrackState::Confirmed, 103));
+        assert_eq!(other.renumbered(&before), [(12, 2, 9)]);
     }
 
     #[test]

@@ -86,7 +86,8 @@ impl Timeline {
     }
 
     /// Reads tracks with a display time of `age_max_s` seconds: columns as in a truth file, but with
-    /// `system_track_id` or `sensor_track_id`. Rows with `state` `tentative` or `terminated` are omitted.
+    /// `system_track_id` or `sensor_track_id`. Rows with `state` `tentative`, `suspended` or `terminated` are
+    /// omitted.
     ///
     /// # Errors
     /// As [`Timeline::truth`].

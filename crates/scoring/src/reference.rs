@@ -128,7 +128,10 @@ mod tests {
             .map(|(second, _, position_m, _)| (*second, position_m[0]))
             .collect();
         assert_eq!(places, [(3, 30.0), (4, 41.0), (10, 100.0)]);
-        assert_eq!(read("3,7,0,0,0,0,0,0,tentative,\n4,7,0,0,0,0,0,0,terminated,\n"), []);
+        assert_eq!(
+            read("3,7,0,0,0,0,0,0,tentative,\n3,7,0,0,0,0,0,0,suspended,\n4,7,0,0,0,0,0,0,terminated,\n"),
+            []
+        );
         assert_eq!(read("3.5,7,0,0,0,0,0,0,confirmed,\n"), []);
     }
 }

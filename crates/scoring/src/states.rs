@@ -51,7 +51,7 @@ impl<const D: usize> KinematicState<D> {
 /// Counted rows, by the word in the column `state`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StateFilter {
-    /// All rows except `tentative` or `terminated`; in files without the column, all rows.
+    /// All rows except `tentative`, `suspended` or `terminated`; in files without the column, all rows.
     NotUnconfirmed,
     /// Only rows with `confirmed` or `coasted`.
     Confirmed,
@@ -120,7 +120,7 @@ impl<R: Read, const D: usize> StateRows<R, D> {
         while let Some(row) = self.table.next_row() {
             let row = row?;
             let counts = match (self.counted, row.text(self.state)?) {
-                (StateFilter::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "terminated")),
+                (StateFilter::NotUnconfirmed, word) => !matches!(word, Some("tentative" | "suspended" | "terminated")),
                 (StateFilter::Confirmed, word) => matches!(word, Some("confirmed" | "coasted")),
             };
             if counts {

@@ -106,7 +106,7 @@ impl History {
             contribution,
             previous,
         });
-        match record.state == TrackState::Terminated as u8 {
+        match TrackState::is_off(record.state) {
             true => self.latest.remove(&record.number),
             false => self.latest.insert(record.number, number),
         };
@@ -237,7 +237,7 @@ impl History {
             let Some(moment) = self.moment(number) else { break };
             match moment.track.number {
                 0 => then.states.clear(),
-                gone if moment.track.state == TrackState::Terminated as u8 => drop(then.states.remove(&gone)),
+                gone if TrackState::is_off(moment.track.state) => drop(then.states.remove(&gone)),
                 track => drop(then.states.insert(track, number)),
             }
         }
@@ -293,7 +293,8 @@ mod tests {
                 history.end_all(at_ns);
                 present.clear();
             } else if below(&mut random, 9) == 0 {
-                history.keep(at_ns, state(number, 0.0, TrackState::Terminated), 0, &track(&[]));
+                let off = [TrackState::Suspended, TrackState::Terminated][below(&mut random, 2)];
+                history.keep(at_ns, state(number, 0.0, off), 0, &track(&[]));
                 present.remove(&number);
             } else {
                 history.keep(

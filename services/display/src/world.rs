@@ -237,7 +237,7 @@ impl World {
                 (heard.record.system_track, heard.stamp) = (number, self.stamp);
             }
         }
-        if track.state == TrackState::Terminated as u8 {
+        if TrackState::is_off(track.state) {
             self.tracks.remove(&number);
         } else if self.tracks.len() < TRACKS_MAX || self.tracks.contains_key(&number) {
             let live = LiveTrack {

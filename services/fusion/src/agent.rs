@@ -530,6 +530,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
         );
         whole.set(Counter::TentativeTracks, level(TrackState::Tentative));
         whole.set(Counter::CoastedTracks, level(TrackState::Coasted));
+        whole.set(Counter::SuspendedTracks, level(TrackState::Suspended));
         whole.set(Counter::TakeOvers, u64::from(self.take_over.from_another));
         whole.set(Counter::TakeOversFromStill, u64::from(self.take_over.stood_still));
         if self.merger.is_none() && self.reached.is_none() {

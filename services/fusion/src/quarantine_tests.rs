@@ -113,16 +113,23 @@ impl Site {
 
     /// Works until nothing is left; the targets whose states were published.
     fn settle(&mut self, agent: &mut FusionAgent<SharedMemory>) -> Vec<u32> {
+        let states = self.work(agent);
+        states
+            .iter()
+            .map(|track| (track.position_m[0] / 1e4).round() as u32)
+            .collect()
+    }
+
+    /// Works until nothing is left, for a second; the published states.
+    fn work(&mut self, agent: &mut FusionAgent<SharedMemory>) -> Vec<SystemTrack> {
         while agent.turn(self.now).unwrap() == Turn::Worked {}
         self.now.mono_ns += S;
         self.now.utc_ns += S;
-        let mut targets = Vec::new();
+        let mut states = Vec::new();
         self.system
-            .take(usize::MAX, |_, tracks| {
-                targets.extend(tracks.iter().map(|track| (track.position_m[0] / 1e4).round() as u32));
-            })
+            .take(usize::MAX, |_, tracks| states.extend_from_slice(tracks))
             .unwrap();
-        targets
+        states
     }
 
     /// Numbers of the reports that the event log has, with their kind.
@@ -201,5 +208,44 @@ fn kills_from_outside_quarantine_nothing_and_lose_nothing() {
         let reports: Vec<_> = (0..7).map(|number| (StepKind::Report, number)).collect();
         assert_eq!(site.logged(), reports);
         assert_eq!(site.files(), [""; 0]);
+    });
+}
+
+#[test]
+fn a_number_that_rests_outlives_a_killed_fusion() {
+    with_site(|site| {
+        let mut agent = site.start();
+        let mut shown = Vec::new();
+        for _ in 0..8 {
+            (1..=2).for_each(|target| site.send(target));
+            shown = site.work(&mut agent);
+        }
+        let numbers = |states: &[SystemTrack], state: TrackState| -> Vec<u32> {
+            let of_state = states.iter().filter(|track| track.state == state as u8);
+            of_state.map(|track| track.track_number).collect()
+        };
+        let both = numbers(&shown, TrackState::Confirmed);
+        assert_eq!(both.len(), 2);
+        // The second target alone is reported on; the number of the first rests.
+        let mut meanwhile = Vec::new();
+        for _ in 0..30 {
+            site.send(2);
+            meanwhile.extend(site.work(&mut agent));
+        }
+        assert_eq!(numbers(&meanwhile, TrackState::Suspended), both[..1]);
+        for _ in 0..2 {
+            drop(agent);
+            agent = site.start();
+            site.send(2);
+            let states = site.work(&mut agent);
+            assert_eq!(numbers(&states, TrackState::Confirmed), both[1..]);
+            let is_of_second = |track: &SystemTrack| track.track_number == both[1];
+            assert!(
+                states.iter().all(is_of_second),
+                "nobody is told of the number that rests"
+            );
+        }
+        site.send(1);
+        assert_eq!(numbers(&site.work(&mut agent), TrackState::Confirmed), both[..1]);
     });
 }

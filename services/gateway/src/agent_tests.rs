@@ -175,6 +175,18 @@ fn tracks_go_on_over_a_change_of_fusions_and_those_that_are_told_ended_or_never_
 }
 
 #[test]
+fn a_suspended_track_ends_for_the_receiver_and_begins_again_when_it_resumes() {
+    let mut bench = Bench::new();
+    let mut fusion = bench.fusion(5);
+    bench.show(&mut fusion, &[(1, SHOWN), (2, SHOWN)]);
+    assert_eq!(bench.pass(1), ["1 begins", "2 begins"]);
+    bench.show(&mut fusion, &[(1, TrackState::Suspended), (2, TrackState::Suspended)]);
+    assert_eq!(bench.pass(1), ["1 ends", "2 ends"]);
+    bench.show(&mut fusion, &[(1, SHOWN), (2, TrackState::Terminated)]);
+    assert_eq!(bench.pass(1), ["1 begins"]);
+}
+
+#[test]
 fn another_centre_gets_what_the_sensors_here_know_and_nothing_that_it_has_told() {
     let mut bench = Bench::with(&["gateway[0].own=true", "fusion.exchange=true"]);
     let mut fused = bench.fusion(5);

@@ -184,6 +184,7 @@ impl MetricsSnapshot {
             ("confirmed", picture.confirmed),
             ("coasted", picture.coasted),
             ("tentative", picture.tentative),
+            ("suspended", picture.suspended),
         ];
         families.gauges(
             "system_tracks",

@@ -393,16 +393,19 @@ impl Report {
         let picture = &self.picture;
         format!(
             "SYSTEM TRACKS, one per target\n\
-             in the end  {} confirmed, {} coasted (carried on without reports), {} tentative\n\
+             in the end  {} confirmed, {} coasted (carried on without reports), {} tentative, \
+             {} suspended (not shown, the number rests)\n\
              at most     {} confirmed or coasted at a time\n\
-             so far      {} started, {} confirmed, {} ended, {} merged, {} split, {} from source to source\n",
+             so far      {} started, {} confirmed, {} ended, {} resumed, {} merged, {} split, {} from source to source\n",
             count(picture.confirmed),
             count(picture.coasted),
             count(picture.tentative),
+            count(picture.suspended),
             count(picture.live_max),
             count(picture.started),
             count(picture.ever_confirmed),
             count(picture.ended),
+            count(picture.resumed),
             count(picture.merged),
             count(picture.split),
             several(picture.hand_overs, "hand-over"),

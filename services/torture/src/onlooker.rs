@@ -127,6 +127,7 @@ fn state(header: &BatchHeader, track: &SystemTrack, world: &World) -> State {
         life: match track.state {
             state if state == TrackState::Confirmed as u8 => Life::Confirmed,
             state if state == TrackState::Coasted as u8 => Life::Coasted,
+            state if state == TrackState::Suspended as u8 => Life::Suspended,
             state if state == TrackState::Terminated as u8 => Life::Terminated,
             _ => Life::Tentative,
         },

@@ -89,6 +89,7 @@ fn settings(rule: &str, scan_wait: f64, refresh_ns: Option<i64>, refresh_delay_n
     settings.association.scan_wait = scan_wait;
     settings.life.terminate_s = Some(Seconds::of_ns(3 * S));
     settings.life.tentative_s = Some(Seconds::of_ns(2 * S));
+    settings.numbers.rest_s = Seconds::of_ns(8 * S);
     // A part of the table is more places than are looked at for one report.
     settings.capacity.sensor_tracks = Some(400);
     settings.refresh_s = refresh_ns.map(Seconds::of_ns);

@@ -15,7 +15,7 @@ use crate::testing::innovation;
 
 /// Memory that outlives the engine.
 #[derive(Clone, Debug)]
-struct Shared(Arc<Vec<AtomicU64>>);
+pub(super) struct Shared(Arc<Vec<AtomicU64>>);
 
 impl Memory for Shared {
     fn words(&self) -> &[AtomicU64] {
@@ -49,7 +49,7 @@ fn traffic(scan: u32, source: u16, target: u32) -> SensorTrack {
 }
 
 /// An engine that keeps itself in `memory` from now on.
-fn kept(mut harness: Harness) -> (Harness, Shared) {
+pub(super) fn kept(mut harness: Harness) -> (Harness, Shared) {
     let memory = Shared::for_engine(&harness.engine);
     harness.engine.keep_checkpoint(Box::new(memory.clone()));
     (harness, memory)
@@ -64,7 +64,7 @@ fn died(harness: &mut Harness, memory: &Shared) -> Snapshot {
 }
 
 /// A successor of the engine that kept itself in `memory`.
-fn successor(mut dead: Harness, memory: &Shared, ends: bool) -> (Harness, Shared) {
+pub(super) fn successor(mut dead: Harness, memory: &Shared, ends: bool) -> (Harness, Shared) {
     let snapshot = died(&mut dead, memory);
     let mut next = Harness::new(dead.engine.settings().clone());
     let published = &mut next.published;

@@ -24,15 +24,22 @@ const APART_NS: i64 = 10_000_000_000;
 
 impl Engine {
     /// Checks an order that changes system tracks.
-    pub(super) fn examine_tracks(&self, kind: OrderKind, order: &Order) -> Result<(), Refusal> {
+    pub(crate) fn examine_tracks(&self, kind: OrderKind, order: &Order) -> Result<(), Refusal> {
         let live = |number: u32| self.live_track(number).ok_or(Refusal::UnknownTrack);
         let system = live(order.track)?;
         let entry = self.tracks.systems.get(system);
+        let is_suspended = |life: TrackState| kind != OrderKind::Drop && life == TrackState::Suspended;
+        if is_suspended(entry.life) {
+            return Err(Refusal::UnknownTrack);
+        }
         if kind != OrderKind::Drop && entry.bond != Bond::Free {
             return Err(Refusal::BoundTrack);
         }
         if kind == OrderKind::Join {
             let other = self.tracks.systems.get(live(order.other_track)?);
+            if is_suspended(other.life) {
+                return Err(Refusal::UnknownTrack);
+            }
             if other.number == entry.number {
                 return Err(Refusal::SameTrack);
             }

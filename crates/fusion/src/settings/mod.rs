@@ -3,11 +3,13 @@
 
 mod association;
 mod identity;
+mod numbers;
 mod source;
 mod target_size;
 
 pub use association::{AssociationSettings, GateProbability};
 pub use identity::{CodePattern, FactorExponents, IdentitySettings};
+pub use numbers::NumbersSettings;
 pub use source::{
     Accuracy, AccuracyBase, AccuracyModel, AccuracyTable, CorrectionTable, MethodAccuracy, ReportLimits, Shares,
     SourceSettings, Weighing,
@@ -63,6 +65,8 @@ settings::settings! {
         identity: IdentitySettings = IdentitySettings::default();
         /// Life of system tracks.
         life: LifeSettings = LifeSettings::default();
+        /// Numbers of system tracks.
+        numbers: NumbersSettings = NumbersSettings::default();
         /// Existence of targets, estimated from reports and missing reports of sources (BF-2).
         existence: ExistenceSettings = ExistenceSettings::default();
         /// Systematic errors of the sources (BF-3).
@@ -95,7 +99,7 @@ settings::settings! {
         /// Reports until a tentative track is confirmed.
         confirm_reports: u32 = 3, in [1, 1e6];
         /// Time without a report after which a confirmed track ends.
-        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`";
+        terminate_s: Option<Seconds> = None, in [1e-3, 1e5], usually "20, and more than the slowest source's `fresh_s`; up to 60, as long as the gaps that the track's sources leave";
         /// Time without a report after which a tentative track ends.
         tentative_s: Option<Seconds> = None, in [1e-3, 1e5], usually "6, at least the slowest source's `fresh_s`";
     }

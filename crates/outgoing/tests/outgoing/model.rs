@@ -187,6 +187,7 @@ fn state() -> impl Strategy<Value = u8> {
         4 => Just(TrackState::Confirmed as u8),
         1 => Just(TrackState::Tentative as u8),
         2 => Just(TrackState::Coasted as u8),
+        1 => Just(TrackState::Suspended as u8),
         1 => Just(TrackState::Terminated as u8),
     ]
 }

@@ -130,7 +130,7 @@ impl Case {
             return None;
         }
         let is_live = histories.get(&track.track_number).is_some_and(|history| !history.ended);
-        if state == TrackState::Terminated {
+        if TrackState::is_off(track.state) {
             let history = histories.get_mut(&track.track_number).filter(|_| is_live)?;
             history.ended = true;
             return Some(false);
@@ -251,7 +251,7 @@ impl Case {
         sent.is(&["080", "SPI"], u64::from(special));
         sent.is(&["080", "CNF"], u64::from(state == TrackState::Tentative));
         sent.is(&["080", "SIM"], 0u64);
-        sent.is(&["080", "TSE"], u64::from(state == TrackState::Terminated));
+        sent.is(&["080", "TSE"], u64::from(TrackState::is_off(state as u8)));
         sent.is(&["080", "TSB"], u64::from(expected.is_first));
         sent.is(&["080", "CST"], u64::from(state == TrackState::Coasted));
         sent.is(&["080", "EMS"], model::emergency(track.alerts));

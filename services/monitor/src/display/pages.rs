@@ -94,10 +94,11 @@ pub(crate) fn picture(overview: &Overview) -> [String; 2] {
     let picture = &overview.picture;
     [
         format!(
-            "tracks now   {} confirmed, {} coasted, {} tentative",
+            "tracks now   {} confirmed, {} coasted, {} tentative, {} suspended",
             count(picture.confirmed),
             count(picture.coasted),
-            count(picture.tentative)
+            count(picture.tentative),
+            count(picture.suspended)
         ),
         format!(
             "so far       {} started, {} ended, {} merged, {} split, {}",

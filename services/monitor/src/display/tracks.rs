@@ -32,7 +32,7 @@ impl LatestStates {
 
     /// Keeps a received state.
     pub(crate) fn keep(&mut self, track: &SystemTrack) {
-        if track.state == TrackState::Terminated as u8 {
+        if TrackState::is_off(track.state) {
             self.tracks.remove(&track.track_number);
         } else if self.tracks.len() < self.capacity || self.tracks.contains_key(&track.track_number) {
             self.tracks.insert(track.track_number, *track);
@@ -141,6 +141,8 @@ mod tests {
         assert_eq!(numbers(&states), [2, 4], "no room for a third");
         states.keep(&track(2, TrackState::Terminated));
         assert_eq!(numbers(&states), [4]);
+        states.keep(&track(4, TrackState::Suspended));
+        assert_eq!(numbers(&states), [0; 0]);
     }
 
     #[test]

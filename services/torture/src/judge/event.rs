@@ -92,6 +92,7 @@ pub(crate) enum Life {
     Tentative,
     Confirmed,
     Coasted,
+    Suspended,
     Terminated,
 }
 

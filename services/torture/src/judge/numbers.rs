@@ -1,7 +1,8 @@
 //! Track numbers: their targets, and the ends of tracks.
 //!
 //! Addresses identify targets, independent of their tracks. A target keeps its number until its track is terminated
-//! with cause: after a time without a report, or by a merge into another track. A second number beside the first is a
+//! with cause: after a time without a report, or by a merge into another track. A suspended track is not shown, but its
+//! target keeps the number: it is the one under which the target must come back. A second number beside the first is a
 //! *rival*, permitted for a while until the two are merged.
 
 use std::collections::BTreeMap;
@@ -32,6 +33,8 @@ struct Track {
     last_report_ns: i64,
     is_shown: bool,
     has_ended: bool,
+    /// Its number rests: it is shown no more, and not forgotten.
+    is_suspended: bool,
     /// Its end may have been lost on the way.
     may_have_ended: bool,
     is_given_twice: bool,
@@ -85,9 +88,10 @@ impl Numbers {
             ..Track::default()
         });
         let was_ended = track.has_ended;
+        let was_suspended = std::mem::replace(&mut track.is_suspended, state.life == Life::Suspended);
         (track.last_ns, track.may_have_ended) = (at_ns.max(track.last_ns), false);
-        if state.life == Life::Terminated {
-            track.has_ended = true;
+        if matches!(state.life, Life::Suspended | Life::Terminated) {
+            track.has_ended |= state.life == Life::Terminated;
             if was_ended {
                 return None;
             }
@@ -100,7 +104,11 @@ impl Numbers {
                 quiet_s,
                 is_enough: quiet_s >= NEARLY * terminate_s && quiet_s - without_s >= WITH_PICTURE * terminate_s,
             };
-            return self.end(address, number, &cause, findings).then_some(address);
+            if state.life == Life::Suspended {
+                return self.suspend(address, number, &cause, findings).then_some(address);
+            }
+            let ends = self.end(address, number, &cause, findings);
+            return (ends && !was_suspended).then_some(address);
         }
         if was_ended {
             track.has_ended = false;
@@ -174,6 +182,26 @@ impl Numbers {
         false
     }
 
+    /// A track with an address is suspended; whether its target is no longer expected.
+    fn suspend(&mut self, address: u32, number: u32, cause: &Cause, findings: &mut Findings) -> bool {
+        if self
+            .targets
+            .get(&address)
+            .is_none_or(|target| target.number != Some(number))
+        {
+            return false;
+        }
+        if !cause.is_enough && !self.are_excused {
+            findings.add(Finding::EndedWithoutCause, || {
+                format!(
+                    "{number} of {address:06X} suspended {:.1} s after its last report",
+                    cause.quiet_s
+                )
+            });
+        }
+        cause.is_enough || self.are_excused
+    }
+
     /// The track picture resumes after a break.
     pub(crate) fn resume(&mut self, gone_ns: i64, at_ns: i64) {
         self.break_ns = (gone_ns, at_ns);
@@ -207,7 +235,7 @@ impl Numbers {
         }
         let (silent_ns, since_ns) = ((limits.silent_track_s * 1e9) as i64, self.break_ns.1);
         for (number, track) in &mut self.tracks {
-            let is_live = track.is_shown && !track.has_ended && !track.may_have_ended;
+            let is_live = track.is_shown && !track.has_ended && !track.is_suspended && !track.may_have_ended;
             if is_live && now_ns - track.last_ns.max(since_ns) > silent_ns {
                 // Once is enough.
                 track.may_have_ended = true;

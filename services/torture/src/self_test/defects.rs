@@ -28,7 +28,7 @@ impl Place {
 }
 
 /// Every defect there is.
-pub(super) const DEFECTS: [Defect; 21] = [
+pub(super) const DEFECTS: [Defect; 22] = [
     Defect {
         name: "one target is renumbered at a kill",
         finding: Finding::Renumbered,
@@ -48,6 +48,17 @@ pub(super) const DEFECTS: [Defect; 21] = [
         plant: |record, place| {
             record.remove(place.target(), place.kill_ns, place.kill_ns + 12 * SECOND);
             renumber(record, place.target(), place.kill_ns);
+        },
+    },
+    Defect {
+        name: "a target comes back under another number than that which rests",
+        finding: Finding::Renumbered,
+        plant: |record, _| {
+            let suspended = record.states().find(|(_, state)| state.life == Life::Suspended);
+            let found = suspended.and_then(|(at_ns, state)| Some((state.address?, at_ns + 1)));
+            if let Some((address, from_ns)) = found {
+                renumber(record, address, from_ns);
+            }
         },
     },
     Defect {

@@ -175,16 +175,14 @@ impl Deployment {
             return;
         }
         let number = self.numbers_from + target;
-        if target != UNSEEN || now < UNSEEN_FROM {
+        if target != UNSEEN || !(UNSEEN_FROM..SEEN_AGAIN).contains(&now) {
             self.state(target, number, Life::Confirmed, now, 0);
-        } else if now >= SEEN_AGAIN {
-            self.state(target, number + 500, Life::Confirmed, now, 0);
         } else {
             let since = now - UNSEEN_FROM;
             if (COASTS_AFTER..COASTS_AFTER + SECOND).contains(&since) {
                 self.state(target, number, Life::Coasted, now, 0);
             } else if since > (TERMINATE_S * NS_PER_S) as i64 && !std::mem::replace(&mut self.again, true) {
-                self.state(target, number, Life::Terminated, now, 0);
+                self.state(target, number, Life::Suspended, now, 0);
             }
         }
         if target == TWICE && (TWICE_FROM..TWICE_TO + SECOND).contains(&now) {
