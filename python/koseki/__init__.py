@@ -21,7 +21,7 @@ import numpy as np
 
 from . import _koseki
 from . import offline
-from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, track
+from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, smooth, track
 from ._errors import BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
     "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns",
-    "describe", "fuse", "locate", "offline", "order", "publish", "read", "score", "simulate", "subscribe", "track",
+    "describe", "fuse", "locate", "offline", "order", "publish", "read", "score", "simulate", "smooth", "subscribe", "track",
 ]
 
 _NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}

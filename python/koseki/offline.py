@@ -24,7 +24,7 @@ import numpy as np
 
 from . import _koseki
 
-__all__ = ["Table", "compare", "decode", "decode_columns", "fuse", "locate", "score", "simulate", "track"]
+__all__ = ["Table", "compare", "decode", "decode_columns", "fuse", "locate", "score", "simulate", "smooth", "track"]
 
 Editions = Mapping[int | str, str]
 Progress = Callable[[float], object]
@@ -138,6 +138,14 @@ def fuse(
     is a path or the text of a TOML file.
     """
     command = _Command("fuse", "--json").table(tracks=tracks).config(config)
+    return command.option(rule=rule, refresh=refresh).out(progress)
+
+
+def smooth(
+    tracks: Any, *, config: Any = None, rule: str | None = None, refresh: float | None = None, progress: Progress | None = None
+) -> Table:
+    """The rows of `fuse` with the same arguments, smoothed with the measurements after them, as `koseki smooth` makes them."""
+    command = _Command("smooth", "--json").table(tracks=tracks).config(config)
     return command.option(rule=rule, refresh=refresh).out(progress)
 
 

@@ -289,6 +289,14 @@ def test_fusing_equals_the_command_line(case, tmp_path, options):
     assert pyarrow.table(fused).num_rows == len(fused["time_s"])
 
 
+def test_smoothing_equals_the_command_line(case, tmp_path):
+    files, out = sorted(case.glob("sensor_tracks_*.csv")), tmp_path / "smoothed.csv"
+    _run(["smooth", "--refresh", "1", "--tracks", *files, "--out", out])
+    smoothed = koseki.smooth([_read(file) for file in files], refresh=1.0)
+    _assert_same(smoothed, _read(out))
+    assert smoothed.summary["measurements"] > 100
+
+
 def test_tracking_equals_the_command_line(case, tmp_path):
     files, out = sorted(case.glob("detections_*.csv")), tmp_path / "tracks.csv"
     _run(["track", "--detections", *files, "--period", "1", "--out", out])

@@ -129,6 +129,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         system_tracks: SystemTracks {
             max: engine.capacity.system_tracks(),
             exchange: engine.exchange,
+            smooths: engine.smoothing_lag_s.is_some(),
             rule: engine.rule.name.0,
             queue: engine.capacity.queue,
         },

@@ -21,6 +21,8 @@ pub struct SystemTracks {
     pub max: usize,
     /// Whether a further track picture from local sources only is published.
     pub exchange: bool,
+    /// Whether smoothed states are published.
+    pub smooths: bool,
     /// Rule that weighs the sources.
     pub rule: FusionRule,
     /// Reports that wait per source in order `time`.

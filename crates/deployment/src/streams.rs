@@ -30,10 +30,13 @@ impl runtime::DeploymentParts for Deployment {
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
-        match self.system_tracks.exchange {
-            true => visit.visit(&messages::own_tracks(), publishers),
-            false => Ok(()),
+        if self.system_tracks.exchange {
+            visit.visit(&messages::own_tracks(), publishers)?;
         }
+        if self.system_tracks.smooths {
+            visit.visit(&messages::smoothed_tracks(), publishers)?;
+        }
+        Ok(())
     }
 }
 

@@ -111,6 +111,8 @@ pub struct Smoothed<const N: usize, const M: usize> {
 #[derive(Clone, Debug)]
 pub struct Smoother<const N: usize, const M: usize, const K: usize> {
     steps: VecDeque<FilteredStep<N, M>>,
+    /// Logarithm of the likelihood of all measurements so far.
+    evidence: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -143,7 +145,22 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
         };
         Self {
             steps: VecDeque::from([first]),
+            evidence: 0.0,
         }
+    }
+
+    /// The last step alone: what it predicts does not depend on those before it.
+    pub fn last_alone(&self) -> Self {
+        Self {
+            steps: VecDeque::from([*self.last()]),
+            evidence: self.evidence,
+        }
+    }
+
+    /// Logarithm of the likelihood of all measurements so far, but for a constant: what the models and their noise
+    /// explain of them. Of several assumptions the likeliest has the greatest.
+    pub fn evidence(&self) -> f64 {
+        self.evidence
     }
 
     /// Number of steps in memory, at least 1.
@@ -216,8 +233,10 @@ impl<const N: usize, const M: usize, const K: usize> Smoother<N, M, K> {
             model.mean += gain * residual;
             model.covariance = symmetric(&(model.covariance - gain * cross));
         }
-        updated.probability = weighed(&updated.probability, &logarithms);
+        let gained;
+        (updated.probability, gained) = weighed(&updated.probability, &logarithms);
         *self.steps.back_mut()? = updated;
+        self.evidence += gained;
         Some(())
     }
 
@@ -373,8 +392,8 @@ fn logarithm_of_determinant<const N: usize>(factored: &Cholesky<f64, Const<N>>) 
         .sum::<f64>()
 }
 
-/// Probabilities after a measurement with these logarithms of likelihoods.
-fn weighed<const M: usize>(probability: &[f64; M], logarithms: &[f64; M]) -> [f64; M] {
+/// Probabilities after a measurement with these logarithms of likelihoods, and that of all models together.
+fn weighed<const M: usize>(probability: &[f64; M], logarithms: &[f64; M]) -> ([f64; M], f64) {
     let best = logarithms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut weighed: [f64; M] = std::array::from_fn(|model| {
         let likelihood = (logarithms[model] - best).max(-EXPONENT_MAX).exp();
@@ -386,7 +405,7 @@ fn weighed<const M: usize>(probability: &[f64; M], logarithms: &[f64; M]) -> [f6
         *value = (*value / sum).max(PROBABILITY_MIN);
         possible += *value;
     }
-    weighed.map(|value| value / possible)
+    (weighed.map(|value| value / possible), best + sum.ln())
 }
 
 fn symmetric<const N: usize>(matrix: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {

@@ -17,6 +17,7 @@ use settings::SettingsError;
 use association::distance::squared2;
 
 use crate::association_step::Search;
+use crate::assumed::assumed_of;
 use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
@@ -760,6 +761,7 @@ impl Engine {
             self.outbox.to(sink).input(|| FilterInput {
                 point_m: referred.point_m,
                 point_m2: referred.variance_m2,
+                assumed: Some(assumed_of(system, &self.tracks, &self.sources, &self.publisher)),
                 ..self.tracks.input(sensor, Some(measurement))
             });
         }

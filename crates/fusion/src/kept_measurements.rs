@@ -18,11 +18,12 @@
 //! method for any filter; its own shorter ways hold for a single linear model only.
 
 use estimation::Gaussian;
-use messages::{AXES, Covariance, SensorTrack, sensor_track_bits};
+use messages::{AXES, Covariance};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::filter::{FilterInnovation, TargetFilter};
-use crate::measurement::{Correction, Measurement, gaussian_of};
+use crate::kept_measurement::{KeptMeasurement, UsedMeasurement};
+use crate::measurement::{Correction, Measurement};
 use crate::motion::Motion;
 use crate::system_tracks::SystemSlot;
 
@@ -37,41 +38,6 @@ const CHAIN_MAX: u32 = 128;
 /// Place of a measurement in the table.
 pub(crate) type Place = u32;
 const NOWHERE: Place = Place::MAX;
-
-/// A measurement as the filter used it.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct KeptMeasurement {
-    /// Time of measurement, nanoseconds.
-    pub(crate) time_ns: i64,
-    /// Source, and number of its sensor track.
-    pub(crate) track: (u16, u32),
-    /// Relative to the target's reference point, without the known errors of its source.
-    pub(crate) measurement: Measurement,
-    /// Whether the filter used it, or only brought itself forward to its time.
-    pub(crate) is_used: bool,
-    /// State in the report behind it, without the known errors of its source, and whether it has a height.
-    pub(crate) state: Gaussian,
-    pub(crate) has_height: bool,
-    /// These errors.
-    pub(crate) correction: Correction,
-    /// Detection point that was taken off, east and north, metres, and its variance per axis, m².
-    pub(crate) point_m: [f64; 2],
-    pub(crate) point_m2: f64,
-}
-
-/// A measurement that the filter uses: the parts of a [`KeptMeasurement`] where they are.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct UsedMeasurement<'a> {
-    pub(crate) measurement: &'a Measurement,
-    /// The report behind it, without the known errors of its source.
-    pub(crate) report: &'a SensorTrack,
-    pub(crate) correction: &'a Correction,
-    /// Whether the filter uses it.
-    pub(crate) is_used: bool,
-    /// Detection point that was taken off, east and north, metres, and its variance per axis, m².
-    pub(crate) point_m: [f64; 2],
-    pub(crate) point_m2: f64,
-}
 
 /// A measurement in its chain, or a free place among others.
 #[derive(Clone, Copy, Debug)]
@@ -578,57 +544,6 @@ impl KeptMeasurements {
             let newest = self.put_last(system, place);
             self.base_mut(system, newest).length += 1;
         }
-    }
-}
-
-impl UsedMeasurement<'_> {
-    /// Time of measurement, nanoseconds.
-    pub(crate) fn time_ns(&self) -> i64 {
-        self.report.time_of_measurement_ns
-    }
-
-    /// All of it, to be kept.
-    #[inline]
-    fn write(&self, kept: &mut KeptMeasurement) {
-        let report = self.report;
-        kept.time_ns = report.time_of_measurement_ns;
-        kept.track = (report.source, report.track_number);
-        kept.measurement = *self.measurement;
-        kept.is_used = self.is_used;
-        kept.state.mean[..AXES].copy_from_slice(&report.position_m);
-        kept.state.mean[AXES..].copy_from_slice(&report.velocity_mps);
-        kept.state.covariance = report.covariance;
-        kept.has_height = report.has(sensor_track_bits::HEIGHT);
-        kept.correction = *self.correction;
-        kept.point_m = self.point_m;
-        kept.point_m2 = self.point_m2;
-    }
-
-    /// All of it.
-    pub(crate) fn kept(&self) -> KeptMeasurement {
-        KeptMeasurement {
-            time_ns: self.time_ns(),
-            track: (self.report.source, self.report.track_number),
-            measurement: *self.measurement,
-            is_used: self.is_used,
-            state: gaussian_of(self.report),
-            has_height: self.report.has(sensor_track_bits::HEIGHT),
-            correction: *self.correction,
-            point_m: self.point_m,
-            point_m2: self.point_m2,
-        }
-    }
-}
-
-impl KeptMeasurement {
-    /// Lets a filter use it.
-    pub(crate) fn use_in<'m>(
-        &self,
-        filter: &mut TargetFilter,
-        motion_of: impl Fn(&TargetFilter) -> &'m Motion,
-    ) -> Option<FilterInnovation> {
-        let motion = motion_of(filter);
-        filter.take(&self.measurement, self.time_ns, motion, self.is_used)
     }
 }
 

@@ -14,11 +14,13 @@
 
 use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 
+use crate::assumed::assumed_of;
 use crate::engine::Engine;
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
-use crate::kept_measurements::{KeptMeasurement, Lateness, Place};
-use crate::measurement::{Measurement, gaussian_of};
+use crate::kept_measurement::KeptMeasurement;
+use crate::kept_measurements::{Lateness, Place};
+use crate::measurement::{FilterInput, Measurement, gaussian_of};
 use crate::reference_point::Referred;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot};
 use crate::system_tracks::SystemSlot;
@@ -113,12 +115,38 @@ impl Engine {
         let entry = self.tracks.sensors.get_mut(sensor);
         entry.share += innovation.gain;
         entry.reports = entry.reports.saturating_add(1);
+        self.pass_on_overtaken(system, &kept, successor, sink);
         self.count_overtaken(system, report.source);
         let out = &mut self.outbox.to(sink);
         let cause = (system, report);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
         true
+    }
+
+    /// Passes on an overtaken measurement, and the one after it as it is now.
+    fn pass_on_overtaken(
+        &mut self,
+        system: SystemSlot,
+        overtaken: &KeptMeasurement,
+        successor: Option<(Place, Measurement)>,
+        sink: &mut impl Sink,
+    ) {
+        let number = self.tracks.systems.get(system).number;
+        let assumed = assumed_of(system, &self.tracks, &self.sources, &self.publisher);
+        let kept = &self.tracks.kept;
+        let mut out = self.outbox.to(sink);
+        if overtaken.is_used {
+            out.input(|| overtaken.input(number, assumed));
+        }
+        if let Some((place, _)) = successor
+            && kept.at(place).is_used
+        {
+            out.input(|| FilterInput {
+                replaces: true,
+                ..kept.at(place).input(number, assumed)
+            });
+        }
     }
 
     /// Counts an overtaken report that a system track has used.

@@ -20,6 +20,7 @@
 mod accuracy;
 mod alignment;
 mod association_step;
+mod assumed;
 mod border;
 pub mod checkpoint;
 mod coverage;
@@ -50,6 +51,7 @@ mod host_clock;
 mod identity;
 mod image;
 mod inlet;
+mod kept_measurement;
 mod kept_measurements;
 mod late;
 mod learned;

@@ -49,7 +49,7 @@ const AGILE: f64 = 0.4;
 const AGILE_MIN: f64 = 0.1;
 const AGILE_MAX: f64 = 0.8;
 /// Process noise of changes of the rate of climb relative to that of turns assumed, and the least, m²/s³.
-const CLIMB_CHANGE: f64 = 0.1;
+const CLIMB_CHANGE: f64 = 0.2;
 const CLIMB_CHANGE_MIN_M2PS3: f64 = 1.0;
 /// Number of measurements in manoeuvres as which the assumptions count, and after which older ones fade.
 const ASSUMED: f64 = 8.0;

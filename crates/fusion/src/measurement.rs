@@ -11,6 +11,7 @@ use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 use crate::error_shape::Stretch;
+use crate::motion::Motion;
 use crate::tracker_gain::GainEvidence;
 
 /// Factor on the covariance of reports from a filter that cannot be undone.
@@ -102,6 +103,32 @@ pub struct FilterInput {
     pub point_m: [f64; 2],
     /// Variance per axis of that, m².
     pub point_m2: f64,
+    /// Whether it takes the place of an earlier input with the same time and sensor track: a report between both has
+    /// come late, and shows what was measured.
+    pub replaces: bool,
+    /// Number of the sensor track.
+    pub(crate) sensor_track: u32,
+    /// Errors of the source, as they were taken off.
+    pub(crate) correction: Correction,
+    /// What fusion assumes at this moment; unknown where the filter begins.
+    pub(crate) assumed: Option<Assumed>,
+}
+
+/// What fusion assumes beside the measurements.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Assumed {
+    /// How the target moves.
+    pub(crate) motion: Motion,
+    /// Variance per axis of errors that no measurement shows, m².
+    pub(crate) common_error_m2: f64,
+}
+
+impl FilterInput {
+    /// Whether both come from the same report.
+    pub(crate) fn is_of_same_report(&self, other: &Self) -> bool {
+        let report = |input: &Self| (input.time_ns, input.source, input.sensor_track);
+        report(self) == report(other)
+    }
 }
 
 /// A measured position.

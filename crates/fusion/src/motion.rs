@@ -6,8 +6,12 @@ use serde::{Deserialize, Serialize};
 
 /// Number of lateral accelerations that turns are assumed to have.
 pub(crate) const LEVELS: usize = 4;
-/// Process noise of steady motion, relative to that of turns.
+/// Process noise of steady motion, relative to that of turns: of fast targets, and of slow ones (aircraft on the
+/// ground, vessels, vehicles), which change their speed a little all the time.
 const STEADY: f64 = 4e-4;
+const STEADY_SLOW: f64 = 2.4e-3;
+/// Speed below which the rate of a turn no longer rises, m/s, by which slow targets are known.
+const SLOW_MPS: f64 = 10.0;
 /// The same of agile motion along the course and across.
 const AGILE: [f64; 2] = [0.6, 0.12];
 /// Process noise of a turn relative to the square of its acceleration, over up to 1 s, s.
@@ -42,7 +46,8 @@ impl Motion {
     /// White noise of steady motion, m²/s³.
     #[inline]
     pub(crate) fn steady_m2ps3(&self) -> f64 {
-        STEADY * self.turns.density_m2ps3[0]
+        let steady = if self.slow_mps < SLOW_MPS { STEADY_SLOW } else { STEADY };
+        steady * self.turns.density_m2ps3[0]
     }
 
     /// White noise of agile motion over so many seconds, along the course and across, m²/s³.
@@ -89,7 +94,8 @@ impl Motion {
     /// Variance of a rate of climb caused by changes not yet detected, m²/s².
     pub(crate) fn unnoticed_climb_m2ps2(&self) -> f64 {
         let share = CLIMB_UNNOTICED_S / CLIMB_STEADY_S;
-        0.5 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
+        // White noise of this density lasts for half of that time at most; on average half of that is unnoticed.
+        0.25 * share * CLIMB_UNNOTICED_S * self.climb_change_m2ps3
     }
 }
 
@@ -115,8 +121,8 @@ mod tests {
         assert!((motion(450.0, 4.0).unnoticed_m2ps2() - 2.5).abs() < 1e-9);
         // 16 m/s² for 6 s, the least: 96 m/s.
         assert!((motion(225.0, 16.0).unnoticed_m2ps2() - 96.0 * 96.0 / 225.0).abs() < 1e-9);
-        // 7 of 80 s, after which the variance is 7 · 5 m²/s²; half of that on average.
-        assert!((motion(225.0, 4.0).unnoticed_climb_m2ps2() - 0.5 * 7.0 / 80.0 * 35.0).abs() < 1e-9);
+        // 7 of 80 s, in half of which the variance becomes 3.5 · 5 m²/s²; half of that on average.
+        assert!((motion(225.0, 4.0).unnoticed_climb_m2ps2() - 0.5 * 7.0 / 80.0 * 17.5).abs() < 1e-9);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::explanation::Sink;
 use crate::filter::FilterInnovation;
-use crate::kept_measurements::UsedMeasurement;
+use crate::kept_measurement::UsedMeasurement;
 use crate::measurement::Measurement;
 use crate::outlet::Outlet;
 use crate::sensor_tracks::{DetectionPoint, SensorEntry, SensorSlot};

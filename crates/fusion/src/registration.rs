@@ -227,12 +227,7 @@ impl Registration {
         velocity_mps: [f64; AXES],
         place_m: Option<[f64; 2]>,
     ) -> [f64; AXES] {
-        let known = self.of(source);
-        if known.removed == [false; ERRORS] {
-            return [0.0; AXES];
-        }
-        let removed = Errors::from_fn(|row, _| if known.removed[row] { known.errors[row] } else { 0.0 });
-        (sensitivity(position_m, velocity_mps, place_m) * removed).into()
+        self.of(source).shift(position_m, velocity_mps, place_m)
     }
 
     /// Returns the estimated horizontal displacement by errors that are *not* removed, as they are not significant

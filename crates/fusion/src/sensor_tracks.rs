@@ -266,6 +266,10 @@ impl SensorEntry {
             velocity_m2ps2: std::array::from_fn(variance),
             point_m: [0.0; 2],
             point_m2: 0.0,
+            replaces: false,
+            sensor_track: self.track_number,
+            correction: self.correction,
+            assumed: None,
         }
     }
 

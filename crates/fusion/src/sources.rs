@@ -621,7 +621,7 @@ impl Sources {
 }
 
 /// Where a source that measures range and azimuth stands, metres; `None` for others.
-fn place_of(source: &SourceSettings) -> Option<[f64; 2]> {
+pub(crate) fn place_of(source: &SourceSettings) -> Option<[f64; 2]> {
     source.place_m.or(match source.accuracy.base {
         AccuracyBase::Polar { place_m, .. } => Some(place_m),
         _ => None,

@@ -17,9 +17,9 @@ const CHANGE: usize = 2;
 /// Mean durations, seconds.
 pub(crate) const LEVEL_S: f64 = 80.0;
 pub(crate) const CLIMB_S: f64 = 100.0;
-pub(crate) const CHANGE_S: f64 = 8.0;
+pub(crate) const CHANGE_S: f64 = 4.0;
 /// Share of the changes after which the target flies level.
-pub(crate) const LEVELS_OFF: f64 = 0.4;
+pub(crate) const LEVELS_OFF: f64 = 0.5;
 /// Remaining rate of climb in level flight, m/s, and white noise of the height, m²/s.
 pub(crate) const REMAINDER_MPS: f64 = 0.3;
 pub(crate) const WANDER_M2PS: f64 = 0.01;

@@ -391,6 +391,8 @@ counters! {
         "Level: suspended system tracks: not shown, while their numbers rest.";
     NumbersResumed = "numbers_resumed", Picture by [Fusion],
         "System tracks under the number that their target had before it was silent.";
+    SmoothingDropped = "smoothing_dropped", Process by [Fusion],
+        "States and measurements not smoothed because the smoothing thread of fusion was too slow.";
 }
 
 #[cfg(test)]

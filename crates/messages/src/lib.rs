@@ -82,7 +82,7 @@ pub use target_type::{TYPE_NAME_MAX, TargetType};
 pub use topics::{
     Outgoing, Stream, StreamId, Streamed, Topic, TopicCapacity, TopicName, Visitor, alarms, cues, decisions, event_log,
     frame_origin, health, order_states, orders, own_tracks, platform_states, progress, restored, sensor_bearings,
-    sensor_detections, sensor_tracks, system_tracks, visit, wide_area,
+    sensor_detections, sensor_tracks, smoothed_tracks, system_tracks, visit, wide_area,
 };
 pub use wide_area::{Cue, WideArea, wide_area_bits};
 pub use work_step::{StepKind, WorkStep, work_step_bits};

@@ -298,6 +298,10 @@ topics! {
     /// contributing sensors. Published if `fusion.exchange` requests it.
     own_tracks() -> SystemTrack: "system/own-tracks", 256 slices of 64, 4 to 8;
 
+    /// Fused track picture of some seconds ago, smoothed with the measurements since then, if `fusion.smoothing_lag_s`
+    /// requests it.
+    smoothed_tracks() -> SystemTrack: "system/smoothed", 256 slices of 64, 4 to 16;
+
     /// Alarms from the monitor. Each slice replaces the previous slice, and slices are sent twice a second, so a
     /// late subscriber has the standing alarms after half a second.
     alarms() -> Alarm: "system/alarms", 16 slices of 64, 2 to 32;

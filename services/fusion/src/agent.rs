@@ -22,6 +22,7 @@ use crate::health;
 use crate::inputs::{InputReport, SourceInput};
 use crate::log::Log;
 use crate::output::TrackOutput;
+use crate::smoothing::SmoothingQueue;
 use crate::source_time::{CommonOffsets, SourceTime};
 
 /// Maximum number of reports in one turn: a flood does not delay other work.
@@ -162,6 +163,15 @@ impl<S: Transport> FusionAgent<S> {
         })
     }
 
+    /// Passes what the engine emits on to `queue`, too, for smoothed states. To be called before anything is processed.
+    #[must_use]
+    pub fn with_smoothing(mut self, queue: Option<Arc<SmoothingQueue>>) -> Self {
+        if let Some(queue) = queue {
+            self.output.smooth_into(queue);
+        }
+        self
+    }
+
     /// Continues from the checkpoint of the previous fusion, if there was one, and writes a checkpoint for a
     /// successor. Terminated tracks are published.
     ///
@@ -283,7 +293,9 @@ impl<S: Transport> FusionAgent<S> {
             self.look_at_clocks(machine);
         }
         let mut worked = 0;
-        while worked < REPORTS_PER_TURN && self.begin_round()? {
+        // Recordings wait for the smoothing thread.
+        let waits = self.reached.is_some() && !self.output.can_smooth();
+        while !waits && worked < REPORTS_PER_TURN && self.begin_round()? {
             worked += self.round.len();
             for place in 0..self.round.len() {
                 self.work_off_one(self.round[place], now)?;

@@ -8,9 +8,10 @@
 //! # The loop
 //!
 //! Fusion responds within microseconds, so that its thread does nothing else: a second thread publishes counters and
-//! receives orders (`runtime::housekeeping`). Each turn takes one report of each source with waiting reports, fuses
-//! it, and publishes the result. With `wait = "spin"` on a core of its own, a turn makes no system call, takes no
-//! lock and allocates nothing (tests/allocation.rs; docs/real-time.md has the trace).
+//! receives orders (`runtime::housekeeping`), and a third one smooths on request (`smoothing`). Each turn takes one
+//! report of each source with waiting reports, fuses it, and publishes the result. With `wait = "spin"` on a core of
+//! its own, a turn makes no system call, takes no lock and allocates nothing (tests/allocation.rs; docs/real-time.md
+//! has the trace).
 
 mod agent;
 mod clocks;
@@ -22,10 +23,12 @@ mod output;
 mod part;
 #[cfg(test)]
 mod quarantine_tests;
+mod smoothing;
 mod source_time;
 mod standby;
 
 pub use agent::FusionAgent;
+pub use smoothing::{SmoothingQueue, SmoothingWorker};
 
 use std::sync::Arc;
 
@@ -36,6 +39,7 @@ use runtime::housekeeping::{Housekeeper, Queues};
 use runtime::{Now, Rest, cores};
 
 use crate::part::FusionPart;
+use crate::smoothing::SmoothingThread;
 use crate::standby::LeadLock;
 
 /// Pauses of a loop that would otherwise never sleep: 6 % of the time, more than the kernel would take by force.
@@ -66,7 +70,15 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     };
     // Before this thread takes its core: threads inherit core and priority.
     let housekeeper = Housekeeper::start(process, fusion.core, entries_max, Arc::clone(&queues))?;
-    let mut part = FusionPart::new(process, settings, lock, queues, Now::read())?;
+    let start = |lag_ns| {
+        let root = process.bus.root().clone();
+        let name = format!("{}-{}-smoothing", process.kind.word(), process.name);
+        let (tracks, incarnation) = (config.system_tracks.max, process.incarnation);
+        SmoothingThread::start((root, name), fusion.core, (lag_ns, tracks, incarnation))
+    };
+    let smoothing = settings.smoothing_lag_ns().map(start).transpose()?;
+    let queue = smoothing.as_ref().map(SmoothingThread::queue);
+    let mut part = FusionPart::new(process, settings, lock, (queues, queue), Now::read())?;
     let refused = cores::take_place(placement).join("; ");
     if !refused.is_empty() {
         anyhow::ensure!(!fusion.required, "{refused}; grant it, or set fusion.required = false");
@@ -75,5 +87,6 @@ pub fn run(process: &Process, settings: &Settings) -> anyhow::Result<()> {
     }
     let hardly_sleeps = fusion.wait != WaitWord::Event && fusion.realtime_priority.is_some();
     let rest = hardly_sleeps.then_some(REST).filter(|_| fusion.rests);
-    runtime::service::run_apart(process, &mut part, rest, housekeeper)
+    runtime::service::run_apart(process, &mut part, rest, housekeeper)?;
+    smoothing.map_or(Ok(()), SmoothingThread::close)
 }

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use bus::{Bus, Mark, Publisher, Transport};
 use deployment::{Deployment, ReportOrder};
-use fusion::Sink;
+use fusion::{FilterInput, Sink};
 use messages::{Counter, Decision, OrderState, ProcessKind, StreamId, SystemTrack};
 use runtime::clock::{boot_identity, mono_ns};
 use runtime::flow::Flow;
 use runtime::housekeeping::Queues;
+
+use crate::smoothing::SmoothingQueue;
 
 /// System-track states that wait to be sent as one slice.
 #[derive(Debug)]
@@ -26,6 +28,9 @@ pub(crate) struct TrackOutput<S: Transport> {
     /// Queue of decisions, which another thread publishes.
     queues: Arc<Queues>,
     decisions_dropped: u64,
+    /// For smoothed states, which another thread makes.
+    smoothing: Option<Arc<SmoothingQueue>>,
+    smoothing_dropped: u64,
 }
 
 /// States by the sources here alone that wait to be sent as one slice.
@@ -38,6 +43,25 @@ struct OwnTracks<S: Transport> {
 impl<S: Transport> Sink for TrackOutput<S> {
     fn track(&mut self, track: &SystemTrack) {
         self.waiting.push(*track);
+        if let Some(queue) = &self.smoothing {
+            let (epoch, origin) = (self.publisher.epoch(), self.origin);
+            let state = SystemTrack {
+                epoch,
+                origin,
+                ..*track
+            };
+            self.smoothing_dropped += u64::from(!queue.state(state));
+        }
+    }
+
+    fn follows_inputs(&self) -> bool {
+        self.smoothing.is_some()
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        if let Some(queue) = &self.smoothing {
+            self.smoothing_dropped += u64::from(!queue.input(input));
+        }
     }
 
     fn own_track(&mut self, track: &SystemTrack) {
@@ -103,12 +127,22 @@ impl<S: Transport> TrackOutput<S> {
             deadline_misses: 0,
             queues,
             decisions_dropped: 0,
+            smoothing: None,
+            smoothing_dropped: 0,
         })
+    }
+
+    /// Passes what the engine emits on to `queue`, too.
+    pub(crate) fn smooth_into(&mut self, queue: Arc<SmoothingQueue>) {
+        self.smoothing = Some(queue);
     }
 
     /// Marks states as continuing the tracks of the previous epoch.
     pub(crate) fn go_on(&mut self) {
         self.publisher.go_on();
+        if let Some(queue) = &self.smoothing {
+            queue.go_on();
+        }
         if let Some(own) = &mut self.own {
             own.publisher.go_on();
         }
@@ -121,10 +155,18 @@ impl<S: Transport> TrackOutput<S> {
 
     /// Whether another slice's worth may be worked off: consumers that must not miss anything have room for it.
     pub(crate) fn has_room(&mut self) -> anyhow::Result<bool> {
+        if !self.can_smooth() {
+            return Ok(false);
+        }
         let sent = self.publisher.counts().slices;
         let Some(flow) = &mut self.flow else { return Ok(true) };
         flow.update(sent)?;
         Ok(flow.may_send(sent))
+    }
+
+    /// Whether the smoothing thread has room, if there is one.
+    pub(crate) fn can_smooth(&self) -> bool {
+        self.smoothing.as_ref().is_none_or(|queue| queue.has_room())
     }
 
     /// Whether enough waits to fill a slice.
@@ -141,6 +183,9 @@ impl<S: Transport> TrackOutput<S> {
     pub(crate) fn send(&mut self, progress_ns: i64, end: bool) -> anyhow::Result<()> {
         if self.waiting.is_empty() && !end {
             return Ok(());
+        }
+        if let Some(queue) = self.smoothing.as_ref().filter(|_| end) {
+            self.smoothing_dropped += u64::from(!queue.end());
         }
         let (waiting, sent_ns, deadline_ns) = (&mut self.waiting, mono_ns(), self.deadline_ns);
         let (epoch, origin) = (self.publisher.epoch(), self.origin);
@@ -193,5 +238,6 @@ impl<S: Transport> TrackOutput<S> {
         counters[Counter::Published] = self.publisher.counts().samples;
         counters[Counter::DeadlineMisses] = self.deadline_misses;
         counters[Counter::DecisionsDropped] = self.decisions_dropped;
+        counters[Counter::SmoothingDropped] = self.smoothing_dropped;
     }
 }

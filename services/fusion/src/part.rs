@@ -13,6 +13,7 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 
 use crate::agent::{FusionAgent, Ready};
 use crate::continuity::{FusionStart, TakeOver};
+use crate::smoothing::SmoothingQueue;
 use crate::standby::{self, Lead, LeadLock, StandbyFusion};
 
 /// Fusion process.
@@ -20,6 +21,7 @@ use crate::standby::{self, Lead, LeadLock, StandbyFusion};
 pub(crate) struct FusionPart<'a> {
     process: &'a Process,
     queues: Arc<Queues>,
+    smoothing: Option<Arc<SmoothingQueue>>,
     state: RoleState,
 }
 
@@ -44,7 +46,7 @@ impl<'a> FusionPart<'a> {
         process: &'a Process,
         settings: &Settings,
         lock: Option<LeadLock>,
-        queues: Arc<Queues>,
+        (queues, smoothing): (Arc<Queues>, Option<Arc<SmoothingQueue>>),
         now: Now,
     ) -> anyhow::Result<Self> {
         let (config, speed) = (&process.config, process.options.speed);
@@ -53,6 +55,7 @@ impl<'a> FusionPart<'a> {
         let mut part = Self {
             process,
             queues,
+            smoothing,
             state: RoleState::Changes,
         };
         match lock {
@@ -88,7 +91,8 @@ impl<'a> FusionPart<'a> {
             // There is one start, and room for it.
             let _ = self.queues.restored.push(whole);
         }
-        let mut agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
+        let agent = FusionAgent::begin(ready, config, bus, (incarnation, epoch), Arc::clone(&self.queues))?;
+        let mut agent = agent.with_smoothing(self.smoothing.clone());
         if let Some(start) = start {
             agent.resume(start, take_over, now)?;
         }

@@ -144,6 +144,8 @@ FILE     time_s,sensor_id,sensor_track_id,x,y,z,vx,vy,vz,P00,P01,…,P55,state  
 --explain {DECISION}
          decision: started, joined, split, merged, confirmed, coasted, ended, hand_over and more; value was compared
          with limit.
+--smoothed rows as in --out. A state has the age of --smoothing-lag, or up to a quarter more. Without --refresh there are at
+         most two a second of a track.
 --config a deployment as for `koseki up` (sensor_id 1 is its first source), or [fusion] and [[sensor]] alone:
            [fusion.rule]
            name = \"best-source\"
@@ -176,6 +178,12 @@ pub struct Fuse {
     /// File for decisions with their reasons, a row per decision
     #[arg(long, value_name = "FILE")]
     pub(crate) explain: Option<PathBuf>,
+    /// File for the system tracks of some seconds ago, smoothed with the measurements since then
+    #[arg(long, value_name = "FILE")]
+    pub(crate) smoothed: Option<PathBuf>,
+    /// Age of the states in --smoothed, seconds [default: fusion.smoothing_lag_s in --config, else 10]
+    #[arg(long, value_name = "SECONDS", requires = "smoothed", value_parser = refresh)]
+    pub(crate) smoothing_lag: Option<Duration>,
     /// File for a plot (SVG): the system tracks over their reports
     #[arg(long, value_name = "FILE")]
     pub(crate) picture: Option<PathBuf>,

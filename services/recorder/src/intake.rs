@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 
 use bus::{Bus, LogReader, Payload, PublisherLine, Subscriber, SubscriberCounts, Transport, Waiter};
-use deployment::Deployment;
+use deployment::{Deployment, SystemTracks};
 use messages::layout::Layout;
 use messages::{BatchHeader, Stream, Streamed, Topic};
 use runtime::Now;
@@ -162,10 +162,13 @@ impl<S: Transport> IntakeBuilder<'_, S> {
         Ok(())
     }
 
-    /// Opens the topics of messages between processes, and the event log; with `exchanges`, the own tracks first.
-    fn open_others(&mut self, exchanges: bool) -> anyhow::Result<()> {
-        if exchanges {
+    /// Opens the topics of messages between processes, and the event log; first the further track pictures.
+    fn open_others(&mut self, tracks: &SystemTracks) -> anyhow::Result<()> {
+        if tracks.exchange {
             self.open(&messages::own_tracks())?;
+        }
+        if tracks.smooths {
+            self.open(&messages::smoothed_tracks())?;
         }
         // Messages between processes can wait for the next poll.
         self.waiter = None;
@@ -222,7 +225,7 @@ impl<S: Transport> TopicIntake<S> {
             opening.open_stream(id.stream, name)?;
         }
         if has_all {
-            opening.open_others(config.system_tracks.exchange)?;
+            opening.open_others(&config.system_tracks)?;
         }
         let intake = Self {
             topics: opening.topics,

@@ -6,6 +6,7 @@ use test_support::Random;
 
 use super::*;
 use crate::settings::RuleName;
+use crate::{FilterInput, Sink};
 
 const TARGETS: u32 = 3;
 const SOURCES: u16 = 3;
@@ -265,6 +266,55 @@ fn the_measurements_behind_overtaken_reports_and_those_after_them_are_recovered(
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "seed {seed}: {found}, not {expected}"
+            );
+        }
+    }
+}
+
+/// Inputs of filters, in which later ones take the places of earlier ones.
+#[derive(Default)]
+struct InputTape(Vec<FilterInput>);
+
+impl Sink for InputTape {
+    fn track(&mut self, _: &SystemTrack) {}
+
+    fn follows_inputs(&self) -> bool {
+        true
+    }
+
+    fn input(&mut self, input: &FilterInput) {
+        let same = self.0.iter_mut().find(|other| input.is_of_same_report(other));
+        match same.filter(|_| input.replaces) {
+            Some(same) => *same = *input,
+            None => self.0.push(*input),
+        }
+    }
+}
+
+#[test]
+fn readers_of_inputs_receive_overtaken_measurements_and_those_after_them_anew() {
+    for seed in 0..5 {
+        let coming_late = tracked(seed, 6.0);
+        let mut settings = settings();
+        settings.sources.truncate(2);
+        let inputs = |coming: &[Coming]| {
+            let mut engine = Engine::new(settings.clone()).unwrap();
+            let mut tape = InputTape::default();
+            for (now_ns, report) in coming {
+                engine.take_at(report, *now_ns, &mut tape);
+            }
+            tape.0.sort_by_key(|input| input.time_ns);
+            tape.0
+        };
+        let (found, expected) = (inputs(&coming_late), inputs(&in_time(&coming_late)));
+        assert_eq!(found.len(), expected.len(), "seed {seed}");
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!(found.is_of_same_report(expected), "seed {seed}");
+            let apart_m = found.position_m[0] - expected.position_m[0];
+            let ratio = found.covariance_m2[0] / expected.covariance_m2[0];
+            assert!(
+                apart_m.abs() < 1e-6 && (ratio - 1.0).abs() < 1e-9,
+                "seed {seed}: {found:?} {expected:?}"
             );
         }
     }

@@ -141,6 +141,20 @@ impl SourceErrors {
         }
     }
 
+    /// The displacement of a report that the removed errors cause, metres.
+    pub(crate) fn shift(
+        &self,
+        position_m: [f64; AXES],
+        velocity_mps: [f64; AXES],
+        place_m: Option<[f64; 2]>,
+    ) -> [f64; AXES] {
+        if self.removed == [false; ERRORS] {
+            return [0.0; AXES];
+        }
+        let removed = Errors::from_fn(|row, _| if self.removed[row] { self.errors[row] } else { 0.0 });
+        (sensitivity(position_m, velocity_mps, place_m) * removed).into()
+    }
+
     /// The time offset that is being removed, seconds.
     pub(crate) fn time_offset_s(&self) -> f64 {
         if self.removed[TIME] { self.errors[TIME] } else { 0.0 }

@@ -53,6 +53,9 @@ settings::settings! {
         /// Time by which a report may be older than its track's state and still change the state as if it had come in
         /// time; older ones are carried forward. 0: all are.
         late_window_s: Option<Seconds> = None, in [0, 60], usually "10 in order `arrival`, and offline for files with `arrival_s`; else 0";
+        /// Age of the states on a further topic, `system/smoothed`: they are smoothed with the measurements since then,
+        /// and up to a quarter older. A thread of its own makes them.
+        smoothing_lag_s: Option<Seconds> = None, in [1, 60], usually "no such topic";
         /// Publication of a further track picture from local sources only, for other centres.
         exchange: bool = false;
         /// Borders with other centres.
@@ -233,6 +236,11 @@ impl Settings {
     /// Time between two states of a system track, nanoseconds; `None`: whenever a report has changed a system track.
     pub fn refresh_ns(&self) -> Option<i64> {
         self.refresh_s.map(Seconds::ns)
+    }
+
+    /// Age of smoothed states, nanoseconds; `None`: there are none.
+    pub fn smoothing_lag_ns(&self) -> Option<i64> {
+        self.smoothing_lag_s.map(Seconds::ns)
     }
 
     /// Gives the window of late reports its usual length, unless it is stated.

@@ -4,19 +4,28 @@
 //! collects the inputs, and the times of the published states. Once the recording has ended,
 //! [`Trajectories::smooth`] gives the state of each track at each of these times:
 //!
-//! 1. The errors of the sources are taken off as they are known at the end, from the whole recording, not as they were
-//!    known at the time. The same holds for the sizes of their covariances and for how targets manoeuvre.
-//! 2. The measurements are brought into the order of their times. Late ones thus count like those in time.
-//! 3. A smoother per mode of motion ([`estimation::Smoother`]) runs over the plane, another over the vertical, with the
+//! 1. The errors of the sources are taken off as the reports around each time show them ([`errors_over_time`]), not as
+//!    they were known at the time. The sizes of covariances and how targets manoeuvre are those known at the end.
+//! 2. The measurements are brought into the order of their times. Late ones thus count like those in time. Where a late
+//!    report changes what the one after it shows, that one is replaced.
+//! 3. How straight targets fly, and for how long, is assumed as it makes the measurements the likeliest (module
+//!    `likeliest`).
+//! 4. A smoother per mode of motion ([`estimation::Smoother`]) runs over the plane, another over the vertical, with the
 //!    models of the filters. It runs twice: speed and course, on which the models depend, are those of the first run.
 //!
 //! Measurements behind the reports of sources' own trackers are recovered as for the filter, so their errors are
 //! independent. A report whose measurement cannot be recovered repeats earlier information; as in the filter, it counts
 //! as a measurement of three times its covariance.
 //!
+//! [`LagSmoother`] does the same while fusion runs, some seconds behind it.
+//!
 //! Limits: the association is that of the engine and not done again. A track that the engine begins anew has a new
 //! trajectory from there. States of other centres have no measurements and stay as they are.
 
+mod errors_over_time;
+mod knowledge;
+mod lag;
+mod likeliest;
 mod plane;
 mod stretch;
 mod trajectory;
@@ -28,9 +37,14 @@ use messages::{
     AXES, Covariance, HorizontalMovement, LongitudinalMovement, Movement, SystemTrack, TrackState, movement_bits,
 };
 
+pub use lag::LagSmoother;
+
 use crate::Engine;
 use crate::filter::vertical_movement;
 use crate::measurement::FilterInput;
+use errors_over_time::ErrorsOverTime;
+use knowledge::Afterwards;
+use likeliest::likeliest;
 use trajectory::{SmoothedState, Trajectory};
 
 /// Probabilities from which a target surely flies straight, and from which it turns.
@@ -42,6 +56,7 @@ const PROBABLE: f32 = 0.5;
 pub struct Trajectories {
     tracks: BTreeMap<u32, Trajectory>,
     inputs: u64,
+    errors: ErrorsOverTime,
 }
 
 /// Smoothed states of all system tracks.
@@ -57,7 +72,7 @@ impl Trajectories {
     /// Takes the next input of a filter.
     pub fn input(&mut self, input: &FilterInput) {
         self.inputs += 1;
-        self.tracks.entry(input.system_track).or_default().inputs.push(*input);
+        self.tracks.entry(input.system_track).or_default().take(input);
     }
 
     /// Takes the next state of a system track: a smoothed state shall have the same time.
@@ -66,6 +81,11 @@ impl Trajectories {
         if times.last() != Some(&state.reference_time_ns) {
             times.push(state.reference_time_ns);
         }
+    }
+
+    /// Looks at what the engine knows of the sources' errors; to be called after each report.
+    pub fn look(&mut self, engine: &Engine) {
+        self.errors.look(engine);
     }
 
     /// Number of inputs taken.
@@ -88,9 +108,17 @@ impl Trajectories {
             common_error_m2: engine.publisher.common_error_m2(),
         };
         let mut done = 0;
+        self.errors.settle(engine.settings.registration.memory_s);
+        let errors = &self.errors;
+        let with = |factors| Afterwards {
+            engine,
+            errors,
+            factors,
+        };
+        let known = with(likeliest(self.tracks.values(), with));
         while let Some((number, track)) = self.tracks.pop_first() {
             done += track.inputs.len() as u64;
-            smoothed.tracks.insert(number, track.smooth(engine));
+            smoothed.tracks.insert(number, track.smooth(&known));
             progress(done)?;
         }
         Ok(smoothed)
@@ -104,36 +132,40 @@ impl SmoothedTracks {
         let place = states
             .binary_search_by_key(&state.reference_time_ns, |smoothed| smoothed.time_ns)
             .ok()?;
-        let smoothed = &states[place];
-        let mut message = *state;
-        let [x, y, vx, vy] = smoothed.plane.mean;
-        for (axis, (position, velocity)) in [(x, vx), (y, vy)].into_iter().enumerate() {
-            message.position_m[axis] = position;
-            message.velocity_mps[axis] = velocity;
-        }
-        message.covariance = Covariance::default();
-        const PLANE: [usize; 4] = [0, 1, AXES, AXES + 1];
-        let mut elements = smoothed.plane.covariance.into_iter();
-        for (place, row) in PLANE.into_iter().enumerate() {
-            for (column, value) in PLANE[place..].iter().zip(&mut elements) {
-                message.covariance.set(row, *column, value);
-            }
-        }
-        for axis in 0..2 {
-            let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
-            *variance += self.common_error_m2;
-        }
-        [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
-        message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
-        set_vertical(&mut message, state, smoothed);
-        let is_followed = [TrackState::Tentative as u8, TrackState::Confirmed as u8].contains(&state.state);
-        message.movement = if is_followed {
-            movement(&message)
-        } else {
-            Movement::default()
-        };
-        Some(message)
+        Some(with_kinematics(state, &states[place], self.common_error_m2))
     }
+}
+
+/// A state with smoothed kinematics; `common_error_m2` is the variance per axis of errors that no measurement shows.
+fn with_kinematics(state: &SystemTrack, smoothed: &SmoothedState, common_error_m2: f64) -> SystemTrack {
+    let mut message = *state;
+    let [x, y, vx, vy] = smoothed.plane.mean;
+    for (axis, (position, velocity)) in [(x, vx), (y, vy)].into_iter().enumerate() {
+        message.position_m[axis] = position;
+        message.velocity_mps[axis] = velocity;
+    }
+    message.covariance = Covariance::default();
+    const PLANE: [usize; 4] = [0, 1, AXES, AXES + 1];
+    let mut elements = smoothed.plane.covariance.into_iter();
+    for (place, row) in PLANE.into_iter().enumerate() {
+        for (column, value) in PLANE[place..].iter().zip(&mut elements) {
+            message.covariance.set(row, *column, value);
+        }
+    }
+    for axis in 0..2 {
+        let variance = &mut message.covariance.upper[Covariance::index(axis, axis)];
+        *variance += common_error_m2;
+    }
+    [message.turn_rate_radps, message.turn_rate_sigma_radps] = smoothed.turn_rate.map(|value| value as f32);
+    message.mode_probabilities[..5].copy_from_slice(&smoothed.plane_modes);
+    set_vertical(&mut message, state, smoothed);
+    let is_followed = [TrackState::Tentative as u8, TrackState::Confirmed as u8].contains(&state.state);
+    message.movement = if is_followed {
+        movement(&message)
+    } else {
+        Movement::default()
+    };
+    message
 }
 
 fn set_vertical(message: &mut SystemTrack, live: &SystemTrack, smoothed: &SmoothedState) {
@@ -180,5 +212,9 @@ fn movement(message: &SystemTrack) -> Movement {
     movement
 }
 
+#[cfg(test)]
+mod errors_tests;
+#[cfg(test)]
+mod lag_tests;
 #[cfg(test)]
 mod tests;

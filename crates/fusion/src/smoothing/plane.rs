@@ -3,8 +3,8 @@
 use estimation::{LinearModel, Moment, Plane, Rotation, Smoothed, Smoother, Switching};
 use nalgebra::{Matrix2, Matrix4, SMatrix, Vector2, Vector4};
 
+use super::knowledge::{Knowledge, MotionFactors};
 use super::stretch::{Moment as Event, Stretch};
-use crate::Engine;
 use crate::motion::{LEVELS, Motion};
 use crate::plane_filter::{AGILE, HARDNESS, HOME, MANOEUVRE_S, MODELS, STEADY};
 
@@ -41,22 +41,42 @@ pub(super) struct PlaneState {
     pub(super) turn_rate: [f64; 2],
 }
 
+/// Filter of the plane at a moment, to go on from.
+#[derive(Clone, Debug)]
+pub(super) struct PlaneBase {
+    filter: Filter,
+    /// Smoothed velocity there, m/s.
+    velocity_mps: [f64; 2],
+}
+
 impl PlaneSmoother {
-    pub(super) fn smooth(engine: &Engine, stretch: &Stretch) -> Self {
+    /// Smooths a stretch, which begins at `base` if there is one. Gives up `done` moments: returns the filter after
+    /// them, for the stretch that follows.
+    pub(super) fn smooth(
+        known: &impl Knowledge,
+        stretch: &Stretch,
+        base: Option<&PlaneBase>,
+        done: usize,
+    ) -> (Self, Option<PlaneBase>) {
         // Speed and course, on which the models depend, are first those of the filter, then smoothed ones.
-        let first = run(engine, stretch, None);
-        let states = run(engine, stretch, Some(&first));
+        let (first, _) = run(known, stretch, (base, done), None);
+        let (states, filter) = run(known, stretch, (base, done), Some(&first));
         let wanted = (0..stretch.moments.len()).filter(|place| stretch.moments[*place].is_wanted);
         let wanted: Vec<usize> = wanted.collect();
         let lateral_mps2 = wanted
             .iter()
-            .map(|place| motion(engine, velocity(&states[*place].state)).lateral_mps2)
+            .map(|place| known.motion(velocity(&states[*place].state)).lateral_mps2)
             .collect();
-        Self {
+        let next = filter.map(|filter| PlaneBase {
+            filter,
+            velocity_mps: velocity(&states[done - 1].state),
+        });
+        let smoother = Self {
             states,
             wanted,
             lateral_mps2,
-        }
+        };
+        (smoother, next)
     }
 
     /// Smoothed velocity at a moment, east and north, m/s.
@@ -96,35 +116,74 @@ impl PlaneSmoother {
     }
 }
 
-/// One pass forwards and backwards; `known` are the smoothed states of the pass before.
+/// One pass forwards and backwards; `smoothed` are the states of the pass before. Returns the states, and the filter
+/// after `done` moments.
 fn run(
-    engine: &Engine,
+    known: &impl Knowledge,
     stretch: &Stretch,
-    known: Option<&[Smoothed<COMPONENTS, MODELS>]>,
-) -> Vec<Smoothed<COMPONENTS, MODELS>> {
-    let mut smoothed = Vec::with_capacity(stretch.moments.len());
-    let mut filter: Option<Filter> = None;
+    (base, done): (Option<&PlaneBase>, usize),
+    smoothed: Option<&[Smoothed<COMPONENTS, MODELS>]>,
+) -> (Vec<Smoothed<COMPONENTS, MODELS>>, Option<Filter>) {
+    let mut states = Vec::with_capacity(stretch.moments.len() + 1);
+    let (mut filter, mut after_done) = (base.map(|base| base.filter.clone()), None);
     for (place, moment) in stretch.moments.iter().enumerate() {
+        let begins = filter.is_none();
         let filter = match &mut filter {
             Some(filter) => {
-                let velocity_mps = known.map_or_else(
-                    || velocity(&filter.filtered()),
-                    |known| velocity(&known[place - 1].state),
-                );
-                filter.advance(switching(motion(engine, velocity_mps), velocity_mps, moment.passed_s));
+                let velocity_mps = match (smoothed, place.checked_sub(1), base) {
+                    (Some(smoothed), Some(before), _) => velocity(&smoothed[before].state),
+                    (Some(_), None, Some(base)) => base.velocity_mps,
+                    _ => velocity(&filter.filtered()),
+                };
+                filter.advance(switching(
+                    (known.motion(velocity_mps), known.factors()),
+                    velocity_mps,
+                    moment.passed_s,
+                ));
                 filter
             }
             None => filter.insert(begun(stretch)),
         };
-        measure(filter, stretch, moment, place == 0);
+        measure(filter, stretch, moment, begins);
+        if place + 1 == done {
+            after_done = Some(filter.last_alone());
+        }
         if filter.len() > STEPS_MAX {
-            smoothed.extend(filter.smooth(STEPS_KEPT));
+            states.extend(filter.smooth(STEPS_KEPT));
         }
     }
     if let Some(filter) = &mut filter {
-        smoothed.extend(filter.smooth(0));
+        states.extend(filter.smooth(0));
     }
-    smoothed
+    if base.is_some() {
+        // The base itself is the first step.
+        states.remove(0);
+    }
+    (states, after_done)
+}
+
+/// Logarithm of the likelihood of the measurements of a stretch.
+pub(super) fn evidence(known: &impl Knowledge, stretch: &Stretch) -> f64 {
+    let mut filter: Option<Filter> = None;
+    for (place, moment) in stretch.moments.iter().enumerate() {
+        filter = Some(match filter {
+            Some(before) => {
+                let mut filter = before.last_alone();
+                let velocity_mps = velocity(&filter.filtered());
+                filter.advance(switching(
+                    (known.motion(velocity_mps), known.factors()),
+                    velocity_mps,
+                    moment.passed_s,
+                ));
+                filter
+            }
+            None => begun(stretch),
+        });
+        if let Some(filter) = &mut filter {
+            measure(filter, stretch, moment, place == 0);
+        }
+    }
+    filter.map_or(0.0, |filter| filter.evidence())
 }
 
 /// The state of the first measurement.
@@ -172,12 +231,12 @@ fn velocity(state: &Moment<COMPONENTS>) -> [f64; 2] {
     [state.mean[2], state.mean[3]]
 }
 
-fn motion(engine: &Engine, [vx, vy]: [f64; 2]) -> &Motion {
-    engine.sources.manoeuvres.motion([vx, vy, 0.0])
-}
-
 /// The models over `seconds` for a target with this velocity, and the probabilities of switches.
-fn switching(motion: &Motion, [vx, vy]: [f64; 2], seconds: f64) -> Switching<COMPONENTS, MODELS> {
+fn switching(
+    (motion, factors): (&Motion, MotionFactors),
+    [vx, vy]: [f64; 2],
+    seconds: f64,
+) -> Switching<COMPONENTS, MODELS> {
     let square = vx * vx + vy * vy;
     let straight = Rotation::new(0.0, seconds);
     let [along, across] = motion.agile_m2ps3(seconds);
@@ -190,7 +249,7 @@ fn switching(motion: &Motion, [vx, vy]: [f64; 2], seconds: f64) -> Switching<COM
     };
     let speed_mps = square.sqrt().max(motion.slow_mps);
     let models = std::array::from_fn(|model| match model {
-        STEADY => model_of(&straight, evenly(motion.steady_m2ps3()), seconds),
+        STEADY => model_of(&straight, evenly(factors.steady * motion.steady_m2ps3()), seconds),
         AGILE => model_of(&straight, agile, seconds),
         turn => {
             let lateral_mps2 = motion.lateral_mps2[turn / 2 - 1];
@@ -201,7 +260,7 @@ fn switching(motion: &Motion, [vx, vy]: [f64; 2], seconds: f64) -> Switching<COM
     });
     Switching {
         models,
-        switches: switches(motion, seconds),
+        switches: switches(motion, factors.straight * motion.steady_s, seconds),
     }
 }
 
@@ -225,8 +284,8 @@ fn model_of(rotation: &Rotation, [xx, xy, yy]: [f64; 3], t: f64) -> LinearModel<
 }
 
 /// Probabilities of switches in `seconds`, as in the filter: what follows a manoeuvre does not depend on its kind.
-fn switches(motion: &Motion, seconds: f64) -> SMatrix<f64, MODELS, MODELS> {
-    let [begins, ends] = [motion.steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
+fn switches(motion: &Motion, steady_s: f64, seconds: f64) -> SMatrix<f64, MODELS, MODELS> {
+    let [begins, ends] = [steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
     let share = |model: usize| match model {
         STEADY => 0.0,
         AGILE => motion.agile_share,

@@ -1,8 +1,8 @@
 //! A stretch of a trajectory in the order of time: measurements without the errors of their sources, and wanted times.
 
-use messages::{AXES, NS_PER_S, SensorTrack};
+use messages::{AXES, NS_PER_S};
 
-use crate::Engine;
+use super::knowledge::Knowledge;
 use crate::measurement::{FilterInput, Measurement};
 
 /// Standard deviation of the velocity at the beginning, beside what the first report states, m/s.
@@ -13,6 +13,8 @@ const BEGINNING: f64 = 25.0;
 /// What happens at a time: a measurement, a wanted state, or both.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment {
+    /// Time, nanoseconds.
+    pub(super) time_ns: i64,
     /// Time since the moment before, seconds.
     pub(super) passed_s: f64,
     /// Measurements.
@@ -32,18 +34,19 @@ pub(super) struct Stretch {
 
 impl Stretch {
     /// Measurements of inputs without the sources' errors, and the times at which something happens. The inputs are in
-    /// the order of time.
-    pub(super) fn new(engine: &Engine, inputs: &[FilterInput], wanted_ns: &[i64]) -> Self {
-        let first = &inputs[0];
+    /// the order of time. The stretch begins at `from_ns`, else with its first input.
+    pub(super) fn new(known: &impl Knowledge, inputs: &[FilterInput], wanted_ns: &[i64], from_ns: Option<i64>) -> Self {
+        let first = inputs.first();
         let mut stretch = Self {
             moments: Vec::with_capacity(inputs.len() + wanted_ns.len()),
-            measurements: inputs.iter().map(|input| corrected(engine, input)).collect(),
-            velocity_mps: first.velocity_mps,
+            measurements: inputs.iter().map(|input| corrected(known, input)).collect(),
+            velocity_mps: first.map_or([0.0; AXES], |first| first.velocity_mps),
             velocity_m2ps2: first
-                .velocity_m2ps2
+                .map_or([0.0; AXES], |first| first.velocity_m2ps2)
                 .map(|variance| BEGINNING * variance.max(0.0) + BEGINNING_MPS * BEGINNING_MPS),
         };
-        let (mut at_ns, mut next, mut wanted) = (first.time_ns, 0, wanted_ns.iter().copied().peekable());
+        let begin_ns = from_ns.or(first.map(|first| first.time_ns)).unwrap_or_default();
+        let (mut at_ns, mut next, mut wanted) = (begin_ns, 0, wanted_ns.iter().copied().peekable());
         while next < inputs.len() || wanted.peek().is_some() {
             let measured_ns = inputs.get(next).map_or(i64::MAX, |input| input.time_ns);
             let time_ns = measured_ns.min(wanted.peek().copied().unwrap_or(i64::MAX));
@@ -52,6 +55,7 @@ impl Stretch {
                 next += 1;
             }
             stretch.moments.push(Moment {
+                time_ns,
                 passed_s: (time_ns - at_ns) as f64 / NS_PER_S,
                 measurements: (begin, next),
                 is_wanted: wanted.next_if_eq(&time_ns).is_some(),
@@ -61,6 +65,11 @@ impl Stretch {
         stretch
     }
 
+    /// Number of moments up to `until_ns`.
+    pub(super) fn moments_until(&self, until_ns: i64) -> usize {
+        self.moments.partition_point(|moment| moment.time_ns <= until_ns)
+    }
+
     /// Measurements of a moment.
     pub(super) fn measured(&self, moment: &Moment) -> &[Measurement] {
         let (begin, end) = moment.measurements;
@@ -68,21 +77,15 @@ impl Stretch {
     }
 }
 
-/// The measurement of an input without the errors of its source, as they are known now.
-fn corrected(engine: &Engine, input: &FilterInput) -> Measurement {
-    let report = SensorTrack {
-        source: input.source,
-        position_m: input.reported_m,
-        velocity_mps: input.velocity_mps,
-        ..SensorTrack::default()
-    };
+/// The measurement of an input without the errors of its source.
+fn corrected(known: &impl Knowledge, input: &FilterInput) -> Measurement {
     let mut measurement = Measurement {
         position_m: input.position_m,
         covariance_m2: input.covariance_m2,
         axes: if input.has_height { AXES } else { 2 },
         has_waited: false,
     };
-    measurement.correct(&engine.sources.correction_of(&engine.settings.sources, &report));
+    measurement.correct(&known.correction(input));
     measurement.refer(input.point_m, input.point_m2);
     measurement
 }

@@ -56,18 +56,22 @@ fn truth(time_s: f64) -> ([f64; 3], [f64; 3]) {
     (place, [east, north, if climbs { CLIMB_MPS } else { 0.0 }])
 }
 
-/// Three targets seen by two sources, of which the second is off by `offset_m` to the east.
-fn run(settings: Settings, offset_m: f64) -> (Vec<SystemTrack>, SmoothedTracks) {
-    let mut engine = Engine::new(settings).unwrap();
-    let mut random = Random::new(8);
+/// Reports of so many targets by so many sources in turn, each of which is off by `offset_m` at its time to the east.
+pub(super) fn reports(
+    seed: u64,
+    (sources, targets): (u16, u32),
+    offset_m: impl Fn(u16, f64) -> f64,
+) -> Vec<SensorTrack> {
+    let mut random = Random::new(seed);
     let mut normal = || (0..12).map(|_| random.unit()).sum::<f64>() - 6.0;
-    let mut collector = Collector::default();
-    for step in 0..280 {
-        let (time_s, source) = (0.5 * f64::from(step), (step % 2) as u16);
+    let mut reports = Vec::new();
+    let steps = 140 * u32::from(sources);
+    for step in 0..steps {
+        let (time_s, source) = (f64::from(step) / f64::from(sources), (step % u32::from(sources)) as u16);
         let (place, velocity_mps) = truth(time_s);
-        for target in 0..3u32 {
-            let away_m = [20e3 * f64::from(target) + f64::from(source) * offset_m, 0.0, 0.0];
-            let report = SensorTrack {
+        for target in 0..targets {
+            let away_m = [20e3 * f64::from(target) + offset_m(source, time_s), 0.0, 0.0];
+            reports.push(SensorTrack {
                 time_of_measurement_ns: (time_s * 1e9) as i64,
                 source,
                 track_number: target,
@@ -77,25 +81,43 @@ fn run(settings: Settings, offset_m: f64) -> (Vec<SystemTrack>, SmoothedTracks) 
                 state: TrackState::Confirmed as u8,
                 valid: sensor_track_bits::VELOCITY | sensor_track_bits::HEIGHT,
                 ..SensorTrack::default()
-            };
-            engine.take(&report, &mut collector);
+            });
         }
+    }
+    reports
+}
+
+/// States of the tracks of these reports, and the smoothed ones.
+pub(super) fn smoothed(settings: Settings, reports: Vec<SensorTrack>) -> (Vec<SystemTrack>, SmoothedTracks) {
+    let mut engine = Engine::new(settings).unwrap();
+    let mut collector = Collector::default();
+    for report in reports {
+        engine.take(&report, &mut collector);
+        collector.trajectories.look(&engine);
     }
     let Collector { trajectories, states } = collector;
     let smoothed = trajectories.smooth(&engine, |_| Ok::<(), ()>(())).unwrap();
     (states, smoothed)
 }
 
-fn settings() -> Settings {
+/// The second of two sources is off by `offset_m`.
+fn run(settings: Settings, offset_m: f64) -> (Vec<SystemTrack>, SmoothedTracks) {
+    smoothed(settings, reports(8, (2, 3), |source, _| f64::from(source) * offset_m))
+}
+
+pub(super) fn settings() -> Settings {
     let mut settings = test_settings(2);
     settings.rule.name = RuleName(FusionRule::SystemFilter);
     settings
 }
 
+/// Errors of states: see [`errors`].
+pub(super) type Errors = [f64; 5];
+
 /// Root mean squares of the errors of states between these times: plane (m), height (m), velocity in the plane (m/s),
-/// and the mean normalised square of the errors in the plane.
-fn errors(states: &[SystemTrack], [since_s, until_s]: [f64; 2], offset_m: f64) -> [f64; 4] {
-    let mut sums = [0.0; 4];
+/// and the mean normalised squares of the errors of position and velocity in the plane.
+pub(super) fn errors(states: &[SystemTrack], [since_s, until_s]: [f64; 2], offset_m: f64) -> Errors {
+    let mut sums = [0.0; 5];
     let mut count = 0.0;
     for state in states {
         let time_s = state.reference_time_ns as f64 / 1e9;
@@ -111,13 +133,15 @@ fn errors(states: &[SystemTrack], [since_s, until_s]: [f64; 2], offset_m: f64) -
         let p = |row, column| state.covariance.get(row, column);
         sums[0] += error[0] * error[0] + error[1] * error[1];
         sums[1] += (state.position_m[2] - place[2]).powi(2);
-        sums[2] += (state.velocity_mps[0] - velocity[0]).powi(2) + (state.velocity_mps[1] - velocity[1]).powi(2);
+        let off_mps = [state.velocity_mps[0] - velocity[0], state.velocity_mps[1] - velocity[1]];
+        sums[2] += off_mps[0] * off_mps[0] + off_mps[1] * off_mps[1];
+        sums[4] += 0.5 * association::distance::squared2(off_mps, [p(3, 3), p(3, 4), p(4, 4)]);
         sums[3] += 0.5 * association::distance::squared2(error, [p(0, 0), p(0, 1), p(1, 1)]);
         count += 1.0;
     }
     assert!(count > 50.0);
-    let [plane, height, velocity, nees] = sums.map(|sum| sum / count);
-    [plane.sqrt(), height.sqrt(), velocity.sqrt(), nees]
+    let [plane, height, velocity, nees, velocity_nees] = sums.map(|sum| sum / count);
+    [plane.sqrt(), height.sqrt(), velocity.sqrt(), nees, velocity_nees]
 }
 
 #[test]
@@ -130,7 +154,7 @@ fn later_measurements_halve_the_errors_and_find_the_turn_where_it_began() {
         now[0] < 0.55 * before[0] && now[1] < 0.6 * before[1] && now[2] < 0.5 * before[2],
         "{before:?} {now:?}"
     );
-    assert!((0.4..1.6).contains(&now[3]), "{now:?}");
+    assert!((0.4..1.6).contains(&now[3]) && (0.35..1.6).contains(&now[4]), "{now:?}");
     // In the turn, where a live filter is worst.
     let (before, now) = (errors(&live, TURN_S, 0.0), errors(&after, TURN_S, 0.0));
     assert!(
@@ -209,4 +233,23 @@ fn all_but_the_kinematics_stays_and_unknown_states_have_none() {
         ..*state
     };
     assert!(smoothed.of(&between).is_none());
+}
+
+#[test]
+fn targets_that_fly_straight_for_long_are_taken_to_do_so() {
+    let mut engine = Engine::new(settings()).unwrap();
+    let mut collector = Collector::default();
+    // Before the turn.
+    let before = reports(9, (2, 4), |_, _| 0.0);
+    let before = before
+        .iter()
+        .filter(|report| report.time_of_measurement_ns < 60_000_000_000);
+    before.for_each(|report| engine.take(report, &mut collector));
+    let errors = ErrorsOverTime::default();
+    let factors = likeliest(collector.trajectories.tracks.values(), |factors| Afterwards {
+        engine: &engine,
+        errors: &errors,
+        factors,
+    });
+    assert!(factors.steady < 1.0 && factors.straight > 1.0, "{factors:?}");
 }

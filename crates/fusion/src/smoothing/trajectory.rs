@@ -4,11 +4,14 @@ use std::ops::Range;
 
 use estimation::{Plane, Vertical};
 
-use super::plane::PlaneSmoother;
+use super::knowledge::Knowledge;
+use super::plane::{PlaneBase, PlaneSmoother};
 use super::stretch::Stretch;
-use super::vertical::VerticalSmoother;
-use crate::Engine;
+use super::vertical::{VerticalBase, VerticalSmoother};
 use crate::measurement::FilterInput;
+
+/// Most inputs among which an earlier one is replaced: more are not kept for late reports.
+const REPLACED_MAX: usize = 256;
 
 /// Inputs of a track's filter in the order in which they came, and the times of its states.
 #[derive(Debug, Default)]
@@ -40,9 +43,26 @@ impl SmoothedState {
     }
 }
 
+/// State of the filters at a moment, from which a later stretch goes on.
+#[derive(Clone, Debug)]
+pub(super) struct Base {
+    pub(super) time_ns: i64,
+    plane: PlaneBase,
+    vertical: Option<VerticalBase>,
+}
+
 impl Trajectory {
+    /// Takes the next input.
+    pub(super) fn take(&mut self, input: &FilterInput) {
+        let same = self.inputs.iter_mut().rev().filter(|_| input.replaces);
+        match same.take(REPLACED_MAX).find(|other| input.is_of_same_report(other)) {
+            Some(place) => *place = *input,
+            None => self.inputs.push(*input),
+        }
+    }
+
     /// Smoothed states at the wanted times, as far as measurements precede or follow them.
-    pub(super) fn smooth(&self, engine: &Engine) -> Vec<SmoothedState> {
+    pub(super) fn smooth(&self, known: &impl Knowledge) -> Vec<SmoothedState> {
         let mut times_ns = self.times_ns.clone();
         times_ns.sort_unstable();
         times_ns.dedup();
@@ -52,7 +72,9 @@ impl Trajectory {
             let end_ns = self.inputs.get(inputs.end).map_or(i64::MAX, |next| next.time_ns);
             let wanted = times_ns.partition_point(|time_ns| *time_ns < begin_ns)
                 ..times_ns.partition_point(|time_ns| *time_ns < end_ns);
-            smooth_stretch(engine, &self.inputs[inputs], &times_ns[wanted], &mut states);
+            let mut inputs = self.inputs[inputs].to_vec();
+            inputs.sort_by_key(|input| input.time_ns);
+            smooth_stretch(known, (&inputs, None), (&times_ns[wanted], i64::MIN), &mut states);
         }
         // A filter may begin anew with a report older than the one before.
         states.sort_by_key(|state: &SmoothedState| state.time_ns);
@@ -60,22 +82,29 @@ impl Trajectory {
     }
 
     /// The inputs from each beginning to the next.
-    fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
+    pub(super) fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
         let begins = (0..self.inputs.len()).filter(|place| *place == 0 || self.inputs[*place].begins);
         let ends = (1..=self.inputs.len()).filter(|place| self.inputs.get(*place).is_none_or(|next| next.begins));
         begins.zip(ends).map(|(begin, end)| begin..end)
     }
 }
 
-fn smooth_stretch(engine: &Engine, inputs: &[FilterInput], wanted_ns: &[i64], states: &mut Vec<SmoothedState>) {
+/// Smooths a stretch: inputs in the order of time, from a base or else from the first of them. Adds the states at the
+/// wanted times. Returns the base at the last moment up to `done_ns`, if there is one.
+pub(super) fn smooth_stretch(
+    known: &impl Knowledge,
+    (inputs, base): (&[FilterInput], Option<&Base>),
+    (wanted_ns, done_ns): (&[i64], i64),
+    states: &mut Vec<SmoothedState>,
+) -> Option<Base> {
     if wanted_ns.is_empty() {
-        return;
+        return None;
     }
-    let mut inputs = inputs.to_vec();
-    inputs.sort_by_key(|input| input.time_ns);
-    let stretch = Stretch::new(engine, &inputs, wanted_ns);
-    let plane = PlaneSmoother::smooth(engine, &stretch);
-    let vertical = VerticalSmoother::smooth(engine, &stretch, &plane);
+    let stretch = Stretch::new(known, inputs, wanted_ns, base.map(|base| base.time_ns));
+    let done = stretch.moments_until(done_ns);
+    let (plane, next_plane) = PlaneSmoother::smooth(known, &stretch, base.map(|base| &base.plane), done);
+    let before = (base.and_then(|base| base.vertical.as_ref()), done);
+    let (vertical, next_vertical) = VerticalSmoother::smooth(known, &stretch, &plane, before);
     for (place, time_ns) in wanted_ns.iter().enumerate() {
         let (Some(plane), Some(vertical)) = (plane.wanted(&stretch, place), vertical.get(place)) else {
             continue;
@@ -92,4 +121,9 @@ fn smooth_stretch(engine: &Engine, inputs: &[FilterInput], wanted_ns: &[i64], st
             states.push(state);
         }
     }
+    Some(Base {
+        time_ns: stretch.moments[done.checked_sub(1)?].time_ns,
+        plane: next_plane?,
+        vertical: next_vertical,
+    })
 }

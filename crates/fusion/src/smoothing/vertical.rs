@@ -3,9 +3,9 @@
 use estimation::{LinearModel, Moment, Smoother, Switching, Vertical};
 use nalgebra::{Matrix1, Matrix2, Matrix3, Vector1, Vector2};
 
+use super::knowledge::Knowledge;
 use super::plane::PlaneSmoother;
 use super::stretch::{Moment as Event, Stretch};
-use crate::Engine;
 use crate::vertical_filter::{
     CHANGE_S, CLIMB_M2PS3, CLIMB_S, LEVEL_S, LEVELS_OFF, MODELS, PRIOR, REMAINDER_MPS, WANDER_M2PS,
 };
@@ -21,27 +21,44 @@ const RATE_MPS: f64 = 20.0;
 /// A state with the probabilities of the models.
 type VerticalState = (Vertical, [f32; MODELS]);
 
+type Filter = Smoother<2, MODELS, 1>;
+
 /// Smoother of the vertical.
 pub(super) struct VerticalSmoother;
 
+/// Filter of the vertical at a moment, to go on from, and the smoothed velocity in the plane there, m/s.
+#[derive(Clone, Debug)]
+pub(super) struct VerticalBase {
+    filter: Filter,
+    velocity_mps: [f64; 2],
+}
+
 impl VerticalSmoother {
-    /// The state at each wanted time of a stretch; `None` before a height is measured.
-    pub(super) fn smooth(engine: &Engine, stretch: &Stretch, plane: &PlaneSmoother) -> Vec<Option<VerticalState>> {
+    /// The state at each wanted time of a stretch that begins at `base`, if there is one; `None` before a height is
+    /// measured. Gives up `done` moments: returns the filter after them, too.
+    pub(super) fn smooth(
+        known: &impl Knowledge,
+        stretch: &Stretch,
+        plane: &PlaneSmoother,
+        (base, done): (Option<&VerticalBase>, usize),
+    ) -> (Vec<Option<VerticalState>>, Option<VerticalBase>) {
         let mut states = Vec::new();
-        let mut filter: Option<Smoother<2, MODELS, 1>> = None;
+        let (mut filter, mut after_done) = (base.map(|base| base.filter.clone()), None);
         let mut before = 0;
         for (place, moment) in stretch.moments.iter().enumerate() {
             let heights = stretch.measured(moment).iter().filter(|measured| measured.axes > 2);
-            let heights = heights.map(|measured| (measured.position_m[2], measured.covariance_m2[5]));
-            match &mut filter {
+            let mut heights = heights.map(|measured| (measured.position_m[2], measured.covariance_m2[5]));
+            let filter = match &mut filter {
                 Some(filter) => {
-                    let [vx, vy] = plane.velocity_mps(place - 1);
-                    let motion = engine.sources.manoeuvres.motion([vx, vy, 0.0]);
+                    let velocity_mps = match (place.checked_sub(1), base) {
+                        (None, Some(base)) => base.velocity_mps,
+                        (before, _) => plane.velocity_mps(before.unwrap_or_default()),
+                    };
+                    let motion = known.motion(velocity_mps);
                     filter.advance(switching(motion.climb_change_m2ps3, moment.passed_s));
-                    heights.for_each(|height| measure(filter, height));
+                    filter
                 }
                 None => {
-                    let mut heights = heights;
                     let Some((height_m, variance_m2)) = heights.next() else {
                         before += 1;
                         continue;
@@ -50,16 +67,26 @@ impl VerticalSmoother {
                         mean: Vector2::new(height_m, 0.0),
                         covariance: Matrix2::new(variance_m2, 0.0, 0.0, RATE_MPS * RATE_MPS),
                     };
-                    let filter = filter.insert(Smoother::new(begun, PRIOR));
-                    heights.for_each(|height| measure(filter, height));
+                    filter.insert(Smoother::new(begun, PRIOR))
                 }
+            };
+            heights.for_each(|height| measure(filter, height));
+            if place + 1 == done {
+                after_done = Some(VerticalBase {
+                    filter: filter.last_alone(),
+                    velocity_mps: plane.velocity_mps(place),
+                });
             }
-            if let Some(filter) = filter.as_mut().filter(|filter| filter.len() > STEPS_MAX) {
+            if filter.len() > STEPS_MAX {
                 states.extend(filter.smooth(STEPS_KEPT));
             }
         }
         if let Some(filter) = &mut filter {
             states.extend(filter.smooth(0));
+        }
+        if base.is_some() {
+            // The base itself is the first step.
+            states.remove(0);
         }
         let wanted = |(place, moment): (usize, &Event)| {
             moment.is_wanted.then(|| {
@@ -72,11 +99,12 @@ impl VerticalSmoother {
                 Some((vertical, smoothed.probability.map(|value| value as f32)))
             })
         };
-        stretch.moments.iter().enumerate().filter_map(wanted).collect()
+        let wanted = stretch.moments.iter().enumerate().filter_map(wanted).collect();
+        (wanted, after_done)
     }
 }
 
-fn measure(filter: &mut Smoother<2, MODELS, 1>, (height_m, variance_m2): (f64, f64)) {
+fn measure(filter: &mut Filter, (height_m, variance_m2): (f64, f64)) {
     let (expected, spread) = filter.expected();
     let residual_m = height_m - expected[0];
     let squared = residual_m * residual_m / (spread[0] + variance_m2);

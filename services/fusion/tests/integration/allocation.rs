@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use bus::{Bus, InProcess, Mark, Publisher, Root, TopicHold};
 use configuration::Config;
-use fusion_service::FusionAgent;
+use fusion_service::{FusionAgent, SmoothingQueue, SmoothingWorker};
 use heap::{Counting, SMALL_BYTES, heap_use};
 use messages::{Counter, Covariance, Order, OrderKind, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use runtime::housekeeping::Queues;
@@ -109,9 +109,14 @@ fn the_loop_allocates_nothing() {
         let mut held: Vec<TopicHold> = topics.iter().map(|topic| bus.hold(topic).unwrap()).collect();
         held.push(bus.hold(&messages::system_tracks()).unwrap());
         held.push(bus.hold(&messages::progress()).unwrap());
+        held.push(bus.hold(&messages::smoothed_tracks()).unwrap());
         let queues = Queues::new(true);
         let config = config(wait);
-        let mut agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
+        let agent = FusionAgent::new(&config, &config.engine, Speed::Max, &bus, 1, Arc::clone(&queues)).unwrap();
+        // The second time the loop passes on what it emits to the smoothing thread, too.
+        let smoothing = (wait == "event").then(|| SmoothingQueue::new(250));
+        let mut agent = agent.with_smoothing(smoothing.clone());
+        let mut worker = smoothing.map(|queue| SmoothingWorker::new(queue, S, &bus, 1));
         let mut sources: Vec<Publisher<InProcess, SensorTrack>> =
             topics.iter().map(|topic| bus.publisher(topic, 2).unwrap()).collect();
         let mut reader = bus.subscriber(&messages::system_tracks(), || 1).unwrap();
@@ -154,6 +159,10 @@ fn the_loop_allocates_nothing() {
                 agent.health(&mut entries);
             });
             while queues.order_states.pop().is_some() {}
+            // Smoothing itself takes long: a part is enough.
+            if let Some(worker) = worker.as_mut().filter(|_| step < SLICES / 10) {
+                worker.turn().expect("smoothed states");
+            }
             let taken = reader.take(usize::MAX, |_, tracks: &[SystemTrack]| {
                 published += tracks.len();
                 let shown = tracks.iter().filter(|track| track.state == TrackState::Confirmed as u8);
@@ -176,6 +185,8 @@ fn the_loop_allocates_nothing() {
             entries[0].counters[Counter::DroppedTable] > 0,
             "a full table is part of it"
         );
+        let dropped = entries[0].counters[Counter::SmoothingDropped];
+        assert_eq!(dropped > 0, wait == "event", "nobody takes the rest");
         for late in [Counter::LateUsed, Counter::LateUnkept] {
             assert!(entries[0].counters[late] > 0, "{}", late.label());
         }

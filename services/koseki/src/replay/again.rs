@@ -25,6 +25,8 @@ pub(crate) enum RunOutcome<'a> {
     State(&'a SystemTrack),
     /// The filter of a system track has received something.
     Input(&'a FilterInput),
+    /// An event has been worked off.
+    Worked(&'a Engine),
     /// Something of the fusion with this start-up number is missing: nothing follows until one begins, or is known
     /// again.
     Broke(u64),
@@ -433,9 +435,10 @@ impl FusionRun {
                 epoch: *epoch,
                 sequence,
                 origin,
-                out,
+                out: &mut *out,
             },
         );
+        out(RunOutcome::Worked(driver.engine()));
     }
 }
 

@@ -64,7 +64,7 @@ fn a_report_in_quarantine_has_no_effect_and_breaks_nothing_off() {
     }
     let mut places = Vec::new();
     let mut take = |outcome: RunOutcome<'_>| match outcome {
-        RunOutcome::Input(_) => {}
+        RunOutcome::Input(_) | RunOutcome::Worked(_) => {}
         RunOutcome::State(state) => places.push((state.position_m[0] / 1e4).round() as i32),
         RunOutcome::Began(..) => {}
         RunOutcome::Broke(epoch) => panic!("broken off: {epoch}"),

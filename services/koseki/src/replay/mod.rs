@@ -280,7 +280,7 @@ impl ReplayResult for Result {
                     self.failed = self.write(state);
                 }
             }
-            RunOutcome::Input(_) => {}
+            RunOutcome::Input(_) | RunOutcome::Worked(_) => {}
         }
     }
 }

@@ -78,6 +78,7 @@ impl ReplayResult for Collector {
         match outcome {
             RunOutcome::State(state) => self.0.state(state),
             RunOutcome::Input(input) => self.0.input(input),
+            RunOutcome::Worked(engine) => self.0.look(engine),
             RunOutcome::Began(..) | RunOutcome::Broke(_) => {}
         }
     }

@@ -4,22 +4,25 @@
 //! the same bytes. The command reads its files twice; the first pass determines the engine's settings for the
 //! sensors ([`crate::reading`]).
 
+mod lagging;
 mod picture;
 pub(crate) mod rows;
 mod summary;
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::Context as _;
 use formats::decisions_csv::DecisionWriter;
-use fusion::Engine;
+use fusion::{Engine, FilterInput};
 use messages::{Decision, SystemTrack};
 
 use crate::args::Fuse;
 use crate::files::check_outputs;
 use crate::host::Host;
-use crate::reading::{Setup, drive, rule};
+use crate::reading::{EngineReader, Setup, drive_into, rule};
+use lagging::LaggingRows;
 use picture::TrackDrawing;
 use rows::StateSink;
 use settings::Seconds;
@@ -34,6 +37,7 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         ("--out", Some(&fuse.out)),
         ("--explain", fuse.explain.as_ref()),
         ("--picture", fuse.picture.as_ref()),
+        ("--smoothed", fuse.smoothed.as_ref()),
     ];
     check_outputs(fuse.input.tracks.iter().chain(&fuse.input.config), &outputs)?;
     let named = fuse.rule.as_deref().map(rule).transpose()?;
@@ -48,23 +52,33 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
     let mut reports = setup.reports()?;
     let out = host.begin(&fuse.out)?;
     let unwritten = || format!("{} cannot be made", fuse.out.display());
-    let mut rows =
-        StateSink::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
+    let rows = StateSink::begin(out, setup.sensor_ids.clone(), setup.settings.refresh_ns()).with_context(unwritten)?;
     let begin = |path: &PathBuf| {
         let table = DecisionWriter::begin(host.begin(path)?, 0)
             .with_context(|| format!("{} cannot be written", path.display()))?;
         anyhow::Ok(table.with_sensor_ids(setup.sensor_ids.clone()))
     };
-    let mut decisions = fuse.explain.as_ref().map(begin).transpose()?;
-    let explain = |decision: &Decision| decisions.as_mut().map_or(Ok(()), |table| table.write(decision));
-    let mut picture = fuse.picture.as_ref().map(|_| TrackDrawing::new(fuse.track));
-    let row = |state: &SystemTrack| {
-        if let Some(picture) = &mut picture {
-            picture.state(state);
-        }
-        rows.take(state)
+    let decisions = fuse.explain.as_ref().map(begin).transpose()?;
+    let mut outputs = FuseOutputs {
+        rows,
+        decisions,
+        picture: fuse.picture.as_ref().map(|_| TrackDrawing::new(fuse.track)),
+        lagging: fuse
+            .smoothed
+            .as_ref()
+            .map(|path| LaggingRows::begin(path, fuse.smoothing_lag, &setup, host))
+            .transpose()?,
     };
-    let (engine, driven) = drive(host, engine, &mut reports, row, explain).with_context(unwritten)?;
+    let (engine, driven) = drive_into(host, engine, &mut reports, &mut outputs).with_context(unwritten)?;
+    let FuseOutputs {
+        rows,
+        decisions,
+        picture,
+        lagging,
+    } = outputs;
+    if let Some(lagging) = lagging {
+        lagging.finish()?;
+    }
     let (out, written) = rows.finish().with_context(unwritten)?;
     out.finish()?;
     if let Some(decisions) = decisions {
@@ -86,6 +100,38 @@ pub(crate) fn run(fuse: &Fuse, host: &dyn Host) -> anyhow::Result<()> {
         written,
     };
     summary.show(host, fuse.json)
+}
+
+/// What is written.
+struct FuseOutputs<W: Write> {
+    rows: StateSink<W>,
+    decisions: Option<DecisionWriter<W>>,
+    picture: Option<TrackDrawing>,
+    lagging: Option<LaggingRows<W>>,
+}
+
+impl<W: Write> EngineReader for FuseOutputs<W> {
+    fn state(&mut self, state: &SystemTrack) -> io::Result<()> {
+        if let Some(picture) = &mut self.picture {
+            picture.state(state);
+        }
+        if let Some(lagging) = &mut self.lagging {
+            lagging.state(state)?;
+        }
+        self.rows.take(state)
+    }
+
+    fn decision(&mut self, decision: &Decision) -> io::Result<()> {
+        self.decisions.as_mut().map_or(Ok(()), |table| table.write(decision))
+    }
+
+    fn follows_inputs(&self) -> bool {
+        self.lagging.is_some()
+    }
+
+    fn input(&mut self, input: &FilterInput) -> io::Result<()> {
+        self.lagging.as_mut().map_or(Ok(()), |lagging| lagging.input(input))
+    }
 }
 
 /// Converts a duration to nanoseconds; the argument parser has checked its range.

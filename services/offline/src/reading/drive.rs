@@ -33,8 +33,8 @@ pub(crate) struct DriveTotals {
 struct EngineOutput {
     states: Vec<SystemTrack>,
     decisions: Vec<Decision>,
-    /// Inputs of filters, where they are followed.
-    inputs: Option<Vec<FilterInput>>,
+    /// Inputs of filters, where they are followed, each with the number of states before it.
+    inputs: Option<Vec<(usize, FilterInput)>>,
 }
 
 impl Sink for EngineOutput {
@@ -52,7 +52,7 @@ impl Sink for EngineOutput {
 
     fn input(&mut self, input: &FilterInput) {
         if let Some(inputs) = &mut self.inputs {
-            inputs.push(*input);
+            inputs.push((self.states.len(), *input));
         }
     }
 }
@@ -73,7 +73,12 @@ pub(crate) trait EngineReader {
     }
 
     /// Takes the next input of a filter.
-    fn input(&mut self, _: &FilterInput) {}
+    fn input(&mut self, _: &FilterInput) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Looks at the engine after each report.
+    fn look(&mut self, _: &Engine) {}
 }
 
 /// Reader of states and decisions.
@@ -129,10 +134,18 @@ pub(crate) fn drive_into(
         inputs: reader.follows_inputs().then(Vec::new),
         ..EngineOutput::default()
     };
-    let mut pass_on = |out: &mut EngineOutput| -> io::Result<()> {
+    let mut pass_on = |out: &mut EngineOutput, engine: &Engine| -> io::Result<()> {
         let inputs = out.inputs.iter_mut().flat_map(|inputs| inputs.drain(..));
-        inputs.for_each(|input| reader.input(&input));
-        out.states.drain(..).try_for_each(|state| reader.state(&state))?;
+        let mut inputs = inputs.peekable();
+        for (place, state) in out.states.iter().enumerate() {
+            while let Some((_, input)) = inputs.next_if(|(before, _)| *before <= place) {
+                reader.input(&input)?;
+            }
+            reader.state(state)?;
+        }
+        inputs.try_for_each(|(_, input)| reader.input(&input))?;
+        out.states.clear();
+        reader.look(engine);
         out.decisions
             .drain(..)
             .try_for_each(|decision| reader.decision(&decision))
@@ -150,7 +163,7 @@ pub(crate) fn drive_into(
         driven.reports += 1;
         driven.by_source[usize::from(report.source)] += 1;
         driven.last_ns = Some(arrival_ns);
-        pass_on(&mut out)?;
+        pass_on(&mut out, driver.engine())?;
         progress.at(*reports.octets.borrow())?;
     }
     if let Some(last_ns) = driven.last_ns {
@@ -160,7 +173,7 @@ pub(crate) fn drive_into(
         let begin_ns = runtime::clock::mono_ns();
         driver.advance(end_ns, &mut out);
         driven.engine_ns += runtime::clock::mono_ns() - begin_ns;
-        pass_on(&mut out)?;
+        pass_on(&mut out, driver.engine())?;
     }
     Ok((driver.into_engine(), driven))
 }

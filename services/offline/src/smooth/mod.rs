@@ -181,7 +181,12 @@ impl EngineReader for Collector {
         true
     }
 
-    fn input(&mut self, input: &FilterInput) {
+    fn input(&mut self, input: &FilterInput) -> io::Result<()> {
         self.trajectories.input(input);
+        Ok(())
+    }
+
+    fn look(&mut self, engine: &Engine) {
+        self.trajectories.look(engine);
     }
 }

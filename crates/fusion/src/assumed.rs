@@ -1,0 +1,20 @@
+//! What fusion assumes beside the measurements, for readers of the inputs of filters.
+
+use crate::measurement::Assumed;
+use crate::publishing::TrackPublisher;
+use crate::sources::Sources;
+use crate::system_tracks::SystemSlot;
+use crate::tracks::Tracks;
+
+/// What fusion assumes of the target of a system track.
+pub(crate) fn assumed_of(
+    system: SystemSlot,
+    tracks: &Tracks,
+    sources: &Sources,
+    publisher: &TrackPublisher,
+) -> Assumed {
+    Assumed {
+        motion: *sources.motion_of(&tracks.systems.get(system).filter),
+        common_error_m2: publisher.common_error_m2(),
+    }
+}

@@ -1,0 +1,174 @@
+//! Smoothed states while fusion runs: those of some seconds ago, with the measurements since then.
+//!
+//! A [`LagSmoother`] takes the inputs of all filters and the published states, in the order in which fusion emits them.
+//! A state waits until its track has one that is a *lag* later. Then the smoother of [`super`] runs over the inputs
+//! since the last smoothed state, and the waiting states up to the lag leave with smoothed kinematics. The filters at
+//! the last of them are kept, and the next run begins there. The result equals that of the smoother over the whole
+//! trajectory so far, apart from the speeds and courses on which the models depend: for what lies behind they stay as
+//! they were found.
+//!
+//! The errors of sources and the motion of targets are those that fusion has assumed at each time. Later inputs do not
+//! change states that have left: a measurement that comes later than the lag is not used.
+//!
+//! The result depends only on the order of inputs and states, so live data and files give the same states. Work and
+//! memory are bounded: at most two states a second of a track are smoothed, and the states of a
+//! track with very many inputs wait less.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use messages::{SystemTrack, TrackState};
+
+use super::knowledge::AsAssumed;
+use super::trajectory::{Base, SmoothedState, smooth_stretch};
+use super::with_kinematics;
+use crate::measurement::{Assumed, FilterInput};
+
+/// Least time between two states of a track, nanoseconds.
+const SPACING_NS: i64 = 500_000_000;
+/// A run smooths the states of at least this part of the lag together.
+const TOGETHER: i64 = 4;
+/// Most inputs of a track that wait.
+const INPUTS_MAX: usize = 512;
+
+/// Smoother of all system tracks, some seconds behind.
+#[derive(Debug)]
+pub struct LagSmoother {
+    lag_ns: i64,
+    /// By number.
+    tracks: BTreeMap<u32, LaggingTrack>,
+}
+
+#[derive(Debug, Default)]
+struct LaggingTrack {
+    /// The filters after the last smoothed state; `None` where the stretch begins with the first input.
+    base: Option<Base>,
+    /// Inputs since then, in the order of time.
+    inputs: Vec<FilterInput>,
+    /// States that wait, and the latest state, which may wait or not.
+    waiting: VecDeque<SystemTrack>,
+    latest: Option<(i64, u8)>,
+    assumed: Option<Assumed>,
+}
+
+impl LagSmoother {
+    /// Creates a smoother that is so far behind, nanoseconds.
+    pub fn new(lag_ns: i64) -> Self {
+        Self {
+            lag_ns,
+            tracks: BTreeMap::new(),
+        }
+    }
+
+    /// Takes the next input of a filter. States that leave go to `out`.
+    pub fn input(&mut self, input: &FilterInput, out: impl FnMut(&SystemTrack)) {
+        let track = self.tracks.entry(input.system_track).or_default();
+        track.assumed = input.assumed.or(track.assumed);
+        if input.begins {
+            // The filter begins without the measurements so far.
+            track.smooth(i64::MAX, out);
+            track.base = None;
+            track.inputs.clear();
+            track.inputs.push(*input);
+            return;
+        }
+        track.add(input);
+        if track.inputs.len() > INPUTS_MAX {
+            track.smooth(track.inputs[INPUTS_MAX / 2].time_ns, out);
+            if track.inputs.len() > INPUTS_MAX {
+                // No state waits among them.
+                track.inputs.remove(0);
+            }
+        }
+    }
+
+    /// Takes the next state of a system track. States that leave go to `out`.
+    pub fn state(&mut self, state: &SystemTrack, out: impl FnMut(&SystemTrack)) {
+        let track = self.tracks.entry(state.track_number).or_default();
+        let time_ns = state.reference_time_ns;
+        let is_due = track
+            .latest
+            .is_none_or(|(latest_ns, life)| time_ns - latest_ns >= SPACING_NS || life != state.state);
+        if is_due {
+            track.waiting.push_back(*state);
+            track.latest = Some((time_ns, state.state));
+        }
+        if state.state == TrackState::Terminated as u8 {
+            track.smooth(i64::MAX, out);
+            self.tracks.remove(&state.track_number);
+            return;
+        }
+        let oldest_ns = track.waiting.front().map(|oldest| oldest.reference_time_ns);
+        if oldest_ns.is_some_and(|oldest_ns| time_ns - oldest_ns >= self.lag_ns + self.lag_ns / TOGETHER) {
+            track.smooth(time_ns - self.lag_ns, out);
+        }
+    }
+
+    /// Nothing follows: all states that wait go to `out`.
+    pub fn finish(&mut self, mut out: impl FnMut(&SystemTrack)) {
+        for track in self.tracks.values_mut() {
+            track.smooth(i64::MAX, &mut out);
+        }
+        self.tracks.clear();
+    }
+}
+
+impl LaggingTrack {
+    /// Adds an input in its place in time. One from before the base comes too late.
+    fn add(&mut self, input: &FilterInput) {
+        if self.base.as_ref().is_some_and(|base| input.time_ns <= base.time_ns) {
+            return;
+        }
+        let is_same = |other: &&mut FilterInput| input.is_of_same_report(other);
+        if let Some(same) = self.inputs.iter_mut().find(is_same).filter(|_| input.replaces) {
+            *same = *input;
+            return;
+        }
+        let place = self.inputs.partition_point(|other| other.time_ns <= input.time_ns);
+        // Before the report with which the filter began there is nothing.
+        if place > 0 || self.base.is_some() {
+            self.inputs.insert(place, *input);
+        }
+    }
+
+    /// Smooths the waiting states up to `until_ns`, which leave.
+    fn smooth(&mut self, until_ns: i64, mut out: impl FnMut(&SystemTrack)) {
+        let leaving = self
+            .waiting
+            .iter()
+            .rposition(|state| state.reference_time_ns <= until_ns);
+        let Some(leaving) = leaving.map(|last| last + 1) else {
+            return;
+        };
+        let begin_ns = match (&self.base, self.inputs.first()) {
+            (Some(base), _) => base.time_ns + 1,
+            (None, Some(first)) => first.time_ns,
+            (None, None) => i64::MAX,
+        };
+        let times = self.waiting.iter().map(|state| state.reference_time_ns);
+        let mut wanted_ns: Vec<i64> = times.filter(|time_ns| *time_ns >= begin_ns).collect();
+        wanted_ns.sort_unstable();
+        wanted_ns.dedup();
+        let mut smoothed = Vec::new();
+        if let Some(assumed) = self.assumed {
+            let known = AsAssumed(assumed);
+            let last_ns = self.waiting.range(..leaving).map(|state| state.reference_time_ns).max();
+            let done_ns = last_ns.unwrap_or(i64::MIN);
+            let from = (&self.inputs[..], self.base.as_ref());
+            if let Some(base) = smooth_stretch(&known, from, (&wanted_ns, done_ns), &mut smoothed) {
+                self.inputs.retain(|input| input.time_ns > base.time_ns);
+                self.base = Some(base);
+            }
+        }
+        for state in self.waiting.drain(..leaving) {
+            let place =
+                smoothed.binary_search_by_key(&state.reference_time_ns, |smoothed: &SmoothedState| smoothed.time_ns);
+            match (place, self.assumed) {
+                (Ok(place), Some(assumed)) => {
+                    out(&with_kinematics(&state, &smoothed[place], assumed.common_error_m2));
+                }
+                // Without a measurement of its own it stays as it is.
+                _ => out(&state),
+            }
+        }
+    }
+}
