@@ -10,7 +10,8 @@
 //! often is wild as a whole, until for a while it hardly was (hysteresis).
 //!
 //! A report may be *late* while its clock is sound: ground stations and centres hold single reports back for seconds. A
-//! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set back.
+//! time behind the offset is therefore believed up to [`LATE_S`], unless several in a row agree: the clock was set
+//! back.
 
 use messages::NS_PER_S;
 

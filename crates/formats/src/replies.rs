@@ -7,7 +7,7 @@
 //! | `callsign` | up to eight characters |
 //! | `mmsi` | 30-bit number of a ship, decimal; excludes an address |
 //! | `level` | flight level of Mode C or Mode S, in quarters |
-//! | `address_age_s` (of `mmsi` as well), `mode_3a_age_s`, `callsign_age_s`, `level_age_s` | age at the time of measurement; empty: a value of this look |
+//! | `address_age_s` (of `mmsi`, too), `mode_3a_age_s`, `callsign_age_s`, `level_age_s` | age; empty: of this look |
 //!
 //! Every column may be absent and every value empty.
 

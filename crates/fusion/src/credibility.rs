@@ -15,8 +15,8 @@
 //! Of two tracks that only a code or call sign joins, and that contradict each other, one is used until a third source
 //! decides or the bias between their sources is known.
 //!
-//! Limits: two other sources that contradict each other with sound clocks are both used, as are two pairs that agree among
-//! themselves. Differences below some five standard deviations are left to registration.
+//! Limits: two other sources that contradict each other with sound clocks are both used, as are two pairs that agree
+//! among themselves. Differences below some five standard deviations are left to registration.
 
 use association::distance::{Symmetric2, squared2};
 use messages::NS_PER_S;

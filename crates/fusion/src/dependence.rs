@@ -131,8 +131,8 @@ impl Dependence {
         self.groups[usize::from(source)]
     }
 
-    /// Returns the sources that are dependent on `source` or on which it depends, with the correlation of the errors, in
-    /// (0, 1]: the first `N` by number; the rest of the array has a correlation of 0.
+    /// Returns the sources that are dependent on `source` or on which it depends, with the correlation of the errors,
+    /// in (0, 1]: the first `N` by number; the rest of the array has a correlation of 0.
     pub(crate) fn partners<const N: usize>(&self, source: u16) -> [(u16, f64); N] {
         let (own, count) = (usize::from(source), self.groups.len());
         let mut partners = [(0, 0.0); N];

@@ -5,11 +5,11 @@
 //! 4096, many aircraft bear the same conspicuity code, and a code can be received wrongly.
 //!
 //! Method: a name speaks for a pair by its *rarity*. A name is rare if at most one fresh track of each source around
-//! the place bears it, and no list of shared codes contains it. Two targets that no source ever sees together seldom have the same rare
-//! name. The parts of the log-likelihood ratio of "same target" are added, each with its configured exponent (QF-2):
-//! rare names for, other names and other classes against. Place, velocity and height then have to fit within
-//! the bias that is possible between the two sources (`Search::namesake`): `identity.reach_m` while nothing is known,
-//! afterwards the rest of the learned biases.
+//! the place bears it, and no list of shared codes contains it. Two targets that no source ever sees together seldom
+//! have the same rare name. The parts of the log-likelihood ratio of "same target" are added, each with its configured
+//! exponent (QF-2): rare names for, other names and other classes against. Place, velocity and height then have to fit
+//! within the bias that is possible between the two sources (`Search::namesake`): `identity.reach_m` while nothing is
+//! known, afterwards the rest of the learned biases.
 //!
 //! A code that differs from the previous ones of its sensor track is believed when the next report repeats it.
 //! A garbled code thus names no other target, and a change of code is followed by its track.

@@ -148,8 +148,8 @@ sample! {
         altitude_m: f32,
         /// Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts.
         qnh_hpa: f32,
-        /// Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned
-        /// from reports with both: to be subtracted from the height of `position_m`.
+        /// Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as
+        /// learned from reports with both: to be subtracted from the height of `position_m`.
         pressure_offset_m: f32,
         /// Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
         pressure_offset_sigma_m: f32,

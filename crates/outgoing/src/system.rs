@@ -7,7 +7,7 @@
 //! | 070 | `reference_time_ns` | |
 //! | 080 | state, alerts, contributions, ground state | see below |
 //! | 100, 105 | `position_m` | in the system's own plane, which touches the earth at its origin, and on the ellipsoid |
-//! | 130, 135 | height, where a source observes it | both where their difference is known, else see [`HeightReference`] |
+//! | 130, 135 | height, where a source observes it | both if their difference is known, else see [`HeightReference`] |
 //! | 185 | `velocity_mps` | towards east and north at the target, as the document wants |
 //! | 200, 210, 220 | motion models of fusion | see `motion.rs` |
 //! | 060, 380 ADR and ID | `identity` | |

@@ -1,8 +1,8 @@
 //! Replies of transponders that a radar receives with its plots.
 //!
 //! Each look receives the address with the callsign, and the code, independently with their probabilities. A received
-//! address or code is garbled with a small probability: then any other value is reported, as after an overlap with another
-//! reply. Plots of unresolved targets and false plots have no reply.
+//! address or code is garbled with a small probability: then any other value is reported, as after an overlap with
+//! another reply. Plots of unresolved targets and false plots have no reply.
 
 use messages::Identity;
 use rand::RngExt as _;

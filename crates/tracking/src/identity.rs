@@ -9,8 +9,8 @@
 //!
 //! # Model
 //!
-//! A target has a value v of each kind. A look decodes v with the probability 1 − g, else (*garbled*) any value. Codes and
-//! callsigns change between two detections with the probability c; addresses do not. With the share f(x) of other
+//! A target has a value v of each kind. A look decodes v with the probability 1 − g, else (*garbled*) any value. Codes
+//! and callsigns change between two detections with the probability c; addresses do not. With the share f(x) of other
 //! targets that show x, and the probability p(x), by the detections of the track, that x is its value, the ratio is
 //!
 //! | kind | ratio of the value x | f(x) |
@@ -21,19 +21,20 @@
 //! | level | (1 − g)·N(Δ)/N(0, σₕ) + g, only of measurements without height | – |
 //!
 //! where 1 − p is what a single detection leaves open. A code that many targets show (2000, 7000, the code of a
-//! formation) is thereby weak evidence without a list of such codes; a list covers the first detections ([`is_common`]).
-//! An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the target's new code with
-//! the probability c/(c + g), and becomes the value. An address that contradicts wears the value down by one detection
-//! each time, so that a track does not turn into another aircraft within a few scans.
+//! formation) is thereby weak evidence without a list of such codes; a list covers the first detections
+//! ([`is_common`]). An unexpected value is remembered as a *rival*. If the next detection shows it again, it is the
+//! target's new code with the probability c/(c + g), and becomes the value. An address that contradicts wears the value
+//! down by one detection each time, so that a track does not turn into another aircraft within a few scans.
 //!
-//! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s all
-//! values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
+//! Replies are garbled as a whole, too: interleaved replies of two aircraft exchange all values. With a probability s
+//! all values are those of another target. So the ratio of a whole reply is (1 − s)·Π + s: contradictions have a price,
 //! and the price of a whole reply is limited. A bad decode does not break a track.
 //!
-//! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or the
-//! target of another track, has this address with the probability d alone.
+//! A detection with the address of a track, in its gate, is of this target, or an echo of it. A new target there, or
+//! the target of another track, has this address with the probability d alone.
 //!
-//! Addresses 000000 and FFFFFF are those of no transponder, and say nothing. Values that a look does not state say nothing.
+//! Addresses 000000 and FFFFFF are those of no transponder, and say nothing. Values that a look does not state say
+//! nothing.
 //!
 //! # Far detections
 //!
@@ -42,9 +43,10 @@
 //! [`FAR`] times the gate's size. Their density is that of a target with so much larger deviations, times the
 //! probability that a detection lies outside its gate; the state is widened likewise before the update.
 //!
-//! Sources: S. S. Blackman, R. Popoli, *Design and Analysis of Modern Tracking Systems* (Artech House, 1999), chapter 9,
-//! for attributes in the likelihood of an association; ICAO Annex 10 volume IV (codes, addresses, the steps of levels);
-//! EUROCONTROL standard SUR.ET1.ST01.1000-STD-01-01 for the probabilities of false codes that a radar may have.
+//! Sources: S. S. Blackman, R. Popoli, *Design and Analysis of Modern Tracking Systems* (Artech House, 1999), chapter
+//! 9, for attributes in the likelihood of an association; ICAO Annex 10 volume IV (codes, addresses, the steps of
+//! levels); EUROCONTROL standard SUR.ET1.ST01.1000-STD-01-01 for the probabilities of false codes that a radar may
+//! have.
 
 use messages::{Identity, IdentityAges, LEVEL_STEP_M, NS_PER_S};
 use observations::TransponderReply;
@@ -454,7 +456,8 @@ impl ScanReplies {
         ((PRIOR_CODES * prior + others) / (PRIOR_CODES + of_all)).max(1.0 / CODES as f64)
     }
 
-    /// Logarithm of the ratio of the likelihoods of a detection's reply: from the target of a track, and from elsewhere.
+    /// Logarithm of the ratio of the likelihoods of a detection's reply: from the target of a track, and from
+    /// elsewhere.
     pub(crate) fn log_ratio(&self, track: &TrackIdentity, reply: &PlotIdentity) -> f64 {
         if !self.any || reply.is_none() {
             return 0.0;

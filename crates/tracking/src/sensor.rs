@@ -127,9 +127,9 @@ impl Sensor {
         1.0 - seen * self.detection_probability * self.gate_probability
     }
 
-    /// Logarithm of the density of a detection that names the target, and whether it lies outside the gate; `None` if it
-    /// lies farther away than such detections do ([`crate::identity`]). One in the gate was not compared if it lies where
-    /// few do: the search is for two quantities.
+    /// Logarithm of the density of a detection that names the target, and whether it lies outside the gate; `None` if
+    /// it lies farther away than such detections do ([`crate::identity`]). One in the gate was not compared if it lies
+    /// where few do: the search is for two quantities.
     pub(crate) fn log_far(&self, innovation: &MeasurementInnovation) -> Option<(f64, bool)> {
         let gate = self.gates[innovation.dimension - 1];
         let distance = innovation.squared_distance;

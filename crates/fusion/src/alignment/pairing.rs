@@ -1,9 +1,9 @@
 //! Pairs of tracks by name.
 //!
-//! The votes of the search find a bias among all pairs of tracks. Where tracks bear rare names, the pairs are known: the
-//! same address, Mode 3/A code or call sign, once in the collection of each source. A known pair shows biases that are
-//! too small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are told only from a size
-//! that registration should not have to remove.
+//! The votes of the search find a bias among all pairs of tracks. Where tracks bear rare names, the pairs are known:
+//! the same address, Mode 3/A code or call sign, once in the collection of each source. A known pair shows biases that
+//! are too small to keep tracks apart, as half a degree of azimuth near the sensor. Such biases are told only from a
+//! size that registration should not have to remove.
 
 use messages::{BiasKind, Identity};
 use serde::{Deserialize, Serialize};

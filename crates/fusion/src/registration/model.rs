@@ -6,8 +6,8 @@
 //! the differences, less a penalty for each estimated error. Height and time offset are part of every model. A source
 //! without errors has the model of an offset, which is then insignificant.
 //!
-//! Comparisons of one target depend on each other: its points and the errors of its trackers persist. So a target counts
-//! as one comparison at first, and as a further one every five seconds. Otherwise the points of large targets
+//! Comparisons of one target depend on each other: its points and the errors of its trackers persist. So a target
+//! counts as one comparison at first, and as a further one every five seconds. Otherwise the points of large targets
 //! look like a rotation within the first scans.
 //!
 //! A change to a model with as many errors or more must raise the evidence clearly. One source changes its model at a

@@ -6,8 +6,8 @@ settings::settings! {
         /// Greatest distance at which a rare Mode 3/A code or call sign joins tracks of two sources whose bias is not
         /// learned yet. Afterwards it is the rest of the learned bias and four standard deviations.
         reach_m: f64 = 5000.0, in [0, 1e5];
-        /// Least distance of a position that a target reports (ADS-B, AIS) from where sensors measure the same address, from
-        /// which the position is false.
+        /// Least distance of a position that a target reports (ADS-B, AIS) from where sensors measure the same address,
+        /// from which the position is false.
         false_m: f64 = 1000.0, in [1, 1e6];
         /// Mode 3/A codes that many targets share, in octal: a digit may be `x`, which stands for any digit. Codes of
         /// a region (as `12xx`) can be added. Other codes are rare while a source has one track with the code.

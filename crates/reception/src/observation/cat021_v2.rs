@@ -1,9 +1,9 @@
 //! CAT021 from ed 2 on: ADS-B.
 //!
 //! Three generations of transponders state position accuracy in three ways: an uncertainty category (version 0), or
-//! an accuracy category beside an integrity category (versions 1 and 2). The error exceeds the integrity radius with the
-//! probability of an integrity level (SIL), once in ten million hours at best. The radius becomes a 95 % error by that
-//! probability, and is used without an accuracy category. An accuracy category without integrity counts for less.
+//! an accuracy category beside an integrity category (versions 1 and 2). The error exceeds the integrity radius with
+//! the probability of an integrity level (SIL), once in ten million hours at best. The radius becomes a 95 % error by
+//! that probability, and is used without an accuracy category. An accuracy category without integrity counts for less.
 
 use asterix::categories::CAT021_V2;
 use asterix::field::added;

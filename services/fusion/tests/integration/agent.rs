@@ -179,7 +179,7 @@ fn by_time_the_result_does_not_depend_on_who_comes_first() {
     };
     let (forwards, backwards) = (run(0), run(1));
     assert_eq!(essence(&forwards), essence(&backwards));
-    assert_eq!(forwards.len(), 62, "60 reports, one coasting, one end");
+    assert_eq!(forwards.len(), 63, "60 reports, one coasting, one suspension, one end");
     assert!(forwards.windows(2).all(|pair| pair[0].sequence + 1 == pair[1].sequence));
 }
 
@@ -320,7 +320,7 @@ fn decisions_wait_for_whoever_publishes_them() {
         bench.settle();
         bench.pass(1.0);
     }
-    bench.pass(100.0);
+    bench.pass(200.0);
     bench.settle();
     let queue = bench.queues.decisions.as_ref().unwrap();
     let decided: Vec<Decision> = std::iter::from_fn(|| queue.pop()).collect();
@@ -331,6 +331,7 @@ fn decisions_wait_for_whoever_publishes_them() {
         DecisionKind::Joined,
         DecisionKind::Confirmed,
         DecisionKind::Coasted,
+        DecisionKind::Suspended,
         DecisionKind::Ended,
     ];
     let places = expected.map(place);
@@ -653,7 +654,7 @@ fn a_replay_on_arrival_is_judged_by_the_clock_that_it_has() {
     free.settle();
     assert_eq!(
         free.received.last().map(|track| track.state),
-        Some(TrackState::Terminated as u8),
+        Some(TrackState::Suspended as u8),
         "one is silent"
     );
 }
