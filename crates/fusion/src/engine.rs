@@ -11,13 +11,12 @@
 //!
 //! Each part owns its learned state; [`Tracks`] is shared by all.
 
-use messages::{Bias, Counter, DecisionKind, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
+mod filtering;
+mod joining;
+
+use messages::{Counter, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use settings::SettingsError;
 
-use association::distance::squared2;
-
-use crate::association_step::Search;
-use crate::assumed::assumed_of;
 use crate::dependence::Dependence;
 use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
@@ -27,20 +26,17 @@ use crate::inlet;
 use crate::kept_measurements::KeptMeasurements;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
-use crate::linking::{Linking, Next};
-use crate::measurement::{Content, Correction, FilterInput, Measurement, whole_report};
+use crate::measurement::{Content, Correction, Measurement, whole_report};
 use crate::order_table::{Configured, IN_FORCE_MAX, OrderTable};
 use crate::outlet::EngineOutbox;
 use crate::publishing::TrackPublisher;
 use crate::purity::Purity;
 use crate::reference_point::ReferencePoints;
-use crate::registration::SourceErrors;
 use crate::rules;
-use crate::scan::{ScanAssignment, Scans};
+use crate::scan::Scans;
 use crate::schedule::Schedule;
 use crate::sensor_tracks::{NO_SYSTEM, Role, SensorSlot, SensorTracks};
 use crate::settings::Settings;
-use crate::source_model::SourceModel;
 use crate::sources::Sources;
 use crate::system_tracks::{SystemSlot, SystemTracks};
 use crate::tracks::Tracks;
@@ -50,10 +46,6 @@ use crate::tracks::Tracks;
 const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
 /// Lead of a filter over all reports, nanoseconds, from which a wrong clock is taken as the cause.
 const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
-/// Speed below which the course is meaningless, m/s.
-const COURSE_SPEED_MIN_MPS: f64 = 1.0;
-/// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
-const ASTRAY_SIGMAS: f64 = 30.0;
 
 /// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
 const OWN_SHARE: f64 = 0.3;
@@ -145,46 +137,6 @@ impl Engine {
     /// Returns the settings in force.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Returns the estimated systematic errors of `source` (BF-3); `None` if the source does not exist.
-    pub fn source_errors(&self, source: u16) -> Option<&SourceErrors> {
-        (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
-    }
-
-    /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
-    /// source.
-    pub fn gross_error(&self, source: u16) -> Option<Bias> {
-        (usize::from(source) < self.settings.sources.len())
-            .then(|| self.sources.alignment.error_of(source))
-            .flatten()
-    }
-
-    /// Returns the first source of the group on which `source` depends (configured or learned). Returns `None` if
-    /// `source` is the first of its group, independent, or does not exist.
-    pub fn counts_with(&self, source: u16) -> Option<u16> {
-        let is_known = usize::from(source) < self.settings.sources.len();
-        is_known
-            .then(|| self.tracks.dependence.group_of(source))
-            .filter(|first| *first != source)
-    }
-
-    /// Returns the factor of covariance scaling of `source`, whose covariances are too small (BF-5). The factor is 1
-    /// if the covariances are consistent; `None` if the source does not exist.
-    pub fn covariance_scale(&self, source: u16) -> Option<f64> {
-        self.sources
-            .models
-            .get(usize::from(source))
-            .map(SourceModel::covariance_scale)
-    }
-
-    /// Returns the learned probability that a scan of `source` detects a target it tracks; `None` if the source does
-    /// not exist.
-    pub fn detection_probability(&self, source: u16) -> Option<f64> {
-        self.sources
-            .models
-            .get(usize::from(source))
-            .map(|model| model.detection)
     }
 
     /// Sets the host offset, the lead of the sources' time over the engine's time, nanoseconds; 0 at the start. The
@@ -489,145 +441,6 @@ impl Engine {
             .compare(&self.settings, &self.tracks, (sensor, measurement));
     }
 
-    /// Associates a sensor track, whose `report` has just been stored, with a system track.
-    fn associate(&mut self, sensor: SensorSlot, report: &SensorTrack, sink: &mut impl Sink) {
-        let out = &mut self.outbox.to(sink);
-        let mut linking = Linking {
-            settings: &self.settings,
-            tracks: &mut self.tracks,
-            sources: &self.sources,
-        };
-        let next = linking.associate(sensor, report, out);
-        self.follow_up(sensor, next, sink);
-    }
-
-    /// Executes the step that linking leaves to the engine: nothing, a wait for the scan, or the end of a merged
-    /// track.
-    fn follow_up(&mut self, sensor: SensorSlot, next: Next, sink: &mut impl Sink) {
-        match next {
-            Next::Done => {}
-            Next::Wait => self.wait_for_scan(sensor, sink),
-            Next::End(merged) => {
-                let out = &mut self.outbox.to(sink);
-                let (ended, into) = (merged.ended, merged.into);
-                life::end(&self.settings, &mut self.tracks, ended, merged.time_ns, into, out);
-            }
-        }
-    }
-
-    /// Queues a sensor track until its scan is complete.
-    fn wait_for_scan(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let entry = self.tracks.sensors.get_mut(sensor);
-        // A clock that is ahead must not delay the scan; the reports of a late scan come late as well.
-        let late_ns = self.tracks.lifetimes.late_ns(entry.source);
-        let time_ns = entry.time_ns.saturating_add(late_ns).min(self.schedule.now_ns());
-        let source = entry.source;
-        if std::mem::replace(&mut entry.waits, true) {
-            return;
-        }
-        if self.scans.is_full(source) {
-            self.assign_scan(source, sink);
-        }
-        self.scans.wait(sensor, source, time_ns);
-    }
-
-    /// Assigns the scans that are complete at `time_ns`.
-    fn finish_scans(&mut self, time_ns: i64, sink: &mut impl Sink) {
-        while let Some(source) = self.scans.complete_at(time_ns) {
-            self.assign_scan(source, sink);
-        }
-    }
-
-    fn assign_scan(&mut self, source: u16, sink: &mut impl Sink) {
-        let rows = self
-            .scans
-            .assign(source, &self.settings, &mut self.tracks, &self.sources);
-        for row in 0..rows {
-            let assigned = self.scans.assigned(row);
-            // The sensor track may have ended since it was queued.
-            if std::mem::take(&mut self.tracks.sensors.get_mut(assigned.sensor).waits) {
-                self.place_assigned(assigned, sink);
-            }
-        }
-    }
-
-    /// Places a sensor track as the assignment of its scan decides.
-    fn place_assigned(&mut self, ScanAssignment { sensor, best }: ScanAssignment, sink: &mut impl Sink) {
-        let is_unlinked = self.tracks.sensors.get(sensor).system == NO_SYSTEM;
-        // The system track may have ended since, merged by another sensor track of this scan.
-        let lives = |system: SystemSlot| self.tracks.systems.get(system).life != TrackState::Terminated;
-        match best.filter(|(system, _)| lives(*system)) {
-            Some((system, d2)) if is_unlinked => self.join_assigned(sensor, system, d2, sink),
-            Some((system, d2)) => self.vote_to_merge(sensor, system, d2, sink),
-            None if is_unlinked => self.place_alone(sensor, sink),
-            None => self.tracks.sensors.get_mut(sensor).competing = None,
-        }
-    }
-
-    fn join_assigned(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
-        self.tracks.join(sensor, system);
-        let gate = self.settings.association.scan_gate();
-        sink.decision(&self.tracks.decision(sensor, DecisionKind::Joined, d2, gate));
-        self.tracks.assign_role(sensor);
-        let entry = self.tracks.sensors.get(sensor);
-        if entry.role == Role::Primary {
-            let report = entry.latest;
-            let mut whole = whole_report(&report);
-            whole.has_waited = true;
-            self.update(sensor, &report, Some(&whole), sink);
-        }
-    }
-
-    fn vote_to_merge(&mut self, sensor: SensorSlot, system: SystemSlot, d2: f64, sink: &mut impl Sink) {
-        let out = &mut self.outbox.to(sink);
-        let mut linking = Linking {
-            settings: &self.settings,
-            tracks: &mut self.tracks,
-            sources: &self.sources,
-        };
-        if let Some(next) = linking.vote_to_merge(sensor, system, d2, out) {
-            self.follow_up(sensor, next, sink);
-            self.tracks.assign_role(sensor);
-        }
-    }
-
-    /// Places a sensor track that fits no available system track. The track is either a further part of a target that
-    /// its source already tracks, or a new target.
-    fn place_alone(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        let search = Search {
-            settings: &self.settings,
-            tracks: &self.tracks,
-            sources: &self.sources,
-        };
-        if let Some((system, metres)) = search.other_part(sensor) {
-            self.tracks.join(sensor, system);
-            let limit = self.settings.association.target_extent_m;
-            sink.decision(&self.tracks.decision(sensor, DecisionKind::Duplicate, metres, limit));
-            let source = self.tracks.sensors.get(sensor).source;
-            self.outbox.counts.add(source, Counter::RejectedDuplicate);
-            return;
-        }
-        if !self.tracks.is_established(sensor) {
-            // A first report alone may join a target; it starts none.
-            return;
-        }
-        let report = self.tracks.sensors.get(sensor).latest;
-        if !self.tracks.systems.has_room(report.source) {
-            self.make_room(report.source, sink);
-        }
-        let out = &mut self.outbox.to(sink);
-        let mut linking = Linking {
-            settings: &self.settings,
-            tracks: &mut self.tracks,
-            sources: &self.sources,
-        };
-        let deadline_ns = self.life.first_deadline_ns(report.time_of_measurement_ns);
-        if linking.start(sensor, deadline_ns, out) {
-            out.input(|| self.tracks.input(sensor, None));
-            self.update(sensor, &report, None, sink);
-        }
-    }
-
     /// Updates the system track of a primary sensor track whose `report` has just been stored; `measurement` is the
     /// new information in the report.
     pub(crate) fn update(
@@ -698,121 +511,6 @@ impl Engine {
             let latest_ns = entry.time_ns.max(self.schedule.now_ns());
             self.tracks.systems.get(entry.system).filter.time_ns > latest_ns.saturating_add(AHEAD_OF_CLOCKS_NS)
         }
-    }
-
-    /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
-    /// filter ignores other centres: information sent to them must not return from them.
-    fn follow_centre(&mut self, sensor: SensorSlot) {
-        let entry = self.tracks.sensors.get(sensor);
-        let is_followed = self
-            .tracks
-            .contributing_here(entry.system, entry.time_ns)
-            .next()
-            .is_some();
-        if !is_followed {
-            self.tracks.restart_filter(sensor);
-        }
-    }
-
-    /// Updates the system filter with a measurement, and learns from the innovation.
-    fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
-        let out = &mut self.outbox.to(sink);
-        let referred = self
-            .points
-            .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
-        let entry = self.tracks.sensors.get(sensor);
-        let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
-        let mut relative = *measurement;
-        relative.refer(referred.point_m, referred.variance_m2);
-        let Self { tracks, sources, .. } = self;
-        let filter = &mut tracks.systems.get_mut(system).filter;
-        let keeps = tracks.kept.is_on();
-        let taken = if keeps && time_ns < filter.time_ns && !relative.has_waited {
-            self.take_late_or_carry(sensor, &relative, &referred)
-        } else {
-            if keeps {
-                tracks.kept.begin(system, filter);
-            }
-            let innovation = filter.take(&relative, time_ns, sources.motion_of(filter), referred.is_usable);
-            if keeps {
-                let entry = tracks.sensors.get(sensor);
-                let used = referred.used(entry, &relative);
-                tracks.kept.append(system, filter, &used);
-            }
-            innovation
-        };
-        let filter = &self.tracks.systems.get(system).filter;
-        // A non-finite value shows in the gain.
-        let Some(mut innovation) = taken.filter(|innovation| innovation.gain.is_finite()) else {
-            if !filter.is_sound() {
-                self.restart(sensor, sink);
-            }
-            return;
-        };
-        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
-        if self.is_astray(sensor, &innovation) {
-            self.restart(sensor, sink);
-            return;
-        }
-        let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
-        self.tracks.dependence.learn_innovation(source, 0.5 * nis);
-        self.tracks.systems.get_mut(system).nis = nis as f32;
-        if referred.is_usable {
-            self.outbox.to(sink).input(|| FilterInput {
-                point_m: referred.point_m,
-                point_m2: referred.variance_m2,
-                assumed: Some(assumed_of(system, &self.tracks, &self.sources, &self.publisher)),
-                ..self.tracks.input(sensor, Some(measurement))
-            });
-        }
-        let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
-        if speed > COURSE_SPEED_MIN_MPS {
-            self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
-        }
-        for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
-            *residual += point;
-        }
-        let is_misled = self.sources.registration.has_misled_filters();
-        if self.tracks.systems.get(system).life == TrackState::Confirmed && !is_misled {
-            let velocity_mps = [velocity[0], velocity[1], 0.0];
-            self.sources.manoeuvres.learn(velocity_mps, &innovation);
-        }
-        // The shares of all sources in the estimate decay with this contribution.
-        self.tracks
-            .for_members(system, |member| member.share *= 1.0 - innovation.gain);
-        self.tracks.sensors.get_mut(sensor).share += innovation.gain;
-        let source = self.tracks.sensors.get(sensor).source;
-        self.tracks.systems.get_mut(system).contributors |= 1 << source;
-        self.points.learn(&mut self.tracks, sensor, &innovation);
-        self.sources
-            .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
-    }
-
-    /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is
-    /// wrong. Covariance scaling and the learned noise of the sources would otherwise defend the estimate against all
-    /// of them.
-    fn is_astray(&mut self, sensor: SensorSlot, innovation: &crate::filter::FilterInnovation) -> bool {
-        let entry = self.tracks.sensors.get(sensor);
-        let (system, claimed) = (entry.system, &entry.latest.covariance);
-        let entry = self.tracks.systems.get_mut(system);
-        let known = &entry.filter.estimate.covariance;
-        let variance_m2 = claimed.get(0, 0) + claimed.get(1, 1) + known.get(0, 0) + known.get(1, 1);
-        let [east_m, north_m] = innovation.residual_m;
-        let is_far = east_m * east_m + north_m * north_m > ASTRAY_SIGMAS * ASTRAY_SIGMAS * variance_m2;
-        entry.astray = if is_far { entry.astray + 1 } else { 0 };
-        entry.astray >= self.settings.association.split_reports
-    }
-
-    /// Restarts the unusable filter of a system track from the latest report of the sensor track.
-    #[cold]
-    pub(crate) fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
-        self.tracks.restart_filter(sensor);
-        self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
-        let entry = self.tracks.sensors.get(sensor);
-        let (system, source) = (entry.system, entry.source);
-        self.tracks.for_members(system, |member| member.share = 0.0);
-        self.tracks.sensors.get_mut(sensor).share = 1.0;
-        self.outbox.counts.add(source, Counter::EstimatesRestarted);
     }
 
     /// Records a fresh report of the system track.

@@ -2,9 +2,11 @@
 //!
 //! Nothing here takes part in fusion; the values are read from the models that do, once per health message.
 
-use messages::{ErrorModel, NS_PER_S};
+use messages::{Bias, ErrorModel, NS_PER_S};
 
 use crate::engine::Engine;
+use crate::registration::SourceErrors;
+use crate::source_model::SourceModel;
 
 /// Most sources that [`Learned::dependent`] names.
 pub(crate) const DEPENDENT_MAX: usize = 4;
@@ -35,6 +37,46 @@ pub struct Learned {
 }
 
 impl Engine {
+    /// Returns the estimated systematic errors of `source` (BF-3); `None` if the source does not exist.
+    pub fn source_errors(&self, source: u16) -> Option<&SourceErrors> {
+        (usize::from(source) < self.settings.sources.len()).then(|| self.sources.registration.of(source))
+    }
+
+    /// Returns the gross error of `source` that unassociated tracks reveal; `None` if there is no error or no such
+    /// source.
+    pub fn gross_error(&self, source: u16) -> Option<Bias> {
+        (usize::from(source) < self.settings.sources.len())
+            .then(|| self.sources.alignment.error_of(source))
+            .flatten()
+    }
+
+    /// Returns the first source of the group on which `source` depends (configured or learned). Returns `None` if
+    /// `source` is the first of its group, independent, or does not exist.
+    pub fn counts_with(&self, source: u16) -> Option<u16> {
+        let is_known = usize::from(source) < self.settings.sources.len();
+        is_known
+            .then(|| self.tracks.dependence.group_of(source))
+            .filter(|first| *first != source)
+    }
+
+    /// Returns the factor of covariance scaling of `source`, whose covariances are too small (BF-5). The factor is 1
+    /// if the covariances are consistent; `None` if the source does not exist.
+    pub fn covariance_scale(&self, source: u16) -> Option<f64> {
+        self.sources
+            .models
+            .get(usize::from(source))
+            .map(SourceModel::covariance_scale)
+    }
+
+    /// Returns the learned probability that a scan of `source` detects a target it tracks; `None` if the source does
+    /// not exist.
+    pub fn detection_probability(&self, source: u16) -> Option<f64> {
+        self.sources
+            .models
+            .get(usize::from(source))
+            .map(|model| model.detection)
+    }
+
     /// Returns what was learned of `source`; `None` if the source does not exist.
     pub fn learned(&self, source: u16) -> Option<Learned> {
         let model = self.sources.models.get(usize::from(source))?;

@@ -2,8 +2,9 @@
 //! targets move.
 
 mod changes;
+mod comparison;
 
-use estimation::{AxisNoise, Matrix3, NearlyConstantVelocity};
+use estimation::NearlyConstantVelocity;
 use messages::{NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +18,7 @@ use crate::measurement::{
     recovered_measurement, shows_filter, whole_report,
 };
 use crate::motion::Motion;
-use crate::registration::{ClockError, Registration, TARGETS_MIN, TargetView};
+use crate::registration::{ClockError, Registration, TARGETS_MIN};
 use crate::schedule::TICK_NS;
 use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
@@ -33,9 +34,6 @@ const MEAN_REPORTS_MIN: u32 = 4;
 /// Every how many innovations of a sensor track its mean teaches where detection points lie: in between it hardly
 /// changes.
 const SPREAD_EVERY: u32 = 4;
-/// Samples of a source's systematic errors after which only every few reports one is taken.
-const REGISTRATION_SETTLED: f64 = 500.0;
-const REGISTRATION_EVERY: u32 = 8;
 
 /// Probability of steady motion from which on the shape of errors is learned.
 const SHAPE_STEADY_MIN: f64 = 0.5;
@@ -484,80 +482,6 @@ impl Sources {
         let (offset, noise_m2) = self.offset(tracks, sensor)?;
         let spread_m2 = self.spread_m2(settings, None);
         Some((offset[0] * offset[0] + offset[1] * offset[1]) / (noise_m2 + 2.0 * spread_m2))
-    }
-
-    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
-    /// difference.
-    pub(crate) fn compare(
-        &mut self,
-        settings: &Settings,
-        tracks: &Tracks,
-        (sensor, measurement): (SensorSlot, Option<&Measurement>),
-    ) {
-        let entry = tracks.sensors.get(sensor);
-        let (report, system) = (&entry.latest, entry.system);
-        let source = report.source;
-        let settled = self.registration.of(source).samples > REGISTRATION_SETTLED;
-        if !settings.registration.enabled
-            || report.state != TrackState::Confirmed as u8
-            || entry.repaired
-            || entry.is_foreign
-            || tracks.systems.get(system).life != TrackState::Confirmed
-            || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
-        {
-            return;
-        }
-        let now_ns = report.time_of_measurement_ns;
-        let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
-        let latest = tracks
-            .contributing_here(system, now_ns)
-            .filter(|member| *member != sensor && confirmed(member))
-            .max_by_key(|member| {
-                let latest = &tracks.sensors.get(*member).latest;
-                let lags = self.registration.is_young(latest.source);
-                (!lags, latest.time_of_measurement_ns, latest.source)
-            });
-        let Some(other) = latest else {
-            return;
-        };
-        let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
-        let (mut own, other) = (view(sensor), view(other));
-        if self.registration.is_young(source)
-            && let Some(measurement) = measurement
-        {
-            own.take_measurement(measurement, tracks.sensors.get(sensor).correction());
-        } else if self.registration.is_young(other.source) && !self.registration.is_young(source) {
-            return;
-        }
-        let extent_m = settings.association.extent_sigma_m;
-        let points_m2 = self.possible_points_m2(extent_m * extent_m);
-        let entry = tracks.systems.get(system);
-        let reports = f64::from(entry.reports) / self.models.len() as f64;
-        let age_s = (now_ns - entry.first_seen_ns) as f64 / NS_PER_S;
-        self.registration.learn(&own, &other, points_m2, (reports, age_s));
-    }
-
-    /// A sensor track as its source gives it, at `time_ns`.
-    fn view(&self, sources: &[SourceSettings], entry: &SensorEntry, time_ns: i64) -> TargetView {
-        let source = entry.latest.source;
-        let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
-        let mut state = entry.as_reported();
-        let noise = self
-            .manoeuvres
-            .motion(entry.latest.velocity_mps)
-            .turns
-            .density_m2ps3
-            .map(|density| AxisNoise::white(density, seconds));
-        state.advance(seconds, noise);
-        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
-        TargetView {
-            source,
-            position_m: state.position_m(),
-            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
-            velocity_mps: state.velocity_mps(),
-            has_height: entry.latest.has(sensor_track_bits::HEIGHT),
-            place_m: place_of(&sources[usize::from(source)]),
-        }
     }
 
     /// Continues the estimate of the systematic errors, or begins a new one if it is `due`. `largest_m` is the size of

@@ -14,6 +14,7 @@ mod pairing;
 mod removal;
 mod search;
 mod verdict;
+mod votes;
 
 use messages::{Bias, SensorTrack};
 use serde::{Deserialize, Serialize};

@@ -1,0 +1,133 @@
+//! How a measurement changes the filter of its system track, and what the engine learns of the innovation.
+
+use association::distance::squared2;
+use messages::{Counter, TrackState};
+
+use super::Engine;
+use crate::assumed::assumed_of;
+use crate::explanation::Sink;
+use crate::filter::FilterInnovation;
+use crate::measurement::{FilterInput, Measurement};
+use crate::sensor_tracks::SensorSlot;
+
+/// Speed below which the course is meaningless, m/s.
+const COURSE_SPEED_MIN_MPS: f64 = 1.0;
+/// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
+const ASTRAY_SIGMAS: f64 = 30.0;
+
+impl Engine {
+    /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
+    /// filter ignores other centres: information sent to them must not return from them.
+    pub(super) fn follow_centre(&mut self, sensor: SensorSlot) {
+        let entry = self.tracks.sensors.get(sensor);
+        let is_followed = self
+            .tracks
+            .contributing_here(entry.system, entry.time_ns)
+            .next()
+            .is_some();
+        if !is_followed {
+            self.tracks.restart_filter(sensor);
+        }
+    }
+
+    /// Updates the system filter with a measurement, and learns from the innovation.
+    pub(super) fn update_filter(&mut self, sensor: SensorSlot, measurement: &Measurement, sink: &mut impl Sink) {
+        let out = &mut self.outbox.to(sink);
+        let referred = self
+            .points
+            .refer(&self.settings, &mut self.tracks, (sensor, measurement), out);
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, time_ns, source) = (entry.system, entry.time_ns, entry.source);
+        let mut relative = *measurement;
+        relative.refer(referred.point_m, referred.variance_m2);
+        let Self { tracks, sources, .. } = self;
+        let filter = &mut tracks.systems.get_mut(system).filter;
+        let keeps = tracks.kept.is_on();
+        let taken = if keeps && time_ns < filter.time_ns && !relative.has_waited {
+            self.take_late_or_carry(sensor, &relative, &referred)
+        } else {
+            if keeps {
+                tracks.kept.begin(system, filter);
+            }
+            let innovation = filter.take(&relative, time_ns, sources.motion_of(filter), referred.is_usable);
+            if keeps {
+                let entry = tracks.sensors.get(sensor);
+                let used = referred.used(entry, &relative);
+                tracks.kept.append(system, filter, &used);
+            }
+            innovation
+        };
+        let filter = &self.tracks.systems.get(system).filter;
+        // A non-finite value shows in the gain.
+        let Some(mut innovation) = taken.filter(|innovation| innovation.gain.is_finite()) else {
+            if !filter.is_sound() {
+                self.restart(sensor, sink);
+            }
+            return;
+        };
+        let velocity = [filter.estimate.mean[3], filter.estimate.mean[4]];
+        if self.is_astray(sensor, &innovation) {
+            self.restart(sensor, sink);
+            return;
+        }
+        let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
+        self.tracks.dependence.learn_innovation(source, 0.5 * nis);
+        self.tracks.systems.get_mut(system).nis = nis as f32;
+        if referred.is_usable {
+            self.outbox.to(sink).input(|| FilterInput {
+                point_m: referred.point_m,
+                point_m2: referred.variance_m2,
+                assumed: Some(assumed_of(system, &self.tracks, &self.sources, &self.publisher)),
+                ..self.tracks.input(sensor, Some(measurement))
+            });
+        }
+        let speed = (velocity[0] * velocity[0] + velocity[1] * velocity[1]).sqrt();
+        if speed > COURSE_SPEED_MIN_MPS {
+            self.tracks.systems.get_mut(system).course = velocity.map(|part| part / speed);
+        }
+        for (residual, point) in innovation.residual_m.iter_mut().zip(referred.point_m) {
+            *residual += point;
+        }
+        let is_misled = self.sources.registration.has_misled_filters();
+        if self.tracks.systems.get(system).life == TrackState::Confirmed && !is_misled {
+            let velocity_mps = [velocity[0], velocity[1], 0.0];
+            self.sources.manoeuvres.learn(velocity_mps, &innovation);
+        }
+        // The shares of all sources in the estimate decay with this contribution.
+        self.tracks
+            .for_members(system, |member| member.share *= 1.0 - innovation.gain);
+        self.tracks.sensors.get_mut(sensor).share += innovation.gain;
+        let source = self.tracks.sensors.get(sensor).source;
+        self.tracks.systems.get_mut(system).contributors |= 1 << source;
+        self.points.learn(&mut self.tracks, sensor, &innovation);
+        self.sources
+            .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
+    }
+
+    /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is
+    /// wrong. Covariance scaling and the learned noise of the sources would otherwise defend the estimate against all
+    /// of them.
+    pub(super) fn is_astray(&mut self, sensor: SensorSlot, innovation: &FilterInnovation) -> bool {
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, claimed) = (entry.system, &entry.latest.covariance);
+        let entry = self.tracks.systems.get_mut(system);
+        let known = &entry.filter.estimate.covariance;
+        let variance_m2 = claimed.get(0, 0) + claimed.get(1, 1) + known.get(0, 0) + known.get(1, 1);
+        let [east_m, north_m] = innovation.residual_m;
+        let is_far = east_m * east_m + north_m * north_m > ASTRAY_SIGMAS * ASTRAY_SIGMAS * variance_m2;
+        entry.astray = if is_far { entry.astray + 1 } else { 0 };
+        entry.astray >= self.settings.association.split_reports
+    }
+
+    /// Restarts the unusable filter of a system track from the latest report of the sensor track.
+    #[cold]
+    pub(crate) fn restart(&mut self, sensor: SensorSlot, sink: &mut impl Sink) {
+        self.tracks.restart_filter(sensor);
+        self.outbox.to(sink).input(|| self.tracks.input(sensor, None));
+        let entry = self.tracks.sensors.get(sensor);
+        let (system, source) = (entry.system, entry.source);
+        self.tracks.for_members(system, |member| member.share = 0.0);
+        self.tracks.sensors.get_mut(sensor).share = 1.0;
+        self.outbox.counts.add(source, Counter::EstimatesRestarted);
+    }
+}

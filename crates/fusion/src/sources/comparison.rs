@@ -1,0 +1,91 @@
+//! Comparison of reports of two sources on one target, from which systematic errors are estimated.
+
+use estimation::{AxisNoise, Matrix3};
+use messages::{NS_PER_S, TrackState, sensor_track_bits};
+
+use crate::measurement::Measurement;
+use crate::registration::TargetView;
+use crate::sensor_tracks::{SensorEntry, SensorSlot};
+use crate::settings::{Settings, SourceSettings};
+use crate::sources::{Sources, place_of};
+use crate::tracks::Tracks;
+
+/// Samples of a source's systematic errors after which only every few reports one is taken.
+const REGISTRATION_SETTLED: f64 = 500.0;
+const REGISTRATION_EVERY: u32 = 8;
+
+impl Sources {
+    /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
+    /// difference.
+    pub(crate) fn compare(
+        &mut self,
+        settings: &Settings,
+        tracks: &Tracks,
+        (sensor, measurement): (SensorSlot, Option<&Measurement>),
+    ) {
+        let entry = tracks.sensors.get(sensor);
+        let (report, system) = (&entry.latest, entry.system);
+        let source = report.source;
+        let settled = self.registration.of(source).samples > REGISTRATION_SETTLED;
+        if !settings.registration.enabled
+            || report.state != TrackState::Confirmed as u8
+            || entry.repaired
+            || entry.is_foreign
+            || tracks.systems.get(system).life != TrackState::Confirmed
+            || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
+        {
+            return;
+        }
+        let now_ns = report.time_of_measurement_ns;
+        let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
+        let latest = tracks
+            .contributing_here(system, now_ns)
+            .filter(|member| *member != sensor && confirmed(member))
+            .max_by_key(|member| {
+                let latest = &tracks.sensors.get(*member).latest;
+                let lags = self.registration.is_young(latest.source);
+                (!lags, latest.time_of_measurement_ns, latest.source)
+            });
+        let Some(other) = latest else {
+            return;
+        };
+        let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
+        let (mut own, other) = (view(sensor), view(other));
+        if self.registration.is_young(source)
+            && let Some(measurement) = measurement
+        {
+            own.take_measurement(measurement, tracks.sensors.get(sensor).correction());
+        } else if self.registration.is_young(other.source) && !self.registration.is_young(source) {
+            return;
+        }
+        let extent_m = settings.association.extent_sigma_m;
+        let points_m2 = self.possible_points_m2(extent_m * extent_m);
+        let entry = tracks.systems.get(system);
+        let reports = f64::from(entry.reports) / self.models.len() as f64;
+        let age_s = (now_ns - entry.first_seen_ns) as f64 / NS_PER_S;
+        self.registration.learn(&own, &other, points_m2, (reports, age_s));
+    }
+
+    /// A sensor track as its source gives it, at `time_ns`.
+    fn view(&self, sources: &[SourceSettings], entry: &SensorEntry, time_ns: i64) -> TargetView {
+        let source = entry.latest.source;
+        let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
+        let mut state = entry.as_reported();
+        let noise = self
+            .manoeuvres
+            .motion(entry.latest.velocity_mps)
+            .turns
+            .density_m2ps3
+            .map(|density| AxisNoise::white(density, seconds));
+        state.advance(seconds, noise);
+        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
+        TargetView {
+            source,
+            position_m: state.position_m(),
+            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            velocity_mps: state.velocity_mps(),
+            has_height: entry.latest.has(sensor_track_bits::HEIGHT),
+            place_m: place_of(&sources[usize::from(source)]),
+        }
+    }
+}
