@@ -22,7 +22,6 @@ use messages::{Identity, TargetType, identity_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::number_hasher::{NumberHasher, table};
-use crate::sensor_tracks::SensorSlot;
 use crate::settings::FactorExponents;
 
 /// Reports of a code after which one other code is taken for a garbled one.
@@ -176,7 +175,7 @@ pub(crate) fn class_ratio(one: &TargetType, other: &TargetType) -> f64 {
 struct Carriers {
     count: u32,
     /// The known ones; the others are free.
-    slots: [SensorSlot; CARRIERS_MAX],
+    slots: [u32; CARRIERS_MAX],
 }
 
 impl Carriers {
@@ -184,7 +183,7 @@ impl Carriers {
         (self.count as usize).min(CARRIERS_MAX)
     }
 
-    fn add(&mut self, sensor: SensorSlot) {
+    fn add(&mut self, sensor: u32) {
         if let Some(free) = self.slots.get_mut(self.count as usize) {
             *free = sensor;
         }
@@ -193,12 +192,12 @@ impl Carriers {
 
     /// Removes a sensor track. Of more than the known ones, an unknown one cannot take its place: the name counts as
     /// common until all are gone.
-    fn remove(&mut self, sensor: SensorSlot) {
+    fn remove(&mut self, sensor: u32) {
         let known = self.known();
         let place = self.slots[..known].iter().position(|slot| *slot == sensor);
         if let Some(place) = place {
             self.slots.copy_within(place + 1.., place);
-            self.slots[CARRIERS_MAX - 1] = SensorSlot::MAX;
+            self.slots[CARRIERS_MAX - 1] = u32::MAX;
         }
         self.count = self.count.saturating_sub(1);
     }
@@ -222,7 +221,7 @@ impl NameIndex {
     }
 
     /// Replaces the names of a sensor track.
-    pub(crate) fn replace(&mut self, sensor: SensorSlot, before: [Name; INDEXED], after: [Name; INDEXED]) {
+    pub(crate) fn replace(&mut self, sensor: u32, before: [Name; INDEXED], after: [Name; INDEXED]) {
         for (before, after) in before.into_iter().zip(after) {
             if before == after {
                 continue;
@@ -240,13 +239,13 @@ impl NameIndex {
     }
 
     /// The sensor tracks with a name; `None` if there are more than are known one by one.
-    pub(crate) fn carriers(&self, name: Name) -> Option<&[SensorSlot]> {
+    pub(crate) fn carriers(&self, name: Name) -> Option<&[u32]> {
         match self.carriers.get(&name) {
             None => Some(&[]),
             Some(carriers) if carriers.count as usize > CARRIERS_MAX => None,
             Some(carriers) => {
                 let known = &carriers.slots[..carriers.known()];
-                (!known.contains(&SensorSlot::MAX)).then_some(known)
+                (!known.contains(&u32::MAX)).then_some(known)
             }
         }
     }

@@ -44,6 +44,7 @@ mod changes;
 mod errors;
 mod gauge;
 mod model;
+mod progress;
 mod recent;
 mod rows;
 pub(crate) mod settings;
@@ -57,10 +58,10 @@ use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
+use crate::registration::progress::{SETTLED_MIN, SolutionProgress};
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{NormalMatrix, TIME};
 use crate::registration::significance::PointsVariance;
-use crate::registration::solution::{SETTLED_MIN, SolutionProgress};
 use crate::registration::steps::{FormerErrors, Seed, StepSearch};
 
 pub use crate::registration::errors::SourceErrors;

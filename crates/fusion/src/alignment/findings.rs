@@ -8,6 +8,8 @@ use kept::kept;
 use messages::BiasKind;
 use serde::{Deserialize, Serialize};
 
+/// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
+pub(super) const GATE: f64 = 20.0;
 /// Collections that must confirm a bias.
 pub(super) const WINDOWS_MIN: u32 = 2;
 /// Hypotheses: the erring source of the two, and the kind of its bias.

@@ -8,8 +8,8 @@
 use messages::{BiasKind, Identity};
 use serde::{Deserialize, Serialize};
 
+use crate::alignment::findings::GATE;
 use crate::alignment::findings::bin;
-use crate::alignment::search::GATE;
 use crate::gross::TrackMotion;
 use crate::settings::IdentitySettings;
 

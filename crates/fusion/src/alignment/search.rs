@@ -23,7 +23,7 @@
 use messages::{BiasKind, Identity, NS_PER_S, SensorTrack, TrackState, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
-use crate::alignment::findings::{BiasEstimate, HYPOTHESES, PairFindings, Side, WINDOWS_MIN, bin};
+use crate::alignment::findings::{BiasEstimate, GATE, HYPOTHESES, PairFindings, Side, WINDOWS_MIN, bin};
 use crate::alignment::pairing::{DirectedSums, NAMED_SURE, TrackNames, are_near, is_named_bias};
 use crate::alignment::votes::Votes;
 use crate::gross::{Sigma, TrackMotion};
@@ -53,8 +53,6 @@ const VELOCITY_FLOOR_MPS: f64 = 5.0;
 const ACCELERATION_MPS2: f64 = 2.0;
 /// Greatest difference of heights, metres.
 const HEIGHT_GATE_M: f64 = 400.0;
-/// Chi-square with four degrees of freedom beyond which two tracks are not of one target.
-pub(super) const GATE: f64 = 20.0;
 /// Share of fitting tracks at which two sources agree; share of tracks that a bias must explain, and its least
 /// improvement over no bias.
 const AGREES: f64 = 0.6;

@@ -3,13 +3,10 @@
 //! A few sweeps of block Gauss–Seidel solve for the errors of one source after the other, with the errors of the others
 //! fixed. Then the models of each source are compared. The estimates change once all of it is complete.
 
-use nalgebra::{Cholesky, Const};
-use serde::{Deserialize, Serialize};
-
-use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, SourceErrors, clock_of, prior_variances};
-use crate::registration::model::BiasModel;
+use crate::registration::errors::{ClockError, PRIOR_SIGMA, SAMPLES_MIN, clock_of, prior_variances};
+use crate::registration::progress::SETTLED_MIN;
 use crate::registration::recent::SOLUTIONS_MIN;
-use crate::registration::rows::{ERRORS, Errors, NormalMatrix, TIME};
+use crate::registration::rows::{Errors, NormalMatrix, TIME};
 use crate::registration::{Registration, SAMPLE_WEIGHT, gauge, partners};
 
 /// Sweeps of Gauss–Seidel per tick.
@@ -21,36 +18,11 @@ const FACTOR_WORK: usize = 16;
 const SOLVE_WORK: usize = 4;
 /// Work of comparing the models of a source, likewise.
 const SELECT_WORK: usize = 64;
-/// Samples of a source before other sources' models are judged by comparison with it.
-pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
 /// Time after which a further comparison of one target counts as independent in the evidence for a model, seconds: its
 /// points and the errors of its trackers persist.
 const INDEPENDENT_S: f64 = 5.0;
 /// Share of contradicting differences at which the estimate is dropped.
 const CONTRADICTED: f64 = 0.75;
-
-/// A solution in progress.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct SolutionProgress {
-    /// Next sweep and source; `None` if no solution is in progress.
-    next: Option<(usize, usize)>,
-    sources: Vec<SourceErrors>,
-    /// Factored normal equations of each source, set in the first sweep.
-    factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
-    /// Change of a model that raises the evidence most, and by how much.
-    best: Option<(f64, usize, BiasModel)>,
-}
-
-impl SolutionProgress {
-    pub(super) fn new(sources: usize) -> Self {
-        Self {
-            next: None,
-            sources: vec![SourceErrors::unknown(); sources],
-            factors: vec![None; sources],
-            best: None,
-        }
-    }
-}
 
 impl Registration {
     /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of

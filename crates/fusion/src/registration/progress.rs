@@ -1,0 +1,34 @@
+//! State of a solution of all sources' errors that proceeds in steps.
+
+use nalgebra::{Cholesky, Const};
+use serde::{Deserialize, Serialize};
+
+use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
+use crate::registration::model::BiasModel;
+use crate::registration::rows::ERRORS;
+
+/// Samples of a source before other sources' models are judged by comparison with it.
+pub(super) const SETTLED_MIN: f64 = 2.0 * SAMPLES_MIN;
+
+/// A solution in progress.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct SolutionProgress {
+    /// Next sweep and source; `None` if no solution is in progress.
+    pub(super) next: Option<(usize, usize)>,
+    pub(super) sources: Vec<SourceErrors>,
+    /// Factored normal equations of each source, set in the first sweep.
+    pub(super) factors: Vec<Option<Cholesky<f64, Const<ERRORS>>>>,
+    /// Change of a model that raises the evidence most, and by how much.
+    pub(super) best: Option<(f64, usize, BiasModel)>,
+}
+
+impl SolutionProgress {
+    pub(super) fn new(sources: usize) -> Self {
+        Self {
+            next: None,
+            sources: vec![SourceErrors::unknown(); sources],
+            factors: vec![None; sources],
+            best: None,
+        }
+    }
+}
