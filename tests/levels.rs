@@ -81,7 +81,7 @@ fn the_level_of_every_state_is_the_transponders_out_to_160_miles() {
         let [Some(time_s), Some(x), Some(y), geometric, shown] = places.map(value) else {
             panic!("{row:?}");
         };
-        if row[of_state] == "terminated" || row[of_state] == "coasted" {
+        if ["terminated", "suspended", "coasted"].contains(&row[of_state]) {
             continue;
         }
         let told = stated[row[of_address]].iter().rev();

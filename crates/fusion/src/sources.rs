@@ -499,7 +499,7 @@ impl Sources {
             if sees_points {
                 self.registration.pass_over_innovations();
             }
-            self.registration.begin(&mut restarted);
+            self.registration.begin(0.5 * largest_m, &mut restarted);
             self.credibility.pass_over(self.registration.with_known_steps());
             self.before_step.look(&self.models, &mut self.manoeuvres);
             if self.registration.takes_step() {

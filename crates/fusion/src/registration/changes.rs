@@ -8,7 +8,7 @@
 use crate::registration::errors::{SAMPLES_MIN, SourceErrors};
 use crate::registration::recent::{Recent, SOLUTIONS_MIN, step_limit};
 use crate::registration::rows::{AZIMUTH, RANGE};
-use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, YOUNG_TICKS};
+use crate::registration::steps::{FormerErrors, MISLED_TICKS, Seed, Step, YOUNG_TICKS};
 use crate::registration::{EMPTY, Registration, TARGETS_MIN, partners};
 
 /// Samples for which the innovations count that showed a step.
@@ -97,8 +97,8 @@ impl Registration {
         self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
     }
 
-    /// Starts the estimate of a source anew if its innovations show a step.
-    pub(super) fn look_for_step(&mut self, restarted: &mut impl FnMut(u16)) {
+    /// Starts the estimate of a source anew if its innovations show a step of `least_m` metres or more.
+    pub(super) fn look_for_step(&mut self, least_m: f64, restarted: &mut impl FnMut(u16)) {
         let is_sought = |own: usize| {
             self.reference != Some(own as u16)
                 && self.sources[own].samples >= SAMPLES_MIN
@@ -106,7 +106,9 @@ impl Registration {
                 && self.young[own] == 0
         };
         let step = self.steps.look(is_sought);
-        let Some(step) = step.filter(|_| self.targets >= TARGETS_MIN as f64) else {
+        // What is smaller may be a detection point of a large target that has just appeared.
+        let is_step = |step: &Step| self.targets >= TARGETS_MIN as f64 && step.effect_m >= least_m;
+        let Some(step) = step.filter(is_step) else {
             return;
         };
         let own = step.source;

@@ -102,6 +102,13 @@ impl Sums {
         ((self.squares - explained) / (2.0 * self.count - 2.0)).max(1.0)
     }
 
+    /// Returns the effect of an offset and a rotation on the observed targets, root mean square, metres.
+    fn effect_m(&self, by: &Vector3) -> f64 {
+        let ([xx, xy, yy], [xa, ya]) = (self.information, self.mixed);
+        let normal = Matrix3::new(xx, xy, xa, xy, yy, ya, xa, ya, self.rotation);
+        (by.dot(&(normal * by)) / (0.5 * (xx + yy))).sqrt()
+    }
+
     /// Returns the step of offset and rotation relative to the mean of the others, and its covariance.
     fn turned(&self, others_m: [f64; 2], others_m2: Symmetric2) -> Option<(Vector3, Matrix3)> {
         let ([xx, xy, yy], [xa, ya]) = (self.information, self.mixed);
@@ -136,6 +143,8 @@ pub(crate) struct Step {
     turns: bool,
     /// Squared statistical length.
     length: f64,
+    /// Effect on the observed targets, root mean square, metres.
+    pub(crate) effect_m: f64,
 }
 
 /// What is known of a source that changed from the step itself.
@@ -381,6 +390,7 @@ impl StepSearch {
                     covariance: Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0),
                     turns: false,
                     length,
+                    effect_m: by_m[0].hypot(by_m[1]),
                 });
             }
             let Some((by, covariance)) = own.turned(others_m, others_m2) else {
@@ -395,6 +405,7 @@ impl StepSearch {
                     covariance,
                     turns: true,
                     length,
+                    effect_m: own.effect_m(&by),
                 });
             }
         }

@@ -129,6 +129,7 @@ fn the_former_estimate_is_taken_up_again_only_where_it_explains_the_step() {
         covariance: Matrix3::from_diagonal(&Vector3::new(100.0, 100.0, 0.0)),
         turns: false,
         length: 100.0,
+        effect_m: east_m.abs(),
     };
     let before = known([150.0, 0.0], BiasModel::OFFSET);
     let former = FormerErrors::of(&known([4.0, -3.0], BiasModel::OFFSET));
