@@ -413,7 +413,7 @@ impl Sources {
             self.registration.add_innovation(
                 source,
                 (innovation.residual_m, innovation.covariance_m2),
-                [target_m[0], target_m[1]],
+                (system, [target_m[0], target_m[1]]),
             );
         }
         if settings.consistency && squared.is_finite() && !self.registration.has_misled_filters() {
@@ -499,7 +499,7 @@ impl Sources {
             if sees_points {
                 self.registration.pass_over_innovations();
             }
-            self.registration.begin(0.5 * largest_m, &mut restarted);
+            self.registration.begin(largest_m, &mut restarted);
             self.credibility.pass_over(self.registration.with_known_steps());
             self.before_step.look(&self.models, &mut self.manoeuvres);
             if self.registration.takes_step() {

@@ -56,17 +56,17 @@ impl Registration {
         self.recents.fill(Recent::default());
     }
 
-    /// Adds an innovation of a source's report: residual and its covariance, of a target at this
-    /// position east and north.
+    /// Adds an innovation of a source's report: residual and its covariance, of a target with this number and position
+    /// (east, north).
     #[inline]
-    pub(crate) fn add_innovation(&mut self, source: usize, innovation: ([f64; 2], [f64; 3]), position_m: [f64; 2]) {
+    pub(crate) fn add_innovation(&mut self, source: usize, innovation: ([f64; 2], [f64; 3]), target: (u32, [f64; 2])) {
         let (mut residual_m, covariance_m2) = innovation;
         // What is known but not removed is no change.
         let suspected_m = self.suspected_shift(source as u16);
         for (residual, suspected) in residual_m.iter_mut().zip(suspected_m) {
             *residual -= suspected;
         }
-        self.steps.add(source, (residual_m, covariance_m2), position_m);
+        self.steps.add(source, (residual_m, covariance_m2), target);
     }
 
     /// Returns whether the errors of a source changed so recently that its tracker's states lag behind.
@@ -97,17 +97,18 @@ impl Registration {
         self.young.iter().any(|young| *young > YOUNG_TICKS - MISLED_TICKS)
     }
 
-    /// Starts the estimate of a source anew if its innovations show a step of `least_m` metres or more.
-    pub(super) fn look_for_step(&mut self, least_m: f64, restarted: &mut impl FnMut(u16)) {
+    /// Starts the estimate of a source anew if its innovations show a step of half a large target, of `largest_m`
+    /// metres, or more.
+    pub(super) fn look_for_step(&mut self, largest_m: f64, restarted: &mut impl FnMut(u16)) {
         let is_sought = |own: usize| {
             self.reference != Some(own as u16)
                 && self.sources[own].samples >= SAMPLES_MIN
                 && self.solutions[own] >= SOLUTIONS_MIN
                 && self.young[own] == 0
         };
-        let step = self.steps.look(is_sought);
+        let step = self.steps.look(0.25 * largest_m * largest_m, is_sought);
         // What is smaller may be a detection point of a large target that has just appeared.
-        let is_step = |step: &Step| self.targets >= TARGETS_MIN as f64 && step.effect_m >= least_m;
+        let is_step = |step: &Step| self.targets >= TARGETS_MIN as f64 && step.effect_m >= 0.5 * largest_m;
         let Some(step) = step.filter(is_step) else {
             return;
         };

@@ -26,9 +26,9 @@ const CONTRADICTED: f64 = 0.75;
 
 impl Registration {
     /// Begins a solution for all sources, once per tick; does nothing while a solution is in progress. The estimate of
-    /// a source whose errors changed by a step of at least `least_step_m` is dropped, and the source is passed to
-    /// `restarted`.
-    pub(crate) fn begin(&mut self, least_step_m: f64, mut restarted: impl FnMut(u16)) {
+    /// a source whose errors changed by a step is dropped, and the source is passed to `restarted`. Large targets have
+    /// a size of `largest_m`.
+    pub(crate) fn begin(&mut self, largest_m: f64, mut restarted: impl FnMut(u16)) {
         if self.is_solving() {
             return;
         }
@@ -47,7 +47,7 @@ impl Registration {
         for (recent, known) in self.recents.iter_mut().zip(&self.sources) {
             recent.look(self.keep_drifting, known.model);
         }
-        self.look_for_step(least_step_m, &mut restarted);
+        self.look_for_step(largest_m, &mut restarted);
         self.forget_after_step(restarted);
         self.solution.sources.copy_from_slice(&self.sources);
         self.solution.best = None;

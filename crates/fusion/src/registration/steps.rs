@@ -73,6 +73,8 @@ struct Sums {
     /// Σ of squared lengths, and number.
     squares: f64,
     count: f64,
+    /// Targets of the innovations, as bits of their numbers.
+    targets: u64,
 }
 
 impl Sums {
@@ -86,6 +88,7 @@ impl Sums {
         self.rotation += sign * other.rotation;
         self.squares += sign * other.squares;
         self.count += sign * other.count;
+        self.targets |= other.targets;
         self
     }
 
@@ -100,6 +103,11 @@ impl Sums {
     fn scatter(&self, [east, north]: [f64; 2]) -> f64 {
         let explained = self.sum[0] * east + self.sum[1] * north;
         ((self.squares - explained) / (2.0 * self.count - 2.0)).max(1.0)
+    }
+
+    /// Returns the share of one target in the sums.
+    fn targets_share(&self) -> f64 {
+        1.0 / f64::from(self.targets.count_ones().max(1))
     }
 
     /// Returns the effect of an offset and a rotation on the observed targets, root mean square, metres.
@@ -287,13 +295,13 @@ impl StepSearch {
         }
     }
 
-    /// Adds an innovation of a source: residual, its covariance, and the position of the target east and north.
+    /// Adds an innovation of a source: residual, its covariance, number and position (east, north) of the target.
     #[inline]
     pub(crate) fn add(
         &mut self,
         source: usize,
         (residual_m, covariance_m2): ([f64; 2], Symmetric2),
-        position_m: [f64; 2],
+        (target, position_m): (u32, [f64; 2]),
     ) {
         let [xx, xy, yy] = inverse(covariance_m2);
         let squared = squared2(residual_m, covariance_m2);
@@ -318,6 +326,7 @@ impl StepSearch {
             ],
             squares: squared.min(SQUARED_MAX),
             count: 1.0,
+            targets: 1 << (target % u64::BITS),
         };
         *sums = sums.plus(&added, 1.0);
     }
@@ -328,9 +337,10 @@ impl StepSearch {
         self.ticks = 0;
     }
 
-    /// Looks for a step once per tick, among the sources that are `sought`.
-    pub(crate) fn look(&mut self, sought: impl Fn(usize) -> bool) -> Option<Step> {
-        let step = self.step(sought);
+    /// Looks for a step once per tick, among the sources that are `sought`. Detection points of one target have a
+    /// variance of up to `points_m2` per axis.
+    pub(crate) fn look(&mut self, points_m2: f64, sought: impl Fn(usize) -> bool) -> Option<Step> {
+        let step = self.step(points_m2, sought);
         self.ticks += 1;
         if self.ticks >= INTERVAL_TICKS {
             self.ticks = 0;
@@ -342,7 +352,7 @@ impl StepSearch {
         step
     }
 
-    fn step(&mut self, sought: impl Fn(usize) -> bool) -> Option<Step> {
+    fn step(&mut self, points_m2: f64, sought: impl Fn(usize) -> bool) -> Option<Step> {
         self.total = [Sums::default(); INTERVALS];
         for sums in &self.sums {
             for (total, sums) in self.total.iter_mut().zip(sums) {
@@ -351,7 +361,7 @@ impl StepSearch {
         }
         let (mut best, mut second): (Option<Step>, f64) = (None, 0.0);
         for source in 0..self.sums.len() {
-            let Some(step) = self.step_of(source) else {
+            let Some(step) = self.step_of(source, points_m2) else {
                 continue;
             };
             if best.is_none_or(|best| step.length > best.length) {
@@ -365,7 +375,7 @@ impl StepSearch {
     }
 
     /// Returns the most likely step of one source.
-    fn step_of(&self, source: usize) -> Option<Step> {
+    fn step_of(&self, source: usize, points_m2: f64) -> Option<Step> {
         let (mut own, mut others) = (Sums::default(), Sums::default());
         let mut best: Option<Step> = None;
         for back in 0..INTERVALS {
@@ -379,7 +389,10 @@ impl StepSearch {
             let ((mean_m, own_m2), (others_m, others_m2)) = (own.mean(), others.mean());
             let by_m = [mean_m[0] - others_m[0], mean_m[1] - others_m[1]];
             let own_m2 = own_m2.map(|value| value * own.scatter(mean_m) / WEIGHT);
-            let others_m2 = others_m2.map(|value| value * others.scatter(others_m) / WEIGHT);
+            let mut others_m2 = others_m2.map(|value| value * others.scatter(others_m) / WEIGHT);
+            // All innovations of one target contain the same point of the target.
+            let points_m2 = points_m2 * (own.targets_share() + others.targets_share());
+            (others_m2[0], others_m2[2]) = (others_m2[0] + points_m2, others_m2[2] + points_m2);
             let covariance_m2: Symmetric2 = std::array::from_fn(|place| own_m2[place] + others_m2[place]);
             let length = squared2(by_m, covariance_m2);
             if length.is_finite() && best.is_none_or(|best| length > best.length) {

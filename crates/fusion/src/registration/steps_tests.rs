@@ -31,10 +31,11 @@ impl Innovations {
                     let error_m = error_m(source, position_m, &mut self.random);
                     let residual_m = error_m.map(|error| error + SIGMA_M * self.normal());
                     let covariance_m2 = [SIGMA_M * SIGMA_M, 0.0, SIGMA_M * SIGMA_M];
-                    self.search.add(source, (residual_m, covariance_m2), position_m);
+                    self.search
+                        .add(source, (residual_m, covariance_m2), (target, position_m));
                 }
             }
-            self.search.look(|_| true)
+            self.search.look(0.0, |_| true)
         })
     }
 
