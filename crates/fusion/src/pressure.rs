@@ -95,8 +95,8 @@ impl PressureOffsets {
     /// Learns from a report at `position_m` (system frame) with a pressure altitude `difference_m` above its geometric
     /// height.
     pub(crate) fn learn(&mut self, position_m: [f64; 3], difference_m: f64) {
-        // Written so that NaN is left out.
-        if !(difference_m.abs() <= DIFFERENCE_MAX_M) {
+        // NaN is in no range.
+        if !(-DIFFERENCE_MAX_M..=DIFFERENCE_MAX_M).contains(&difference_m) {
             return;
         }
         let key = Self::key(position_m);
