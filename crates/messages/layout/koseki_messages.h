@@ -622,7 +622,7 @@ typedef struct KosekiSystemTrack {
     float existence; /* Probability that the target exists, in (0, 1]; 0: not estimated. */
     float altitude_m; /* Altitude above mean sea level by `qnh_hpa`, metres, of a target below the transition level. */
     float qnh_hpa; /* Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts. */
-    float pressure_offset_m; /* Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned */
+    float pressure_offset_m; /* Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as */
     float pressure_offset_sigma_m; /* Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown. */
     float climb_rate_mps; /* Rate of climb by the vertical filter, metres per second. */
     float climb_rate_variance; /* Variance of `climb_rate_mps`, square metres per square second; 0: unknown. */

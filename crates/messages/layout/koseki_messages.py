@@ -746,7 +746,7 @@ class SystemTrack(ctypes.Structure):
         ("existence", ctypes.c_float),  # Probability that the target exists, in (0, 1]; 0: not estimated.
         ("altitude_m", ctypes.c_float),  # Altitude above mean sea level by `qnh_hpa`, metres, of a target below the transition level.
         ("qnh_hpa", ctypes.c_float),  # Pressure at mean sea level in the target's region, hPa; 0: no altitude, the flight level counts.
-        ("pressure_offset_m", ctypes.c_float),  # Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as learned
+        ("pressure_offset_m", ctypes.c_float),  # Height by pressure minus height above the ellipsoid in the region and layer of the target, metres, as
         ("pressure_offset_sigma_m", ctypes.c_float),  # Standard deviation of `pressure_offset_m` for one aircraft, metres; 0: unknown.
         ("climb_rate_mps", ctypes.c_float),  # Rate of climb by the vertical filter, metres per second.
         ("climb_rate_variance", ctypes.c_float),  # Variance of `climb_rate_mps`, square metres per square second; 0: unknown.
