@@ -4,8 +4,9 @@
 //! collects the inputs, and the times of the published states. Once the recording has ended,
 //! [`Trajectories::smooth`] gives the state of each track at each of these times:
 //!
-//! 1. The errors of the sources are taken off as the reports around each time show them ([`errors_over_time`]), not as
-//!    they were known at the time. The sizes of covariances and how targets manoeuvre are those known at the end.
+//! 1. The errors of the sources are taken off as the reports around each time show them (module `errors_over_time`),
+//!    not as they were known at the time. The sizes of covariances and how targets manoeuvre are those known at the
+//!    end.
 //! 2. The measurements are brought into the order of their times. Late ones thus count like those in time. Where a late
 //!    report changes what the one after it shows, that one is replaced.
 //! 3. How straight targets fly, and for how long, is assumed as it makes the measurements the likeliest (module
