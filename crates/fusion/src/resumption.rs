@@ -20,13 +20,16 @@ use messages::{
     Counter, Covariance, Decision, DecisionKind, Identity, NO_SOURCE, NS_PER_S, SensorTrack, TrackState,
     sensor_track_bits,
 };
+use nalgebra::Matrix4;
 
 use crate::association_step::{SEARCH_CELLS_MAX, Search};
 use crate::engine::Engine;
 use crate::explanation::Sink;
+use crate::identity;
 use crate::life;
 use crate::measurement::gaussian_of;
 use crate::sensor_tracks::SensorSlot;
+use crate::settings::IdentitySettings;
 use crate::system_tracks::{Bond, SystemEntry, SystemSlot};
 
 /// Density of new targets: one in a square of 20 km, with any velocity up to 250 m/s, in 1/(m² · (m/s)²).
@@ -48,8 +51,6 @@ const CLIMB_MPS: f64 = 15.0;
 const VELOCITY_FLOOR_M2PS2: f64 = 25.0;
 /// Half-width of the search for other targets that came up where a former one would be, metres.
 const RIVALS_M: f64 = 5e3;
-/// Mode 3/A codes that many targets have, and those of emergencies.
-const COMMON_CODES: [u16; 8] = [0o0000, 0o1000, 0o1200, 0o2000, 0o7000, 0o7500, 0o7600, 0o7700];
 
 impl Search<'_> {
     /// Logarithm of the likelihood ratio that a sensor track is the target of the suspended `system`, which had a
@@ -135,7 +136,8 @@ impl Search<'_> {
         let entry = self.tracks.systems.get(silent);
         let silence_s = ((newcomer.time_ns - entry.last_report_ns) as f64 / NS_PER_S).max(0.0);
         let uses_identity = self.settings.association.use_identity;
-        if uses_identity && newcomer.identity.contradicts(&entry.identity) {
+        let exponents = &self.settings.association.exponents;
+        if uses_identity && identity::contradict(newcomer.identity, &entry.identity, exponents) {
             return None;
         }
         let state = entry.filter.at(newcomer.time_ns, self.sources.motion_of(&entry.filter));
@@ -147,7 +149,7 @@ impl Search<'_> {
             return None;
         }
         let known = if uses_identity {
-            equal_identity(newcomer.identity, &entry.identity)
+            equal_identity(newcomer.identity, &entry.identity, &self.settings.identity)
         } else {
             0.0
         };
@@ -171,13 +173,13 @@ struct Newcomer<'a> {
 }
 
 /// Logarithm of the likelihood ratio that equal codes or call signs give.
-fn equal_identity(one: &Identity, other: &Identity) -> f64 {
+fn equal_identity(one: &Identity, other: &Identity, settings: &IdentitySettings) -> f64 {
     let callsign = one
         .callsign()
         .is_some_and(|callsign| other.callsign() == Some(callsign));
     let code = one
         .mode_3a()
-        .is_some_and(|code| other.mode_3a() == Some(code) && !COMMON_CODES.contains(&code));
+        .is_some_and(|code| other.mode_3a() == Some(code) && !settings.is_shared(code));
     match (callsign, code) {
         (true, _) => EQUAL_CALLSIGN,
         (false, true) => EQUAL_CODE,
@@ -199,20 +201,8 @@ fn log_density(one: &Gaussian, other: &Gaussian, [position_m2, velocity_m2ps2]: 
         let (row, column) = (components[row], components[column]);
         wider.covariance.get(row, column) + other.covariance.get(row, column)
     };
-    // Pivots of Gauss's elimination: their product is the determinant.
-    let mut left: [[f64; 4]; 4] = std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)));
-    let mut log_determinant = 0.0;
-    for pivot in 0..4 {
-        let row = left[pivot];
-        log_determinant += row[pivot].ln();
-        for below in &mut left[pivot + 1..] {
-            let factor = below[pivot] / row[pivot];
-            for (value, above) in below.iter_mut().zip(row) {
-                *value -= factor * above;
-            }
-        }
-    }
-    -0.5 * (d2 + log_determinant) - 2.0 * std::f64::consts::TAU.ln()
+    let determinant = Matrix4::from_fn(sum).determinant();
+    -0.5 * (d2 + determinant.ln()) - 2.0 * std::f64::consts::TAU.ln()
 }
 
 impl Engine {

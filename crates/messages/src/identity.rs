@@ -205,6 +205,9 @@ impl fmt::Display for Identity {
     }
 }
 
+/// Mode 3/A codes that many aircraft show at the same time (ICAO EUR Doc 023, and their equals in North America).
+pub const CONSPICUITY_CODES: [u16; 5] = [0o0000, 0o1000, 0o1200, 0o2000, 0o7000];
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -61,7 +61,7 @@ pub use decision::{Decision, DecisionKind};
 pub use extent::Extent;
 pub use frame_origin::FrameOrigin;
 pub use health::{Health, HealthName, LifeState, NO_SOURCE};
-pub use identity::{Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, identity_bits};
+pub use identity::{CONSPICUITY_CODES, Callsign, Identity, IdentityAges, IdentityKind, NAME_MAX, identity_bits};
 pub use level::{LEVEL_STEP_M, altitude_m, level_of};
 pub use movement::{HorizontalMovement, LongitudinalMovement, Movement, VerticalMovement, movement_bits};
 pub use order::{NO_TRACK, ORDER_TEXT_MAX, ORDER_WORDS, Order, OrderState, OrderStatus, Refusal};

@@ -48,7 +48,7 @@
 //! levels); EUROCONTROL standard SUR.ET1.ST01.1000-STD-01-01 for the probabilities of false codes that a radar may
 //! have.
 
-use messages::{Identity, IdentityAges, LEVEL_STEP_M, NS_PER_S};
+use messages::{CONSPICUITY_CODES, Identity, IdentityAges, LEVEL_STEP_M, NS_PER_S};
 use observations::TransponderReply;
 
 /// How much larger a gate is for a detection that names the target.
@@ -362,9 +362,9 @@ fn age_ms(time_ns: i64, stated_ns: i64) -> u32 {
     (time_ns.saturating_sub(stated_ns) / NS_PER_MS).clamp(0, u32::MAX.into()) as u32
 }
 
-/// Codes that many aircraft show at the same time (ICAO EUR Doc 023, and their equals elsewhere).
+/// Whether many aircraft show a code at the same time.
 fn is_common(code: u64) -> bool {
-    matches!(code, 0 | 0o1000 | 0o1200 | 0o2000 | 0o7000)
+    CONSPICUITY_CODES.iter().any(|common| u64::from(*common) == code)
 }
 
 /// The replies of a scan: which are rare, and where they are.

@@ -84,6 +84,21 @@ fn a_silent_track_is_suspended_once_and_ends_after_the_rest() {
 }
 
 #[test]
+fn a_suspended_track_is_not_refreshed_while_others_live() {
+    let mut settings = test_settings(2);
+    settings.refresh_s = Some(Seconds::of(1.0));
+    let mut harness = Harness::new(settings);
+    fly(&mut harness, 1, (0, 10), NORTH);
+    fly(&mut harness, 2, (10, 60), ([50e3, 0.0], [0.0, 200.0]));
+    let states = |number: u32, wanted: TrackState| {
+        let of_track = harness.published.iter().filter(|track| track.track_number == number);
+        of_track.filter(|track| state(track) == Some(wanted)).count()
+    };
+    assert_eq!(states(1, TrackState::Suspended), 1);
+    assert!(states(2, TrackState::Confirmed) > 40, "the other one is");
+}
+
+#[test]
 fn without_a_rest_the_number_ends_with_the_track() {
     let mut settings = test_settings(2);
     settings.numbers.rest_s = Seconds::default();

@@ -1,5 +1,7 @@
 //! Settings of identity as evidence (TI-3, QF-2).
 
+use messages::CONSPICUITY_CODES;
+
 settings::settings! {
     /// Identity as evidence for one target (TI-3).
     pub struct IdentitySettings {
@@ -61,10 +63,8 @@ pub struct CodePattern {
 impl CodePattern {
     /// Conspicuity codes of Europe and of North America, and the codes of emergencies.
     fn usual() -> Vec<Self> {
-        let of = |code| Self { code, mask: 0o7777 };
-        [0o0000, 0o1000, 0o1200, 0o2000, 0o7000, 0o7500, 0o7600, 0o7700]
-            .map(of)
-            .to_vec()
+        let codes = CONSPICUITY_CODES.into_iter().chain([0o7500, 0o7600, 0o7700]);
+        codes.map(|code| Self { code, mask: 0o7777 }).collect()
     }
 
     /// Whether a code is one of these.

@@ -92,7 +92,11 @@ impl LagSmoother {
             track.waiting.push_back(*state);
             track.latest = Some((time_ns, state.state));
         }
-        if state.state == TrackState::Terminated as u8 {
+        // A suspended track has no states to come, and its filter begins anew if it goes on.
+        if matches!(
+            TrackState::from_code(state.state),
+            Some(TrackState::Suspended | TrackState::Terminated)
+        ) {
             track.smooth(i64::MAX, out);
             self.tracks.remove(&state.track_number);
             return;

@@ -183,8 +183,8 @@ fn states_without_a_refresh_time_are_thinned_and_a_longer_lag_gives_smaller_erro
     assert!((0.4..1.6).contains(&long[3]), "{long:?}");
 }
 
-#[test]
-fn a_track_that_ends_leaves_at_once() {
+/// The states that leave when a track changes to this state.
+fn left_by(life: TrackState) -> Vec<SystemTrack> {
     let events = emitted(every_second(), 5);
     let mut smoother = LagSmoother::new(5_000_000_000);
     let mut last = None;
@@ -201,10 +201,17 @@ fn a_track_that_ends_leaves_at_once() {
     }
     let mut ended = last.unwrap();
     ended.reference_time_ns += 1_000_000_000;
-    ended.state = TrackState::Terminated as u8;
+    ended.state = life as u8;
     let mut of_track = Vec::new();
     smoother.state(&ended, |state| of_track.push(*state));
     assert!(left > 0 && of_track.len() > 4, "{left} {}", of_track.len());
     assert!(of_track.iter().all(|state| state.track_number == ended.track_number));
-    assert_eq!(of_track.last().unwrap().state, TrackState::Terminated as u8);
+    of_track
+}
+
+#[test]
+fn a_track_that_ends_or_rests_leaves_at_once() {
+    for life in [TrackState::Suspended, TrackState::Terminated] {
+        assert_eq!(left_by(life).last().unwrap().state, life as u8);
+    }
 }
