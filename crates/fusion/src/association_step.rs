@@ -40,6 +40,10 @@ const HEIGHT_FLOOR_M2: f64 = 900.0;
 /// for joins, because waiting costs less than a wrong join.
 const DOUBTED_SPREAD_M2: f64 = 15.0 * 15.0;
 
+/// Part of the speed by which two velocities of a target differ at most, apart from noise, where one of its sources
+/// turns positions about its sensor: about 3°.
+const TURNED: f64 = 0.05;
+
 /// A search for the system tracks that fit.
 pub(crate) struct Search<'a> {
     pub(crate) settings: &'a Settings,
@@ -144,6 +148,41 @@ impl Search<'_> {
                 TrackState::Confirmed | TrackState::Coasted
             );
         });
+        is_shown
+    }
+
+    /// Whether a target that is shown already may be that of the system track `own`, all of whose sources place
+    /// their targets elsewhere than other sources do: a track of other sources within `identity.reach_m` with like
+    /// velocity, while the error of the sources is not corrected.
+    pub(crate) fn is_shown_elsewhere(&self, own: SystemSlot, now_ns: i64) -> bool {
+        let sources = self.tracks.sources_of(own, now_ns);
+        let is_doubtful = |source: u16| self.sources.alignment.is_doubtful(source);
+        if !(0..u64::BITS as u16)
+            .filter(|source| sources & (1 << source) != 0)
+            .all(is_doubtful)
+        {
+            return false;
+        }
+        let entry = self.tracks.systems.get(own);
+        let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
+        let reach_m = self.settings.identity.reach_m;
+        let mut is_shown = false;
+        let [x, y, _] = state.position_m();
+        self.tracks
+            .systems
+            .grid
+            .near(x, y, reach_m, SEARCH_CELLS_MAX, |system| {
+                let other = self.tracks.systems.get(system);
+                is_shown |= system != own
+                    && matches!(other.life, TrackState::Confirmed | TrackState::Coasted)
+                    && self.tracks.sources_of(system, now_ns) & sources == 0
+                    && {
+                        let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
+                        let heights = entry.filter.has_height && other.filter.has_height;
+                        move_alike(&state, &theirs)
+                            && !(heights && height_distance(&state, &theirs) > self.settings.association.join_gate())
+                    };
+            });
         is_shown
     }
 
@@ -314,6 +353,16 @@ impl Search<'_> {
                     .all(|member| z <= ceiling(self.tracks.sensors.get(member).source))
             })
     }
+}
+
+/// Whether two velocities may be of one target, of which one source turns positions about its sensor.
+fn move_alike(a: &Gaussian, b: &Gaussian) -> bool {
+    const SIGMAS: f64 = 3.0;
+    let variance = (3..5)
+        .map(|axis| a.covariance.get(axis, axis) + b.covariance.get(axis, axis))
+        .sum::<f64>();
+    let apart_mps = (a.mean[3] - b.mean[3]).hypot(a.mean[4] - b.mean[4]);
+    apart_mps <= SIGMAS * (variance + VELOCITY_FLOOR_M2PS2).sqrt() + TURNED * a.mean[3].hypot(a.mean[4])
 }
 
 /// d² of two heights.

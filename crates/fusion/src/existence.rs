@@ -17,9 +17,11 @@
 //! so far that the silence of the other sources, and persistence, count as well.
 //!
 //! While a shown target may be the same target, seen by other sources at another point, a second track waits: the
-//! sources are not silent then. A confirmed track stays confirmed until its sources *report* that they no longer
-//! detect the target: each miss since the last report of any source adds ln(1 − its probability of detection). The
-//! probability of existence that follows from L and the misses is published.
+//! sources are not silent then. The same holds where a source disagrees with two others that agree with each other
+//! (module `alignment`): its tracks are not shown beside tracks of other sources with like velocity within
+//! `identity.reach_m`, as long as its bias is not removed. A confirmed track stays confirmed until its sources *report*
+//! that they no longer detect the target: each miss since the last report of any source adds ln(1 − its probability of
+//! detection). The probability of existence that follows from L and the misses is published.
 //!
 //! Source: D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data association*, IEEE Transactions on
 //! Automatic Control 39 (1994), for the recursion of existence.

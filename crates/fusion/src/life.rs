@@ -369,10 +369,9 @@ fn may_be_another(
         tracks,
         sources,
     };
-    (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S
-        && entry.identity.unique_number().is_none()
-        && !entry.is_foreign
-        && search.is_shown_already(system, now_ns)
+    let is_patient = (now_ns - entry.first_seen_ns) as f64 <= patience_s * NS_PER_S;
+    let is_nameless = entry.identity.unique_number().is_none() && !entry.is_foreign;
+    is_nameless && (is_patient && search.is_shown_already(system, now_ns) || search.is_shown_elsewhere(system, now_ns))
 }
 
 /// Lets a system track with a due deadline coast, rest or terminate. Returns the next deadline; `None` after

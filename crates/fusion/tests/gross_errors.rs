@@ -4,7 +4,7 @@
 use ::settings::Degrees;
 use fusion::settings::{AccuracyTable, CorrectionTable, Settings, SourceSettings, Weighing};
 use fusion::{Engine, Sink};
-use messages::{Bias, BiasKind, SensorTrack, SystemTrack, sensor_track_bits};
+use messages::{Bias, BiasKind, SensorTrack, SystemTrack, TrackState, sensor_track_bits};
 use scenario::{ScenarioSettings, SensorIdentity, SensorKind, SensorSettings, SimulatedSensor, Truth};
 use test_support::S;
 
@@ -259,4 +259,41 @@ fn what_is_taken_off_lets_the_tracks_join() {
         let (without, with) = (together(false), together(true));
         assert!(with > 100 && with > 2 * without, "{:?} {without} {with}", case.kind);
     }
+}
+
+#[test]
+fn targets_of_a_radar_that_is_off_are_not_shown_twice() {
+    let case = Case {
+        kind: BiasKind::Azimuth,
+        value: 2.0 * std::f64::consts::PI / 180.0,
+    };
+    let reports = reports(52, 3, 240.0, Some(case));
+    let end_ns = reports.last().unwrap().0;
+    let [mut alone, mut shown] = [(); 2].map(|()| std::collections::BTreeSet::new());
+    let mut settings = settings(3, false);
+    // Claims of the radar alone are believed soon.
+    settings.existence.persistence = 1.0;
+    run(settings, &reports, &mut |track: &SystemTrack| {
+        let is_shown = [TrackState::Confirmed, TrackState::Coasted]
+            .map(|state| state as u8)
+            .contains(&track.state);
+        if is_shown && track.reference_time_ns > end_ns - 60 * S {
+            let all_erring = track
+                .contributions()
+                .iter()
+                .all(|contribution| usize::from(contribution.source) == ERRING);
+            let set = if all_erring && !track.contributions().is_empty() {
+                &mut alone
+            } else {
+                &mut shown
+            };
+            set.insert(track.track_number);
+        }
+    });
+    assert!(
+        shown.len() >= 20 && alone.len() <= 2,
+        "{} beside {}",
+        alone.len(),
+        shown.len()
+    );
 }

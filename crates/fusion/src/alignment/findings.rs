@@ -46,6 +46,7 @@ kept!(BiasEstimate {
 kept!(PairFindings {
     estimates: [BiasEstimate; HYPOTHESES.len()],
     agree: bool,
+    disagree: bool,
     addresses: u32
 });
 
@@ -66,6 +67,8 @@ pub(crate) struct PairFindings {
     pub(super) estimates: [BiasEstimate; HYPOTHESES.len()],
     /// Whether the two sources agree without a bias.
     pub(super) agree: bool,
+    /// Whether few of their tracks fit without a bias.
+    pub(super) disagree: bool,
     /// Pairs of tracks with the same address that fit with the bias.
     pub(super) addresses: u32,
 }

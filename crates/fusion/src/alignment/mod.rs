@@ -67,6 +67,12 @@ impl Alignment {
         self.removal.of(usize::from(source)).0
     }
 
+    /// Whether the tracks of a source fit those of two other sources badly, which fit each other well: until that is
+    /// corrected, each of its tracks may be a target that the others show elsewhere.
+    pub(crate) fn is_doubtful(&self, source: u16) -> bool {
+        self.search.is_doubtful(usize::from(source))
+    }
+
     /// Epoch of a source's correction: tracks of an earlier epoch are not comparable with its reports.
     pub(crate) fn epoch_of(&self, source: u16) -> u8 {
         self.removal.epoch_of(usize::from(source))

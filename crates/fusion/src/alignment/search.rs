@@ -53,9 +53,10 @@ const VELOCITY_FLOOR_MPS: f64 = 5.0;
 const ACCELERATION_MPS2: f64 = 2.0;
 /// Greatest difference of heights, metres.
 const HEIGHT_GATE_M: f64 = 400.0;
-/// Share of fitting tracks at which two sources agree; share of tracks that a bias must explain, and its least
-/// improvement over no bias.
+/// Share of fitting tracks at which two sources agree, and below which they disagree; share of tracks that a bias must
+/// explain, and its least improvement over no bias.
 const AGREES: f64 = 0.6;
+const DISAGREES: f64 = 0.3;
 const EXPLAINS: f64 = 0.4;
 const GAINS: f64 = 0.35;
 /// Latest report of a track.
@@ -177,6 +178,16 @@ impl BiasSearch {
 
     pub(super) fn pair_mut(&mut self, place: usize) -> &mut PairFindings {
         &mut self.pairs[place]
+    }
+
+    /// Whether a source disagrees with two others that agree with each other.
+    pub(super) fn is_doubtful(&self, source: usize) -> bool {
+        let count = self.samples.len();
+        let pair = |one: usize, other: usize| &self.pairs[one.min(other) * count + one.max(other)];
+        let disagrees = |other: usize| other != source && pair(source, other).disagree;
+        (0..count)
+            .filter(|one| disagrees(*one))
+            .any(|one| (one + 1..count).any(|other| disagrees(other) && pair(one, other).agree))
     }
 
     /// Continues the search with a valid report; true when all pairs of sources have been compared.
@@ -477,6 +488,7 @@ impl BiasSearch {
         let explained: [bool; HYPOTHESES.len()] = std::array::from_fn(|hypothesis| self.explains(hypothesis, fewer));
         let state = &mut self.pairs[state];
         state.agree = false;
+        state.disagree = self.as_they_are < DISAGREES * fewer;
         state.addresses = self.same_address;
         for (hypothesis, (_, kind)) in HYPOTHESES.iter().enumerate() {
             let (score, value) = (self.scores[hypothesis], self.values[hypothesis]);
