@@ -55,6 +55,14 @@ const OWN_ERRORS: f64 = 0.25;
 /// Mean below which sources have so much of their errors in common that the false tracks of one are the other's too.
 const SHARED_ERRORS: f64 = 0.65;
 
+/// Returns the nearest whole number, of two the one away from 0. `f64::round` is a call where the processor need not
+/// have an instruction for it.
+fn rounded(value: f64) -> i64 {
+    let whole = value as i64;
+    let rest = value - whole as f64;
+    whole.saturating_add(i64::from(rest >= 0.5) - i64::from(rest <= -0.5))
+}
+
 /// Dependence of the sources on each other.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Dependence {
@@ -182,7 +190,7 @@ impl Dependence {
         if count < 2 {
             return;
         }
-        let [x, y, _] = report.position_m.map(|part| (part / SAME_M).round() as i64 as u64);
+        let [x, y, _] = report.position_m.map(|part| rounded(part / SAME_M) as u64);
         let time = (report.time_of_measurement_ns / SAME_NS) as u64;
         let mix = |sum: u64, part: u64| (sum ^ part).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
         let key = mix(mix(mix(0, time), x), y);
@@ -318,6 +326,25 @@ mod tests {
             }
         }
         assert_eq!(dependence.group_of(1), 1);
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_by_the_library() {
+        for value in [
+            0.0,
+            0.5,
+            -0.5,
+            0.49999999999999994,
+            1.5,
+            2.5,
+            -2.5,
+            4503599627370497.5,
+            1e17,
+            -1e300,
+            f64::NAN,
+        ] {
+            assert_eq!(rounded(value), value.round() as i64, "{value}");
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //!
 //! Each difference counts up to three standard deviations, so that a wrong altimeter moves the mean little.
 
+use association::floor;
 use serde::{Deserialize, Serialize};
 
 /// Side of a cell, metres: the pressure at sea level changes by about 1 hPa (8 m) over this distance.
@@ -77,7 +78,8 @@ impl PressureOffsets {
     fn key([x, y, z]: [f64; 3]) -> CellKey {
         let height_m = z + (x * x + y * y) / (2.0 * EARTH_M);
         let layer = (height_m / LAYER_M).clamp(0.0, (LAYERS - 1) as f64);
-        ((x / CELL_M).floor() as i16, (y / CELL_M).floor() as i16, layer as u8)
+        let cell = |value: f64| floor(value / CELL_M).clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+        (cell(x), cell(y), layer as u8)
     }
 
     /// Place of a cell, or of the free one where it would be; `None` if all places of the cell are taken by others.

@@ -156,12 +156,11 @@ impl Sources {
             return None;
         }
         let removed_s = self.clocks[usize::from(report.source)].removed_s;
-        let in_time = (removed_s != 0.0).then(|| SensorTrack {
-            time_of_measurement_ns: report.time_of_measurement_ns - (removed_s * NS_PER_S) as i64,
-            ..*report
-        });
-        let report = in_time.as_ref().unwrap_or(report);
-        let corrected = self.alignment.corrected(report, now_ns).or(in_time);
+        let corrected = if removed_s != 0.0 || self.alignment.corrects(report.source) {
+            Some(self.without_gross_error(report, removed_s, now_ns))
+        } else {
+            None
+        };
         let report = corrected.as_ref().unwrap_or(report);
         let names = settings.association.use_identity.then_some(&settings.identity);
         if let Some(source) = self
@@ -172,6 +171,16 @@ impl Sources {
             self.registration.forget(usize::from(source));
         }
         corrected
+    }
+
+    /// A report without the error of its source's clock, and without the source's gross error.
+    #[cold]
+    fn without_gross_error(&self, report: &SensorTrack, removed_s: f64, now_ns: i64) -> SensorTrack {
+        let mut in_time = *report;
+        if removed_s != 0.0 {
+            in_time.time_of_measurement_ns -= (removed_s * NS_PER_S) as i64;
+        }
+        self.alignment.corrected(&in_time, now_ns).unwrap_or(in_time)
     }
 
     /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all
@@ -296,10 +305,15 @@ impl Sources {
     /// The content of a report whose covariance shows no filter.
     #[inline(never)]
     fn unfiltered_content(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>) -> Content {
-        let mut measurement = Some(as_reported(report));
-        let mut unfiltered = UnfilteredContent::stated(earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence));
+        let evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        let mut content = Content {
+            measurement: Some(as_reported(report)),
+            unfiltered: None,
+        };
+        let measurement = &mut content.measurement;
+        let unfiltered = content.unfiltered.insert(UnfilteredContent::stated(evidence));
         match earlier {
-            Some(earlier) => self.undo_tracker(report, earlier, (&mut measurement, &mut unfiltered)),
+            Some(earlier) => self.undo_tracker(report, earlier, (measurement, unfiltered)),
             None => {
                 unfiltered.covariance = self.models[usize::from(report.source)].first_covariance(&report.covariance);
                 if unfiltered.covariance.is_some() {
@@ -307,11 +321,8 @@ impl Sources {
                 }
             }
         }
-        self.doubt(report, (&mut measurement, &mut unfiltered));
-        Content {
-            measurement,
-            unfiltered: Some(unfiltered),
-        }
+        self.doubt(report, (measurement, unfiltered));
+        content
     }
 
     /// Takes the covariance of a report for as wrong as those of the sources that are known, while the report's own
