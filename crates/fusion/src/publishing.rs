@@ -156,7 +156,9 @@ impl TrackPublisher {
                 list_contributors(message, &settings.sources, tracks.systems.get(system).contributors);
             });
         }
-        let is_usable = self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
+        let has_centres = self.weighed.has_centres();
+        let is_usable =
+            has_centres && self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
         if !settings.border.regions.is_empty() {
             self.find_owner(&settings.border, tracks, system);
         }
@@ -171,7 +173,9 @@ impl TrackPublisher {
         let weighed = Some(&*self.weighed);
         let is_published = out.track(|message| {
             write(message, settings, tracks, system, cause, weighed);
-            list_silent_centres(message, tracks, system);
+            if has_centres {
+                list_silent_centres(message, tracks, system);
+            }
         });
         if !is_published {
             restart(tracks, system);
@@ -200,18 +204,15 @@ impl TrackPublisher {
 
     /// Stores the description of the target by its contributions.
     fn describe(&self, tracks: &mut Tracks, system: SystemSlot) {
-        let members = self.weighed.members().iter();
-        let said = members.map(|member| {
+        let (mut alerts, mut on_ground, mut is_described) = (0, false, false);
+        for member in self.weighed.members() {
             let member = tracks.sensors.get(*member);
-            (member.alerts, member.on_ground, member.is_described)
-        });
-        let (alerts, on_ground, is_described) = said.fold((0, false, false), |all, one| {
-            (all.0 | one.0, all.1 | one.1, all.2 | one.2)
-        });
+            alerts |= member.alerts;
+            on_ground |= member.on_ground;
+            is_described |= member.is_described;
+        }
         let description = if is_described {
-            let weights = self.weighed.shares().iter().map(weight).chain(std::iter::repeat(0.0));
-            let members = self.weighed.members().iter().zip(weights);
-            Description::of(members.map(|(member, weight)| (&tracks.sensors.get(*member).latest, weight)))
+            self.stated_description(tracks)
         } else {
             Description::default()
         };
@@ -219,6 +220,13 @@ impl TrackPublisher {
         entry.alerts = alerts;
         entry.on_ground = on_ground;
         entry.description = description;
+    }
+
+    #[cold]
+    fn stated_description(&self, tracks: &Tracks) -> Description {
+        let weights = self.weighed.shares().iter().map(weight).chain(std::iter::repeat(0.0));
+        let members = self.weighed.members().iter().zip(weights);
+        Description::of(members.map(|(member, weight)| (&tracks.sensors.get(*member).latest, weight)))
     }
 
     /// Sets the state to the estimate of the target's filter, with the additional variance.
@@ -269,6 +277,7 @@ impl TrackPublisher {
 
     /// Joins the state of the local sources, if it `is_usable`, with those of other centres; returns whether there
     /// are any.
+    #[cold]
     fn join_centres(
         &mut self,
         tracks: &mut Tracks,

@@ -173,6 +173,7 @@ pub(crate) fn write(
 }
 
 /// Lists, after the contributions, other centres that tracked the target and are silent now.
+#[cold]
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {
         let centre = tracks.sensors.get(member);

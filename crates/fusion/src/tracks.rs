@@ -237,10 +237,14 @@ impl Tracks {
 
     /// The sensor tracks that contribute to `system` at `now_ns`: the fresh primary ones.
     pub(crate) fn contributing(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
-        self.members(system).filter(move |member| {
-            let entry = self.sensors.get(*member);
-            entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
-        })
+        self.members(system)
+            .filter(move |member| self.contributes(self.sensors.get(*member), now_ns))
+    }
+
+    /// Whether a sensor track contributes to its system track at `now_ns`.
+    #[inline]
+    pub(crate) fn contributes(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
     }
 
     /// Those of them that are no tracks of other centres.

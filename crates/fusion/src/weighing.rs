@@ -35,6 +35,8 @@ pub(crate) struct Weighed {
     len: usize,
     /// All that contribute, also those for which there is no room.
     contributing: u16,
+    /// Whether another centre tracks the target, or has done so.
+    has_centres: bool,
 }
 
 impl Default for Weighed {
@@ -45,6 +47,7 @@ impl Default for Weighed {
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
             contributing: 0,
+            has_centres: false,
         }
     }
 }
@@ -58,6 +61,11 @@ impl Weighed {
     /// Number of all contributing sensor tracks. Of more than can be held those of the first sources are.
     pub(crate) fn contributing(&self) -> u16 {
         self.contributing
+    }
+
+    /// Whether a sensor track of the system track, contributing or not, is a track of another centre.
+    pub(crate) fn has_centres(&self) -> bool {
+        self.has_centres
     }
 
     /// One per member.
@@ -164,7 +172,7 @@ impl Weighed {
 impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        (weighed.len, weighed.contributing) = (0, 0);
+        (weighed.len, weighed.contributing, weighed.has_centres) = (0, 0, false);
         match self.method {
             RuleMethod::Filter => self.gather_shares(system, reference_ns, weighed),
             RuleMethod::Candidates(_) => self.gather_states(system, reference_ns, weighed),
@@ -175,23 +183,35 @@ impl Weigher<'_> {
     /// unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        for member in self.tracks.contributing_here(system, reference_ns) {
-            let source = sensors.get(member).source;
+        let mut sources = [0; CONTRIBUTIONS_MAX];
+        let mut len = 0;
+        let mut next = self.tracks.systems.get(system).members;
+        while let Some(member) = next {
+            let entry = sensors.get(member);
+            next = entry.next.get();
+            if entry.is_foreign {
+                weighed.has_centres = true;
+                continue;
+            }
+            if !self.tracks.contributes(entry, reference_ns) {
+                continue;
+            }
             weighed.contributing += 1;
-            if weighed.len == CONTRIBUTIONS_MAX {
-                if sensors.get(weighed.members[CONTRIBUTIONS_MAX - 1]).source < source {
+            if len == CONTRIBUTIONS_MAX {
+                if sources[CONTRIBUTIONS_MAX - 1] < entry.source {
                     continue;
                 }
-                weighed.len -= 1;
+                len -= 1;
             }
-            let mut place = weighed.len;
-            while place > 0 && sensors.get(weighed.members[place - 1]).source > source {
-                weighed.members[place] = weighed.members[place - 1];
+            let mut place = len;
+            while place > 0 && sources[place - 1] > entry.source {
+                (weighed.members[place], sources[place]) = (weighed.members[place - 1], sources[place - 1]);
                 place -= 1;
             }
-            weighed.members[place] = member;
-            weighed.len += 1;
+            (weighed.members[place], sources[place]) = (member, entry.source);
+            len += 1;
         }
+        weighed.len = len;
         for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
             let entry = sensors.get(*member);
             candidate.source = entry.source;
@@ -213,6 +233,8 @@ impl Weigher<'_> {
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        let is_foreign = |member: SensorSlot| self.tracks.sensors.get(member).is_foreign;
+        weighed.has_centres = self.tracks.members(system).any(is_foreign);
         for member in self.tracks.contributing_here(system, reference_ns) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
