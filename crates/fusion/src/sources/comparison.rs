@@ -1,6 +1,6 @@
 //! Comparison of reports of two sources on one target, from which systematic errors are estimated.
 
-use estimation::{AxisNoise, Matrix3};
+use estimation::AxisNoise;
 use messages::{NS_PER_S, TrackState, sensor_track_bits};
 
 use crate::measurement::Measurement;
@@ -71,18 +71,15 @@ impl Sources {
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
         let mut state = entry.as_reported();
-        let noise = self
-            .manoeuvres
-            .motion(entry.latest.velocity_mps)
-            .turns
-            .density_m2ps3
-            .map(|density| AxisNoise::white(density, seconds));
-        state.advance(seconds, noise);
-        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
+        if seconds != 0.0 {
+            let motion = self.manoeuvres.motion(entry.latest.velocity_mps);
+            let noise = motion.turns.density_m2ps3;
+            state.advance(seconds, noise.map(|density| AxisNoise::white(density, seconds)));
+        }
         TargetView {
             source,
             position_m: state.position_m(),
-            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            covariance_m2: state.position_covariance(),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: place_of(&sources[usize::from(source)]),
