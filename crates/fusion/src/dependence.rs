@@ -198,6 +198,9 @@ impl Dependence {
         let original = (place.0 == key && place.1 != report.source).then_some(place.1);
         *place = (key, report.source);
         let own = usize::from(report.source);
+        if original.is_none() && self.copies[own * count..][..count].iter().all(|copies| *copies == 0.0) {
+            return;
+        }
         for other in 0..count {
             let index = own * count + other;
             let is_copy = original == Some(other as u16);
@@ -240,8 +243,8 @@ impl Dependence {
         let sum =
             |row, column| scales[0] * own.covariance.get(row, column) + scales[1] * other.covariance.get(row, column);
         let sums = [sum(0, 0), sum(0, 1), sum(1, 1)];
-        let moved_m = own.velocity_mps[0].hypot(own.velocity_mps[1]) * COMPARED_EVERY_NS as f64 / NS_PER_S;
-        if moved_m * moved_m < sum(0, 0) + sum(1, 1) {
+        let moved_m = |axis: usize| own.velocity_mps[axis] * COMPARED_EVERY_NS as f64 / NS_PER_S;
+        if moved_m(0) * moved_m(0) + moved_m(1) * moved_m(1) < sum(0, 0) + sum(1, 1) {
             return;
         }
         let index = one * self.groups.len() + another;

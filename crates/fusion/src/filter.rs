@@ -175,6 +175,19 @@ impl TargetFilter {
         State::of_estimate(self.time_ns, &self.estimate, self.has_height)
     }
 
+    /// Writes [`Self::state_at`] where it belongs.
+    #[inline]
+    pub(crate) fn write_state_at(&self, time_ns: i64, motion: &Motion, state: &mut State) {
+        if time_ns == self.time_ns {
+            let estimate = &self.estimate;
+            (state.time_ns, state.has_height) = (time_ns, self.has_height);
+            (state.position_m, state.velocity_mps) = (estimate.position_m(), estimate.velocity_mps());
+            state.covariance = estimate.covariance;
+        } else {
+            *state = self.state_at(time_ns, motion);
+        }
+    }
+
     /// Returns [`Self::at`] in the form of rules and messages.
     #[inline]
     pub(crate) fn state_at(&self, time_ns: i64, motion: &Motion) -> State {
@@ -486,11 +499,11 @@ fn parts_of(estimate: &Gaussian) -> (Plane, Vertical) {
     let ([x, y, z, vx, vy, vz], p) = (estimate.mean, &estimate.covariance.upper);
     let plane = Plane {
         mean: [x, y, vx, vy],
-        covariance: PLANE.map(|place| p[place]),
+        covariance: std::array::from_fn(|element| p[PLANE[element]]),
     };
     let vertical = Vertical {
         mean: [z, vz],
-        covariance: VERTICAL.map(|place| p[place]),
+        covariance: std::array::from_fn(|element| p[VERTICAL[element]]),
     };
     (plane, vertical)
 }

@@ -233,7 +233,7 @@ impl TrackPublisher {
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
         let motion = sources.motion_of(&entry.filter);
-        entry.state = entry.filter.state_at(reference_ns, motion);
+        entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
         for axis in 0..2 {
             let velocity = axis + AXES;
             let variances = &mut entry.state.covariance.upper;

@@ -310,8 +310,8 @@ impl Registration {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
-        let may_be_one = apart_mps(0).hypot(apart_mps(1)) <= VELOCITY_GATE_MPS
-            && apart_m(0).hypot(apart_m(1)) <= ERROR_MAX_SIGMA * PRIOR_SIGMA[0];
+        let may_be_one = is_within([apart_mps(0), apart_mps(1)], VELOCITY_GATE_MPS)
+            && is_within([apart_m(0), apart_m(1)], ERROR_MAX_SIGMA * PRIOR_SIGMA[0]);
         if !may_be_one {
             return;
         }
@@ -359,7 +359,11 @@ impl Registration {
         };
         let rest: [f64; AXES] = std::array::from_fn(|axis| difference[axis] - (by_a[axis] - by_b[axis]));
         let product = |a: &[f64; AXES], b: &[f64; AXES]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let squared = product(&weight.map(|column| product(&column, &rest)), &rest);
+        let [east, north, up] = &weight;
+        let squared = product(
+            &[product(east, &rest), product(north, &rest), product(up, &rest)],
+            &rest,
+        );
         // Before enough samples exist, large errors must pass.
         let settled = self.of(a.source).samples > SAMPLES_MIN && self.of(b.source).samples > SAMPLES_MIN;
         if !squared.is_finite() {
@@ -380,7 +384,10 @@ impl Registration {
         let bound = (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
         let bounded = rest.map(|part| part * bound);
         let negative = |vector: [f64; AXES]| vector.map(|part| -part);
-        let sample = |weight: [[f64; AXES]; AXES]| weight.map(|column| column.map(|value| value * SAMPLE_WEIGHT));
+        let sample = |mut weight: [[f64; AXES]; AXES]| {
+            weight.iter_mut().flatten().for_each(|value| *value *= SAMPLE_WEIGHT);
+            weight
+        };
         let is_solved = |view: &TargetView| {
             self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN && !self.is_young(view.source)
         };
@@ -462,6 +469,11 @@ impl Registration {
         });
         (speeds / weights).max(1.0)
     }
+}
+
+/// Returns whether a vector is no longer than `limit`.
+fn is_within([x, y]: [f64; 2], limit: f64) -> bool {
+    x * x + y * y <= limit * limit
 }
 
 /// Returns the sources in the bit set `bits`, in rising order.

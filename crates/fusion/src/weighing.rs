@@ -37,6 +37,8 @@ pub(crate) struct Weighed {
     contributing: u16,
     /// Whether another centre tracks the target, or has done so.
     has_centres: bool,
+    /// Members with their sources, by which they are being sorted.
+    sorted: [(u16, SensorSlot); CONTRIBUTIONS_MAX],
 }
 
 impl Default for Weighed {
@@ -48,6 +50,7 @@ impl Default for Weighed {
             len: 0,
             contributing: 0,
             has_centres: false,
+            sorted: [(0, 0); CONTRIBUTIONS_MAX],
         }
     }
 }
@@ -183,12 +186,9 @@ impl Weigher<'_> {
     /// unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        let mut sources = [0; CONTRIBUTIONS_MAX];
+        let found = &mut weighed.sorted;
         let mut len = 0;
-        let mut next = self.tracks.systems.get(system).members;
-        while let Some(member) = next {
-            let entry = sensors.get(member);
-            next = entry.next.get();
+        for (member, entry) in self.tracks.member_entries(system) {
             if entry.is_foreign {
                 weighed.has_centres = true;
                 continue;
@@ -198,23 +198,27 @@ impl Weigher<'_> {
             }
             weighed.contributing += 1;
             if len == CONTRIBUTIONS_MAX {
-                if sources[CONTRIBUTIONS_MAX - 1] < entry.source {
+                if found[CONTRIBUTIONS_MAX - 1].0 < entry.source {
                     continue;
                 }
                 len -= 1;
             }
             let mut place = len;
-            while place > 0 && sources[place - 1] > entry.source {
-                (weighed.members[place], sources[place]) = (weighed.members[place - 1], sources[place - 1]);
-                place -= 1;
+            while let Some(before) = place.checked_sub(1)
+                && found[before].0 > entry.source
+            {
+                found[place] = found[before];
+                place = before;
             }
-            (weighed.members[place], sources[place]) = (member, entry.source);
+            found[place] = (entry.source, member);
             len += 1;
         }
         weighed.len = len;
-        for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
+        let places = weighed.members.iter_mut().zip(&mut weighed.candidates);
+        for ((place, candidate), (source, member)) in places.zip(&found[..len]) {
+            *place = *member;
             let entry = sensors.get(*member);
-            candidate.source = entry.source;
+            candidate.source = *source;
             candidate.filter_share = entry.share;
             candidate.lambda = f64::INFINITY;
             if self.settings.accuracy_values() {

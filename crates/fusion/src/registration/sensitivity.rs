@@ -46,7 +46,8 @@ impl Sensitivity {
 
     /// Returns HᵀW; `weight` has the columns of W.
     pub(crate) fn weighted(&self, weight: &[[f64; AXES]; AXES]) -> Weighted {
-        weight.map(|[x, y, z]| {
+        std::array::from_fn(|column| {
+            let [x, y, z] = weight[column];
             [
                 x,
                 y,

@@ -37,16 +37,17 @@ impl Sources {
             return;
         }
         let now_ns = report.time_of_measurement_ns;
-        let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
-        let latest = tracks
-            .contributing_here(system, now_ns)
-            .filter(|member| *member != sensor && confirmed(member))
-            .max_by_key(|member| {
-                let latest = &tracks.sensors.get(*member).latest;
-                let lags = self.registration.is_young(latest.source);
-                (!lags, latest.time_of_measurement_ns, latest.source)
-            });
-        let Some(other) = latest else {
+        let mut latest = None;
+        for (member, other) in tracks.contributing_entries(system, now_ns) {
+            if member == sensor || other.is_foreign || other.latest.state != TrackState::Confirmed as u8 {
+                continue;
+            }
+            let key = (!self.registration.is_young(other.source), other.time_ns, other.source);
+            if latest.is_none_or(|(greatest, _)| key >= greatest) {
+                latest = Some((key, member));
+            }
+        }
+        let Some((_, other)) = latest else {
             return;
         };
         let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
