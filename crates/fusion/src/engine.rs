@@ -319,7 +319,7 @@ impl Engine {
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
         // The state is the only content of a centre's report, and the newest state replaces the previous state.
-        let (mut content, mut correction) = (Content::NONE, Correction::NONE);
+        let (mut content, mut correction) = (Content::none(), Correction::NONE);
         if !is_foreign {
             self.sources.read_content(report, before, repaired, &mut content);
             correction = self.sources.correction_of(&self.settings.sources, report);

@@ -104,6 +104,8 @@ pub(crate) struct FilterInnovation {
     pub(crate) residual_m: [f64; 2],
     /// Covariance of the residual (xx, xy, yy), m².
     pub(crate) covariance_m2: [f64; 3],
+    /// Squared statistical length of the residual.
+    pub(crate) squared: f64,
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,
     pub(crate) fit: Fit,
@@ -431,6 +433,7 @@ impl TargetFilter {
         let mut innovation = FilterInnovation {
             residual_m,
             covariance_m2,
+            squared,
             gain: 0.0,
             fit: Fit::Undecided,
             manoeuvre: None,

@@ -56,12 +56,8 @@ fn is_slow_enough(report: &SensorTrack, limits: &ReportLimits) -> bool {
 
 /// Whether the report's numbers are possible on this planet.
 fn is_possible(report: &SensorTrack) -> bool {
-    // Without their sign, numbers are in the order of their bits, and what is not a number is beyond all. All are looked
-    // at without a branch for each: one beyond the limit sets the highest bit of the sum.
-    let within = |values: &[f64], limit: f64| {
-        let beyond = |value: &f64| limit.to_bits().wrapping_sub(value.abs().to_bits());
-        values.iter().fold(0, |sum, value| sum | beyond(value)) >> (u64::BITS - 1) == 0
-    };
+    // Not a number is within no limit. All are looked at, without a branch for each.
+    let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
     (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
         && within(&report.position_m, POSITION_MAX_M)
         && within(&report.velocity_mps, SPEED_MAX_MPS)

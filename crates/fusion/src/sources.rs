@@ -385,14 +385,15 @@ impl Sources {
         });
     }
 
-    /// Learns from an innovation how true its source's covariances are and where its detection points lie.
+    /// Learns from the innovation of a measurement how true its source's covariances are, unless a step has misled
+    /// filters (`is_misled`), and where its detection points lie.
     pub(crate) fn learn_of_innovation(
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
         sensor: SensorSlot,
-        innovation: &FilterInnovation,
-        measurement: &Measurement,
+        (innovation, measurement): (&FilterInnovation, &Measurement),
+        is_misled: bool,
     ) {
         let entry = tracks.sensors.get_mut(sensor);
         let (source, system) = (usize::from(entry.source), entry.system);
@@ -418,7 +419,7 @@ impl Sources {
                 (system, [target_m[0], target_m[1]]),
             );
         }
-        if settings.consistency && squared.is_finite() && !self.registration.has_misled_filters() {
+        if settings.consistency && squared.is_finite() && !is_misled {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
             let steady = tracks.systems.get(system).filter.steadiness();

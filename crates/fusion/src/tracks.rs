@@ -398,6 +398,10 @@ impl Tracks {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
         let group = self.dependence.group_of(source);
+        if entry.role == Role::Primary && group == source {
+            // No other source of the group comes before the first one.
+            return;
+        }
         let other = self
             .member_entries(system)
             .find(|(member, entry)| {

@@ -37,8 +37,8 @@ pub(crate) struct Weighed {
     contributing: u16,
     /// Whether another centre tracks the target, or has done so.
     has_centres: bool,
-    /// Members with their sources, by which they are being sorted.
-    sorted: [(u16, SensorSlot); CONTRIBUTIONS_MAX],
+    /// Members with their sources, by which they are sorted, then by their order in the list of members.
+    sorted: [(u16, u16, SensorSlot); CONTRIBUTIONS_MAX],
 }
 
 impl Default for Weighed {
@@ -50,7 +50,7 @@ impl Default for Weighed {
             len: 0,
             contributing: 0,
             has_centres: false,
-            sorted: [(0, 0); CONTRIBUTIONS_MAX],
+            sorted: [(0, 0, 0); CONTRIBUTIONS_MAX],
         }
     }
 }
@@ -198,24 +198,20 @@ impl Weigher<'_> {
             }
             weighed.contributing += 1;
             if len == CONTRIBUTIONS_MAX {
+                found.sort_unstable();
                 if found[CONTRIBUTIONS_MAX - 1].0 < entry.source {
                     continue;
                 }
                 len -= 1;
             }
-            let mut place = len;
-            while let Some(before) = place.checked_sub(1)
-                && found[before].0 > entry.source
-            {
-                found[place] = found[before];
-                place = before;
-            }
-            found[place] = (entry.source, member);
+            found[len] = (entry.source, weighed.contributing, member);
             len += 1;
         }
+        let found = &mut found[..len];
+        found.sort_unstable();
         weighed.len = len;
         let places = weighed.members.iter_mut().zip(&mut weighed.candidates);
-        for ((place, candidate), (source, member)) in places.zip(&found[..len]) {
+        for ((place, candidate), (source, _, member)) in places.zip(found) {
             *place = *member;
             let entry = sensors.get(*member);
             candidate.source = *source;
