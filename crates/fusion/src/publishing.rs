@@ -204,21 +204,15 @@ impl TrackPublisher {
 
     /// Stores the description of the target by its contributions.
     fn describe(&self, tracks: &mut Tracks, system: SystemSlot) {
-        let (mut alerts, mut on_ground, mut is_described) = (0, false, false);
-        for member in self.weighed.members() {
-            let member = tracks.sensors.get(*member);
-            alerts |= member.alerts;
-            on_ground |= member.on_ground;
-            is_described |= member.is_described;
-        }
-        let description = if is_described {
+        let stated = self.weighed.stated();
+        let description = if stated.is_described {
             self.stated_description(tracks)
         } else {
             Description::default()
         };
         let entry = tracks.systems.get_mut(system);
-        entry.alerts = alerts;
-        entry.on_ground = on_ground;
+        entry.alerts = stated.alerts;
+        entry.on_ground = stated.on_ground;
         entry.description = description;
     }
 
@@ -312,6 +306,7 @@ impl TrackPublisher {
         centres.sort_unstable_by_key(|(_, candidate)| candidate.source);
         let own = is_usable.then_some(&entry.state);
         let joined = self.weighed.join_centres(own, centres, shares_none);
+        self.weighed.collect_stated(tracks);
         if let Some(state) = joined {
             tracks.systems.get_mut(system).state = state;
         }
