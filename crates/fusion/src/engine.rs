@@ -533,6 +533,7 @@ impl Engine {
     }
 
     /// Counts a scan without detection of an expected target.
+    #[cold]
     fn miss(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         let Some(sensor) = self.tracks.sensors.find(report.source, report.track_number) else {
             return;
@@ -551,6 +552,7 @@ impl Engine {
     }
 
     /// Drops a sensor track that its source has terminated.
+    #[cold]
     fn end_sensor_track(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.drop_sensor_track(sensor);

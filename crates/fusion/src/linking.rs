@@ -83,6 +83,7 @@ impl Linking<'_> {
 
     /// Associates a sensor track without a system track: by an address at once; without an address at the end of its
     /// scan.
+    #[cold]
     fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         if entry.blocked {
@@ -241,6 +242,7 @@ impl Linking<'_> {
     }
 
     /// Removes a sensor track from its system track; its scan, or its address, decides on its new system track.
+    #[cold]
     fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         self.tracks.unlink(sensor);
         self.place(sensor, out)
@@ -313,8 +315,8 @@ impl Linking<'_> {
         (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
-    /// Checks once a second for a duplicate of the system track, to which these sources contribute, as bits; merges into
-    /// the older track after repeated findings.
+    /// Checks once a second for a duplicate of the system track, to which these sources contribute, as bits; merges
+    /// into the older track after repeated findings.
     fn look_for_duplicate<S: Sink>(
         &mut self,
         system: SystemSlot,

@@ -190,6 +190,7 @@ impl TrackPublisher {
     }
 
     /// Decides which centre owns the target.
+    #[cold]
     fn find_owner(&self, settings: &BorderSettings, tracks: &mut Tracks, system: SystemSlot) {
         let entry = tracks.systems.get(system);
         let [east, north, _] = entry.state.position_m;

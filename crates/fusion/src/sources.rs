@@ -553,8 +553,8 @@ fn is_aligned(settings: &Settings, report: &SensorTrack) -> bool {
     settings.registration.enabled && settings.sources.len() >= 2 && !is_foreign
 }
 
-/// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the target's
-/// middle, is as far off as they are from each other.
+/// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
+/// target's middle, is as far off as they are from each other.
 fn learned_spread_m2(models: &[SourceModel], least_m2: f64) -> f64 {
     models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
 }

@@ -349,6 +349,7 @@ impl Tracks {
     }
 
     /// Takes a sensor track out of its system track.
+    #[cold]
     pub(crate) fn unlink(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get_mut(sensor);
         let (system, next) = (std::mem::replace(&mut entry.system, NO_SYSTEM), entry.next);
@@ -433,6 +434,7 @@ impl Tracks {
     }
 
     /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.
+    #[cold]
     pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let system = self.systems.get_mut(entry.system);
@@ -443,6 +445,7 @@ impl Tracks {
     }
 
     /// Frees the place of a sensor track.
+    #[cold]
     pub(crate) fn drop_sensor_track(&mut self, sensor: SensorSlot) {
         if self.sensors.get(sensor).system != NO_SYSTEM {
             self.unlink(sensor);

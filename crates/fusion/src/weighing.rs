@@ -274,6 +274,7 @@ impl Weigher<'_> {
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
+    #[inline(never)]
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let is_foreign = |member: SensorSlot| self.tracks.sensors.get(member).is_foreign;
         weighed.has_centres = self.tracks.members(system).any(is_foreign);

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Correction, Measurement};
 use crate::registration::model::BiasModel;
-use crate::registration::rows::{AZIMUTH, ERRORS, Errors, RANGE, TIME};
+use crate::registration::rows::{ERRORS, Errors, TIME};
 use crate::registration::sensitivity::Sensitivity;
 
 /// Standard deviations of the errors before anything is known.
@@ -89,17 +89,7 @@ pub(crate) fn sensitivity(
     velocity: [f64; AXES],
     place: Option<[f64; 2]>,
 ) -> SMatrix<f64, AXES, ERRORS> {
-    let mut h = SMatrix::zeros();
-    let of = Sensitivity::new(position, velocity, place);
-    for axis in 0..AXES {
-        h[(axis, axis)] = 1.0;
-        h[(axis, TIME)] = of.time[axis];
-    }
-    for axis in 0..2 {
-        h[(axis, RANGE)] = of.range[axis];
-        h[(axis, AZIMUTH)] = of.azimuth[axis];
-    }
-    h
+    Sensitivity::new(position, velocity, place).matrix()
 }
 
 kept! {

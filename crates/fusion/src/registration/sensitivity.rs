@@ -4,15 +4,16 @@
 //! the whole matrix, term by term in the same order, so that the sums have the same bits.
 
 use messages::AXES;
+use nalgebra::SMatrix;
 
 use crate::registration::rows::{AZIMUTH, ERRORS, Errors, NormalMatrix, RANGE, TIME};
 
 /// Derivatives of a report with respect to the errors of its source. Those by the offset are the unit vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sensitivity {
-    pub(crate) time: [f64; AXES],
-    pub(crate) range: [f64; 2],
-    pub(crate) azimuth: [f64; 2],
+    time: [f64; AXES],
+    range: [f64; 2],
+    azimuth: [f64; 2],
 }
 
 /// Columns of HᵀW.
@@ -35,6 +36,20 @@ impl Sensitivity {
             // Azimuth counts clockwise from north.
             azimuth: if is_apart { [dy, -dx] } else { [0.0; 2] },
         }
+    }
+
+    /// Returns H.
+    pub(crate) fn matrix(&self) -> SMatrix<f64, AXES, ERRORS> {
+        let mut h = SMatrix::zeros();
+        for axis in 0..AXES {
+            h[(axis, axis)] = 1.0;
+            h[(axis, TIME)] = self.time[axis];
+        }
+        for axis in 0..2 {
+            h[(axis, RANGE)] = self.range[axis];
+            h[(axis, AZIMUTH)] = self.azimuth[axis];
+        }
+        h
     }
 
     /// Returns the effect of these errors on the report, H·θ.
@@ -83,11 +98,9 @@ pub(crate) fn add_vector([x, y, z]: &Weighted, difference: &[f64; AXES], sum: &m
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::SMatrix;
     use proptest::prelude::*;
 
     use super::*;
-    use crate::registration::errors::sensitivity;
 
     type Triple = [f64; AXES];
 
@@ -100,7 +113,8 @@ mod tests {
             errors in prop::array::uniform6(-100.0..100.0f64),
         ) {
             let place = has_place.then_some([1e3, -2e3]);
-            let (of, h) = (Sensitivity::new(position, velocity, place), sensitivity(position, velocity, place));
+            let of = Sensitivity::new(position, velocity, place);
+            let h = of.matrix();
             let errors = Errors::from(errors);
             prop_assert_eq!(of.effect(&errors), Triple::from(h * errors));
             let weighted = h.transpose() * SMatrix::from(weight);
