@@ -9,6 +9,7 @@
 pub type Symmetric2 = [f64; 3];
 
 /// d² of a difference in the plane with covariance `s`; infinite if `s` is not positive definite.
+#[inline]
 pub fn squared2(delta: [f64; 2], s: Symmetric2) -> f64 {
     let [xx, xy, yy] = s;
     let determinant = xx * yy - xy * xy;

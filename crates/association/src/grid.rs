@@ -20,6 +20,14 @@ struct CellLink {
     present: bool,
 }
 
+/// Returns the largest whole number that is not above `value`, as an index of cells. Far-away places share the
+/// outermost cells instead of wrapping round. `f64::floor` is a call where the processor need not have an instruction for it.
+#[inline]
+pub fn floor(value: f64) -> i32 {
+    let whole = value as i32;
+    whole.saturating_sub(i32::from(f64::from(whole) > value))
+}
+
 /// Items `0..capacity` at places in the plane.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Grid {
@@ -112,8 +120,7 @@ impl Grid {
     }
 
     fn cell(&self, x: f64, y: f64) -> GridCell {
-        // `as` saturates, so far-away places share the outermost cells instead of wrapping round.
-        ((x / self.cell_m).floor() as i32, (y / self.cell_m).floor() as i32)
+        (floor(x / self.cell_m), floor(y / self.cell_m))
     }
 
     fn entry(&self, (column, row): GridCell) -> usize {
@@ -133,6 +140,27 @@ mod tests {
         grid.near(x, y, reach, 1000, |item| found.push(item));
         found.sort_unstable();
         found
+    }
+
+    #[test]
+    fn floors_are_those_of_the_library_and_saturate() {
+        for value in [
+            0.0,
+            -0.0,
+            0.5,
+            -0.5,
+            1.0,
+            -1.0,
+            2e9,
+            -2e9,
+            2147483647.5,
+            -2147483648.5,
+            1e300,
+            -1e300,
+            f64::NAN,
+        ] {
+            assert_eq!(floor(value), value.floor() as i32, "{value}");
+        }
     }
 
     #[test]

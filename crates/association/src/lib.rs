@@ -13,4 +13,4 @@ pub mod components;
 pub mod distance;
 mod grid;
 
-pub use grid::Grid;
+pub use grid::{Grid, floor};

@@ -120,14 +120,14 @@ impl Credibility {
     }
 
     /// Judges the latest report of a sensor track against the others of its system track, and learns of all their
-    /// sources. `false` if the report is not to be used. `spread_m2` is the variance per axis of where sources see a
-    /// target, `clocks` are the errors of the sources' clocks.
+    /// sources. `false` if the report is not to be used. `spread_m2` gives the variance per axis of where sources see a
+    /// target, which is at least `least_m2`; `clocks` are the errors of the sources' clocks.
     #[inline]
     pub(crate) fn admits(
         &mut self,
         tracks: &Tracks,
         sensor: SensorSlot,
-        spread_m2: f64,
+        (least_m2, spread_m2): (f64, impl Fn() -> f64),
         clocks: &[ClockError],
     ) -> bool {
         let entry = tracks.sensors.get(sensor);
@@ -135,6 +135,12 @@ impl Credibility {
         if self.passed_over != 0 && self.is_passed_over(entry.source) {
             return true;
         }
+        // A larger spread only brings the report nearer.
+        if self.set_aside == 0 && is_near_track(tracks, entry, least_m2) {
+            self.sources[source].learn(false);
+            return true;
+        }
+        let spread_m2 = spread_m2();
         if self.set_aside == 0 && is_near_track(tracks, entry, spread_m2) {
             self.sources[source].learn(false);
             return true;

@@ -55,6 +55,14 @@ const OWN_ERRORS: f64 = 0.25;
 /// Mean below which sources have so much of their errors in common that the false tracks of one are the other's too.
 const SHARED_ERRORS: f64 = 0.65;
 
+/// Returns the nearest whole number, of two the one away from 0. `f64::round` is a call where the processor need not
+/// have an instruction for it.
+fn rounded(value: f64) -> i64 {
+    let whole = value as i64;
+    let rest = value - whole as f64;
+    whole.saturating_add(i64::from(rest >= 0.5) - i64::from(rest <= -0.5))
+}
+
 /// Dependence of the sources on each other.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Dependence {
@@ -182,7 +190,7 @@ impl Dependence {
         if count < 2 {
             return;
         }
-        let [x, y, _] = report.position_m.map(|part| (part / SAME_M).round() as i64 as u64);
+        let [x, y, _] = report.position_m.map(|part| rounded(part / SAME_M) as u64);
         let time = (report.time_of_measurement_ns / SAME_NS) as u64;
         let mix = |sum: u64, part: u64| (sum ^ part).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
         let key = mix(mix(mix(0, time), x), y);
@@ -190,6 +198,9 @@ impl Dependence {
         let original = (place.0 == key && place.1 != report.source).then_some(place.1);
         *place = (key, report.source);
         let own = usize::from(report.source);
+        if original.is_none() && self.copies[own * count..][..count].iter().all(|copies| *copies == 0.0) {
+            return;
+        }
         for other in 0..count {
             let index = own * count + other;
             let is_copy = original == Some(other as u16);
@@ -232,8 +243,8 @@ impl Dependence {
         let sum =
             |row, column| scales[0] * own.covariance.get(row, column) + scales[1] * other.covariance.get(row, column);
         let sums = [sum(0, 0), sum(0, 1), sum(1, 1)];
-        let moved_m = own.velocity_mps[0].hypot(own.velocity_mps[1]) * COMPARED_EVERY_NS as f64 / NS_PER_S;
-        if moved_m * moved_m < sum(0, 0) + sum(1, 1) {
+        let moved_m = |axis: usize| own.velocity_mps[axis] * COMPARED_EVERY_NS as f64 / NS_PER_S;
+        if moved_m(0) * moved_m(0) + moved_m(1) * moved_m(1) < sum(0, 0) + sum(1, 1) {
             return;
         }
         let index = one * self.groups.len() + another;
@@ -318,6 +329,25 @@ mod tests {
             }
         }
         assert_eq!(dependence.group_of(1), 1);
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_by_the_library() {
+        for value in [
+            0.0,
+            0.5,
+            -0.5,
+            0.49999999999999994,
+            1.5,
+            2.5,
+            -2.5,
+            4503599627370497.5,
+            1e17,
+            -1e300,
+            f64::NAN,
+        ] {
+            assert_eq!(rounded(value), value.round() as i64, "{value}");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@
 //! Signal Processing 48 (2000), for perceivability; D. Mušicki, R. Evans, S. Stankovic, *Integrated probabilistic data
 //! association*, IEEE Transactions on Automatic Control 39 (1994), for the recursion of existence.
 
+use association::floor;
 use kept::{Get, Kept as _, Put, kept};
 use serde::{Deserialize, Serialize};
 
@@ -226,8 +227,8 @@ impl DetectionMap {
     fn cell(&self, level: usize, x: f64, y: f64) -> MapCell {
         let width_m = self.cell_m * LEVELS[level];
         // `as` saturates.
-        let column = ((x / width_m).floor() as i32).wrapping_mul(LEVELS.len() as i32);
-        (column.wrapping_add(level as i32), (y / width_m).floor() as i32)
+        let column = floor(x / width_m).wrapping_mul(LEVELS.len() as i32);
+        (column.wrapping_add(level as i32), floor(y / width_m))
     }
 }
 

@@ -233,8 +233,9 @@ impl Engine {
         self.pass_time(now_ns, sink);
         // Before the first step of time the present is undefined.
         let now_ns = self.schedule.now_ns();
-        let aligned = self.sources.align(&self.settings, report, now_ns);
+        let aligned = self.sources.aligned(&self.settings, report, now_ns);
         let report = aligned.as_ref().unwrap_or(report);
+        self.sources.align(&self.settings, report, now_ns);
         let is_far_ahead = now_ns != i64::MIN && report.time_of_measurement_ns > now_ns.saturating_add(AHEAD_MAX_NS);
         if report.has(sensor_track_bits::WILD_CLOCK) || is_far_ahead {
             self.outbox.counts.add(report.source, Counter::RejectedClock);
@@ -317,13 +318,12 @@ impl Engine {
         let earlier = self.earlier(report, known)?;
         let before = earlier.map(|(sensor, seconds)| (self.tracks.sensors.get(sensor), seconds));
         let is_foreign = self.settings.sources[usize::from(report.source)].is_centre;
-        let (content, correction) = if is_foreign {
-            // The state is the only content of a centre's report, and the newest state replaces the previous state.
-            (Content::NONE, Correction::NONE)
-        } else {
-            let content = self.sources.content_of(report, before, repaired);
-            (content, self.sources.correction_of(&self.settings.sources, report))
-        };
+        // The state is the only content of a centre's report, and the newest state replaces the previous state.
+        let (mut content, mut correction) = (Content::none(), Correction::NONE);
+        if !is_foreign {
+            self.sources.read_content(report, before, repaired, &mut content);
+            correction = self.sources.correction_of(&self.settings.sources, report);
+        }
         let mut measurement = content.measurement;
         if let Some(measurement) = &mut measurement {
             measurement.correct(&correction);
@@ -533,6 +533,7 @@ impl Engine {
     }
 
     /// Counts a scan without detection of an expected target.
+    #[cold]
     fn miss(&mut self, report: &SensorTrack, sink: &mut impl Sink) {
         let Some(sensor) = self.tracks.sensors.find(report.source, report.track_number) else {
             return;
@@ -551,6 +552,7 @@ impl Engine {
     }
 
     /// Drops a sensor track that its source has terminated.
+    #[cold]
     fn end_sensor_track(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let system = self.tracks.sensors.get(sensor).system;
         self.tracks.drop_sensor_track(sensor);

@@ -104,6 +104,8 @@ pub(crate) struct FilterInnovation {
     pub(crate) residual_m: [f64; 2],
     /// Covariance of the residual (xx, xy, yy), m².
     pub(crate) covariance_m2: [f64; 3],
+    /// Squared statistical length of the residual.
+    pub(crate) squared: f64,
     /// Weight of the measurement in the new horizontal position, in [0, 1]; 0 if it was not used.
     pub(crate) gain: f64,
     pub(crate) fit: Fit,
@@ -173,6 +175,19 @@ impl TargetFilter {
     /// Returns the estimate in the form of rules and messages.
     pub(crate) fn state(&self) -> State {
         State::of_estimate(self.time_ns, &self.estimate, self.has_height)
+    }
+
+    /// Writes [`Self::state_at`] where it belongs.
+    #[inline]
+    pub(crate) fn write_state_at(&self, time_ns: i64, motion: &Motion, state: &mut State) {
+        if time_ns == self.time_ns {
+            let estimate = &self.estimate;
+            (state.time_ns, state.has_height) = (time_ns, self.has_height);
+            (state.position_m, state.velocity_mps) = (estimate.position_m(), estimate.velocity_mps());
+            state.covariance = estimate.covariance;
+        } else {
+            *state = self.state_at(time_ns, motion);
+        }
     }
 
     /// Returns [`Self::at`] in the form of rules and messages.
@@ -418,6 +433,7 @@ impl TargetFilter {
         let mut innovation = FilterInnovation {
             residual_m,
             covariance_m2,
+            squared,
             gain: 0.0,
             fit: Fit::Undecided,
             manoeuvre: None,
@@ -486,11 +502,11 @@ fn parts_of(estimate: &Gaussian) -> (Plane, Vertical) {
     let ([x, y, z, vx, vy, vz], p) = (estimate.mean, &estimate.covariance.upper);
     let plane = Plane {
         mean: [x, y, vx, vy],
-        covariance: PLANE.map(|place| p[place]),
+        covariance: std::array::from_fn(|element| p[PLANE[element]]),
     };
     let vertical = Vertical {
         mean: [z, vz],
-        covariance: VERTICAL.map(|place| p[place]),
+        covariance: std::array::from_fn(|element| p[VERTICAL[element]]),
     };
     (plane, vertical)
 }

@@ -125,7 +125,8 @@ pub(crate) fn is_usable(covariance: &Covariance) -> bool {
         let variance = covariance.get(index, index);
         variance == 0.0 || variance >= VARIANCE_MIN[index / AXES]
     };
-    (0..STATE_LEN).fold(true, |all, index| all & is_believed(index)) && estimation::is_usable(covariance)
+    (0..STATE_LEN).fold(true, |all, index| all & is_believed(index))
+        && (covariance.is_diagonal() || estimation::is_usable(covariance))
 }
 
 /// Returns the report with a repaired covariance; `None` if unrepairable.

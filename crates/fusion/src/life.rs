@@ -455,6 +455,7 @@ pub(crate) fn count_miss<S: Sink>(
 
 /// Makes a system track tentative again because its sources no longer detect the target: it is withheld until the
 /// next detection.
+#[cold]
 pub(crate) fn suppress<S: Sink>(
     settings: &Settings,
     tracks: &mut Tracks,

@@ -83,6 +83,7 @@ impl Linking<'_> {
 
     /// Associates a sensor track without a system track: by an address at once; without an address at the end of its
     /// scan.
+    #[cold]
     fn place<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         let entry = self.tracks.sensors.get(sensor);
         if entry.blocked {
@@ -169,7 +170,8 @@ impl Linking<'_> {
             self.tracks.systems.identify(system, &identity);
         }
         let now_ns = report.time_of_measurement_ns;
-        if self.tracks.is_alone(sensor, now_ns) {
+        let (sources, is_alone) = self.tracks.sources_beside(sensor, now_ns);
+        if is_alone {
             return Next::Wait;
         }
         if crossing::is_due(self.tracks.sensors.get(sensor)) && self.is_free(system) {
@@ -186,7 +188,7 @@ impl Linking<'_> {
             out.count(report.source, Counter::ContributionsSplit);
             return self.leave(sensor, out);
         }
-        self.look_for_duplicate(system, now_ns, out)
+        self.look_for_duplicate(system, (now_ns, sources), out)
     }
 
     fn uses_addresses(&self) -> bool {
@@ -240,6 +242,7 @@ impl Linking<'_> {
     }
 
     /// Removes a sensor track from its system track; its scan, or its address, decides on its new system track.
+    #[cold]
     fn leave<S: Sink>(&mut self, sensor: SensorSlot, out: &mut Outlet<'_, S>) -> Next {
         self.tracks.unlink(sensor);
         self.place(sensor, out)
@@ -312,11 +315,17 @@ impl Linking<'_> {
         (hits >= self.settings.association.merge_reports).then(|| self.move_to(sensor, system, d2, out))
     }
 
-    /// Checks once a second for a duplicate of the system track; merges into the older track after repeated findings.
-    fn look_for_duplicate<S: Sink>(&mut self, system: SystemSlot, now_ns: i64, out: &mut Outlet<'_, S>) -> Next {
+    /// Checks once a second for a duplicate of the system track, to which these sources contribute, as bits; merges
+    /// into the older track after repeated findings.
+    fn look_for_duplicate<S: Sink>(
+        &mut self,
+        system: SystemSlot,
+        (now_ns, sources): (i64, u64),
+        out: &mut Outlet<'_, S>,
+    ) -> Next {
         let entry = self.tracks.systems.get(system);
         let complete = self.settings.sources.len() as u32;
-        if now_ns < entry.duplicate_due_ns || self.tracks.sources_of(system, now_ns).count_ones() >= complete {
+        if now_ns < entry.duplicate_due_ns || sources.count_ones() >= complete {
             return Next::Done;
         }
         let found = self.search().duplicate(system, now_ns).map(|(duplicate, d2)| {

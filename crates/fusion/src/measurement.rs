@@ -265,10 +265,14 @@ pub(crate) struct Content {
 }
 
 impl Content {
-    pub(crate) const NONE: Self = Self {
-        measurement: None,
-        unfiltered: None,
-    };
+    /// Without any. Not a constant, which would be copied as a whole.
+    #[inline]
+    pub(crate) fn none() -> Self {
+        Self {
+            measurement: None,
+            unfiltered: None,
+        }
+    }
 }
 
 /// What a report contains whose covariance shows no filter. Apart, so that other reports pay nothing.

@@ -80,7 +80,18 @@ impl<S: Sink> Outlet<'_, S> {
 /// Whether the state is finite.
 #[inline]
 fn is_sound(message: &SystemTrack) -> bool {
-    // NaN and infinities times 0 are NaN: half the instructions of asking each value.
-    let is_finite = |values: &[f64]| values.iter().fold(0.0, |sum, value| sum + value * 0.0) == 0.0;
-    is_finite(&message.position_m) & is_finite(&message.velocity_mps) & is_finite(&message.covariance.upper)
+    // NaN and infinities times 0 are NaN: less than half the instructions of asking each value. Two sums let the
+    // processor work on two values at once.
+    let (position, velocity) = (&message.position_m, &message.velocity_mps);
+    let (pairs, rest) = message.covariance.upper.as_chunks::<2>();
+    let mut sums = [rest[0] * 0.0, 0.0];
+    for [first, second] in pairs {
+        sums[0] += first * 0.0;
+        sums[1] += second * 0.0;
+    }
+    for (first, second) in position.iter().zip(velocity) {
+        sums[0] += first * 0.0;
+        sums[1] += second * 0.0;
+    }
+    sums[0] + sums[1] == 0.0
 }

@@ -221,10 +221,15 @@ impl PlaneFilter {
     /// Expected position, and its covariance (xx, xy, yy).
     #[inline]
     pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
-        let about = [self.models[STEADY].mean[0], self.models[STEADY].mean[1]];
-        let (mut first, mut second) = ([0.0; 2], [0.0; 3]);
-        let running = self.running();
-        for (model, weight) in self.models[..running].iter().zip(&self.probability[..running]) {
+        let (steady, weight) = (&self.models[STEADY], self.probability[STEADY]);
+        let about = [steady.mean[0], steady.mean[1]];
+        let [xx, xy, _, _, yy, ..] = steady.covariance;
+        let (mut first, mut second) = ([0.0; 2], [weight * xx, weight * xy, weight * yy]);
+        let manoeuvres = AGILE..self.running();
+        for (model, weight) in self.models[manoeuvres.clone()]
+            .iter()
+            .zip(&self.probability[manoeuvres])
+        {
             let [dx, dy] = [model.mean[0] - about[0], model.mean[1] - about[1]];
             let [xx, xy, _, _, yy, ..] = model.covariance;
             first[0] += weight * dx;
@@ -243,9 +248,12 @@ impl PlaneFilter {
     /// All models together; `about` is near all of them.
     #[inline]
     pub(crate) fn combined(&self, about: &[f64; 4]) -> Plane {
-        let mut sum = Moments::default();
-        let running = self.running();
-        for (model, weight) in self.models[..running].iter().zip(&self.probability[..running]) {
+        let mut sum = Moments::of(&self.models[STEADY], self.probability[STEADY], about);
+        let manoeuvres = AGILE..self.running();
+        for (model, weight) in self.models[manoeuvres.clone()]
+            .iter()
+            .zip(&self.probability[manoeuvres])
+        {
             sum.include(model, *weight, about);
         }
         sum.state(about)

@@ -7,6 +7,7 @@
 //!
 //! Each difference counts up to three standard deviations, so that a wrong altimeter moves the mean little.
 
+use association::floor;
 use serde::{Deserialize, Serialize};
 
 /// Side of a cell, metres: the pressure at sea level changes by about 1 hPa (8 m) over this distance.
@@ -74,10 +75,17 @@ impl PressureOffsets {
         }
     }
 
-    fn key([x, y, z]: [f64; 3]) -> CellKey {
+    /// Layer of a position.
+    #[inline]
+    fn layer([x, y, z]: [f64; 3]) -> usize {
         let height_m = z + (x * x + y * y) / (2.0 * EARTH_M);
-        let layer = (height_m / LAYER_M).clamp(0.0, (LAYERS - 1) as f64);
-        ((x / CELL_M).floor() as i16, (y / CELL_M).floor() as i16, layer as u8)
+        (height_m / LAYER_M).clamp(0.0, (LAYERS - 1) as f64) as usize
+    }
+
+    fn key(position_m: [f64; 3]) -> CellKey {
+        let [x, y, _] = position_m;
+        let cell = |value: f64| floor(value / CELL_M).clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+        (cell(x), cell(y), Self::layer(position_m) as u8)
     }
 
     /// Place of a cell, or of the free one where it would be; `None` if all places of the cell are taken by others.
@@ -111,12 +119,14 @@ impl PressureOffsets {
     /// Pressure altitude less height at `position_m`, and its standard deviation for one aircraft, metres; `None` where
     /// too little was learned.
     pub(crate) fn at(&self, position_m: [f64; 3]) -> Option<[f64; 2]> {
-        let key = Self::key(position_m);
-        let layer = &self.layers[usize::from(key.2)];
+        let layer = &self.layers[Self::layer(position_m)];
         // Without any report of both there is no cell to look for.
-        layer.known()?;
-        let cell = self.place(key).and_then(|place| self.cells[place].1.known());
-        cell.or_else(|| layer.known())
+        if layer.samples < SAMPLES_MIN {
+            return None;
+        }
+        let cell = self.place(Self::key(position_m));
+        let known = cell.and_then(|place| self.cells[place].1.known());
+        known.or_else(|| layer.known())
     }
 }
 

@@ -156,7 +156,9 @@ impl TrackPublisher {
                 list_contributors(message, &settings.sources, tracks.systems.get(system).contributors);
             });
         }
-        let is_usable = self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
+        let has_centres = self.weighed.has_centres();
+        let is_usable =
+            has_centres && self.join_centres(tracks, sources, (system, reference_ns), is_usable) || is_usable;
         if !settings.border.regions.is_empty() {
             self.find_owner(&settings.border, tracks, system);
         }
@@ -171,7 +173,9 @@ impl TrackPublisher {
         let weighed = Some(&*self.weighed);
         let is_published = out.track(|message| {
             write(message, settings, tracks, system, cause, weighed);
-            list_silent_centres(message, tracks, system);
+            if has_centres {
+                list_silent_centres(message, tracks, system);
+            }
         });
         if !is_published {
             restart(tracks, system);
@@ -186,6 +190,7 @@ impl TrackPublisher {
     }
 
     /// Decides which centre owns the target.
+    #[cold]
     fn find_owner(&self, settings: &BorderSettings, tracks: &mut Tracks, system: SystemSlot) {
         let entry = tracks.systems.get(system);
         let [east, north, _] = entry.state.position_m;
@@ -200,32 +205,30 @@ impl TrackPublisher {
 
     /// Stores the description of the target by its contributions.
     fn describe(&self, tracks: &mut Tracks, system: SystemSlot) {
-        let members = self.weighed.members().iter();
-        let said = members.map(|member| {
-            let member = tracks.sensors.get(*member);
-            (member.alerts, member.on_ground, member.is_described)
-        });
-        let (alerts, on_ground, is_described) = said.fold((0, false, false), |all, one| {
-            (all.0 | one.0, all.1 | one.1, all.2 | one.2)
-        });
-        let description = if is_described {
-            let weights = self.weighed.shares().iter().map(weight).chain(std::iter::repeat(0.0));
-            let members = self.weighed.members().iter().zip(weights);
-            Description::of(members.map(|(member, weight)| (&tracks.sensors.get(*member).latest, weight)))
+        let stated = self.weighed.stated();
+        let description = if stated.is_described {
+            self.stated_description(tracks)
         } else {
             Description::default()
         };
         let entry = tracks.systems.get_mut(system);
-        entry.alerts = alerts;
-        entry.on_ground = on_ground;
+        entry.alerts = stated.alerts;
+        entry.on_ground = stated.on_ground;
         entry.description = description;
+    }
+
+    #[cold]
+    fn stated_description(&self, tracks: &Tracks) -> Description {
+        let weights = self.weighed.shares().iter().map(weight).chain(std::iter::repeat(0.0));
+        let members = self.weighed.members().iter().zip(weights);
+        Description::of(members.map(|(member, weight)| (&tracks.sensors.get(*member).latest, weight)))
     }
 
     /// Sets the state to the estimate of the target's filter, with the additional variance.
     fn take_over_filter(&self, tracks: &mut Tracks, sources: &Sources, system: SystemSlot, reference_ns: i64) {
         let entry = tracks.systems.get_mut(system);
         let motion = sources.motion_of(&entry.filter);
-        entry.state = entry.filter.state_at(reference_ns, motion);
+        entry.filter.write_state_at(reference_ns, motion, &mut entry.state);
         for axis in 0..2 {
             let velocity = axis + AXES;
             let variances = &mut entry.state.covariance.upper;
@@ -269,6 +272,7 @@ impl TrackPublisher {
 
     /// Joins the state of the local sources, if it `is_usable`, with those of other centres; returns whether there
     /// are any.
+    #[cold]
     fn join_centres(
         &mut self,
         tracks: &mut Tracks,
@@ -303,6 +307,7 @@ impl TrackPublisher {
         centres.sort_unstable_by_key(|(_, candidate)| candidate.source);
         let own = is_usable.then_some(&entry.state);
         let joined = self.weighed.join_centres(own, centres, shares_none);
+        self.weighed.collect_stated(tracks);
         if let Some(state) = joined {
             tracks.systems.get_mut(system).state = state;
         }

@@ -47,20 +47,22 @@ mod model;
 mod progress;
 mod recent;
 mod rows;
+mod sensitivity;
 pub(crate) mod settings;
 mod significance;
 mod solution;
 mod steps;
 
+use estimation::{Symmetric3, inverse3};
 use kept::kept;
 use messages::AXES;
-use nalgebra::{SMatrix, SVector};
 use serde::{Deserialize, Serialize};
 
 use crate::registration::errors::{ERROR_MAX_SIGMA, PRIOR_SIGMA, SAMPLES_MIN, clock_of, sensitivity};
 use crate::registration::progress::{SETTLED_MIN, SolutionProgress};
 use crate::registration::recent::{RECENT_S, Recent, SOLUTIONS_MIN};
 use crate::registration::rows::{NormalMatrix, TIME};
+use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 use crate::registration::significance::PointsVariance;
 use crate::registration::steps::{FormerErrors, Seed, StepSearch};
 
@@ -308,47 +310,60 @@ impl Registration {
         let apart_mps = |axis: usize| a.velocity_mps[axis] - b.velocity_mps[axis];
         let apart_m = |axis: usize| a.position_m[axis] - b.position_m[axis];
         // Written so that NaN is rejected.
-        let may_be_one = apart_mps(0).hypot(apart_mps(1)) <= VELOCITY_GATE_MPS
-            && apart_m(0).hypot(apart_m(1)) <= ERROR_MAX_SIGMA * PRIOR_SIGMA[0];
+        let may_be_one = is_within([apart_mps(0), apart_mps(1)], VELOCITY_GATE_MPS)
+            && is_within([apart_m(0), apart_m(1)], ERROR_MAX_SIGMA * PRIOR_SIGMA[0]);
         if !may_be_one {
             return;
         }
         let three = a.has_height && b.has_height;
         let axes = if three { AXES } else { 2 };
-        let difference = SVector::<f64, AXES>::from_fn(|axis, _| {
+        let difference: [f64; AXES] = std::array::from_fn(|axis| {
             if axis < axes {
                 a.position_m[axis] - b.position_m[axis]
             } else {
                 0.0
             }
         });
-        let mut covariance_m2 = a.covariance_m2 + b.covariance_m2;
-        let stated_m2 = covariance_m2[(0, 0)] + covariance_m2[(1, 1)];
+        let mut covariance_m2: Symmetric3 =
+            std::array::from_fn(|place| a.covariance_m2[place] + b.covariance_m2[place]);
+        let stated_m2 = covariance_m2[0] + covariance_m2[3];
         if !three {
-            for axis in 0..2 {
-                covariance_m2[(axis, 2)] = 0.0;
-                covariance_m2[(2, axis)] = 0.0;
-            }
-            covariance_m2[(2, 2)] = 1e12;
+            let [xx, xy, _, yy, ..] = covariance_m2;
+            covariance_m2 = [xx, xy, 0.0, yy, 0.0, 1e12];
         }
         // The points stay where they are. However often a target is compared, it yields no more than one pair of
         // points: an aircraft at its stand must not outweigh all that pass.
         let times = 1.0 + reports * (self.collected_s(a.source, b.source) / age_s).clamp(0.0, 1.0);
         let weight_of = |points_m2: f64| {
-            let points = estimation::Matrix3::from_diagonal(&SVector::from([points_m2, points_m2, 0.0]));
-            Some((covariance_m2 + points).cholesky()?.inverse())
+            let [xx, xy, xz, yy, yz, zz] = covariance_m2;
+            inverse3([xx + points_m2, xy, xz, yy + points_m2, yz, zz])
         };
         let points_m2 = (times * points_m2, times.min(RECENT_TIMES) * points_m2);
         // One velocity for both views: a common part of all clock errors then shows in no difference, and the
         // solution does not run away when the part is subtracted.
         let velocity_mps = std::array::from_fn(|axis| 0.5 * (a.velocity_mps[axis] + b.velocity_mps[axis]));
         let (of_a, of_b) = (a.sensitivity(velocity_mps), b.sensitivity(velocity_mps));
-        let explained = of_a * self.of(a.source).errors - of_b * self.of(b.source).errors;
-        let (Some(weight), Some(weight_of_recent)) = (weight_of(points_m2.0), weight_of(points_m2.1)) else {
+        let (by_a, by_b) = (
+            of_a.effect(&self.of(a.source).errors),
+            of_b.effect(&self.of(b.source).errors),
+        );
+        let Some(weight) = weight_of(points_m2.0) else {
             return;
         };
-        let rest = difference - explained;
-        let squared = (rest.transpose() * weight * rest)[0];
+        let weight_of_recent = match points_m2.1 == points_m2.0 {
+            true => Some(weight),
+            false => weight_of(points_m2.1),
+        };
+        let Some(weight_of_recent) = weight_of_recent else {
+            return;
+        };
+        let rest: [f64; AXES] = std::array::from_fn(|axis| difference[axis] - (by_a[axis] - by_b[axis]));
+        let product = |a: &[f64; AXES], b: &[f64; AXES]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let [east, north, up] = &weight;
+        let squared = product(
+            &[product(east, &rest), product(north, &rest), product(up, &rest)],
+            &rest,
+        );
         // Before enough samples exist, large errors must pass.
         let settled = self.of(a.source).samples > SAMPLES_MIN && self.of(b.source).samples > SAMPLES_MIN;
         if !squared.is_finite() {
@@ -366,25 +381,31 @@ impl Registration {
         for view in [a, b] {
             self.places_m[usize::from(view.source)] = view.place_m;
         }
-        let bounded = rest * (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
+        let bound = (DIFFERENCE_GATE / squared.max(DIFFERENCE_GATE)).sqrt();
+        let bounded = rest.map(|part| part * bound);
+        let negative = |vector: [f64; AXES]| vector.map(|part| -part);
+        let sample = |mut weight: [[f64; AXES]; AXES]| {
+            weight.iter_mut().flatten().for_each(|value| *value *= SAMPLE_WEIGHT);
+            weight
+        };
         let is_solved = |view: &TargetView| {
             self.solutions[usize::from(view.source)] >= SOLUTIONS_MIN && !self.is_young(view.source)
         };
         if settled && is_solved(a) && is_solved(b) {
-            for (view, of, bounded) in [(a, &of_a, bounded), (b, &of_b, -bounded)] {
-                let weighted = of.transpose() * (weight_of_recent * SAMPLE_WEIGHT);
-                self.recents[usize::from(view.source)].add(&(weighted * of), &(weighted * bounded));
+            let weight = sample(weight_of_recent);
+            for (view, of, bounded) in [(a, &of_a, bounded), (b, &of_b, negative(bounded))] {
+                self.recents[usize::from(view.source)].add(of, &of.weighted(&weight), &bounded);
             }
         }
         if is_contradicted {
             return;
         }
-        let weight = weight * SAMPLE_WEIGHT;
+        let weight = sample(weight);
         self.recents[usize::from(a.source)].add_used(&weight, [rest[0], rest[1]]);
         self.recents[usize::from(b.source)].add_used(&weight, [-rest[0], -rest[1]]);
-        let (weighted_a, weighted_b) = (of_a.transpose() * weight, of_b.transpose() * weight);
-        self.add(a.source, b.source, &weighted_a, &of_a, &of_b, &difference);
-        self.add(b.source, a.source, &weighted_b, &of_b, &of_a, &-difference);
+        let (weighted_a, weighted_b) = (of_a.weighted(&weight), of_b.weighted(&weight));
+        self.add((a.source, b.source), &weighted_a, (&of_a, &of_b), &difference);
+        self.add((b.source, a.source), &weighted_b, (&of_b, &of_a), &negative(difference));
     }
 
     /// Returns the time since which the sums of two sources are collected, seconds.
@@ -394,18 +415,16 @@ impl Registration {
 
     fn add(
         &mut self,
-        own: u16,
-        other: u16,
-        weighted: &SMatrix<f64, ERRORS, AXES>,
-        of_own: &SMatrix<f64, AXES, ERRORS>,
-        of_other: &SMatrix<f64, AXES, ERRORS>,
-        difference: &SVector<f64, AXES>,
+        (own, other): (u16, u16),
+        weighted: &Weighted,
+        (of_own, of_other): (&Sensitivity, &Sensitivity),
+        difference: &[f64; AXES],
     ) {
         let count = self.sources.len();
         let pair = &mut self.pairs[usize::from(own) * count + usize::from(other)];
-        pair.own += weighted * of_own;
-        pair.cross += weighted * of_other;
-        pair.right += weighted * difference;
+        of_own.add_product(weighted, &mut pair.own);
+        of_other.add_product(weighted, &mut pair.cross);
+        add_vector(weighted, difference, &mut pair.right);
         self.partners[usize::from(own)] |= 1 << other;
         self.sources[usize::from(own)].samples += 1.0;
     }
@@ -450,6 +469,11 @@ impl Registration {
         });
         (speeds / weights).max(1.0)
     }
+}
+
+/// Returns whether a vector is no longer than `limit`.
+fn is_within([x, y]: [f64; 2], limit: f64) -> bool {
+    x * x + y * y <= limit * limit
 }
 
 /// Returns the sources in the bit set `bits`, in rising order.

@@ -19,7 +19,7 @@ fn view(source: u16, truth: [f64; 3], velocity: [f64; 3], offset: [f64; 2], late
     TargetView {
         source,
         position_m: std::array::from_fn(place),
-        covariance_m2: estimation::Matrix3::identity() * 400.0,
+        covariance_m2: [400.0, 0.0, 0.0, 400.0, 0.0, 400.0],
         velocity_mps: velocity,
         has_height: true,
         place_m: None,

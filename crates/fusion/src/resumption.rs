@@ -240,6 +240,7 @@ impl Engine {
 
     /// Gives the new system track of a sensor track, confirmed at `now_ns`, the number of a silent one if that was the
     /// same target.
+    #[cold]
     pub(crate) fn take_former_number(&mut self, sensor: SensorSlot, now_ns: i64, sink: &mut impl Sink) {
         let own = self.tracks.sensors.get(sensor).system;
         let search = Search {

@@ -215,7 +215,9 @@ impl SensorEntry {
         self.basis = CovarianceBasis::Stated;
         if let Some(unfiltered) = &content.unfiltered {
             (self.basis, self.evidence) = (unfiltered.basis, unfiltered.evidence);
-            self.latest.covariance = unfiltered.covariance.unwrap_or(report.covariance);
+            if let Some(covariance) = unfiltered.covariance {
+                self.latest.covariance = covariance;
+            }
         }
         if covariance_scale != 1.0 {
             let upper = &mut self.latest.covariance.upper;

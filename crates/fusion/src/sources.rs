@@ -137,9 +137,15 @@ impl Sources {
     /// Whether the latest report of a sensor track may be used: see [`Credibility::admits`].
     #[inline]
     pub(crate) fn admits(&mut self, settings: &AssociationSettings, tracks: &Tracks, sensor: SensorSlot) -> bool {
-        let extent_m = settings.extent_sigma_m;
-        let spread_m2 = self.learned_spread_m2(extent_m * extent_m);
-        self.credibility.admits(tracks, sensor, spread_m2, &self.clocks)
+        let least_m2 = settings.extent_sigma_m * settings.extent_sigma_m;
+        let Self {
+            credibility,
+            models,
+            clocks,
+            ..
+        } = self;
+        let spread_m2 = || learned_spread_m2(models, least_m2);
+        credibility.admits(tracks, sensor, (least_m2, spread_m2), clocks)
     }
 
     /// Process noise of turns of the target that `filter` follows.
@@ -148,21 +154,22 @@ impl Sources {
         self.manoeuvres.motion(filter.estimate.velocity_mps())
     }
 
-    /// Looks for gross errors in a valid report, which came at `now_ns`: the report without that of its source, if one
-    /// is taken off.
-    pub(crate) fn align(&mut self, settings: &Settings, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
-        let is_foreign = settings.sources[usize::from(report.source)].is_centre;
-        if !settings.registration.enabled || settings.sources.len() < 2 || is_foreign {
+    /// Returns a valid report, which came at `now_ns`, without the gross error of its source, and without the error of
+    /// the source's clock; `None` if neither is taken off.
+    #[inline]
+    pub(crate) fn aligned(&self, settings: &Settings, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
+        let removed_s = self.clocks[usize::from(report.source)].removed_s;
+        if (removed_s == 0.0 && !self.alignment.corrects(report.source)) || !is_aligned(settings, report) {
             return None;
         }
-        let removed_s = self.clocks[usize::from(report.source)].removed_s;
-        let in_time = (removed_s != 0.0).then(|| SensorTrack {
-            time_of_measurement_ns: report.time_of_measurement_ns - (removed_s * NS_PER_S) as i64,
-            ..*report
-        });
-        let report = in_time.as_ref().unwrap_or(report);
-        let corrected = self.alignment.corrected(report, now_ns).or(in_time);
-        let report = corrected.as_ref().unwrap_or(report);
+        Some(self.without_gross_error(report, removed_s, now_ns))
+    }
+
+    /// Looks for gross errors in an aligned report, which came at `now_ns`.
+    pub(crate) fn align(&mut self, settings: &Settings, report: &SensorTrack, now_ns: i64) {
+        if !is_aligned(settings, report) {
+            return;
+        }
         let names = settings.association.use_identity.then_some(&settings.identity);
         if let Some(source) = self
             .alignment
@@ -171,7 +178,16 @@ impl Sources {
             // What was learned from the few tracks that joined is of another source.
             self.registration.forget(usize::from(source));
         }
-        corrected
+    }
+
+    /// A report without the error of its source's clock, and without the source's gross error.
+    #[cold]
+    fn without_gross_error(&self, report: &SensorTrack, removed_s: f64, now_ns: i64) -> SensorTrack {
+        let mut in_time = *report;
+        if removed_s != 0.0 {
+            in_time.time_of_measurement_ns -= (removed_s * NS_PER_S) as i64;
+        }
+        self.alignment.corrected(&in_time, now_ns).unwrap_or(in_time)
     }
 
     /// Variance per axis of where detection points may lie on a target, m²: configured, or learned of `source` (of all
@@ -189,13 +205,7 @@ impl Sources {
         }
     }
 
-    /// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
-    /// target's middle, is as far off as they are from each other.
-    pub(crate) fn learned_spread_m2(&self, least_m2: f64) -> f64 {
-        self.models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
-    }
-
-    /// [`Self::learned_spread_m2`], of each source at most that of points of one target.
+    /// [`learned_spread_m2`], of each source at most that of points of one target.
     fn possible_points_m2(&self, least_m2: f64) -> f64 {
         let points_m2 = |model: &SourceModel| model.spread_m2().min(model.largest_points_m2());
         self.models.iter().map(points_m2).fold(least_m2, f64::max)
@@ -255,20 +265,17 @@ impl Sources {
         }
     }
 
-    /// The content of a report that follows a sensor track's latest report, `earlier`, that many seconds later. Learns
-    /// how the source filters, unless the report's covariance had to be repaired.
+    /// Writes the content of a report that follows a sensor track's latest report, `earlier`, that many seconds later,
+    /// into an empty one. Learns how the source filters, unless the report's covariance had to be repaired.
     #[inline]
-    pub(crate) fn content_of(
+    pub(crate) fn read_content(
         &mut self,
         report: &SensorTrack,
         earlier: Option<(&SensorEntry, f64)>,
         repaired: bool,
-    ) -> Content {
+        content: &mut Content,
+    ) {
         let model = &mut self.models[usize::from(report.source)];
-        let content = |measurement| Content {
-            measurement,
-            unfiltered: None,
-        };
         let known = earlier.filter(|(_, seconds)| *seconds > 0.0);
         if let Some((earlier, seconds)) = known {
             let (looks, knows) = (!repaired && model.looks_at_noise(), model.process_noise().is_some());
@@ -279,27 +286,26 @@ impl Sources {
                     model.learn_noise(&before.covariance, &after.covariance, seconds, has_height);
                 }
                 if let Some(noise) = model.process_noise() {
-                    return content(recovered_measurement(
-                        &noise.predicted(&before, seconds),
-                        &after,
-                        has_height,
-                    ));
+                    let predicted = noise.predicted(&before, seconds);
+                    content.measurement = recovered_measurement(&predicted, &after, has_height);
+                    return;
                 }
             }
         }
-        match repaired || shows_filter(&report.covariance) {
-            true => content(Some(as_reported(report))),
-            false => self.unfiltered_content(report, known),
+        content.measurement = Some(as_reported(report));
+        if !repaired && !shows_filter(&report.covariance) {
+            self.read_unfiltered(report, known, content);
         }
     }
 
     /// The content of a report whose covariance shows no filter.
     #[inline(never)]
-    fn unfiltered_content(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>) -> Content {
-        let mut measurement = Some(as_reported(report));
-        let mut unfiltered = UnfilteredContent::stated(earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence));
+    fn read_unfiltered(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>, content: &mut Content) {
+        let evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        let measurement = &mut content.measurement;
+        let unfiltered = content.unfiltered.insert(UnfilteredContent::stated(evidence));
         match earlier {
-            Some(earlier) => self.undo_tracker(report, earlier, (&mut measurement, &mut unfiltered)),
+            Some(earlier) => self.undo_tracker(report, earlier, (measurement, unfiltered)),
             None => {
                 unfiltered.covariance = self.models[usize::from(report.source)].first_covariance(&report.covariance);
                 if unfiltered.covariance.is_some() {
@@ -307,11 +313,7 @@ impl Sources {
                 }
             }
         }
-        self.doubt(report, (&mut measurement, &mut unfiltered));
-        Content {
-            measurement,
-            unfiltered: Some(unfiltered),
-        }
+        self.doubt(report, (measurement, unfiltered));
     }
 
     /// Takes the covariance of a report for as wrong as those of the sources that are known, while the report's own
@@ -383,14 +385,15 @@ impl Sources {
         });
     }
 
-    /// Learns from an innovation how true its source's covariances are and where its detection points lie.
+    /// Learns from the innovation of a measurement how true its source's covariances are, unless a step has misled
+    /// filters (`is_misled`), and where its detection points lie.
     pub(crate) fn learn_of_innovation(
         &mut self,
         settings: &Settings,
         tracks: &mut Tracks,
         sensor: SensorSlot,
-        innovation: &FilterInnovation,
-        measurement: &Measurement,
+        (innovation, measurement): (&FilterInnovation, &Measurement),
+        is_misled: bool,
     ) {
         let entry = tracks.sensors.get_mut(sensor);
         let (source, system) = (usize::from(entry.source), entry.system);
@@ -416,7 +419,7 @@ impl Sources {
                 (system, [target_m[0], target_m[1]]),
             );
         }
-        if settings.consistency && squared.is_finite() && !self.registration.has_misled_filters() {
+        if settings.consistency && squared.is_finite() && !is_misled {
             self.models[source].learn_consistency(squared / (1.0 + MEAN_VARIANCE));
             // A turn that the filter does not follow yet has a shape of its own.
             let steady = tracks.systems.get(system).filter.steadiness();
@@ -444,8 +447,7 @@ impl Sources {
         let entry = tracks.sensors.get(sensor);
         let (system, now_ns) = (entry.system, entry.time_ns);
         let (mut sum, mut count, mut variance) = ([0.0; 2], 0.0, 0.0);
-        for member in tracks.contributing(system, now_ns) {
-            let other = tracks.sensors.get(member);
+        for (member, other) in tracks.contributing_entries(system, now_ns) {
             if member != sensor && other.residuals >= MEAN_REPORTS_MIN {
                 let shift = self.registration.suspected_shift(other.source);
                 for axis in 0..2 {
@@ -542,6 +544,19 @@ impl Sources {
         known.sort_unstable_by(|a, b| a.density_m2ps3[0].total_cmp(&b.density_m2ps3[0]));
         self.manoeuvres.assume(known[count / 2]);
     }
+}
+
+/// Whether gross errors are looked for in a report.
+#[inline]
+fn is_aligned(settings: &Settings, report: &SensorTrack) -> bool {
+    let is_foreign = settings.sources[usize::from(report.source)].is_centre;
+    settings.registration.enabled && settings.sources.len() >= 2 && !is_foreign
+}
+
+/// The largest spread that was learned of any source, at least `least_m2`. One of several points, taken for the
+/// target's middle, is as far off as they are from each other.
+fn learned_spread_m2(models: &[SourceModel], least_m2: f64) -> f64 {
+    models.iter().map(SourceModel::spread_m2).fold(least_m2, f64::max)
 }
 
 /// Where a source that measures range and azimuth stands, metres; `None` for others.

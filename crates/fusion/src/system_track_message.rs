@@ -127,12 +127,14 @@ pub(crate) fn write(
     let mut heaviest = 0.0;
     // Newest level of all that support the track now.
     let (mut level, mut level_age_ns) = (0, i64::MAX);
-    for (index, share) in shares.iter().enumerate() {
-        let member = tracks.sensors.get(members[index]);
+    let weighed = members.iter().zip(shares.iter().zip(candidates));
+    for (place, (member, (share, candidate))) in message.contributions.iter_mut().zip(weighed) {
+        let member = tracks.sensors.get(*member);
+        let source = &settings.sources[usize::from(member.source)];
         let weight = weight(share);
         let is_scored = share.accuracy.is_finite();
-        let is_fresh = !candidates[index].stale;
-        message.contributions[index] = Contribution {
+        let is_fresh = !candidate.stale;
+        *place = Contribution {
             time_of_measurement_ns: member.time_ns,
             track_number: member.track_number,
             source: member.source,
@@ -141,15 +143,19 @@ pub(crate) fn write(
                 | flag(member.is_foreign, contribution_bits::CENTRE),
             weight,
             accuracy: if is_scored { share.accuracy } else { f64::NAN },
-            sensor_uid: settings.sources[usize::from(member.source)].sensor_uid,
+            sensor_uid: source.sensor_uid,
             origin: member.latest.origin,
             axis_weights: share.weight.map(|weight| weight as f32),
-            axis_accuracies: candidates[index].lambda_by_axis(is_scored),
+            axis_accuracies: if is_scored {
+                candidate.lambda_by_axis()
+            } else {
+                [0.0; AXES]
+            },
         };
         if member.latest.has(sensor_track_bits::LEVEL) {
             let stated_ns = member.time_ns - i64::from(member.latest.level_age_ms) * NS_PER_MS;
             let age_ns = (entry.state.time_ns - stated_ns).max(0);
-            let age_max_ns = level_age_max_ns(settings.sources[usize::from(member.source)].period_ns);
+            let age_max_ns = level_age_max_ns(source.period_ns);
             if age_ns < level_age_ns && age_ns <= age_max_ns {
                 (level, level_age_ns) = (member.latest.level, age_ns);
             }
@@ -173,6 +179,7 @@ pub(crate) fn write(
 }
 
 /// Lists, after the contributions, other centres that tracked the target and are silent now.
+#[cold]
 pub(crate) fn list_silent_centres(message: &mut SystemTrack, tracks: &Tracks, slot: SystemSlot) {
     for member in tracks.members(slot) {
         let centre = tracks.sensors.get(member);

@@ -161,6 +161,8 @@ fn in_order<S: Serializer>(deadlines: &BinaryHeap<Deadline>, serializer: S) -> R
 
 /// Largest logarithm of the odds: one confirmed track in ten thousand is false.
 const LOG_ODDS_MAX: f64 = 9.2;
+/// `probability(LOG_ODDS_MAX)`: that of most targets.
+const EXISTENCE_MAX: f32 = 0.999_898_97;
 
 impl SystemEntry {
     /// Adds evidence for the target.
@@ -175,7 +177,11 @@ impl SystemEntry {
         if self.log_odds.is_nan() {
             return 0.0;
         }
-        probability(self.log_odds.min(LOG_ODDS_MAX) + self.absence) as f32
+        let log_odds = self.log_odds.min(LOG_ODDS_MAX) + self.absence;
+        if log_odds == LOG_ODDS_MAX {
+            return EXISTENCE_MAX;
+        }
+        probability(log_odds) as f32
     }
 
     #[inline]
@@ -555,5 +561,15 @@ impl SystemTracks {
         entry.number = 0;
         self.quota.give_back(entry.owner);
         self.free.push(slot);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn most_targets_have_the_probability_of_the_most_evidence() {
+        assert_eq!(EXISTENCE_MAX, probability(LOG_ODDS_MAX) as f32);
     }
 }

@@ -32,6 +32,7 @@ pub(crate) fn innovation(fit: Fit) -> FilterInnovation {
     FilterInnovation {
         residual_m: [0.0; 2],
         covariance_m2: [1.0, 0.0, 1.0],
+        squared: 0.0,
         gain: 0.5,
         fit,
         manoeuvre: None,

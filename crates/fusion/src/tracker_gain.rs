@@ -482,9 +482,8 @@ impl TrackerGain {
             principal.values = [middle; 2];
         }
         let least = RATIO_MIN.max(RATIO_MIN_RELATIVE * ratio);
-        let gains = principal
-            .values
-            .map(|value| gains_of(value.clamp(least, RATIO_MAX), number));
+        let gain = |value: f64| gains_of(value.clamp(least, RATIO_MAX), number);
+        let gains = [gain(principal.values[0]), gain(principal.values[1])];
         let components = principal.along([x, y]);
         let innovation: [f64; 2] = std::array::from_fn(|axis| components[axis] / gains[axis].position);
         if is_update {

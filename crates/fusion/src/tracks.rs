@@ -221,8 +221,19 @@ impl Tracks {
 
     /// The sensor tracks of a system track, newest link first.
     pub(crate) fn members(&self, system: SystemSlot) -> impl Iterator<Item = SensorSlot> {
-        let next = |slot: &SensorSlot| self.sensors.get(*slot).next.get();
-        std::iter::successors(self.systems.get(system).members, next)
+        self.member_entries(system).map(|(member, _)| member)
+    }
+
+    /// The sensor tracks of a system track with their entries, newest link first.
+    #[inline]
+    pub(crate) fn member_entries(&self, system: SystemSlot) -> impl Iterator<Item = (SensorSlot, &SensorEntry)> {
+        let mut next = MemberLink::to(self.systems.get(system).members);
+        std::iter::from_fn(move || {
+            let member = next.get()?;
+            let entry = self.sensors.get(member);
+            next = entry.next;
+            Some((member, entry))
+        })
     }
 
     /// Calls `change` with every sensor track of a system track, which may not link it elsewhere.
@@ -237,16 +248,31 @@ impl Tracks {
 
     /// The sensor tracks that contribute to `system` at `now_ns`: the fresh primary ones.
     pub(crate) fn contributing(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
-        self.members(system).filter(move |member| {
-            let entry = self.sensors.get(*member);
-            entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
-        })
+        self.contributing_entries(system, now_ns).map(|(member, _)| member)
+    }
+
+    /// The same with their entries.
+    #[inline]
+    pub(crate) fn contributing_entries(
+        &self,
+        system: SystemSlot,
+        now_ns: i64,
+    ) -> impl Iterator<Item = (SensorSlot, &SensorEntry)> {
+        self.member_entries(system)
+            .filter(move |(_, entry)| self.contributes(entry, now_ns))
+    }
+
+    /// Whether a sensor track contributes to its system track at `now_ns`.
+    #[inline]
+    pub(crate) fn contributes(&self, entry: &SensorEntry, now_ns: i64) -> bool {
+        entry.role == Role::Primary && now_ns - entry.time_ns <= self.lifetimes.fresh_ns(entry.source)
     }
 
     /// Those of them that are no tracks of other centres.
     pub(crate) fn contributing_here(&self, system: SystemSlot, now_ns: i64) -> impl Iterator<Item = SensorSlot> {
-        self.contributing(system, now_ns)
-            .filter(|member| !self.sensors.get(*member).is_foreign)
+        self.contributing_entries(system, now_ns)
+            .filter(|(_, entry)| !entry.is_foreign)
+            .map(|(member, _)| member)
     }
 
     /// The sensor track of `source` that contributes to `system`, other than `own`.
@@ -257,14 +283,28 @@ impl Tracks {
         own: SensorSlot,
         now_ns: i64,
     ) -> Option<SensorSlot> {
-        self.contributing(system, now_ns)
-            .find(|member| *member != own && self.sensors.get(*member).source == source)
+        self.contributing_entries(system, now_ns)
+            .find(|(member, entry)| *member != own && entry.source == source)
+            .map(|(member, _)| member)
     }
 
     /// The sources that contribute to a system track, as bits.
     pub(crate) fn sources_of(&self, system: SystemSlot, now_ns: i64) -> u64 {
-        self.contributing(system, now_ns)
-            .fold(0, |bits, member| bits | 1 << self.sensors.get(member).source)
+        let mut bits = 0;
+        for (_, entry) in self.contributing_entries(system, now_ns) {
+            bits |= 1 << entry.source;
+        }
+        bits
+    }
+
+    /// The sources that contribute to the system track of `own`, as bits, and whether nothing but `own` does.
+    pub(crate) fn sources_beside(&self, own: SensorSlot, now_ns: i64) -> (u64, bool) {
+        let (mut bits, mut is_alone) = (0, true);
+        for (member, entry) in self.contributing_entries(self.sensors.get(own).system, now_ns) {
+            bits |= 1 << entry.source;
+            is_alone &= member == own;
+        }
+        (bits, is_alone)
     }
 
     /// Whether nothing but `own` contributes to its system track.
@@ -286,13 +326,11 @@ impl Tracks {
 
     /// The time at which the last of the present contributions ceases to be fresh.
     pub(crate) fn fresh_until(&self, system: SystemSlot) -> i64 {
-        self.members(system)
-            .map(|member| {
-                let entry = self.sensors.get(member);
-                entry.time_ns + self.lifetimes.fresh_ns(entry.source)
-            })
-            .max()
-            .unwrap_or(i64::MIN)
+        let mut until_ns = i64::MIN;
+        for (_, entry) in self.member_entries(system) {
+            until_ns = until_ns.max(entry.time_ns + self.lifetimes.fresh_ns(entry.source));
+        }
+        until_ns
     }
 
     /// Links a sensor track that belongs nowhere to `system`.
@@ -311,6 +349,7 @@ impl Tracks {
     }
 
     /// Takes a sensor track out of its system track.
+    #[cold]
     pub(crate) fn unlink(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get_mut(sensor);
         let (system, next) = (std::mem::replace(&mut entry.system, NO_SYSTEM), entry.next);
@@ -360,13 +399,19 @@ impl Tracks {
         let entry = self.sensors.get(sensor);
         let (system, source, now_ns) = (entry.system, entry.source, entry.time_ns);
         let group = self.dependence.group_of(source);
-        let of_group = |member: &SensorSlot| {
-            *member != sensor && self.dependence.group_of(self.sensors.get(*member).source) == group
-        };
-        let other = self.contributing(system, now_ns).find(of_group);
+        if entry.role == Role::Primary && group == source {
+            // No other source of the group comes before the first one.
+            return;
+        }
+        let other = self
+            .member_entries(system)
+            .find(|(member, entry)| {
+                *member != sensor && self.dependence.group_of(entry.source) == group && self.contributes(entry, now_ns)
+            })
+            .map(|(_, other)| other.source);
         if entry.role == Role::Primary {
             // Two that have been found to depend on each other: the first source speaks from now on.
-            if other.is_some_and(|other| self.sensors.get(other).source < source) {
+            if other.is_some_and(|other| other < source) {
                 self.sensors.get_mut(sensor).role = Role::Duplicate;
             }
             return;
@@ -389,6 +434,7 @@ impl Tracks {
     }
 
     /// Lets the filter of a sensor track's system track begin anew with what the sensor track says.
+    #[cold]
     pub(crate) fn restart_filter(&mut self, sensor: SensorSlot) {
         let entry = self.sensors.get(sensor);
         let system = self.systems.get_mut(entry.system);
@@ -399,6 +445,7 @@ impl Tracks {
     }
 
     /// Frees the place of a sensor track.
+    #[cold]
     pub(crate) fn drop_sensor_track(&mut self, sensor: SensorSlot) {
         if self.sensors.get(sensor).system != NO_SYSTEM {
             self.unlink(sensor);

@@ -10,7 +10,7 @@ use messages::{CONTRIBUTIONS_MAX, SensorTrack, TrackState, sensor_track_bits};
 use crate::accuracy::{Accuracies, StatedAccuracy};
 use crate::history::moved;
 use crate::rules::{self, Candidate, RuleFunction, RuleMemory, RuleMethod, Share, Target};
-use crate::sensor_tracks::{Role, SensorSlot};
+use crate::sensor_tracks::{Role, SensorEntry, SensorSlot};
 use crate::settings::{DropOut, Settings};
 use crate::state::State;
 use crate::system_tracks::SystemSlot;
@@ -25,6 +25,24 @@ pub(crate) struct Weigher<'a> {
     pub(crate) method: RuleMethod,
 }
 
+/// What contributions state of a target beside its motion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stated {
+    pub(crate) alerts: u8,
+    pub(crate) on_ground: bool,
+    /// Whether one states a group or a type.
+    pub(crate) is_described: bool,
+}
+
+impl Stated {
+    #[inline]
+    fn add(&mut self, entry: &SensorEntry) {
+        self.alerts |= entry.alerts;
+        self.on_ground |= entry.on_ground;
+        self.is_described |= entry.is_described;
+    }
+}
+
 /// The contributions to one system track and what the rule makes of them; `len` entries of each array hold something.
 /// Large, and so kept and filled anew for each system track.
 #[derive(Debug)]
@@ -35,6 +53,12 @@ pub(crate) struct Weighed {
     len: usize,
     /// All that contribute, also those for which there is no room.
     contributing: u16,
+    /// Whether another centre tracks the target, or has done so.
+    has_centres: bool,
+    /// What the members state of the target beside its motion.
+    stated: Stated,
+    /// Keys by which members are sorted: source, order in the list of members, and place, from the highest bits on.
+    keys: [u64; CONTRIBUTIONS_MAX],
 }
 
 impl Default for Weighed {
@@ -45,6 +69,9 @@ impl Default for Weighed {
             shares: [Share::default(); CONTRIBUTIONS_MAX],
             len: 0,
             contributing: 0,
+            has_centres: false,
+            stated: Stated::default(),
+            keys: [0; CONTRIBUTIONS_MAX],
         }
     }
 }
@@ -58,6 +85,24 @@ impl Weighed {
     /// Number of all contributing sensor tracks. Of more than can be held those of the first sources are.
     pub(crate) fn contributing(&self) -> u16 {
         self.contributing
+    }
+
+    /// Whether a sensor track of the system track, contributing or not, is a track of another centre.
+    pub(crate) fn has_centres(&self) -> bool {
+        self.has_centres
+    }
+
+    /// What the members state of the target beside its motion.
+    pub(crate) fn stated(&self) -> Stated {
+        self.stated
+    }
+
+    /// Collects what the members state: others have been taken in.
+    pub(crate) fn collect_stated(&mut self, tracks: &Tracks) {
+        self.stated = Stated::default();
+        for member in &self.members[..self.len] {
+            self.stated.add(tracks.sensors.get(*member));
+        }
     }
 
     /// One per member.
@@ -161,10 +206,15 @@ impl Weighed {
     }
 }
 
+/// The source in a key of [`Weighed::keys`].
+fn source_of(key: u64) -> u16 {
+    (key >> 48) as u16
+}
+
 impl Weigher<'_> {
     /// Gathers the contributions to `system` at `reference_ns`.
     pub(crate) fn gather(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
-        (weighed.len, weighed.contributing) = (0, 0);
+        (weighed.len, weighed.contributing, weighed.has_centres) = (0, 0, false);
         match self.method {
             RuleMethod::Filter => self.gather_shares(system, reference_ns, weighed),
             RuleMethod::Candidates(_) => self.gather_states(system, reference_ns, weighed),
@@ -175,29 +225,41 @@ impl Weigher<'_> {
     /// unless accuracy values are wanted.
     fn gather_shares(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
         let sensors = &self.tracks.sensors;
-        for member in self.tracks.contributing_here(system, reference_ns) {
-            let source = sensors.get(member).source;
+        let wants_values = self.settings.accuracy_values();
+        let keys = &mut weighed.keys;
+        let mut len = 0;
+        for (member, entry) in self.tracks.member_entries(system) {
+            if entry.is_foreign {
+                weighed.has_centres = true;
+                continue;
+            }
+            if !self.tracks.contributes(entry, reference_ns) {
+                continue;
+            }
             weighed.contributing += 1;
-            if weighed.len == CONTRIBUTIONS_MAX {
-                if sensors.get(weighed.members[CONTRIBUTIONS_MAX - 1]).source < source {
+            if len == CONTRIBUTIONS_MAX {
+                keys.sort_unstable();
+                if source_of(keys[CONTRIBUTIONS_MAX - 1]) < entry.source {
                     continue;
                 }
-                weighed.len -= 1;
+                len -= 1;
             }
-            let mut place = weighed.len;
-            while place > 0 && sensors.get(weighed.members[place - 1]).source > source {
-                weighed.members[place] = weighed.members[place - 1];
-                place -= 1;
-            }
-            weighed.members[place] = member;
-            weighed.len += 1;
+            keys[len] = u64::from(entry.source) << 48 | u64::from(weighed.contributing) << 32 | u64::from(member);
+            len += 1;
         }
-        for (candidate, member) in weighed.candidates.iter_mut().zip(&weighed.members[..weighed.len]) {
+        let keys = &mut keys[..len];
+        keys.sort_unstable();
+        weighed.len = len;
+        weighed.stated = Stated::default();
+        let places = weighed.members.iter_mut().zip(&mut weighed.candidates);
+        for ((member, candidate), key) in places.zip(keys) {
+            *member = *key as SensorSlot;
             let entry = sensors.get(*member);
-            candidate.source = entry.source;
+            weighed.stated.add(entry);
+            candidate.source = source_of(*key);
             candidate.filter_share = entry.share;
             candidate.lambda = f64::INFINITY;
-            if self.settings.accuracy_values() {
+            if wants_values {
                 let latest = &entry.latest;
                 let later_ns = reference_ns - latest.time_of_measurement_ns;
                 let place_m = moved(latest.position_m, latest.velocity_mps, later_ns);
@@ -206,19 +268,23 @@ impl Weigher<'_> {
                 candidate.state.has_height = latest.has(sensor_track_bits::HEIGHT);
             }
         }
-        if self.settings.accuracy_values() {
+        if wants_values {
             weighed.value();
         }
     }
 
     /// The contributions to `system`, in the order of their sources, brought to `reference_ns`.
+    #[inline(never)]
     fn gather_states(&self, system: SystemSlot, reference_ns: i64, weighed: &mut Weighed) {
+        let is_foreign = |member: SensorSlot| self.tracks.sensors.get(member).is_foreign;
+        weighed.has_centres = self.tracks.members(system).any(is_foreign);
         for member in self.tracks.contributing_here(system, reference_ns) {
             weighed.push(member, self.candidate(member, reference_ns));
         }
         if self.settings.rule.hand_over.drop_out == DropOut::Blend {
             self.gather_stale(system, reference_ns, weighed);
         }
+        weighed.collect_stated(self.tracks);
         weighed.value();
     }
 

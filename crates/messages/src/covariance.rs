@@ -44,6 +44,19 @@ impl Covariance {
         self.upper[Self::index(row, column)] = value;
     }
 
+    /// Returns whether no two components are correlated.
+    #[inline]
+    pub fn is_diagonal(&self) -> bool {
+        // The bits of 0 but for its sign, without a branch for each element.
+        let mut bits = 0;
+        for row in 0..STATE_LEN {
+            for column in row + 1..STATE_LEN {
+                bits |= self.get(row, column).to_bits();
+            }
+        }
+        bits << 1 == 0
+    }
+
     /// Returns the sum of the diagonal elements in `components`.
     pub fn trace(&self, components: impl IntoIterator<Item = usize>) -> f64 {
         components.into_iter().map(|index| self.get(index, index)).sum()

@@ -85,6 +85,7 @@ impl Identity {
 
     /// Returns a number unique across all kinds of targets: an aircraft's address, or a ship's MMSI with bit 30
     /// set.
+    #[inline]
     pub fn unique_number(&self) -> Option<u32> {
         self.address().or_else(|| self.mmsi().map(|mmsi| mmsi | 1 << MMSI_BITS))
     }

@@ -39,8 +39,11 @@ impl TargetType {
 
     /// Returns the name without padding, if a type is known.
     pub fn name(&self) -> Option<&str> {
+        if !self.is_known() {
+            return None;
+        }
         let text = std::str::from_utf8(&self.name).ok()?.trim_end_matches([' ', '\0']);
-        (self.is_known() && !text.is_empty()).then_some(text)
+        (!text.is_empty()).then_some(text)
     }
 }
 

@@ -84,6 +84,12 @@ impl Alignment {
         self.search.forget(usize::from(source));
     }
 
+    /// Returns whether the bias of a source is taken off its reports.
+    #[inline]
+    pub(crate) fn corrects(&self, source: u16) -> bool {
+        self.removal.corrects(usize::from(source))
+    }
+
     /// The report without the bias of its source, at `now_ns`; `None` without correction.
     pub(crate) fn corrected(&self, report: &SensorTrack, now_ns: i64) -> Option<SensorTrack> {
         let place_m = self.search.places_m()[usize::from(report.source)];

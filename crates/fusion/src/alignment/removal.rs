@@ -60,6 +60,12 @@ impl Removal {
         self.epochs[source] = self.epochs[source].wrapping_add(1);
     }
 
+    /// Returns whether the bias of a source is taken off its reports.
+    #[inline]
+    pub(super) fn corrects(&self, source: usize) -> bool {
+        self.removed[source].is_some()
+    }
+
     /// The report without the bias of its source, at `now_ns`; `None` without correction.
     pub(super) fn corrected(
         &self,

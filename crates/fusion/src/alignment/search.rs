@@ -234,7 +234,7 @@ impl BiasSearch {
         let [x, y, _] = report.position_m;
         let is_informative = report.state == TrackState::Confirmed as u8
             && report.has(sensor_track_bits::VELOCITY)
-            && vx.hypot(vy) > SPEED_MIN_MPS;
+            && vx * vx + vy * vy > SPEED_MIN_MPS * SPEED_MIN_MPS;
         if !is_informative {
             return;
         }

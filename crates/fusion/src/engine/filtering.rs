@@ -1,6 +1,5 @@
 //! How a measurement changes the filter of its system track, and what the engine learns of the innovation.
 
-use association::distance::squared2;
 use messages::{Counter, TrackState};
 
 use super::Engine;
@@ -70,7 +69,7 @@ impl Engine {
             self.restart(sensor, sink);
             return;
         }
-        let nis = squared2(innovation.residual_m, innovation.covariance_m2).min(f64::from(f32::MAX));
+        let nis = innovation.squared.min(f64::from(f32::MAX));
         self.tracks.dependence.learn_innovation(source, 0.5 * nis);
         self.tracks.systems.get_mut(system).nis = nis as f32;
         if referred.is_usable {
@@ -100,8 +99,13 @@ impl Engine {
         let source = self.tracks.sensors.get(sensor).source;
         self.tracks.systems.get_mut(system).contributors |= 1 << source;
         self.points.learn(&mut self.tracks, sensor, &innovation);
-        self.sources
-            .learn_of_innovation(&self.settings, &mut self.tracks, sensor, &innovation, measurement);
+        self.sources.learn_of_innovation(
+            &self.settings,
+            &mut self.tracks,
+            sensor,
+            (&innovation, measurement),
+            is_misled,
+        );
     }
 
     /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is

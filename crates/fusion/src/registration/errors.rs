@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use estimation::Symmetric3;
 use kept::kept;
 use messages::AXES;
 use nalgebra::SMatrix;
@@ -13,7 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Correction, Measurement};
 use crate::registration::model::BiasModel;
-use crate::registration::rows::{AZIMUTH, ERRORS, Errors, RANGE, TIME};
+use crate::registration::rows::{ERRORS, Errors, TIME};
+use crate::registration::sensitivity::Sensitivity;
 
 /// Standard deviations of the errors before anything is known.
 pub(crate) const PRIOR_SIGMA: [f64; ERRORS] = [1000.0, 1000.0, 1000.0, 1.0, 1000.0, 0.1];
@@ -58,7 +60,7 @@ pub(crate) struct TargetView {
     pub(crate) source: u16,
     /// Position as reported, nothing removed, metres.
     pub(crate) position_m: [f64; AXES],
-    pub(crate) covariance_m2: estimation::Matrix3,
+    pub(crate) covariance_m2: Symmetric3,
     pub(crate) velocity_mps: [f64; AXES],
     pub(crate) has_height: bool,
     /// Position of the sensor, if known.
@@ -67,44 +69,27 @@ pub(crate) struct TargetView {
 
 impl TargetView {
     /// Returns the displacement of the report of a target with this velocity by the source's biases.
-    pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> SMatrix<f64, AXES, ERRORS> {
-        sensitivity(self.position_m, velocity_mps, self.place_m)
+    pub(crate) fn sensitivity(&self, velocity_mps: [f64; AXES]) -> Sensitivity {
+        Sensitivity::new(self.position_m, velocity_mps, self.place_m)
     }
 
     /// Takes the measurement behind a state, from which `correction` was taken off, in place of the state.
     pub(crate) fn take_measurement(&mut self, measurement: &Measurement, correction: &Correction) {
         let mut measurement = *measurement;
         measurement.uncorrect(correction);
-        let [xx, xy, xz, yy, yz, zz] = measurement.covariance_m2;
         self.position_m = measurement.position_m;
-        self.covariance_m2 = estimation::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        self.covariance_m2 = measurement.covariance_m2;
         self.has_height &= measurement.axes == AXES;
     }
 }
 
-/// Derivatives of a report with respect to the errors of its source. Without a position of the sensor the azimuth bias
-/// turns the targets about the origin: with an offset, that is the same rotation. A range bias has no effect then.
+/// [`Sensitivity`] as a matrix.
 pub(crate) fn sensitivity(
     position: [f64; AXES],
     velocity: [f64; AXES],
     place: Option<[f64; 2]>,
 ) -> SMatrix<f64, AXES, ERRORS> {
-    let mut h = SMatrix::zeros();
-    for axis in 0..AXES {
-        h[(axis, axis)] = 1.0;
-        h[(axis, 3)] = -velocity[axis];
-    }
-    let [east, north] = place.unwrap_or_default();
-    let (dx, dy) = (position[0] - east, position[1] - north);
-    let range = dx.hypot(dy);
-    if range > 1.0 {
-        if place.is_some() {
-            (h[(0, RANGE)], h[(1, RANGE)]) = (dx / range, dy / range);
-        }
-        // Azimuth counts clockwise from north.
-        (h[(0, AZIMUTH)], h[(1, AZIMUTH)]) = (dy, -dx);
-    }
-    h
+    Sensitivity::new(position, velocity, place).matrix()
 }
 
 kept! {

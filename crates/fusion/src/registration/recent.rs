@@ -14,10 +14,12 @@
 //! Source: A. Willsky, H. Jones, *A generalized likelihood ratio approach to the detection and estimation of jumps in
 //! linear systems*, IEEE Transactions on Automatic Control 21 (1976).
 
+use messages::AXES;
 use serde::{Deserialize, Serialize};
 
 use crate::registration::model::BiasModel;
 use crate::registration::rows::{AZIMUTH, Errors, NormalMatrix, RANGE};
+use crate::registration::sensitivity::{Sensitivity, Weighted, add_vector};
 
 /// Solutions of a new estimate before its latest differences are looked at.
 pub(crate) const SOLUTIONS_MIN: u8 = 5;
@@ -59,15 +61,15 @@ impl Default for Recent {
 }
 
 impl Recent {
-    /// Adds a difference: HᵀWH and HᵀW·rest.
-    pub(crate) fn add(&mut self, normal: &NormalMatrix, right: &Errors) {
-        self.normal += normal;
-        self.right += right;
+    /// Adds a difference: HᵀWH and HᵀW·rest, given H and HᵀW.
+    pub(crate) fn add(&mut self, of: &Sensitivity, weighted: &Weighted, rest: &[f64; AXES]) {
+        of.add_product(weighted, &mut self.normal);
+        add_vector(weighted, rest, &mut self.right);
     }
 
     /// Adds a difference that the estimate uses: inverse covariance, and rest east and north, metres.
-    pub(crate) fn add_used(&mut self, weight: &estimation::Matrix3, [east, north]: [f64; 2]) {
-        let (xx, xy, yy) = (weight[(0, 0)], weight[(0, 1)], weight[(1, 1)]);
+    pub(crate) fn add_used(&mut self, weight: &[[f64; AXES]; AXES], [east, north]: [f64; 2]) {
+        let [[xx, ..], [xy, yy, _], _] = *weight;
         for (sum, value) in self.information.iter_mut().zip([xx, xy, yy]) {
             *sum += value;
         }

@@ -137,12 +137,6 @@ pub fn fuse(
 
 /// Fills a share per candidate with its contribution to the estimate of the target's filter.
 pub(crate) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
-    for (share, candidate) in shares.iter_mut().zip(candidates) {
-        *share = Share {
-            accuracy: candidate.lambda,
-            ..Share::default()
-        };
-    }
     system_filter::share_out(candidates, shares);
 }
 
@@ -203,9 +197,9 @@ impl Candidate {
         self.residual.map_or(f64::INFINITY, |v| self.alpha * norm(v))
     }
 
-    /// Accuracy value of each axis (TI-6), metres, where the contribution `is_scored`; 0 where there is none.
-    pub(crate) fn lambda_by_axis(&self, is_scored: bool) -> [f32; 3] {
-        let residual = self.residual.filter(|_| is_scored).unwrap_or_default();
+    /// Accuracy value of each axis (TI-6), metres; 0 where there is none.
+    pub(crate) fn lambda_by_axis(&self) -> [f32; 3] {
+        let residual = self.residual.unwrap_or_default();
         let mut lambda = residual.map(|part| (self.alpha * part.abs()) as f32);
         if !self.state.has_height {
             lambda[2] = 0.0;

@@ -19,7 +19,7 @@ pub(super) const ENTRY: RuleEntry = RuleEntry {
     method: RuleMethod::Filter,
 };
 
-/// Fills the weights of a share per candidate, at least one.
+/// Fills a share per candidate, at least one.
 pub(super) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
     let total: f64 = candidates.iter().map(|candidate| candidate.filter_share).sum();
     let even = 1.0 / candidates.len() as f64;
@@ -29,6 +29,10 @@ pub(super) fn share_out(candidates: &[Candidate], shares: &mut [Share]) {
         } else {
             even
         };
-        share.weight = [weight; 3];
+        *share = Share {
+            weight: [weight; 3],
+            accuracy: candidate.lambda,
+            ..Share::default()
+        };
     }
 }

@@ -1,6 +1,6 @@
 //! Comparison of reports of two sources on one target, from which systematic errors are estimated.
 
-use estimation::{AxisNoise, Matrix3};
+use estimation::AxisNoise;
 use messages::{NS_PER_S, TrackState, sensor_track_bits};
 
 use crate::measurement::Measurement;
@@ -37,16 +37,17 @@ impl Sources {
             return;
         }
         let now_ns = report.time_of_measurement_ns;
-        let confirmed = |member: &SensorSlot| tracks.sensors.get(*member).latest.state == TrackState::Confirmed as u8;
-        let latest = tracks
-            .contributing_here(system, now_ns)
-            .filter(|member| *member != sensor && confirmed(member))
-            .max_by_key(|member| {
-                let latest = &tracks.sensors.get(*member).latest;
-                let lags = self.registration.is_young(latest.source);
-                (!lags, latest.time_of_measurement_ns, latest.source)
-            });
-        let Some(other) = latest else {
+        let mut latest = None;
+        for (member, other) in tracks.contributing_entries(system, now_ns) {
+            if member == sensor || other.is_foreign || other.latest.state != TrackState::Confirmed as u8 {
+                continue;
+            }
+            let key = (!self.registration.is_young(other.source), other.time_ns, other.source);
+            if latest.is_none_or(|(greatest, _)| key >= greatest) {
+                latest = Some((key, member));
+            }
+        }
+        let Some((_, other)) = latest else {
             return;
         };
         let view = |sensor| self.view(&settings.sources, tracks.sensors.get(sensor), now_ns);
@@ -71,18 +72,15 @@ impl Sources {
         let source = entry.latest.source;
         let seconds = (time_ns - entry.latest.time_of_measurement_ns) as f64 / NS_PER_S;
         let mut state = entry.as_reported();
-        let noise = self
-            .manoeuvres
-            .motion(entry.latest.velocity_mps)
-            .turns
-            .density_m2ps3
-            .map(|density| AxisNoise::white(density, seconds));
-        state.advance(seconds, noise);
-        let [xx, xy, xz, yy, yz, zz] = state.position_covariance();
+        if seconds != 0.0 {
+            let motion = self.manoeuvres.motion(entry.latest.velocity_mps);
+            let noise = motion.turns.density_m2ps3;
+            state.advance(seconds, noise.map(|density| AxisNoise::white(density, seconds)));
+        }
         TargetView {
             source,
             position_m: state.position_m(),
-            covariance_m2: Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+            covariance_m2: state.position_covariance(),
             velocity_mps: state.velocity_mps(),
             has_height: entry.latest.has(sensor_track_bits::HEIGHT),
             place_m: place_of(&sources[usize::from(source)]),
