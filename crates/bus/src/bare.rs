@@ -78,7 +78,11 @@ impl<T: Payload> BareSender<T> {
             unsafe { first.add(index).write(sample) };
         }
         // SAFETY: every sample was written, and the header is empty.
-        unsafe { SharedMemory::send(slice, self.notifier.as_deref()) }.map_err(refused)
+        unsafe { SharedMemory::send(slice) }.map_err(refused)?;
+        if let Some(notifier) = &self.notifier {
+            let _ = notifier.notify();
+        }
+        Ok(())
     }
 }
 

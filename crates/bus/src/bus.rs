@@ -4,6 +4,8 @@
 //! services, a kill at the wrong moment would leave a service that no process can open, and the first process would
 //! decide about sizes. With a holder, a topic exists before its first use and as long as the instance runs.
 
+use std::sync::atomic::Ordering::SeqCst;
+use std::sync::atomic::fence;
 use std::time::Duration;
 
 use iceoryx2::node::Node;
@@ -11,6 +13,7 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 use messages::Topic;
 
 use crate::error::BusError;
+use crate::hint::Hint;
 use crate::line::{self, Ends, Identity, Lines, OwnLine, PublisherLine};
 use crate::log::{self, LogReader, LogWriter};
 use crate::membership::Membership;
@@ -176,7 +179,7 @@ impl<S: Transport> Bus<S> {
             schema: T::SCHEMA,
         };
         let line = self.lines(topic)?.and_then(|lines| OwnLine::begin(lines, &who));
-        Ok(Publisher::new(opened, line, topic, incarnation))
+        Ok(Publisher::new(opened, line, self.hint(topic)?, topic, incarnation))
     }
 
     /// Returns a subscriber to `topic`. `now_ns` reads the monotonic clock of the publishers' incarnations; it is
@@ -194,7 +197,7 @@ impl<S: Transport> Bus<S> {
         let opened = S::subscribe(&self.node, &self.service(topic))?;
         let ends = self.lines(topic)?.map(|lines| Ends::from_now_on(lines, T::SCHEMA));
         let joined_ns = now_ns();
-        Ok(Subscriber::new(opened, ends, topic, joined_ns))
+        Ok(Subscriber::new(opened, ends, self.hint(topic)?, topic, joined_ns))
     }
 
     /// Last words of the publishers of `topic`, the dead ones included until their lines are needed for others: see
@@ -206,6 +209,11 @@ impl<S: Transport> Bus<S> {
         let lines = self.lines(topic)?;
         let of_schema = |line: &PublisherLine| line.schema == T::SCHEMA;
         Ok(lines.map_or_else(Vec::new, |lines| lines.read().filter(of_schema).collect()))
+    }
+
+    fn hint<T: Payload>(&self, topic: &Topic<T>) -> Result<Hint, BusError> {
+        let lines = self.lines(topic)?;
+        Ok(lines.map_or_else(|| Hint::in_process(self.root.path(), &topic.name), Hint::Shared))
     }
 
     fn lines<T: Payload>(&self, topic: &Topic<T>) -> Result<Option<Lines>, BusError> {
@@ -247,6 +255,9 @@ impl<S: Transport> Waiter<S> {
             });
         }
         self.listen(S::listen(&bus.node, &bus.service(topic))?);
+        // A publisher that does not see this listener yet does not wake it, but has written its slice before: the first
+        // question of the wait finds the slice (see `Publisher::send_slice`).
+        fence(SeqCst);
         Ok(())
     }
 }
@@ -257,7 +268,9 @@ mod tests {
     use messages::{BatchHeader, SensorTrack, SystemTrack};
 
     use super::*;
+    use crate::publisher::Mark;
     use crate::transport::InProcess;
+    use crate::waiter::{Look, Woken};
 
     #[test]
     fn a_topic_is_of_its_type_to_every_reader() {
@@ -276,5 +289,90 @@ mod tests {
         assert_eq!(refused, PublishSubscribeOpenError::IncompatibleTypes);
         let without_header = service().publish_subscribe::<[SensorTrack]>();
         assert!(without_header.open().is_err());
+    }
+
+    #[test]
+    fn a_glance_sees_what_was_sent_and_only_a_look_sees_what_came_without_a_hint() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = Root::in_base(folder.path(), "hinted").unwrap();
+        let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
+        let topic = messages::sensor_tracks("a");
+        let _held = bus.hold(&topic).unwrap();
+        let mut subscriber = bus.subscriber(&topic, || 0).unwrap();
+        let mark = Mark {
+            progress_ns: 0,
+            sent_ns: 0,
+            end: false,
+        };
+        let mut look = || {
+            let glance = subscriber.may_have_slices();
+            (glance, subscriber.take(1, |_, _| ()).unwrap())
+        };
+        assert_eq!(look(), (true, 0), "before the first look");
+        assert_eq!(look(), (false, 0));
+        let mut publishers = [1, 2].map(|incarnation| bus.publisher(&topic, incarnation).unwrap());
+        for publisher in &mut publishers {
+            publisher.send(mark, 1, |_, _| SensorTrack::default()).unwrap();
+        }
+        assert_eq!([look(), look(), look()], [(true, 1), (true, 1), (false, 0)]);
+        // As a publisher in another language does.
+        let name = iceoryx2::prelude::ServiceName::new(topic.name.as_str()).unwrap();
+        let service = bus.node().service_builder(&name);
+        let service = service
+            .publish_subscribe::<[SensorTrack]>()
+            .user_header::<BatchHeader>();
+        let foreign = service
+            .open()
+            .unwrap()
+            .publisher_builder()
+            .initial_max_slice_len(1)
+            .create()
+            .unwrap();
+        let mut slice = foreign.loan_slice_uninit(1).unwrap();
+        *slice.user_header_mut() = BatchHeader {
+            schema: <SensorTrack as messages::layout::Sample>::SCHEMA,
+            ..BatchHeader::default()
+        };
+        slice.write_from_fn(|_| SensorTrack::default()).send().unwrap();
+        assert_eq!(look(), (false, 1), "without a hint");
+        assert_eq!([look(), look()], [(true, 0), (false, 0)]);
+        // A publisher that comes and goes between two looks.
+        let mut brief = bus.publisher(&topic, 3).unwrap();
+        assert_eq!(look(), (false, 0), "connects");
+        brief.send(mark, 1, |_, _| SensorTrack::default()).unwrap();
+        drop(brief);
+        assert_eq!([look(), look()], [(true, 1), (false, 0)]);
+    }
+
+    #[test]
+    fn a_listener_that_comes_later_is_woken_and_finds_what_was_sent_before() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = Root::in_base(folder.path(), "woken").unwrap();
+        let bus: Bus<InProcess> = Bus::open(&root, "test").unwrap();
+        let topic = messages::sensor_tracks("a");
+        let _held = bus.hold(&topic).unwrap();
+        let mut subscriber = bus.subscriber(&topic, || 0).unwrap();
+        let mut publisher = bus.publisher(&topic, 1).unwrap();
+        let mark = Mark {
+            progress_ns: 0,
+            sent_ns: 0,
+            end: false,
+        };
+        let mut send = || publisher.send(mark, 1, |_, _| SensorTrack::default()).unwrap();
+        send();
+        let mut waiter = bus.waiter(WaitMode::Event);
+        waiter.watch(&bus, &topic).unwrap();
+        let day = Duration::from_secs(86_400);
+        let woken = waiter.wait_at_a_glance(day, |_| subscriber.may_have_slices()).unwrap();
+        assert_eq!((woken, subscriber.take(9, |_, _| ()).unwrap()), (Woken::Work, 1));
+        send();
+        // Readable: the publisher has notified.
+        let mut looks = Vec::new();
+        let woken = waiter.wait_at_a_glance(day, |look| {
+            looks.push(look);
+            look == Look::Full
+        });
+        assert_eq!((woken.unwrap(), looks), (Woken::Work, vec![Look::Glance, Look::Full]));
+        assert_eq!(waiter.missed_wake_ups(), 0);
     }
 }

@@ -64,6 +64,7 @@ mod bare;
 pub mod base;
 mod bus;
 mod error;
+mod hint;
 mod line;
 mod log;
 mod mapping;
@@ -103,4 +104,4 @@ pub use subscriber::{PublisherRecord, ReceiveOutcome, Slice, Subscriber, Subscri
 pub use transport::SharedMemoryAnyThread;
 pub use transport::{InProcess, Payload, SharedMemory};
 pub use unborn::Unborn;
-pub use waiter::{BACKSTOP, WATCHED_MAX, WaitMode, Waiter, Woken};
+pub use waiter::{BACKSTOP, Look, WATCHED_MAX, WaitMode, Waiter, Woken};

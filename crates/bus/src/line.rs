@@ -44,6 +44,8 @@ const STATE: u64 = (1 << STATE_BITS) - 1;
 struct LineHead {
     /// How many lines have been marked as ended or died.
     ends: AtomicU64,
+    /// How many slices have been sent: see the module `hint`.
+    sends: AtomicU64,
 }
 
 #[repr(C, align(64))]
@@ -150,6 +152,12 @@ impl Lines {
     fn list(&self) -> &[Line] {
         // SAFETY: as in `head`; behind it the mapping has `count` lines.
         unsafe { std::slice::from_raw_parts(self.mapping.start().cast::<Line>().add(1).as_ptr(), self.count) }
+    }
+
+    /// The word that changes after each send.
+    #[inline]
+    pub(crate) fn sends(&self) -> &AtomicU64 {
+        &self.head().sends
     }
 
     /// Every line that a publisher has or had.

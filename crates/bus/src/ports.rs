@@ -15,13 +15,14 @@ use std::sync::atomic::AtomicU64;
 use iceoryx2::node::Node;
 use iceoryx2::port::ReceiveError;
 use iceoryx2::port::listener::Listener;
-use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::FileDescriptorBased;
 use iceoryx2::service::Service as Medium;
 
 use crate::error::BusError;
 use crate::root::Root;
-use crate::service::{self, DeadProcesses, Loan, PublisherPort, Service, SubscriberPort, TakenSlice, TopicHold};
+use crate::service::{
+    self, DeadProcesses, Loan, PublisherPort, Service, SubscriberPort, TakenSlice, TopicHold, WakeUps,
+};
 use crate::transport::{InProcess, SharedMemory};
 
 /// The medium of a [`Bus`](crate::Bus). Implemented by the media of this crate, and by nothing else.
@@ -53,7 +54,9 @@ pub trait Ports: Medium + Sized + 'static {
     /// # Safety
     /// Every sample and the header must have been written.
     #[doc(hidden)]
-    unsafe fn send(slice: DropGuard<Loan<Self>>, notifier: Option<&Notifier<Self>>) -> Result<(), &'static str>;
+    unsafe fn send(slice: DropGuard<Loan<Self>>) -> Result<(), &'static str>;
+    #[doc(hidden)]
+    fn wake(wake_ups: &WakeUps<Self>);
     #[doc(hidden)]
     fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError>;
     #[doc(hidden)]
@@ -66,7 +69,7 @@ pub struct Sending<S: Medium> {
     pub(crate) node: u128,
     pub(crate) origin: u128,
     pub(crate) port: DropGuard<PublisherPort<S>>,
-    pub(crate) notifier: DropGuard<Notifier<S>>,
+    pub(crate) wake_ups: DropGuard<WakeUps<S>>,
     pub(crate) failed_connections: Arc<AtomicU64>,
 }
 
@@ -160,12 +163,12 @@ macro_rules! transport {
             fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError> {
                 let (port, failed_connections) = service.publisher(node)?;
                 // After the port: making the notifier wakes subscribers, which then connect to the port.
-                let notifier = DropGuard::new(service.notifier(node)?);
+                let wake_ups = DropGuard::new(service.wake_ups(node)?);
                 Ok(Sending {
                     node: node.id().value(),
                     origin: port.id().value(),
                     port: DropGuard::new(port),
-                    notifier,
+                    wake_ups,
                     failed_connections,
                 })
             }
@@ -186,12 +189,13 @@ macro_rules! transport {
                 service::loan(port, length).map(DropGuard::new)
             }
 
-            unsafe fn send(
-                slice: DropGuard<Loan<Self>>,
-                notifier: Option<&Notifier<Self>>,
-            ) -> Result<(), &'static str> {
+            unsafe fn send(slice: DropGuard<Loan<Self>>) -> Result<(), &'static str> {
                 // SAFETY: as asked for.
-                unsafe { service::send(slice.into_inner(), notifier) }
+                unsafe { service::send(slice.into_inner()) }
+            }
+
+            fn wake(wake_ups: &WakeUps<Self>) {
+                service::wake(wake_ups);
             }
 
             fn receive(port: &SubscriberPort<Self>) -> Result<Option<DropGuard<TakenSlice<Self>>>, ReceiveError> {

@@ -9,24 +9,26 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering::{self, SeqCst};
+use std::sync::atomic::{AtomicU64, fence};
 
-use iceoryx2::port::notifier::Notifier;
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
+use crate::hint::{Hint, Word as _};
 use crate::line::OwnLine;
 use crate::ports::{DropGuard, Sending, Transport};
-use crate::service::PublisherPort;
+use crate::service::{PublisherPort, WakeUps};
 use crate::transport::Payload;
 
 /// Sends slices of samples `T` on one topic.
 #[derive(Debug)]
 pub struct Publisher<S: Transport, T: Payload> {
     port: DropGuard<PublisherPort<S>>,
-    notifier: DropGuard<Notifier<S>>,
+    wake_ups: DropGuard<WakeUps<S>>,
     /// Dropped after the port: when the line is marked as ended, no further slice enters the queue.
     line: Option<OwnLine>,
+    hint: Hint,
     samples: PhantomData<fn(T)>,
     topic: Arc<str>,
     slice_len: usize,
@@ -61,11 +63,18 @@ pub struct PublisherCounts {
 }
 
 impl<S: Transport, T: Payload> Publisher<S, T> {
-    pub(crate) fn new(opened: Sending<S>, line: Option<OwnLine>, topic: &Topic<T>, incarnation: u64) -> Self {
+    pub(crate) fn new(
+        opened: Sending<S>,
+        line: Option<OwnLine>,
+        hint: Hint,
+        topic: &Topic<T>,
+        incarnation: u64,
+    ) -> Self {
         Self {
             port: opened.port,
-            notifier: opened.notifier,
+            wake_ups: opened.wake_ups,
             line,
+            hint,
             samples: PhantomData,
             topic: topic.name.as_str().into(),
             slice_len: topic.capacity.slice_len,
@@ -228,7 +237,19 @@ impl<S: Transport, T: Payload> Publisher<S, T> {
             unsafe { first.add(index).write(sample) };
         }
         // SAFETY: every sample was written, and the header.
-        unsafe { S::send(slice, Some(&self.notifier)) }
+        unsafe { S::send(slice) }?;
+        self.hint.word().raise();
+        // The slice is in the queues before the listeners are counted, and a new listener is counted before its owner
+        // looks into the queues: one of the two sees the other.
+        fence(SeqCst);
+        S::wake(&self.wake_ups);
+        Ok(())
+    }
+
+    /// Sends without hints from now on, as a publisher in another language does.
+    #[doc(hidden)]
+    pub fn pretend_foreign(&mut self) {
+        self.hint = Hint::InProcess(Arc::default());
     }
 
     /// Makes the next slices state another schema, as a publisher of another build would.

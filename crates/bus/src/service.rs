@@ -16,7 +16,7 @@ use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::port::publisher::PublisherCreateError;
 use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::port::{DegradationAction, LoanError, ReceiveError, SendError};
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, NodeName, SignalHandlingMode};
+use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, NodeName, PortFactory as _, SignalHandlingMode};
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
 use iceoryx2::service::Service as Medium;
 use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
@@ -36,6 +36,13 @@ use crate::root::{Root, tame_logging};
 pub(crate) type PublisherPort<S> = iceoryx2::port::publisher::Publisher<S, Octets, Header>;
 /// Takes slices of bytes.
 pub(crate) type SubscriberPort<S> = iceoryx2::port::subscriber::Subscriber<S, Octets, Header>;
+/// Wakes the waiting readers of a topic.
+#[derive(Debug)]
+pub struct WakeUps<S: Medium> {
+    notifier: Notifier<S>,
+    service: event::PortFactory<S>,
+}
+
 /// A slice that has been taken.
 pub(crate) type TakenSlice<S> = iceoryx2::sample::Sample<S, Octets, Header>;
 /// A slice that is to be written.
@@ -157,16 +164,17 @@ impl Service<'_> {
         Ok((port, failed_connections))
     }
 
-    pub(crate) fn notifier<S: Medium>(&self, node: &Node<S>) -> Result<Notifier<S>, BusError> {
-        let wake_ups = self.open_wake_ups(node)?;
-        in_place(
+    pub(crate) fn wake_ups<S: Medium>(&self, node: &Node<S>) -> Result<WakeUps<S>, BusError> {
+        let service = self.open_wake_ups(node)?;
+        let notifier = in_place(
             node,
-            || wake_ups.notifier_builder().create(),
+            || service.notifier_builder().create(),
             |error| match error {
                 NotifierCreateError::ExceedsMaxSupportedNotifiers => self.full(PortRole::Publisher),
                 error => topic_error(self.name, "make a notifier", error),
             },
-        )
+        )?;
+        Ok(WakeUps { notifier, service })
     }
 
     pub(crate) fn listener<S: Medium>(&self, node: &Node<S>) -> Result<Listener<S>, BusError> {
@@ -267,20 +275,23 @@ pub(crate) fn loan<S: Medium>(port: &PublisherPort<S>, length: usize) -> Result<
     unsafe { port.loan_custom_payload(length) }.map_err(loan_reason)
 }
 
-/// Sends a slice, and wakes the waiting readers by `notifier`.
+/// Sends a slice.
 ///
 /// # Safety
 /// Every sample and the header must have been written.
-pub(crate) unsafe fn send<S: Medium>(slice: Loan<S>, notifier: Option<&Notifier<S>>) -> Result<(), &'static str> {
+pub(crate) unsafe fn send<S: Medium>(slice: Loan<S>) -> Result<(), &'static str> {
     // SAFETY: as asked for.
     let slice = unsafe { slice.assume_init() };
-    slice.send().map_err(send_reason)?;
-    if let Some(notifier) = notifier {
+    slice.send().map(|_| ()).map_err(send_reason)
+}
+
+/// Wakes the waiting readers, if there are any.
+pub(crate) fn wake<S: Medium>(wake_ups: &WakeUps<S>) {
+    if wake_ups.service.dynamic_config().number_of_listeners() > 0 {
         // Notifying fails only for services with deadlines, which ours are not. A wake-up that does not arrive delays a
         // subscriber (see the waiter), but loses nothing.
-        let _ = notifier.notify();
+        let _ = wake_ups.notifier.notify();
     }
-    Ok(())
 }
 
 /// The next slice of the queue.

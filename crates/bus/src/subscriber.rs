@@ -31,6 +31,7 @@ use iceoryx2::port::ReceiveError;
 use messages::{BatchHeader, Epochs, Topic};
 
 use crate::error::BusError;
+use crate::hint::{Hint, ReceivedSends, Word as _};
 use crate::line::{Ends, PublisherLine, fold};
 use crate::ports::{DropGuard, Receiving, Transport};
 use crate::quality::BORROWED_MAX;
@@ -46,6 +47,8 @@ pub struct Subscriber<S: Transport, T: Payload> {
     joined_ns: u64,
     publishers: Publishers,
     ends: Option<Ends>,
+    hint: Hint,
+    received: ReceivedSends,
     counts: SubscriberCounts,
     /// Epoch of the latest slice.
     epochs: Epochs,
@@ -119,7 +122,7 @@ pub struct PublisherRecord {
 }
 
 impl<S: Transport, T: Payload> Subscriber<S, T> {
-    pub(crate) fn new(opened: Receiving<S>, ends: Option<Ends>, topic: &Topic<T>, joined_ns: u64) -> Self {
+    pub(crate) fn new(opened: Receiving<S>, ends: Option<Ends>, hint: Hint, topic: &Topic<T>, joined_ns: u64) -> Self {
         Self {
             port: opened.port,
             samples: PhantomData,
@@ -127,6 +130,8 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             joined_ns,
             publishers: Publishers::with_room_for(topic.capacity.publishers),
             ends,
+            hint,
+            received: ReceivedSends::default(),
             counts: SubscriberCounts::default(),
             epochs: Epochs::default(),
             takes_older: false,
@@ -166,7 +171,10 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
     /// [`BusError::Borrowed`] if too many slices are kept; [`BusError::Take`] if the memory of a publisher cannot be
     /// reached.
     pub fn receive(&mut self) -> Result<ReceiveOutcome<S, T>, BusError> {
-        let Some(sample) = self.receive_any()? else {
+        let before = self.hint.word().value();
+        let received = self.receive_any()?;
+        self.received.note(before, received.is_none());
+        let Some(sample) = received else {
             return Ok(ReceiveOutcome::Nothing);
         };
         let slice = Slice(sample, PhantomData);
@@ -227,6 +235,14 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
             });
         }
         Ok(slice)
+    }
+
+    /// Returns whether a slice may wait: `false` if everything sent by publishers of this crate has been received. Costs
+    /// one load. Publishers in other languages, and those killed during a send, give no hint: look fully at times all the
+    /// same, and after each wake-up, until [`receive`](Self::receive) finds nothing.
+    #[inline]
+    pub fn may_have_slices(&self) -> bool {
+        !self.received.are_all(self.hint.word())
     }
 
     /// Returns whether a slice waits (or a take would return an error). Costs some hundred nanoseconds.

@@ -41,6 +41,9 @@ pub const WATCHED_MAX: usize = 256;
 /// Longest sleep of a blocked waiter before it asks for work without a notification.
 pub const BACKSTOP: Duration = Duration::from_millis(100);
 
+/// Time between two full looks of a waiter that spins.
+const FULL_LOOK: Duration = Duration::from_millis(1);
+
 /// While spinning, the clock is read once in so many questions; a shared core is then offered to others.
 const QUESTIONS_PER_LOOK_AT_THE_CLOCK: usize = 16;
 
@@ -56,6 +59,15 @@ pub enum WaitMode {
         /// How long to spin, nanoseconds.
         spin_ns: u64,
     },
+}
+
+/// How to look for work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Only where a publisher has given a hint ([`may_have_slices`](crate::Subscriber::may_have_slices)).
+    Glance,
+    /// Everywhere.
+    Full,
 }
 
 /// Why a wait ended.
@@ -160,7 +172,20 @@ impl<S: Transport> Waiter<S> {
     /// # Errors
     /// [`BusError::Wait`] if the system refuses to wait.
     pub fn wait(&mut self, timeout: Duration, mut has_work: impl FnMut() -> bool) -> Result<Woken, BusError> {
-        if has_work() {
+        self.wait_at_a_glance(timeout, |_| has_work())
+    }
+
+    /// Waits as [`wait`](Self::wait) does, with glances where a full look is not due: full looks follow each sleep, and
+    /// each millisecond of spinning.
+    ///
+    /// # Errors
+    /// [`BusError::Wait`] if the system refuses to wait.
+    pub fn wait_at_a_glance(
+        &mut self,
+        timeout: Duration,
+        mut has_work: impl FnMut(Look) -> bool,
+    ) -> Result<Woken, BusError> {
+        if has_work(Look::Glance) {
             return Ok(Woken::Work);
         }
         let start = Instant::now();
@@ -178,7 +203,7 @@ impl<S: Transport> Waiter<S> {
             };
             let time = left.min(BACKSTOP);
             let slept = self.sleep(time)?;
-            if has_work() {
+            if has_work(Look::Full) {
                 self.missed += u64::from(slept == Slept::FullTime && time == BACKSTOP);
                 return Ok(Woken::Work);
             }
@@ -215,10 +240,21 @@ impl<S: Transport> Waiter<S> {
 }
 
 /// Asks for work until it is there (`true`) or `time` has passed since `start`.
-fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl FnMut() -> bool) -> bool {
-    while start.elapsed() < time {
+fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl FnMut(Look) -> bool) -> bool {
+    let mut looked = Duration::ZERO;
+    loop {
+        let elapsed = start.elapsed();
+        if elapsed >= time {
+            return false;
+        }
+        if elapsed - looked >= FULL_LOOK {
+            looked = elapsed;
+            if has_work(Look::Full) {
+                return true;
+            }
+        }
         for _ in 0..QUESTIONS_PER_LOOK_AT_THE_CLOCK {
-            if has_work() {
+            if has_work(Look::Glance) {
                 return true;
             }
             // On a core of its own a pause has no benefit, and delays the answer.
@@ -230,5 +266,4 @@ fn spin_until(start: Instant, time: Duration, yields: bool, has_work: &mut impl 
             thread::yield_now();
         }
     }
-    false
 }

@@ -10,12 +10,18 @@
 
 #![forbid(unsafe_code)]
 
+mod digits;
+mod number;
+mod row;
+
 use std::fmt::Display;
-use std::io::{self, Read, Write};
+use std::io::{self, BufReader, Read};
 use std::str::FromStr;
 
-use csv::{ByteRecord, Reader, ReaderBuilder, Terminator, Trim};
 use thiserror::Error;
+
+pub use digits::{write_decimals, write_plain, write_time, write_whole};
+use row::Row;
 
 /// The columns of a covariance of position and velocity, in the order of its upper triangle.
 pub const COVARIANCE_COLUMNS: [&str; 21] = [
@@ -80,9 +86,11 @@ pub enum CsvError {
 /// A table that is read row by row.
 #[derive(Debug)]
 pub struct Table<R> {
-    reader: Reader<io::Chain<R, &'static [u8]>>,
-    header: ByteRecord,
-    row: ByteRecord,
+    input: BufReader<R>,
+    header: Row,
+    row: Row,
+    /// Line, from 1, of the row read last.
+    line: u64,
     failed: bool,
 }
 
@@ -97,7 +105,7 @@ pub struct Column {
 #[derive(Clone, Copy, Debug)]
 pub struct Cells<'a> {
     line: u64,
-    values: &'a ByteRecord,
+    values: &'a Row,
 }
 
 impl<R: Read> Table<R> {
@@ -106,20 +114,18 @@ impl<R: Read> Table<R> {
     /// # Errors
     /// If the input fails.
     pub fn new(input: R) -> Result<Self, CsvError> {
-        // Every line ends with a line feed, the last one too: then the number of line feeds passed is that of the line.
-        let mut reader = ReaderBuilder::new()
-            .terminator(Terminator::Any(b'\n'))
-            .quoting(false)
-            .flexible(true)
-            .trim(Trim::All)
-            .from_reader(input.chain(&b"\n"[..]));
-        let header = reader.byte_headers().cloned().map_err(|error| failed(error, 1))?;
-        Ok(Self {
-            reader,
-            header,
-            row: ByteRecord::new(),
+        let mut table = Self {
+            input: BufReader::new(input),
+            header: Row::default(),
+            row: Row::default(),
+            line: 0,
             failed: false,
-        })
+        };
+        // Empty lines before the header are passed over.
+        while table.read()? && table.row.is_empty() {}
+        table.row.trim_byte_order_mark();
+        table.header = std::mem::take(&mut table.row);
+        Ok(table)
     }
 
     /// A column that must be there.
@@ -152,7 +158,7 @@ impl<R: Read> Table<R> {
             .header
             .iter()
             .enumerate()
-            .filter(|(_, found)| *found == name.as_bytes());
+            .filter(|(_, found)| found.trim_ascii() == name.as_bytes());
         let found = places.next().map(|(place, _)| Column { name, place });
         match places.next() {
             Some(_) => Err(self.header_error(name, "stands there more than once")),
@@ -169,19 +175,17 @@ impl<R: Read> Table<R> {
             return None;
         }
         loop {
-            let before = self.reader.position().line();
-            match self.reader.read_byte_record(&mut self.row) {
+            match self.read() {
                 Ok(false) => return None,
-                // A line with nothing but the carriage return of another system's line end.
-                Ok(true) if self.row.len() == 1 && self.row[0].is_empty() => {}
+                Ok(true) if self.row.is_blank() => {}
                 Ok(true) => break,
                 Err(error) => {
                     self.failed = true;
-                    return Some(Err(failed(error, before)));
+                    return Some(Err(error));
                 }
             }
         }
-        let line = self.line();
+        let line = self.line;
         let (found, expected) = (self.row.len(), self.header.len());
         Some(match found == expected {
             true => Ok(Cells {
@@ -194,11 +198,24 @@ impl<R: Read> Table<R> {
 
     /// The line, from 1, of the row read last, or of the header.
     pub fn line(&self) -> u64 {
-        self.reader.position().line() - 1
+        self.line
+    }
+
+    /// Reads the next line; `false` at the end.
+    fn read(&mut self) -> Result<bool, CsvError> {
+        let line = self.line + 1;
+        let read = self.row.read(&mut self.input);
+        let has_row = read.map_err(|reason| CsvError::Input { line, reason })?;
+        self.line += u64::from(has_row);
+        Ok(has_row)
     }
 
     fn header_error(&self, column: &'static str, fault: &'static str) -> CsvError {
-        let names: Vec<_> = self.header.iter().map(String::from_utf8_lossy).collect();
+        let names: Vec<_> = self
+            .header
+            .iter()
+            .map(|name| String::from_utf8_lossy(name.trim_ascii()))
+            .collect();
         CsvError::Header {
             column,
             fault,
@@ -214,7 +231,7 @@ impl Cells<'_> {
     /// If it is not UTF-8.
     pub fn text(&self, column: impl Into<Option<Column>>) -> Result<Option<&str>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
-        match std::str::from_utf8(&self.values[column.place]) {
+        match std::str::from_utf8(self.value(column)) {
             Ok(text) => Ok(Some(text).filter(|text| !text.is_empty())),
             Err(_) => Err(self.error(column, "is not UTF-8 text")),
         }
@@ -247,6 +264,9 @@ impl Cells<'_> {
     /// If the value is something else.
     pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
+        if let Some(number) = number::simple(self.value(column)) {
+            return Ok(Some(number));
+        }
         let Some(text) = self.text(column)? else {
             return Ok(None);
         };
@@ -288,47 +308,26 @@ impl Cells<'_> {
         self.time_s(column).map(frames::time::ns)
     }
 
+    /// The value without blanks around it.
+    fn value(&self, column: Column) -> &[u8] {
+        self.values.value(column.place).trim_ascii()
+    }
+
     /// The error that the value of a column is, for this reason.
     pub fn error(&self, column: Column, reason: impl Display) -> CsvError {
         CsvError::Value {
             line: self.line,
             column: column.name,
-            value: shown(&String::from_utf8_lossy(&self.values[column.place]), SHOWN_MAX),
+            value: shown(&String::from_utf8_lossy(self.value(column)), SHOWN_MAX),
             reason: reason.to_string(),
         }
     }
-}
-
-/// Writes a time in seconds, with as few decimals as are exact.
-///
-/// # Errors
-/// If the writer fails.
-pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
-    let (whole, mut rest) = (ns.unsigned_abs() / 1_000_000_000, ns.unsigned_abs() % 1_000_000_000);
-    write!(out, "{}{whole}", if ns < 0 { "-" } else { "" })?;
-    if rest == 0 {
-        return Ok(());
-    }
-    let mut width = 9;
-    while rest % 10 == 0 {
-        rest /= 10;
-        width -= 1;
-    }
-    write!(out, ".{rest:0width$}")
 }
 
 fn shown(text: &str, characters_max: usize) -> String {
     match text.char_indices().nth(characters_max) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),
-    }
-}
-
-/// The reader is set up so that nothing but its input can fail.
-fn failed(error: csv::Error, line: u64) -> CsvError {
-    CsvError::Input {
-        line,
-        reason: error.into(),
     }
 }
 

@@ -3,7 +3,6 @@
 //! Whole numbers, words and text are written as they are. An `f64` is written with as many decimals as it takes to get
 //! it back. `None` is written as an empty value.
 
-use std::fmt;
 use std::io::{self, Write};
 
 use messages::NO_SOURCE;
@@ -19,6 +18,16 @@ pub(crate) trait Cell {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()>;
 }
 
+macro_rules! whole_numbers {
+    ($($value:ty),*) => { $( impl Cell for $value {
+        fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+            csv_table::write_whole(out, u64::from(self))
+        }
+    } )* };
+}
+
+whole_numbers!(u8, u16, u32, u64);
+
 macro_rules! as_they_are {
     ($($value:ty),*) => { $( impl Cell for $value {
         fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
@@ -27,7 +36,13 @@ macro_rules! as_they_are {
     } )* };
 }
 
-as_they_are!(u8, u16, u32, u64, f32, f64, &str, Plain, crate::rows::Utc);
+as_they_are!(f32, f64, crate::rows::Utc);
+
+impl Cell for &str {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        out.write_all(self.as_bytes())
+    }
+}
 
 impl<C: Cell> Cell for Option<C> {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
@@ -52,7 +67,7 @@ pub(crate) struct RoundedTime(pub(crate) i64);
 impl Cell for RoundedTime {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         let time_s = frames::time::seconds(reference.since_first_day_ns(self.0));
-        write!(out, "{time_s:.3}")
+        csv_table::write_decimals(out, time_s, 3)
     }
 }
 
@@ -69,7 +84,7 @@ impl SensorId {
 
 impl Cell for SensorId {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
-        write!(out, "{}", reference.sensor_id(self.0))
+        reference.sensor_id(self.0).write(out, reference)
     }
 }
 
@@ -86,8 +101,7 @@ impl Rounded {
 
 impl Cell for Rounded {
     fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
-        let Self(value, decimals) = self;
-        write!(out, "{value:.decimals$}")
+        csv_table::write_decimals(out, self.0, self.1)
     }
 }
 
@@ -95,11 +109,9 @@ impl Cell for Rounded {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plain(pub(crate) f64, pub(crate) usize);
 
-impl fmt::Display for Plain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(value, decimals) = *self;
-        let half = 0.5 * 10f64.powi(-(decimals as i32));
-        write!(f, "{:.decimals$}", if value.abs() < half { 0.0 } else { value })
+impl Cell for Plain {
+    fn write(self, out: &mut impl Write, _: &Reference) -> io::Result<()> {
+        csv_table::write_plain(out, self.0, self.1)
     }
 }
 
@@ -111,7 +123,7 @@ impl<I: IntoIterator<Item: Cell>> Cell for CellList<I> {
     fn write(self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
         for (index, cell) in self.0.into_iter().enumerate() {
             if index > 0 {
-                write!(out, "|")?;
+                out.write_all(b"|")?;
             }
             cell.write(out, reference)?;
         }

@@ -53,15 +53,51 @@ impl Reference {
     }
 }
 
-/// Time since 1970, nanoseconds, that is shown as date and time of day (UTC), as in `2016-05-10T22:00:00.25Z`; as
-/// nothing if no calendar has it.
+/// Time since 1970, nanoseconds, that is shown as date and time of day (UTC), as in `2016-05-10T22:00:00.25Z`.
 #[derive(Clone, Copy, Debug)]
 pub struct Utc(pub i64);
 
+/// Nanoseconds of a day.
+const DAY_NS: i64 = 86_400_000_000_000;
+
 impl fmt::Display for Utc {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        Timestamp::from_nanosecond(self.0.into()).map_or(Ok(()), |time| write!(f, "{time}"))
+        let (year, month, day) = date(self.0.div_euclid(DAY_NS));
+        let of_day_ns = self.0.rem_euclid(DAY_NS);
+        let (of_day_s, mut rest) = (of_day_ns / 1_000_000_000, of_day_ns % 1_000_000_000);
+        let (hours, minutes, seconds) = (of_day_s / 3_600, of_day_s / 60 % 60, of_day_s % 60);
+        write!(f, "{year:04}-{month:02}-{day:02}T{hours:02}:{minutes:02}:{seconds:02}")?;
+        if rest > 0 {
+            let mut width = 9;
+            while rest % 10 == 0 {
+                rest /= 10;
+                width -= 1;
+            }
+            write!(f, ".{rest:0width$}")?;
+        }
+        f.write_str("Z")
     }
+}
+
+/// Returns year, month and day of a day since 1970, in the Gregorian calendar: days are counted from a first of March,
+/// so that the leap day is the last of its year, within periods of 400 years (Hinnant, "chrono-compatible low-level
+/// date algorithms").
+fn date(day: i64) -> (i64, i64, i64) {
+    /// Days of 400 years.
+    const PERIOD: i64 = 146_097;
+    /// From 0000-03-01 to 1970-01-01.
+    const OFFSET: i64 = 719_468;
+    let (period, of_period) = ((day + OFFSET).div_euclid(PERIOD), (day + OFFSET).rem_euclid(PERIOD));
+    let year = (of_period - of_period / 1_460 + of_period / 36_524 - of_period / 146_096) / 365;
+    let of_year = of_period - (365 * year + year / 4 - year / 100);
+    let march_month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * march_month + 2) / 5 + 1;
+    let month = if march_month < 10 {
+        march_month + 3
+    } else {
+        march_month - 9
+    };
+    (year + 400 * period + i64::from(month <= 2), month, day)
 }
 
 impl FromStr for Utc {
@@ -77,6 +113,8 @@ impl FromStr for Utc {
 #[derive(Debug)]
 pub struct RowWriter<T, W> {
     writer: W,
+    /// The row being written: the writer gets each row in a single call.
+    row: Vec<u8>,
     reference: Reference,
     kind: PhantomData<fn(&T)>,
 }
@@ -95,6 +133,7 @@ impl<T: Row, W: Write> RowWriter<T, W> {
     pub fn resume(writer: W, first_day_ns: i64) -> Self {
         Self {
             writer,
+            row: Vec::new(),
             reference: Reference {
                 first_day_ns,
                 sensor_ids: Vec::new(),
@@ -116,8 +155,10 @@ impl<T: Row, W: Write> RowWriter<T, W> {
     /// # Errors
     /// If the writer fails.
     pub fn write(&mut self, row: &T) -> io::Result<()> {
-        row.write(&mut self.writer, &self.reference)?;
-        writeln!(self.writer)
+        self.row.clear();
+        row.write(&mut self.row, &self.reference)?;
+        self.row.push(b'\n');
+        self.writer.write_all(&self.row)
     }
 
     /// Flushes the writer.
@@ -168,5 +209,22 @@ impl<R: Read, C: Columns> Iterator for RowReader<R, C> {
     fn next(&mut self) -> Option<Self::Item> {
         let row = self.table.next_row()?;
         Some(row.and_then(|cells| self.columns.read(cells)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn dates_are_those_of_the_calendar(time_ns in any::<i64>(), tens in 0_u32..18) {
+            let time_ns = time_ns / 10_i64.pow(tens) * 10_i64.pow(tens);
+            let calendar = Timestamp::from_nanosecond(time_ns.into()).unwrap();
+            prop_assert_eq!(Utc(time_ns).to_string(), calendar.to_string());
+            prop_assert_eq!(Utc(time_ns).to_string().parse::<Utc>().unwrap().0, time_ns);
+        }
     }
 }

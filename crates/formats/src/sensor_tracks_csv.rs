@@ -201,20 +201,20 @@ impl<F> SensorTrackColumns<F> {
         for (place, column) in covariance.upper.iter_mut().zip(columns) {
             *place = row.number(column)?;
         }
-        for line in 0..STATE_LEN {
-            if covariance.get(line, line) < 0.0 {
-                let column = columns[Covariance::index(line, line)];
-                return Err(row.error(column, "is negative, which no variance is"));
-            }
+        let variances: [f64; STATE_LEN] = std::array::from_fn(|line| covariance.get(line, line));
+        if let Some(line) = variances.iter().position(|variance| *variance < 0.0) {
+            let column = columns[Covariance::index(line, line)];
+            return Err(row.error(column, "is negative, which no variance is"));
         }
+        // The upper triangle, line by line: the variance of a line precedes its covariances.
+        let mut places = columns.iter().zip(&covariance.upper);
         for line in 0..STATE_LEN {
-            for other in line + 1..STATE_LEN {
-                let [one, another] = [line, other].map(|place| covariance.get(place, place) + VARIANCE_ROUNDING);
-                let limit = (one * another).sqrt() + ROUNDING;
-                if covariance.get(line, other).abs() > limit {
-                    let column = columns[Covariance::index(line, other)];
+            places.next();
+            for (other, (column, value)) in variances[line + 1..].iter().zip(places.by_ref()) {
+                let limit = ((variances[line] + VARIANCE_ROUNDING) * (other + VARIANCE_ROUNDING)).sqrt() + ROUNDING;
+                if value.abs() > limit {
                     let reason = format!("is beyond the product of its standard deviations, {limit:.4}");
-                    return Err(row.error(column, reason));
+                    return Err(row.error(*column, reason));
                 }
             }
         }

@@ -13,6 +13,9 @@ use crate::clock::Now;
 
 /// Minimum time between two requests to a consumer without progress, nanoseconds.
 const REPEAT_NS: i64 = 50_000_000;
+/// Progress that is published at times waits at most for so many slices, or so long, nanoseconds.
+const SLICES_TOGETHER: u32 = 16;
+const TOGETHER_NS: i64 = 10_000_000;
 
 /// Producer's side: progress of the consumers of one topic.
 #[derive(Debug)]
@@ -137,6 +140,8 @@ pub struct ConsumerProgress<S: Transport> {
     publisher: Publisher<S, Progress>,
     topics: Vec<Progress>,
     changed: bool,
+    /// Finished slices that have not been published.
+    unsaid: u32,
     said_ns: i64,
 }
 
@@ -158,6 +163,7 @@ impl<S: Transport> ConsumerProgress<S> {
             publisher: bus.publisher(&messages::progress(), incarnation)?,
             topics: streams.iter().map(topic).collect(),
             changed: true,
+            unsaid: 0,
             said_ns: i64::MIN,
         })
     }
@@ -173,6 +179,20 @@ impl<S: Transport> ConsumerProgress<S> {
         topic.done_sequence = done_sequence;
         topic.progress_ns = topic.progress_ns.max(header.progress_ns);
         self.changed = true;
+        self.unsaid += 1;
+    }
+
+    /// Publishes progress as [`say`](Self::say) does, but of several slices together: after 16 slices, after 10 ms, or
+    /// when the consumer `is_idle`. A producer may then wait for it.
+    ///
+    /// # Errors
+    /// If shared memory fails.
+    pub fn say_at_times(&mut self, now: Now, is_idle: bool) -> anyhow::Result<()> {
+        let waits = self.unsaid < SLICES_TOGETHER && now.mono_ns < self.said_ns.saturating_add(TOGETHER_NS);
+        if waits && !is_idle {
+            return Ok(());
+        }
+        self.say(now)
     }
 
     /// Publishes changed progress, and repeats it from time to time for producers that join later.
@@ -195,6 +215,7 @@ impl<S: Transport> ConsumerProgress<S> {
         };
         self.publisher.send(mark, topics.len(), said)?;
         self.changed = false;
+        self.unsaid = 0;
         self.said_ns = now.mono_ns;
         Ok(())
     }
@@ -280,6 +301,33 @@ mod tests {
         assert!(flow.may_send(10) && !flow.may_send(11));
         assert!(flow.all_done(1) && !flow.all_done(2));
         assert_eq!(flow.first_needed(), 640);
+    }
+
+    #[test]
+    fn progress_of_many_slices_is_published_together_but_no_producer_waits_for_it() {
+        let bench = Bench::new("together");
+        let mut flow = bench.flow(&[ProcessKind::Fusion]);
+        let mut fusion = bench.reached(100, ProcessKind::Fusion);
+        fusion.say(NOW).unwrap();
+        let mut done_after = |slices: u32, now: Now, is_idle: bool| {
+            (0..slices).for_each(|_| fusion.done(1, &slice(7), 1));
+            fusion.say_at_times(now, is_idle).unwrap();
+            flow.update(40).unwrap();
+            flow.consumers[0].done
+        };
+        let later = |ns: i64| Now {
+            mono_ns: NOW.mono_ns + ns,
+            ..NOW
+        };
+        assert_eq!(done_after(15, later(TOGETHER_NS - 1), false), 0);
+        assert_eq!(done_after(1, later(TOGETHER_NS - 1), false), 16, "after 16 slices");
+        assert_eq!(done_after(1, later(2 * TOGETHER_NS - 2), false), 16);
+        assert_eq!(done_after(0, later(2 * TOGETHER_NS - 1), false), 17, "after 10 ms");
+        assert_eq!(
+            done_after(1, later(2 * TOGETHER_NS), true),
+            18,
+            "at once when there is no work"
+        );
     }
 
     #[test]

@@ -41,6 +41,7 @@ use crate::cores;
 use crate::health::{HealthEntry, Reporter};
 use crate::instance::{DeploymentParts, QUARANTINED};
 use crate::order_desk::OrderDesk;
+use crate::pause::LookPause;
 use crate::process::DeploymentProcess;
 pub use crate::queues::{Queues, SnapshotParts};
 
@@ -49,8 +50,9 @@ const BUFFERS: usize = 2;
 /// Number of slices of a snapshot published at a time. A slow reader loses none of the slices, for a snapshot of any
 /// size.
 const RESTORED_SLICES: usize = 4;
-/// Period of the housekeeper.
+/// Pauses of the housekeeper: while there is work other than health, and while there is none.
 const PAUSE: Duration = Duration::from_millis(10);
+const IDLE_PAUSE: Duration = Duration::from_millis(80);
 
 /// Loop's side of a housekeeper.
 #[derive(Debug)]
@@ -167,6 +169,9 @@ impl Housekeeper {
 
     fn join(&mut self) -> anyhow::Result<()> {
         self.desk.closing.store(true, Ordering::Release);
+        if let Some(thread) = &self.thread {
+            thread.thread().unpark();
+        }
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result.context("housekeeping"),
             Some(Err(_)) => anyhow::bail!("the housekeeping thread panicked"),
@@ -224,20 +229,22 @@ struct WholeSaid<'a> {
 
 impl WholeSaid<'_> {
     /// Publishes the next parts.
-    fn go_on(&mut self, queue: &ArrayQueue<SnapshotParts>) -> anyhow::Result<()> {
+    ///
+    /// Returns whether there were any.
+    fn go_on(&mut self, queue: &ArrayQueue<SnapshotParts>) -> anyhow::Result<bool> {
         if self.said == self.whole.parts() {
             (self.whole, self.said) = (queue.pop().unwrap_or_default(), 0);
         }
         let left = self.whole.parts() - self.said;
         if left == 0 {
-            return Ok(());
+            return Ok(false);
         }
         if self.publisher.is_none() {
             let publisher = self.bus.publisher(&messages::restored(), self.incarnation)?;
             self.publisher = Some(publisher.with_epoch(self.whole.epoch));
         }
         let Some(publisher) = &mut self.publisher else {
-            return Ok(());
+            return Ok(false);
         };
         let count = (RESTORED_SLICES * publisher.slice_len()).min(left);
         let mark = Mark {
@@ -250,7 +257,7 @@ impl WholeSaid<'_> {
             ..self.whole.part(self.said + place)
         })?;
         self.said += count;
-        Ok(())
+        Ok(true)
     }
 }
 
@@ -261,6 +268,7 @@ fn keep_house(
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
     mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
+    let mut pause = LookPause::between(PAUSE, IDLE_PAUSE);
     loop {
         // Read before the queue is emptied: entries queued before the close are published.
         let closing = desk.closing.load(Ordering::Acquire);
@@ -277,18 +285,21 @@ fn keep_house(
             // The queue has as many places as there are buffers; the buffer of the last state was made in addition.
             let _ = desk.spare.push(said.entries);
         }
+        let mut worked = false;
         if let (Some(queue), Some(publisher)) = (&desk.queues.decisions, &mut decisions) {
+            worked |= !queue.is_empty();
             publish_decisions(queue, publisher)?;
         }
-        whole.go_on(&desk.queues.restored)?;
+        worked |= whole.go_on(&desk.queues.restored)?;
         while let Some(report) = desk.queues.quarantined.pop() {
             write_quarantined(whole.bus.root(), &report);
         }
-        order_desk.turn(&desk.queues, Now::read())?;
+        worked |= order_desk.turn(&desk.queues, Now::read())?;
         if closing {
             return Ok(());
         }
-        std::thread::sleep(PAUSE);
+        // Ends early when the desk closes.
+        std::thread::park_timeout(pause.after(worked));
     }
 }
 

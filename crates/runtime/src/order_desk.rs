@@ -52,15 +52,16 @@ impl OrderDesk {
         })
     }
 
-    /// Passes orders to the loop, takes states from the loop, and publishes the list.
+    /// Passes orders to the loop, takes states from the loop, and publishes the list. Returns whether an order or a state
+    /// came.
     ///
     /// # Errors
     /// If shared memory fails.
-    pub(crate) fn turn(&mut self, queues: &Queues, now: Now) -> Result<(), BusError> {
+    pub(crate) fn turn(&mut self, queues: &Queues, now: Now) -> Result<bool, BusError> {
         let Self { orders, senders, .. } = self;
         let mut refused = Vec::new();
         let leads = queues.leads();
-        orders.take(usize::MAX, |header, slice| {
+        let taken = orders.take(usize::MAX, |header, slice| {
             for order in slice.iter().filter(|_| leads) {
                 let admitted = admit(senders, header.incarnation, now.mono_ns);
                 let checked = messages::check_order(order).and_then(|_| match admitted {
@@ -87,7 +88,7 @@ impl OrderDesk {
         if has_changed || is_due {
             self.publish(now)?;
         }
-        Ok(())
+        Ok(taken > 0 || has_changed)
     }
 
     /// Enters a state in the list.

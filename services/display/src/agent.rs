@@ -10,7 +10,7 @@ use std::time::Duration;
 use bus::{Bus, BusError, Subscriber, Transport};
 use deployment::Deployment;
 use messages::{Counter, FrameOrigin, Health, Stream, SystemTrack};
-use runtime::{Agent, HealthEntry, Now, Turn};
+use runtime::{Agent, HealthEntry, LookPause, Now, Turn};
 use web::RequestCounts;
 
 use crate::layers::{DisplayedSample, ForDisplayed, for_displayed};
@@ -20,8 +20,10 @@ use crate::world::World;
 
 /// Slices taken from one topic in one turn: the capacity of its queue.
 const SLICES_PER_TURN: usize = 256;
-/// Time between two polls: at the highest rates, a queue holds the slices of several polls.
+/// Time between two polls: at the highest rates, a queue holds the slices of several polls. Longer while no stream has
+/// anything.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
+const LOOK_EVERY_IDLE: Duration = Duration::from_millis(40);
 
 /// Display agent; generic over the transport, so that tests drive it in process.
 pub(crate) struct DisplayAgent<S: Transport> {
@@ -36,6 +38,7 @@ pub(crate) struct DisplayAgent<S: Transport> {
     states: Subscriber<S, SystemTrack>,
     /// Port for orders, if operators are configured.
     operators: Option<OrderAgent<S>>,
+    pause: LookPause,
 }
 
 impl<S: Transport> DisplayAgent<S> {
@@ -58,6 +61,7 @@ impl<S: Transport> DisplayAgent<S> {
             origins: bus.subscriber(&messages::frame_origin(), now_ns)?,
             layers: Vec::new(),
             states: bus.subscriber(&messages::system_tracks(), now_ns)?,
+            pause: LookPause::between(LOOK_EVERY, LOOK_EVERY_IDLE),
             operators: has_operators.then(|| OrderAgent::open(bus, incarnation)).transpose()?,
         };
         let streams = config.streams().filter(|(id, _)| id.stream != Stream::SystemTracks);
@@ -71,16 +75,15 @@ impl<S: Transport> DisplayAgent<S> {
 
 /// Subscriber of one displayed stream.
 trait Layer {
-    /// Puts the waiting slices into `world`.
-    fn take(&mut self, world: &mut World, now: Now) -> Result<(), BusError>;
+    /// Puts the waiting slices into `world`. Returns their number.
+    fn take(&mut self, world: &mut World, now: Now) -> Result<usize, BusError>;
 }
 
 impl<S: Transport, T: DisplayedSample> Layer for Subscriber<S, T> {
-    fn take(&mut self, world: &mut World, now: Now) -> Result<(), BusError> {
-        let taken = Self::take(self, SLICES_PER_TURN, |header, samples| {
+    fn take(&mut self, world: &mut World, now: Now) -> Result<usize, BusError> {
+        Self::take(self, SLICES_PER_TURN, |header, samples| {
             T::put(world, (header, samples), now)
-        });
-        taken.map(drop)
+        })
     }
 }
 
@@ -113,12 +116,13 @@ impl<S: Transport> Agent for DisplayAgent<S> {
         self.health.take(SLICES_PER_TURN, |_, said| {
             said.iter().for_each(|health| world.observed.take_health(health))
         })?;
+        let mut taken = 0;
         for layer in &mut self.layers {
-            layer.take(world, now)?;
+            taken += layer.take(world, now)?;
         }
-        Layer::take(&mut self.states, world, now)?;
+        taken += Layer::take(&mut self.states, world, now)?;
         world.clean_up(now);
-        Ok(Turn::Idle(LOOK_EVERY))
+        Ok(Turn::Idle(self.pause.after(taken > 0)))
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bus, Transport, Waiter};
+use bus::{Bus, Look, Transport, WaitMode, Waiter};
 use deployment::{Deployment, ReportOrder, Source};
 use fusion::suspects::SuspectTreatment;
 use fusion::{Driver, Engine, Merger, PushOutcome, ReportNumber, Settings, Sink as _};
@@ -31,6 +31,10 @@ const REPORTS_PER_TURN: usize = 256;
 const LOOKS_PER_ROUND: usize = 2;
 /// Order `arrival`: maximum number of states published together while a slice of several reports is processed.
 const SENT_TOGETHER: usize = 16;
+/// Order `arrival`: longest time between two full looks at all sources, nanoseconds: if the loop spins, and if it sleeps.
+/// A full look finds the slices of publishers that give no hint.
+const FULL_LOOK_SPINNING_NS: i64 = 1_000_000;
+const FULL_LOOK_SLEEPING_NS: i64 = 200_000_000;
 /// Order `time`: slices taken from one source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
 /// Age beyond which an order is refused, nanoseconds: the sender has given up.
@@ -50,6 +54,9 @@ pub struct FusionAgent<S: Transport> {
     round: Vec<usize>,
     /// Next source to look at.
     look_at: usize,
+    /// When the next full look is due, monotonic, nanoseconds, and the time between two.
+    full_look_ns: i64,
+    full_look_every_ns: i64,
     /// Order `time`: reports that wait for their turn.
     merger: Option<Merger>,
     /// Recordings: publishes fusion's progress, so that no sample is lost.
@@ -151,6 +158,11 @@ impl<S: Transport> FusionAgent<S> {
             clocks: Clocks::default(),
             common: CommonOffsets::default(),
             told_ms: vec![None; inputs.len()],
+            full_look_ns: i64::MIN,
+            full_look_every_ns: match waiter.mode() {
+                WaitMode::Event => FULL_LOOK_SLEEPING_NS,
+                WaitMode::Spin | WaitMode::Hybrid { .. } => FULL_LOOK_SPINNING_NS,
+            },
             queues,
             waiter,
             round: Vec::with_capacity(inputs.len()),
@@ -292,6 +304,9 @@ impl<S: Transport> FusionAgent<S> {
         if self.reached.is_none() && self.clocks.is_due(machine) {
             self.look_at_clocks(machine);
         }
+        if machine.mono_ns >= self.full_look_ns {
+            self.look_fully(machine.mono_ns)?;
+        }
         let mut worked = 0;
         // Recordings wait for the smoothing thread.
         let waits = self.reached.is_some() && !self.output.can_smooth();
@@ -345,12 +360,25 @@ impl<S: Transport> FusionAgent<S> {
         Ok(!self.round.is_empty())
     }
 
+    /// Looks at all sources, whether or not a publisher has given a hint.
+    #[cold]
+    fn look_fully(&mut self, now_ns: i64) -> anyhow::Result<()> {
+        self.full_look_ns = now_ns.saturating_add(self.full_look_every_ns);
+        for input in &mut self.inputs {
+            input.reach(mono_ns, Look::Full)?;
+        }
+        Ok(())
+    }
+
     /// Looks at the next source. Returns whether it has a waiting report.
     fn look_at_next(&mut self) -> anyhow::Result<bool> {
         let input = &mut self.inputs[self.look_at];
-        input.reach(mono_ns)?;
+        input.reach(mono_ns, Look::Glance)?;
         let found = input.sent_ns().is_some();
-        self.look_at = (self.look_at + 1) % self.inputs.len();
+        self.look_at += 1;
+        if self.look_at == self.inputs.len() {
+            self.look_at = 0;
+        }
         Ok(found)
     }
 
@@ -390,7 +418,7 @@ impl<S: Transport> FusionAgent<S> {
         }
         if last {
             // A source with further reports keeps its place in the rounds.
-            self.inputs[index].reach(mono_ns)?;
+            self.inputs[index].reach(mono_ns, Look::Glance)?;
         }
         Ok(())
     }
@@ -505,7 +533,8 @@ impl<S: Transport> Agent for FusionAgent<S> {
                     reached.done(index, &header, next_sequence);
                 }
             }
-            reached.say(now)?;
+            // A source that waits for this progress leaves the loop without work.
+            reached.say_at_times(now, !worked)?;
         }
         if self.end_sent && self.output.all_received()? {
             return Ok(Turn::Finished);
@@ -520,11 +549,12 @@ impl<S: Transport> Agent for FusionAgent<S> {
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         let (inputs, by_time) = (&mut self.inputs, self.merger.is_some());
         // The slice counts as taken at once; a fault recurs in the next turn, which reports it.
-        let has_some = |input: &mut SourceInput<S>| match by_time {
+        let has_some = |input: &mut SourceInput<S>, look| match by_time {
             true => input.has_slices(),
-            false => input.reach(mono_ns).unwrap_or(true),
+            false => input.reach(mono_ns, look).unwrap_or(true),
         };
-        self.waiter.wait(at_most, || inputs.iter_mut().any(has_some))?;
+        self.waiter
+            .wait_at_a_glance(at_most, |look| inputs.iter_mut().any(|input| has_some(input, look)))?;
         Ok(())
     }
 

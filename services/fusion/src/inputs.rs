@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use bus::{Bus, ReceiveOutcome, Slice, Subscriber, Transport, Waiter};
+use bus::{Bus, Look, ReceiveOutcome, Slice, Subscriber, Transport, Waiter};
 use deployment::Deployment;
 use fusion::ReportNumber;
 use fusion::checkpoint::SourcePosition;
@@ -26,6 +26,8 @@ pub(crate) struct SourceInput<S: Transport> {
     pub(crate) slice_len: usize,
     /// Latest progress mark, UTC, nanoseconds.
     pub(crate) progress_ns: i64,
+    /// Order `arrival`: whether a full look found a slice, so that looks stay full until the queue is empty.
+    looks_fully: bool,
     /// Order `arrival`: the slice that is being worked off.
     in_hand: Option<InHand<S>>,
     /// Order `arrival`: judge of the source's clock.
@@ -86,6 +88,7 @@ impl<S: Transport> SourceInput<S> {
                 subscriber,
                 slice_len: topic.capacity.slice_len,
                 progress_ns: i64::MIN,
+                looks_fully: false,
                 in_hand: None,
                 time: SourceTime::of(source, speed),
                 heard_ns: i64::MIN,
@@ -101,12 +104,23 @@ impl<S: Transport> SourceInput<S> {
         Ok(inputs)
     }
 
-    /// Takes the next slice in hand if none is. `false` if there is none; `true` if one is in hand now, or if so many
-    /// unusable ones were passed over that it is time to look elsewhere before looking here again.
-    pub(crate) fn reach(&mut self, clock: fn() -> i64) -> anyhow::Result<bool> {
+    /// Takes the next slice in hand if none is, in a full look or where a publisher has given a hint. `false` if there
+    /// is none; `true` if one is in hand now, or if so many unusable ones were passed over that it is time to look
+    /// elsewhere before looking here again.
+    #[inline]
+    pub(crate) fn reach(&mut self, clock: fn() -> i64, look: Look) -> anyhow::Result<bool> {
         if self.in_hand.is_some() {
             return Ok(true);
         }
+        if look == Look::Glance && !self.looks_fully && !self.subscriber.may_have_slices() {
+            return Ok(false);
+        }
+        let found = self.look_into_queue(clock)?;
+        self.looks_fully = found && (self.looks_fully || look == Look::Full);
+        Ok(found)
+    }
+
+    fn look_into_queue(&mut self, clock: fn() -> i64) -> anyhow::Result<bool> {
         for _ in 0..PASSED_OVER_MAX {
             match self.subscriber.receive()? {
                 ReceiveOutcome::Nothing => return Ok(false),
@@ -159,7 +173,7 @@ impl<S: Transport> SourceInput<S> {
                 self.in_hand = Some(InHand { next, ..hand });
             }
         }
-        self.reach(clock).map(|_| ())
+        self.reach(clock, Look::Full).map(|_| ())
     }
 
     /// Everything up to a slice's mark has been worked off.
@@ -254,6 +268,11 @@ impl<S: Transport> SourceInput<S> {
 
     pub(crate) fn has_slices(&self) -> bool {
         self.subscriber.has_slices()
+    }
+
+    /// Slices received so far.
+    pub(crate) fn slices(&self) -> u64 {
+        self.subscriber.counts().slices
     }
 
     /// Adds the counts of the topic's reader.

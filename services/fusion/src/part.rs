@@ -137,7 +137,7 @@ impl Agent for FusionPart<'_> {
             RoleState::Changes => anyhow::bail!("could not come to lead"),
         };
         let Some((lead, take_over)) = standby.look(self.process, now)? else {
-            return Ok(Turn::Idle(standby::LOOK));
+            return Ok(Turn::Idle(standby.pause()));
         };
         if let RoleState::StandsBy(standby) = std::mem::replace(&mut self.state, RoleState::Changes) {
             self.lead(standby.into_ready(), Some(lead), take_over, now)?;

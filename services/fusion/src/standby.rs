@@ -7,7 +7,7 @@
 //! ```text
 //!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond
 //!      │             │
-//!      │ lock        ▼ every 5 ms
+//!      │ lock        ▼ every 5 to 40 ms
 //!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
 //!      │
 //!      └─ gone: the lock is free      old: SIGKILL, then the lock is free
@@ -30,18 +30,23 @@ use anyhow::Context as _;
 use bus::{Outlasting, SharedMemory};
 use deployment::Process;
 use fusion::checkpoint::{CheckpointClock, CheckpointLayout, clock_of, position_of};
-use runtime::Now;
 use runtime::clock::mono_ns;
 use runtime::instance::{CHECKPOINT, FUSION_LEADS, leading_fusion};
+use runtime::{LookPause, Now};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fd::OwnedFd;
 use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
 
 use crate::agent::Ready;
 use crate::continuity::TakeOver;
+use crate::inputs::SourceInput;
 
-/// Time between two looks at the leader.
+/// Time between two looks at the leader while reports come.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
+/// Longest time between two looks while none come: also limited by a part of the time after which a leader counts as
+/// hung, so that several looks fit into it.
+const LOOK_IDLE: Duration = Duration::from_millis(40);
+const LOOKS_PER_TAKEOVER: u32 = 2;
 /// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
@@ -87,6 +92,9 @@ pub(crate) struct StandbyFusion {
     /// Time for which the leader's sign of life has not changed, as far as this process ran.
     still_ns: i64,
     looked_ns: i64,
+    pause: LookPause,
+    /// Slices received from all sources, at the last look.
+    slices: u64,
     /// Time until which the lead is left to another process.
     courteous_until_ns: i64,
     /// Whether a leader was observed.
@@ -141,6 +149,11 @@ impl StandbyFusion {
             leader: None,
             still_ns: 0,
             looked_ns: now.mono_ns,
+            pause: LookPause::between(
+                LOOK,
+                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) / LOOKS_PER_TAKEOVER),
+            ),
+            slices: 0,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
             has_followed: false,
             killed: false,
@@ -178,7 +191,7 @@ impl StandbyFusion {
     }
 
     fn follow(&mut self, process: &Process, now: Now) -> anyhow::Result<()> {
-        let elapsed_ns = (now.mono_ns - self.looked_ns).min(2 * LOOK.as_nanos() as i64);
+        let elapsed_ns = (now.mono_ns - self.looked_ns).min(2 * self.pause.present().as_nanos() as i64);
         self.looked_ns = now.mono_ns;
         if self.leader.as_ref().is_none_or(Leader::is_gone) {
             self.find(process);
@@ -191,6 +204,9 @@ impl StandbyFusion {
             let done = position_of(leader.memory.words(), &self.layout, input.source);
             input.follow(done, done_ns, mono_ns)?;
         }
+        let slices = self.ready.inputs.iter().map(SourceInput::slices).sum();
+        let has_received = std::mem::replace(&mut self.slices, slices) != slices;
+        self.pause.after(has_received);
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
         self.still_ns = match clock == leader.clock {
             true => self.still_ns.saturating_add(elapsed_ns),
@@ -238,9 +254,14 @@ impl StandbyFusion {
         }
     }
 
+    /// Time until the next look.
+    pub(crate) fn pause(&self) -> Duration {
+        self.pause.present()
+    }
+
     /// Waits for the end of the leader's process, at most for `at_most`.
     pub(crate) fn wait(&self, at_most: Duration) {
-        let time = at_most.min(LOOK);
+        let time = at_most.min(self.pause.present());
         match &self.leader {
             Some(leader) if !self.killed => {
                 leader.wait(time);

@@ -23,8 +23,8 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 use crate::durable::CheckpointCopier;
 use crate::link::{HealthByProcess, KeeperLink, LauncherFacts, ProcessHealth};
 
-/// Time between two looks.
-const PAUSE: Duration = Duration::from_millis(20);
+/// Time between two looks. Nothing here is urgent: the launcher itself observes the ends of its children.
+const PAUSE: Duration = Duration::from_millis(50);
 /// Time between two messages about the children, nanoseconds.
 const PERIOD_NS: i64 = 200_000_000;
 /// Time between searches for dead processes without a known death, nanoseconds: processes that joined by themselves

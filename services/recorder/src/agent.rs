@@ -16,6 +16,8 @@ use crate::start::Start;
 
 /// Maximum number of turns at the end for writing the slices still waiting.
 const TURNS_AT_CLOSE: usize = 1000;
+/// Longest wait for data, whose arrival ends it.
+const IDLE: Duration = Duration::from_millis(80);
 
 /// Recorder agent; generic over the transport, so that tests drive it in process.
 #[derive(Debug)]
@@ -111,7 +113,7 @@ impl<S: Transport> Agent for RecorderAgent<S> {
         Ok(if self.all_ended() {
             Turn::Finished
         } else {
-            Turn::Idle(Duration::from_millis(20))
+            Turn::Idle(IDLE)
         })
     }
 

@@ -236,6 +236,23 @@ fn on_arrival_a_report_is_fused_at_once_and_stamped() {
 }
 
 #[test]
+fn on_arrival_full_looks_find_the_slices_of_a_publisher_that_gives_no_hint() {
+    let mut bench = Bench::new(&config("arrival", AT_ONCE));
+    bench.settle();
+    bench.sources[0].pretend_foreign();
+    for sequence in 0..3 {
+        bench.send(0, &[report(1, sequence, 0.1 * sequence as f64, 0.0)], i64::MIN, false);
+    }
+    assert_ne!(bench.turn(), Turn::Worked, "nothing is known of them");
+    bench.pass(0.3);
+    bench.settle();
+    assert_eq!(bench.received.len(), 3, "all that the full look had before it");
+    // Other sources give hints, and need no full look.
+    bench.send(1, &[report(1, 0, 0.3, 0.0)], i64::MIN, false);
+    assert_eq!(bench.turn(), Turn::Worked);
+}
+
+#[test]
 fn a_flood_of_one_source_does_not_keep_the_other_waiting() {
     let mut bench = Bench::new(&config("arrival", AT_ONCE));
     for slice in 0..50u64 {

@@ -17,6 +17,7 @@ use formats::sensor_tracks_csv::SensorTrackReader;
 use fusion::settings::SOURCES_MAX;
 
 use super::arrivals::{ArrivalOrder, ArrivedReport, RowOrder};
+use super::kept::{KeptFile, KeptReader, KeptRows};
 use super::progress::CountingInput;
 use super::refusals::SkippedRows;
 use crate::files::InputError;
@@ -70,7 +71,7 @@ pub(crate) struct MergedRows {
 /// One file.
 struct FileLane {
     path: PathBuf,
-    reader: SensorTrackReader<CountingInput, SourceOf>,
+    rows: LaneRows,
     /// Next row, and the rows after it.
     next: Option<ArrivedReport>,
     ahead: VecDeque<ArrivedReport>,
@@ -78,6 +79,19 @@ struct FileLane {
     given_ns: i64,
     /// Order of a file that states when its rows arrived.
     arrivals: Option<ArrivalOrder>,
+}
+
+/// Where the rows of a file come from.
+enum LaneRows {
+    File {
+        reader: Box<SensorTrackReader<CountingInput, SourceOf>>,
+        /// Rows so far, if they are kept.
+        kept: Option<KeptFile>,
+    },
+    Kept {
+        reader: KeptReader,
+        octets: Rc<RefCell<u64>>,
+    },
 }
 
 impl MergedRows {
@@ -100,7 +114,8 @@ impl MergedRows {
         };
         for path in files {
             let file = host.open(path)?;
-            merged.octets_in_all += file.length;
+            let length = file.length;
+            merged.octets_in_all += length;
             let input = CountingInput::new(file, Rc::clone(&merged.octets));
             let sensors = Rc::clone(&merged.sensors);
             let source_of: SourceOf = Box::new(move |id| sensors.borrow_mut().source(id));
@@ -108,18 +123,53 @@ impl MergedRows {
             let reader = reader.map_err(|error| InputError::new(path, error))?;
             let has_arrivals = reader.has_arrivals();
             let arrivals = has_arrivals.then(|| arrivals_of(host, path, order)).transpose()?;
-            let mut lane = FileLane {
-                path: path.clone(),
-                reader,
-                next: None,
-                ahead: VecDeque::with_capacity(AHEAD),
-                given_ns: i64::MIN,
-                arrivals,
+            // The pass that accepts all sensors is the first.
+            let keeps = merged.sensors.borrow().open && !has_arrivals;
+            let rows = LaneRows::File {
+                reader: Box::new(reader),
+                kept: keeps.then(|| KeptFile::begin(files.len(), length)),
             };
-            lane.step(&mut merged.refusals)?;
-            merged.lanes.push(lane);
+            merged.add(FileLane::new(path, rows, arrivals))?;
         }
         Ok(merged)
+    }
+
+    /// The rows of `files` that the first pass has `kept`, under these source numbers; `None` if it has not kept all.
+    ///
+    /// # Errors
+    /// None: the rows are readable.
+    pub(crate) fn of_kept(files: &[PathBuf], kept: &KeptRows, sensors: &Sensors) -> Result<Option<Self>, InputError> {
+        let Some(readers) = kept.again(&sensors.ids) else {
+            return Ok(None);
+        };
+        let mut merged = Self {
+            lanes: Vec::new(),
+            sensors: Rc::new(RefCell::new(sensors.clone())),
+            refusals: SkippedRows::default(),
+            octets: Rc::default(),
+            octets_in_all: readers.iter().map(KeptReader::octets).sum(),
+        };
+        for (path, reader) in files.iter().zip(readers) {
+            let octets = Rc::clone(&merged.octets);
+            merged.add(FileLane::new(path, LaneRows::Kept { reader, octets }, None))?;
+        }
+        Ok(Some(merged))
+    }
+
+    /// The rows, if all were read and kept.
+    pub(crate) fn into_kept(self) -> Option<KeptRows> {
+        let kept = |lane: FileLane| match lane.rows {
+            LaneRows::File { kept, .. } => kept,
+            LaneRows::Kept { .. } => None,
+        };
+        let files = self.lanes.into_iter().map(kept).collect::<Option<_>>()?;
+        Some(KeptRows::new(files, self.sensors.borrow().ids.clone()))
+    }
+
+    fn add(&mut self, mut lane: FileLane) -> Result<(), InputError> {
+        lane.step(&mut self.refusals)?;
+        self.lanes.push(lane);
+        Ok(())
     }
 
     /// Whether a file states when its rows arrived.
@@ -148,6 +198,17 @@ impl MergedRows {
 }
 
 impl FileLane {
+    fn new(path: &Path, rows: LaneRows, arrivals: Option<ArrivalOrder>) -> Self {
+        Self {
+            path: path.to_owned(),
+            rows,
+            next: None,
+            ahead: VecDeque::with_capacity(AHEAD),
+            given_ns: i64::MIN,
+            arrivals,
+        }
+    }
+
     /// Advances to the next row.
     fn step(&mut self, refusals: &mut SkippedRows) -> Result<(), InputError> {
         if let Some(mut arrivals) = self.arrivals.take() {
@@ -238,14 +299,26 @@ impl FileLane {
 
     /// Returns the next readable row.
     fn read(&mut self, refusals: &mut SkippedRows) -> Result<Option<ArrivedReport>, InputError> {
-        while let Some(row) = self.reader.next() {
-            if let Some(track) = refusals.usable(&self.path, row)? {
-                return Ok(Some(ArrivedReport {
-                    track,
-                    arrival_ns: self.reader.arrival_ns(),
-                    line: self.reader.line(),
-                }));
+        let (reader, kept) = match &mut self.rows {
+            LaneRows::File { reader, kept } => (reader, kept),
+            LaneRows::Kept { reader, octets } => {
+                let next = reader.next();
+                *octets.borrow_mut() += next.map_or(0, |(_, part)| part);
+                return Ok(next.map(|(row, _)| row));
             }
+        };
+        while let Some(row) = reader.next() {
+            let Some(track) = refusals.usable(&self.path, row)? else {
+                *kept = None;
+                continue;
+            };
+            let row = ArrivedReport {
+                track,
+                arrival_ns: reader.arrival_ns(),
+                line: reader.line(),
+            };
+            *kept = kept.take().and_then(|kept| kept.with(&row));
+            return Ok(Some(row));
         }
         Ok(None)
     }

@@ -3,6 +3,7 @@
 
 mod arrivals;
 mod drive;
+mod kept;
 mod merged;
 mod progress;
 mod refusals;

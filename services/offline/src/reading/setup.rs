@@ -9,6 +9,7 @@ use fusion::settings::SOURCES_MAX;
 use messages::FusionRule;
 
 use super::arrivals::RowOrder;
+use super::kept::KeptRows;
 use super::merged::{MergedRows, Sensors, named_twice};
 use super::survey::FileSurvey;
 use crate::args::OfflineInput;
@@ -24,6 +25,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) settings: Settings,
     /// The deployment, if the configuration is one.
     pub(crate) deployment: Option<Deployment>,
+    /// The rows of the files, if the first pass has kept them.
+    kept: Option<KeptRows>,
 }
 
 /// Configuration given by `--config`.
@@ -71,6 +74,7 @@ impl<'a> Setup<'a> {
             sensor_ids,
             settings,
             deployment,
+            kept: survey.kept,
         })
     }
 
@@ -83,6 +87,14 @@ impl<'a> Setup<'a> {
             ids: self.sensor_ids.clone(),
             ..Sensors::default()
         };
+        let kept = self.kept.as_ref();
+        if let Some(kept) = kept
+            .map(|kept| MergedRows::of_kept(&self.input.tracks, kept, &sensors))
+            .transpose()?
+            .flatten()
+        {
+            return Ok(kept);
+        }
         MergedRows::open(self.host, &self.input.tracks, sensors, RowOrder::Arrival)
     }
 }

@@ -8,6 +8,7 @@ use messages::SensorTrack;
 use rustc_hash::FxHashMap;
 
 use super::arrivals::{ArrivedReport, RowOrder};
+use super::kept::KeptRows;
 use super::merged::{MergedRows, Sensors};
 use super::progress::Progress;
 use crate::host::Host;
@@ -18,7 +19,7 @@ const SAMPLE_MAX: usize = 100_000;
 const LIVE_NS: i64 = 60_000_000_000;
 
 /// Sensors in the files.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct FileSurvey {
     /// By `sensor_id`.
     pub(crate) sensors: Vec<SeenSensor>,
@@ -28,6 +29,8 @@ pub(crate) struct FileSurvey {
     pub(crate) excess: Option<u32>,
     /// Whether a file states when its rows arrived.
     pub(crate) has_arrivals: bool,
+    /// The rows, if they fit into memory.
+    pub(crate) kept: Option<KeptRows>,
 }
 
 #[derive(Default)]
@@ -69,7 +72,7 @@ impl FileSurvey {
             sensors[source].add(&report, before_ns);
             progress.at(*merged.octets.borrow())?;
         }
-        let known = merged.sensors.borrow();
+        let known = merged.sensors.borrow().clone();
         let seen = known.ids.iter().zip(sensors).filter(|(_, sensor)| sensor.live_max > 0);
         let mut seen: Vec<SeenSensor> = seen.map(|(id, sensor)| sensor.seen(*id)).collect();
         seen.sort_unstable_by_key(|sensor| sensor.id);
@@ -78,6 +81,7 @@ impl FileSurvey {
             first_refusal: merged.refusals.first.first().cloned(),
             excess: known.excess,
             has_arrivals: merged.has_arrivals(),
+            kept: merged.into_kept(),
         })
     }
 }

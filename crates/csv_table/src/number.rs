@@ -1,0 +1,105 @@
+//! Numbers of few digits, from bytes.
+//!
+//! A whole number up to 2^53 and a power of ten up to 10^22 are exact as `f64`, and their quotient is rounded once. It is
+//! therefore the same as that of `str::parse`, which must also accept exponents, and numbers of any length.
+
+/// Most octets after the sign: 18 digits fit into 64 bits, and a point.
+const OCTETS_MAX: usize = 19;
+/// Greatest whole number up to which each one is exact.
+const EXACT_MAX: u64 = 1 << f64::MANTISSA_DIGITS;
+/// Exact powers of ten.
+const TENS: [f64; OCTETS_MAX] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+];
+
+/// Returns the value of digits with an optional minus sign and an optional point; `None` for other texts, and for
+/// numbers whose value needs more care.
+pub(crate) fn simple(text: &[u8]) -> Option<f64> {
+    let (is_negative, text) = match text {
+        [b'-', text @ ..] => (true, text),
+        _ => (false, text),
+    };
+    if text.len() > OCTETS_MAX {
+        return None;
+    }
+    let mut whole = 0_u64;
+    let mut point = None;
+    for (place, octet) in text.iter().enumerate() {
+        match octet {
+            b'0'..=b'9' => whole = 10 * whole + u64::from(octet - b'0'),
+            b'.' if point.is_none() => point = Some(place),
+            _ => return None,
+        }
+    }
+    let decimals = point.map_or(0, |point| text.len() - 1 - point);
+    let has_digits = text.len() > usize::from(point.is_some());
+    if !has_digits || whole > EXACT_MAX {
+        return None;
+    }
+    let value = whole as f64 / TENS[decimals];
+    Some(if is_negative { -value } else { value })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn agrees(text: &str) -> bool {
+        match simple(text.as_bytes()) {
+            Some(value) => text.parse::<f64>().map(f64::to_bits) == Ok(value.to_bits()),
+            None => true,
+        }
+    }
+
+    #[test]
+    fn common_numbers_are_read_here_and_others_left_alone() {
+        let read = [
+            "0",
+            "-0",
+            "-0.000",
+            "5.",
+            ".5",
+            "-12.5",
+            "0001.50",
+            "9007199254740992",
+            "0.00000000000000001",
+        ];
+        for text in read {
+            assert!(simple(text.as_bytes()).is_some() && agrees(text), "{text}");
+        }
+        let left = [
+            "",
+            "-",
+            ".",
+            "-.",
+            "--1",
+            "+1",
+            "1e3",
+            "inf",
+            "NaN",
+            "1..2",
+            "1 ",
+            "9007199254740993",
+            "1_0",
+            "12345678901234567890",
+        ];
+        for text in left {
+            assert_eq!(simple(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn values_are_those_of_the_standard_library(text in "-?[0-9]{0,12}[.]?[0-9]{0,12}") {
+            prop_assert!(agrees(&text));
+        }
+
+        #[test]
+        fn written_numbers_are_read_back(value in any::<f64>(), decimals in 0_usize..9) {
+            let rounded = format!("{value:.decimals$}");
+            prop_assert!(agrees(&rounded) && agrees(&value.to_string()));
+        }
+    }
+}
