@@ -422,3 +422,49 @@ fn a_wide_area_count_is_used_without_a_detection_more() {
     );
     assert!(line.contains("counts.csv is an input"), "{line}");
 }
+
+#[test]
+fn scans_without_detections_are_rows_before_the_first_detection_and_after_the_last() {
+    let folder = Folder::new();
+    let rows = scene(30);
+    let empty = |scan: usize| format!("{},1,{scan},,none,,,,,,,,,,,,", 4.0 * scan as f64);
+    let ends = |rows: &[String]| {
+        write(&folder, "d.csv", rows);
+        let said = track(&folder, "--detections d.csv --out t.csv");
+        let of_sensor = &said["sensors"][0];
+        let scans = ["scans", "silent_scans"].map(|name| of_sensor[name].as_u64().unwrap());
+        let times = column(&folder.read("t.csv"), "time_s");
+        let last_s = times
+            .iter()
+            .map(|time| time.parse::<f64>().unwrap())
+            .fold(0.0, f64::max);
+        (
+            scans,
+            last_s,
+            said["live_tracks"].as_u64().unwrap(),
+            said["rows_refused"].as_u64(),
+        )
+    };
+    let (scans, last_s, live, _) = ends(&rows);
+    assert_eq!((scans, last_s, live), ([30, 0], 116.0, 2));
+    // Twice the same scan, and one that has detections, are no further scans.
+    let after: Vec<String> = (29..50).chain([35]).map(empty).collect();
+    let (scans, last_s, live, refused) = ends(&[rows.clone(), after].concat());
+    assert_eq!((scans, live, refused), ([50, 20], 0, Some(0)));
+    assert!(last_s > 120.0 && last_s < 160.0, "the tracks coast and end: {last_s}");
+    // Before the first detection they are scans, too: a sensor that has not seen a target yet was looking.
+    let late = rows
+        .iter()
+        .filter(|row| row.split(',').nth(2).unwrap().parse::<usize>().unwrap() >= 10);
+    let late: Vec<String> = (0..10).map(empty).chain(late.cloned()).collect();
+    assert_eq!(ends(&late).0, [30, 10]);
+    // A row of this kind with a value is refused with its place.
+    let bad = [rows, vec!["120,1,30,0,none,5,,,,,,,,,,,".to_owned()]].concat();
+    write(&folder, "d.csv", &bad);
+    let said = track(&folder, "--detections d.csv --out t.csv");
+    let first = said["first_refused"][0].as_str().unwrap();
+    assert!(
+        first.contains("column m0") && first.contains("leave it empty"),
+        "{first}"
+    );
+}

@@ -33,6 +33,8 @@ settings::settings! {
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
         /// Gateways.
         gateways as "gateway": Unread = Unread;
+        /// Cues to sensor controllers.
+        cue_outlets as "cue_outlet": Unread = Unread;
         /// Link to deployments on other hosts: one process, `koseki-link`.
         links as "link": Vec<Link> = Vec::new();
         /// Region of a centre, which owns the targets in the region.

@@ -9,6 +9,7 @@ use tracking::settings::{Confirmation, Deletion, Settings};
 use tracking::wide_area::correction::Rule;
 use tracking::wide_area::distribution::Sharing;
 use tracking::wide_area::group::Groups;
+use tracking::wide_area::matching::Matching;
 use tracking::wide_area::prior::{self, Circle, EmissionBand, Knowledge, Prior, Sector};
 use tracking::wide_area::settings::{EarlyConfirmation, EarlyDeletion, SupportSettings};
 
@@ -25,7 +26,7 @@ fn settings(text: &str) -> Result<Settings, String> {
         .map_err(|error| error.to_string())
 }
 
-const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\ncorrects_confirmed_only = false\nheld = { share = 0.2 }\nrange_m = 3000\ntracks_min = 0\nothers_count = false\n\
+const ALL: &str = "[wide_area]\ncorrection = { factor = 4 }\ncorrects_confirmed_only = false\nheld = { share = 0.2 }\nrange_m = 3000\nmatching = \"nearest\"\ntracks_min = 0\nothers_count = false\n\
     groups = { probability_min = 0.7 }\nvalid_s = 20\ndelay_max_s = 0\n\
     [wide_area.sharing]\nwhole = false\nby_tracks = true\nexcess = 1.2\ngroup_m = 400\n\
     [wide_area.confirmation]\nnew_target_share = 0.5\nbeside_confirmed_only = false\nreliability_min = 0.8\n\
@@ -59,6 +60,7 @@ fn every_key_is_heard() {
         corrects_confirmed_only: false,
         held: Some(Rule::Share(0.2)),
         range_m: 3000.0,
+        matching: Matching::Nearest,
         tracks_min: 0.0,
         others_count: false,
         sharing: Some(Sharing {
@@ -223,6 +225,10 @@ fn mistakes_are_named_with_line_key_value_and_remedy() {
         (
             "[wide_area]\nheld = { share = -0.1 }",
             "2: wide_area.held.share: -0.1 is out of range",
+        ),
+        (
+            "[wide_area]\nmatching = \"one_to_one\"\n[wide_area.sharing]\nwhole = true",
+            "2: wide_area.matching: \"one_to_one\" gives each report to one cluster, and sharing to several",
         ),
         (
             "[wide_area]\nrange_m = nan",

@@ -73,8 +73,8 @@ pub struct Live {
 pub struct NetworkOutput {
     /// Its name, which is that of its process.
     pub name: String,
-    /// Where its datagrams go, and how.
-    pub sender: net::SenderSettings,
+    /// Where its datagrams go, and how; `None` if its readers connect.
+    pub sender: Option<net::SenderSettings>,
 }
 
 /// Returns the table of a category's edition, or of its default edition.

@@ -9,6 +9,12 @@
 //! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
 //! they are the tracker's own extrapolation without an observation, and fusion treats them as such.
 //!
+//! A picture does not wait for a silent sensor ([`DetectionTracker::elapsed`]). It goes out without further data once
+//! the clock, in the sensor's time, is later than the picture's time by a period and the wait. The scan at hand is
+//! completed likewise. The clock decides *when*, never *what*: a picture is the state after the scans published before
+//! it, moved to its own time. Each picture is published before the next scan. So a recording holds the order of scans
+//! and pictures, and the recorded detections give the same pictures.
+//!
 //! Reports of wide-area sensors wait until the scans have reached their arrival. If that scan has already been
 //! processed, a live report is counted, and used in the next scan.
 //!
@@ -61,8 +67,12 @@ pub struct DetectionTracker {
     /// Monotonic time of receipt of the latest datagram, nanoseconds.
     ingested_ns: i64,
     detections: u64,
+    /// Latest time of any detection, nanoseconds.
+    newest_ns: i64,
     late: u64,
     dropped: u64,
+    /// Detections refused by their age.
+    deselected: u64,
     cues: u64,
     reports_late: u64,
     reports_dropped: u64,
@@ -100,8 +110,10 @@ impl DetectionTracker {
             latest: None,
             ingested_ns: 0,
             detections: 0,
+            newest_ns: i64::MIN,
             late: 0,
             dropped: 0,
+            deselected: 0,
             cues: 0,
             reports_late: 0,
             reports_dropped: 0,
@@ -115,11 +127,25 @@ impl DetectionTracker {
     pub fn take(&mut self, detection: Detection, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
         let time_ns = detection.time_of_measurement_ns;
+        if self.is_too_old(time_ns) {
+            self.deselected += 1;
+            return;
+        }
         match self.cutter.take(detection, ingested_ns) {
             DetectionTreatment::Waits => self.come_to(time_ns, samples),
             DetectionTreatment::TooLate => self.late += 1,
             DetectionTreatment::Refused => self.dropped += 1,
         }
+    }
+
+    /// Whether a detection is so much older than the latest one that it is not selected (WA-1). Decided before its scan
+    /// is cut, by times of the data alone; a refused detection is not published, so `koseki track` does not need it.
+    fn is_too_old(&mut self, time_ns: i64) -> bool {
+        let selection = &self.tracker.tracker().settings().selection;
+        let refused = selection.age_max_s.filter(|_| selection.kept_weight.is_none());
+        let is_old = refused.is_some_and(|most| self.newest_ns.saturating_sub(time_ns) > most.ns());
+        self.newest_ns = self.newest_ns.max(time_ns);
+        is_old
     }
 
     /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next scan if the
@@ -149,6 +175,20 @@ impl DetectionTracker {
             self.cutter.passed(time_ns);
         }
         self.come_to(time_ns, samples);
+    }
+
+    /// The clock has come to `time_ns`, in the sensor's time (UTC, nanoseconds), whether or not data have come: the
+    /// pictures that no longer wait for data are made (WA-11). Without a configured output period, or before the first
+    /// scan, nothing happens.
+    pub fn elapsed(&mut self, time_ns: i64, samples: &mut Samples) {
+        let Some(patience_ns) = self.cutter.patience_ns() else {
+            return;
+        };
+        let due_ns = time_ns.saturating_sub(patience_ns);
+        // Only with a picture to make: a scan is not to be cut short for nothing.
+        if self.tracker.scans() > 0 && self.tracker.has_picture_due(due_ns) {
+            self.passed(due_ns, false, self.ingested_ns, samples);
+        }
     }
 
     /// Takes the sensor's report that a turn takes `turn_ns` nanoseconds.
@@ -213,8 +253,13 @@ impl DetectionTracker {
         let counts = self.tracker.tracker().counts();
         counters[Counter::Detections] = self.detections;
         counters[Counter::RejectedLate] += self.late;
-        counters[Counter::Reports] -= self.late + self.dropped;
-        counters[Counter::DetectionsRejected] = self.dropped + counts.rejected_detections + counts.dropped_detections;
+        let deselected = match self.tracker.tracker().settings().selection.kept_weight {
+            Some(_) => 0,
+            None => self.deselected + counts.deselected_detections,
+        };
+        counters[Counter::Reports] -= self.late + self.dropped + self.deselected;
+        counters[Counter::DetectionsRejected] =
+            self.dropped + counts.rejected_detections + counts.dropped_detections + deselected;
         counters[Counter::TracksDropped] += counts.dropped_tracks;
         counters[Counter::Scans] = self.tracker.scans();
         counters[Counter::ScanPeriodMs] = self
@@ -239,6 +284,7 @@ impl DetectionTracker {
         let mut sink = Publishing {
             source: self.source,
             ingested_ns: self.ingested_ns,
+            has_pictures: self.tracker.shown_ns().is_some(),
             cues: &mut self.cues,
             samples,
         };
@@ -254,6 +300,7 @@ impl DetectionTracker {
         let mut sink = Publishing {
             source: self.source,
             ingested_ns: self.ingested_ns,
+            has_pictures: self.tracker.shown_ns().is_some(),
             cues: &mut self.cues,
             samples,
         };
@@ -277,6 +324,8 @@ impl DetectionTracker {
 struct Publishing<'a> {
     source: u16,
     ingested_ns: i64,
+    /// Whether tracks come as pictures at even times.
+    has_pictures: bool,
     cues: &'a mut u64,
     samples: &'a mut Samples,
 }
@@ -291,13 +340,16 @@ impl TrackSink for Publishing<'_> {
             }
             self.samples.tracks.push(track);
         }
+        self.samples.has_picture |= self.has_pictures && !tracks.is_empty();
     }
 
     fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
         *self.cues += cues.len() as u64;
+        // A sensor's number in files is that of its source and one.
+        let source = |cue: &Cue| cue.sensor_id.saturating_sub(1) as u16;
         let samples = cues.iter().map(|cue| messages::Cue {
             made_ns: scan_ns,
-            ..cue.sample(self.source, ingested(self.ingested_ns))
+            ..cue.sample(source(cue), ingested(self.ingested_ns))
         });
         self.samples.cues.extend(samples);
     }

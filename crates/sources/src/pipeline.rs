@@ -7,7 +7,7 @@
 use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
-use messages::{Counters, SensorBearing, sensor_track_bits};
+use messages::{Counters, NS_PER_S, SensorBearing, sensor_track_bits};
 use observations::{Bearing, Observation, ServiceMessage, WideAreaReport};
 use reception::{ConversionModel, Converter};
 use settings::SettingsError;
@@ -157,6 +157,19 @@ impl Pipeline {
                 }
             }
             Maker::Locator(_) => {}
+        }
+        self.follow();
+    }
+
+    /// The clock has come to `steady_ns`, the UTC of the times given to [`Self::received`], whether or not data have
+    /// come: a tracker's pictures do not wait for a silent sensor (WA-11). Nothing happens before the offset of the
+    /// source's clock is known.
+    pub fn elapsed(&mut self, steady_ns: i64, samples: &mut Samples) {
+        let Maker::Tracker(tracker) = &mut self.maker else {
+            return;
+        };
+        if let Some((offset_s, _)) = self.converter.clock().offset() {
+            tracker.elapsed(steady_ns.saturating_add((NS_PER_S * offset_s) as i64), samples);
         }
         self.follow();
     }

@@ -13,6 +13,9 @@ pub struct Samples {
     pub bearings: Vec<SensorBearing>,
     /// Sensor tracks.
     pub tracks: Vec<SensorTrack>,
+    /// Whether `tracks` holds a picture of all tracks at an even time. It is to be published before the following scan,
+    /// so that the order in a recording tells which scans the picture contains.
+    pub has_picture: bool,
     /// Search regions for the sensor's next look, to be published after the tracks.
     pub cues: Vec<Cue>,
 }

@@ -194,6 +194,12 @@ impl ScanTracker {
         }
     }
 
+    /// Whether a picture until `time_ns` has not been handed out.
+    pub fn has_picture_due(&self, time_ns: i64) -> bool {
+        let pictures = self.pictures.as_ref();
+        pictures.is_some_and(|pictures| pictures.schedule.is_due(time_ns))
+    }
+
     /// Resumes the tracks of another tracker. Must be called before the first scan.
     pub fn resume(&mut self, left: &LeftTracks) {
         self.tracker.resume(left);
@@ -244,7 +250,7 @@ impl Cueing {
             sensor.sigma_m = sigma_m(scan.detections, sensor.sigmas).unwrap_or(sensor.sigma_m);
         }
         looks.saw(scan.sensor_id, scan.time_ns);
-        for look in looks.next() {
+        for look in looks.next(scan.time_ns) {
             let next = sensors.iter().find(|sensor| sensor.sensor_id == look.0);
             tracker.cues_at(look, next.map_or(0.0, |sensor| sensor.sigma_m), cues);
             sink.cues(scan.time_ns, cues);

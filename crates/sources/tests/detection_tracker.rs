@@ -3,12 +3,16 @@
 use std::path::Path;
 
 use configuration::Config;
-use messages::{Counter, Counters, SensorBearing, SensorTrack, TrackState, sensor_bearing_bits};
-use observations::{Detection, DetectionKind, TransponderReply};
+use messages::{Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits};
+use observations::{Detection, DetectionKind, Sampled as _, TransponderReply};
+use proptest::prelude::*;
 
-use sources::{DetectionTracker, Samples};
+use sources::{DetectionTracker, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
 use test_support::S;
+use tracking::TrackReport;
+use tracking::scans::silent_scans;
 use tracking::wide_area::arrivals::Arrivals;
+use tracking::wide_area::cue::Cue;
 
 const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n[[receiver]]\nname = \"lan\"\n\
                     [receiver.udp]\nlisten = \"127.0.0.1:8600\"\n[[receiver]]\nname = \"ears\"\n[receiver.udp]\nlisten = \"127.0.0.1:8601\"\n\
@@ -18,16 +22,13 @@ const SITE: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 
                     circle = { centre_m = [0.0, 0.0], radius_m = 90e3 }\ntypes = { patrol = 0.6 }\n\
                     [[source]]\nname = \"finder\"\n[source.live]\nreceiver = \"ears\"\n[source.locator]\n";
 
-fn tracker(keys: &str) -> DetectionTracker {
+fn settings(keys: &str) -> TrackerSettings {
     let config = Config::parse(Path::new("t.toml"), &SITE.replace("KEYS", keys), &[]).unwrap();
-    let source = &config.sources[0];
-    DetectionTracker::new(
-        source.number,
-        config.tracker(source.number).unwrap(),
-        0,
-        Arrivals::new(),
-    )
-    .unwrap()
+    config.tracker(0).unwrap().clone()
+}
+
+fn tracker(keys: &str) -> DetectionTracker {
+    DetectionTracker::new(0, &settings(keys), 0, Arrivals::new()).unwrap()
 }
 
 fn east_m(time_s: f64) -> f64 {
@@ -212,4 +213,163 @@ fn emissions_identify_a_track_and_bad_ones_are_counted() {
     tracking.count(&mut counters);
     assert_eq!(counters[Counter::Emissions], 1);
     assert_eq!(counters[Counter::EmissionsRejected], 3);
+}
+
+/// Time of the latest detection of [`fly`] with 20 scans.
+const LAST_NS: i64 = 77_200_000_000;
+
+#[test]
+fn pictures_go_on_by_the_clock_while_the_sensor_is_silent() {
+    let mut tracking = tracker("output_period_s = 1.5");
+    let mut made = Samples::default();
+    fly(&mut tracking, 0..20, &mut made);
+    let by_data = made.tracks.len();
+    made.has_picture = false;
+    // A period and a tenth of it are waited for data.
+    let patience_ns = 4_400_000_000;
+    for step in 0..400 {
+        let (clock_ns, before) = (LAST_NS + step * S / 2, made.tracks.len());
+        tracking.elapsed(clock_ns, &mut made);
+        let times = made.tracks[before..].iter().map(|track| track.time_of_measurement_ns);
+        assert!(times.clone().all(|time_ns| time_ns <= clock_ns - patience_ns));
+        assert_eq!(std::mem::take(&mut made.has_picture), times.count() > 0);
+    }
+    let times: Vec<i64> = made.tracks.iter().map(|track| track.time_of_measurement_ns).collect();
+    assert!(
+        times.windows(2).all(|pair| pair[1] - pair[0] == 1_500_000_000),
+        "{times:?}"
+    );
+    let states = made.tracks[by_data..].iter().map(|track| track.state);
+    assert!(states.skip(4).all(|state| state == TrackState::Coasted as u8));
+    // The detection that waited for the end of its scan is in them; a target silent for a minute is not.
+    assert_eq!(made.detections.len(), 20);
+    let last_ns = *times.last().unwrap();
+    assert!((LAST_NS + 57 * S..LAST_NS + 60 * S).contains(&last_ns), "{last_ns}");
+    // The sensor comes back, and its track is the same.
+    let number = made.tracks[0].track_number;
+    let seen_again = made.tracks.len();
+    tracking.take(seen(280.0), 0, &mut made);
+    fly(&mut tracking, 71..80, &mut made);
+    assert!(made.tracks.len() > seen_again && made.tracks[seen_again].track_number >= number);
+}
+
+#[test]
+fn without_pictures_the_clock_changes_nothing() {
+    let mut tracking = tracker("");
+    let mut made = Samples::default();
+    fly(&mut tracking, 0..10, &mut made);
+    let (tracks, detections) = (made.tracks.len(), made.detections.len());
+    tracking.elapsed(10_000 * S, &mut made);
+    assert_eq!((made.tracks.len(), made.detections.len()), (tracks, detections));
+    assert!(!made.has_picture);
+}
+
+/// Handles the pictures of a tracker that is fed with recorded scans.
+#[derive(Default)]
+struct Repeated(Vec<SensorTrack>);
+
+impl TrackSink for Repeated {
+    fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool) {
+        self.0.extend(tracks.iter().map(|report| SensorTrack {
+            state: match extrapolated {
+                true => TrackState::Coasted as u8,
+                false => report.state as u8,
+            },
+            ..report.sensor_track(0)
+        }));
+    }
+
+    fn cues(&mut self, _scan_ns: i64, _cues: &[Cue]) {}
+}
+
+/// What was published, in its order: the detections of a scan, or the time of the latest picture.
+enum Published {
+    Scan(Vec<Detection>),
+    Picture(i64),
+}
+
+proptest! {
+    /// Whenever data come and the clock is read, the order of publication is all that is needed to repeat the pictures.
+    #[test]
+    fn the_order_of_publication_gives_the_same_pictures_again(
+        steps in prop::collection::vec((0u32..3, 0.0..3.0f64), 40..120),
+    ) {
+        let keys = "output_period_s = 1.5";
+        let mut tracking = tracker(keys);
+        let (mut time_s, mut log, mut live) = (0.0, Vec::new(), Vec::new());
+        for (what, step_s) in steps {
+            time_s += step_s;
+            let mut made = Samples::default();
+            match what {
+                0 => tracking.elapsed((time_s * 1e9) as i64, &mut made),
+                1 => tracking.passed((time_s * 1e9) as i64, false, 0, &mut made),
+                _ => tracking.take(seen(time_s), 0, &mut made),
+            }
+            let detections: Vec<Detection> = made.detections.iter().filter_map(Detection::of_sample).collect();
+            let scans = detections.chunk_by(|one, other| one.scan == other.scan);
+            log.extend(scans.map(|scan| Published::Scan(scan.to_vec())));
+            // Pictures without tracks count, too.
+            log.push(Published::Picture(tracking.progress_ns()));
+            live.extend(made.tracks);
+        }
+        let settings = settings(keys);
+        let mut again = ScanTracker::new(settings.settings, settings.outputs, Arrivals::new(), Vec::new()).unwrap();
+        let (mut repeated, mut latest) = (Repeated::default(), None);
+        for each in &log {
+            let Published::Scan(detections) = each else {
+                let Published::Picture(time_ns) = each else { continue };
+                again.show(*time_ns, &mut repeated);
+                continue;
+            };
+            let last = detections.last().unwrap();
+            let now = (last.scan, last.time_of_measurement_ns);
+            let of_sensor = |(number, time_ns), detections| SensorScan { sensor_id: 1, number, time_ns, detections };
+            for silent in latest.into_iter().flat_map(|before| silent_scans(before, now)) {
+                again.scan(&of_sensor(silent, &[]), None, &mut repeated);
+            }
+            again.scan(&of_sensor(now, &detections[..]), None, &mut repeated);
+            latest = Some(now);
+        }
+        let plain = |tracks: Vec<SensorTrack>| -> Vec<SensorTrack> {
+            tracks.into_iter().map(|track| SensorTrack { stages: StageTimes::default(), ..track }).collect()
+        };
+        prop_assert_eq!(plain(live), plain(repeated.0));
+    }
+}
+
+#[test]
+fn a_detection_that_comes_too_long_after_newer_ones_is_not_selected() {
+    let late = |keys: &str| {
+        let mut tracking = tracker(keys);
+        let mut made = Samples::default();
+        fly(&mut tracking, 0..5, &mut made);
+        // Both belong to the scan at hand: one is three seconds older than the newest, the other one.
+        for time_s in [23.2, 20.2, 22.2] {
+            tracking.take(seen(time_s), 0, &mut made);
+        }
+        tracking.end(&mut made);
+        let mut counters = Counters::default();
+        counters[Counter::Reports] = 8;
+        tracking.count(&mut counters);
+        let times = made
+            .detections
+            .iter()
+            .map(|each| each.time_of_measurement_ns / (S / 10));
+        (
+            times.skip(5).collect::<Vec<_>>(),
+            counters[Counter::DetectionsRejected],
+            counters[Counter::Reports],
+        )
+    };
+    assert_eq!(late(""), (vec![202, 222, 232], 0, 8));
+    assert_eq!(
+        late("[source.tracker.selection]\nage_max_s = 2.0"),
+        (vec![222, 232], 1, 7)
+    );
+    let kept = late("[source.tracker.selection]\nage_max_s = 2.0\nkept_weight = 0.5");
+    assert_eq!(
+        kept,
+        (vec![202, 222, 232], 0, 8),
+        "used with less weight, so not refused"
+    );
 }

@@ -85,7 +85,9 @@ impl ClusterUpdate {
         let confirmation = &scan.settings.confirmation;
         store.confirm(|track| confirmation.is_met(track), &mut next.next_number, counts);
         let first_early = next.next_number;
-        joined.support.confirm(store, &mut next.next_number, counts);
+        let taken_over = |track: &_, value, limit| scan.explain(TrackEvent::ConfirmedEarly, track, value, limit);
+        let (scans, next_number) = (reduction.merge_scans, &mut next.next_number);
+        joined.support.confirm(store, scans, next_number, counts, taken_over);
         if let Some(observer) = scan.observer {
             explain_confirmations(&joined, store, [first_number, first_early]);
             explain_ends(&joined, store);

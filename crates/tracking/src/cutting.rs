@@ -220,6 +220,13 @@ impl<T: Copy> Cutter<T> {
         &self.with_them
     }
 
+    /// Time after which a sensor that sends nothing is not waited for: a period and the wait, nanoseconds. `None` until
+    /// the period is known.
+    pub fn patience_ns(&self) -> Option<i64> {
+        self.rhythm
+            .map(|rhythm| rhythm.period_ns.saturating_add(rhythm.wait_ns))
+    }
+
     fn complete_scan(&mut self, running_ns: i64) -> Option<CutScan> {
         self.complete.clear();
         self.with_them.clear();

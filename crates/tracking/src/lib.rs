@@ -69,6 +69,8 @@ mod log_sum;
 mod measurement;
 mod motion;
 mod parents;
+#[cfg(test)]
+mod parting_tests;
 mod plot;
 mod population;
 mod ranked;

@@ -12,3 +12,5 @@ pub const PAIRS_MAX: usize = 16;
 pub const HISTORY_MAX: usize = 8;
 /// Scans over which a cluster's detections are counted (SP-4).
 pub const DETECTION_COUNTS: usize = 5;
+/// Most scans that stay open for late scans and for comparison.
+pub(crate) const OPEN_SCANS_MAX: usize = 64;

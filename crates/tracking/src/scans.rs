@@ -3,7 +3,8 @@
 //! A file of detections is a list; the tracker needs the detections of each look, and also the looks without
 //! detections. Detections of one sensor with the same scan number are a scan, at the time of the latest detection.
 //! Missing numbers are scans without detections, evenly spaced between their neighbours: each is a miss for every
-//! track. No scans are assumed before the first scan with a detection or after the last.
+//! track. No scans are assumed before a sensor's first known scan or after its last one; inputs may state scans without
+//! detections there.
 
 use std::ops::Range;
 
@@ -27,8 +28,8 @@ pub struct ScanOfDetections {
 }
 
 /// Sorts `detections` by sensors, scans, times and numbers, so that their order does not matter, and returns the scans
-/// in order of time, then of sensors. `silent` are scans known to be without detections: (sensor, number, time in
-/// nanoseconds).
+/// in order of time, then of sensors. `silent` are scans stated to be without detections: (sensor, number, time in
+/// nanoseconds). The statement has no effect if the scan has detections, or if an earlier one is about the same scan.
 pub fn scans_of(detections: &mut [Detection], silent: &[(u32, u32, i64)]) -> Vec<ScanOfDetections> {
     detections.sort_by_key(|detection| {
         let Detection { sensor_id, scan, .. } = *detection;
@@ -62,7 +63,9 @@ pub fn scans_of(detections: &mut [Detection], silent: &[(u32, u32, i64)]) -> Vec
         .iter()
         .map(|(sensor, number, time_ns)| without_detections(*sensor, (*number, *time_ns), 0));
     scans.extend(known);
+    // Stable: scans with detections come first.
     scans.sort_by_key(|scan| (scan.sensor_id, scan.number));
+    scans.dedup_by_key(|scan| (scan.sensor_id, scan.number));
     let gaps: Vec<ScanOfDetections> = scans
         .windows(2)
         .filter(|pair| pair[0].sensor_id == pair[1].sensor_id)
@@ -147,6 +150,17 @@ mod tests {
             (10, 1, 5, 1),
         ];
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn a_scan_is_silent_once_and_only_without_detections() {
+        let mut detections = [detection(1, 4, 9 * S)];
+        let silent = [(1, 5, 10 * S), (1, 4, 8 * S), (1, 5, 11 * S)];
+        let found: Vec<_> = scans_of(&mut detections, &silent)
+            .into_iter()
+            .map(|scan| (scan.time_ns / S, scan.number, scan.detections))
+            .collect();
+        assert_eq!(found, [(9, 4, 0..1), (10, 5, 0..0)]);
     }
 
     #[test]

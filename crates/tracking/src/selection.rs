@@ -5,6 +5,9 @@
 //! they are kept with a smaller weight: with a weight of 0 no hypothesis takes them for a target; with a small
 //! weight, hypotheses with them are less reliable and are dropped first.
 //!
+//! Age counts against the latest scan. Live, a detection is also refused if it comes when a detection newer by more
+//! than that has come already (crate `sources`): it would otherwise be refused only when its scan is late as a whole.
+//!
 //! An outranked scan with rejected detections does not count as a look: no track is missed in it.
 
 use settings::Seconds;

@@ -11,7 +11,7 @@ use crate::field_of_view::FieldOfView;
 use crate::identity::IdentitySettings;
 use crate::initiation::Initiation;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
-use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX};
+use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX, OPEN_SCANS_MAX};
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};
 use crate::selection::Selection;
 pub use crate::turn::TurnSettings;
@@ -126,8 +126,9 @@ settings::settings! {
         tracks: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
         /// Most detections in a scan.
         detections: Option<usize> = None, in [1, ROOM_MAX], usually "16384; offline more if a scan needs it";
-        /// Number of scans that stay open for late, earlier scans (HT-12).
-        open_scans: usize = 0, in [0, 64];
+        /// Number of scans that stay open for late, earlier scans (HT-12); with sensors of different priority, at least
+        /// the number of sensors, since scans of the same time are compared while they are open (WA-1).
+        open_scans: usize = 0, in [0, OPEN_SCANS_MAX];
     }
 }
 
@@ -177,6 +178,17 @@ impl KeyValue for Limit {
 }
 
 impl Settings {
+    /// Number of scans that stay open beside the latest one.
+    pub(crate) fn open_scans(&self) -> usize {
+        let mut priorities = self.sensors.iter().map(|sensor| sensor.priority);
+        let first = priorities.next().unwrap_or_default();
+        let compared = match priorities.all(|priority| priority == first) {
+            true => 0,
+            false => self.sensors.len().min(OPEN_SCANS_MAX),
+        };
+        self.capacity.open_scans.max(compared)
+    }
+
     /// No two sensors have one number.
     fn check(&self) -> Result<(), SettingsError> {
         let mut known = BTreeSet::new();

@@ -68,7 +68,7 @@ impl Tracker {
     pub fn new(settings: Settings) -> Result<Self, SettingsError> {
         settings::check(&settings)?;
         let (tracks, detections) = (settings.capacity.tracks(), settings.capacity.detections());
-        let open_scans = settings.capacity.open_scans;
+        let open_scans = settings.open_scans();
         let types = settings.wide_area.knowledge.types.len();
         let population = |_| Population::new(tracks, settings.sensors.len(), types);
         let scan = |_| Scan {
@@ -205,11 +205,15 @@ impl Tracker {
         &self.reports
     }
 
-    /// The confirmed tracks at `time_ns`, into `picture` (WA-11).
+    /// The confirmed tracks at `time_ns`, into `picture` (WA-11), without those whose last scan is so long ago that a
+    /// scan would delete them (HT-10): pictures go on while the sensors are silent.
     pub fn picture_at(&self, time_ns: i64, picture: &mut Vec<TrackReport>) {
         let noise = self.settings.motion.process_noise_m2ps3;
         picture.clear();
-        picture.extend(self.reports.iter().map(|track| track.moved_to(time_ns, noise)));
+        let silent_ns = self.settings.deletion.limits.silent_s.ns();
+        let current = |track: &&TrackReport| time_ns.saturating_sub(track.time_ns) < silent_ns;
+        let current = self.reports.iter().filter(current);
+        picture.extend(current.map(|track| track.moved_to(time_ns, noise)));
     }
 
     /// Writes to `cues` a search region for each confirmed track at `time_ns`, for the sensor `sensor_id` with a

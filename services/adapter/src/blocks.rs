@@ -9,6 +9,7 @@ use anyhow::Context as _;
 use asterix::{Decoder, blocks};
 use deployment::{Asterix, Input, Process, Source};
 use messages::Counter;
+use net::BATCH_MAX;
 use reception::Method;
 use reception::observation::{self, Reading};
 use runtime::{HealthEntry, Now};
@@ -128,8 +129,14 @@ impl DatagramReader for BlockSources {
         Ok(())
     }
 
-    fn publish(&mut self, _count: usize, _now: Now) -> anyhow::Result<()> {
-        self.channels.iter_mut().try_for_each(SourceChannel::publish)
+    fn publish(&mut self, count: usize, _now: Now) -> anyhow::Result<()> {
+        // A full batch leaves further datagrams in the socket.
+        let elapsed = (count < BATCH_MAX).then(Now::read);
+        for channel in &mut self.channels {
+            channel.publish()?;
+            elapsed.map_or(Ok(()), |now| channel.elapsed(now))?;
+        }
+        Ok(())
     }
 
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {

@@ -137,6 +137,14 @@ impl SourceChannel {
         self.publish_many()
     }
 
+    /// Lets the pictures that no longer wait for data go out by the clock. Must be called only when no received data
+    /// wait: data that have arrived are not late, however long the process has stood still.
+    pub(crate) fn elapsed(&mut self, now: Now) -> anyhow::Result<()> {
+        let Some(steady) = self.steady else { return Ok(()) };
+        self.pipeline.elapsed(steady.utc_ns(now.mono_ns), &mut self.gathered);
+        self.publish_many()
+    }
+
     /// Publishes the collected results.
     pub(crate) fn publish(&mut self) -> anyhow::Result<()> {
         self.listen()?;
@@ -150,6 +158,7 @@ impl SourceChannel {
             sent_ns: mono_ns(),
             end: false,
         };
+        self.gathered.has_picture = false;
         Ok(self.outlets.send(mark, &mut self.gathered)?)
     }
 
@@ -193,9 +202,11 @@ impl SourceChannel {
     }
 
     fn publish_many(&mut self) -> anyhow::Result<()> {
-        match self.gathered.tracks.len().max(self.gathered.bearings.len()) < GATHERED_MAX {
-            true => Ok(()),
-            false => self.publish(),
+        let is_full = self.gathered.tracks.len().max(self.gathered.bearings.len()) >= GATHERED_MAX;
+        // A picture is published before the following scan.
+        match is_full || self.gathered.has_picture {
+            true => self.publish(),
+            false => Ok(()),
         }
     }
 }

@@ -2,13 +2,17 @@
 //!
 //! The fused picture is sent as CAT062, with the state of the fusion system (CAT065) and of its sensors (CAT063), for
 //! displays and neighbouring centres. The sensor tracks of one source can be sent as CAT010, 020, 021 or 048, to test
-//! other systems. A gateway is a subscriber like any other; a fault of a gateway has no effect on fusion.
+//! other systems. A cue outlet sends search regions to sensor controllers. A gateway is a subscriber like any other; a
+//! fault of a gateway has no effect on fusion.
 
 #![forbid(unsafe_code)]
 
 mod agent;
 #[cfg(test)]
 mod agent_tests;
+mod cue_outlet;
+mod cue_settings;
+mod destination;
 mod schedule;
 mod selection;
 mod sensor_states;
@@ -19,13 +23,19 @@ mod settings_tests;
 use anyhow::Context as _;
 use deployment::Process;
 
-pub use settings::{Area, Destination, Keys, Settings};
+pub use cue_settings::CueOutletSettings;
+pub use destination::Destination;
+pub use settings::{Area, Keys, Settings};
 
 /// Runs the gateway of `keys` named in `process` until a stop request.
 ///
 /// # Errors
 /// If the configuration has no such gateway, if the socket cannot be opened, or if shared memory fails.
 pub fn run(process: &Process, keys: &Keys) -> anyhow::Result<()> {
+    if let Some(outlet) = keys.cue_outlet(&process.name) {
+        let mut agent = cue_outlet::CueOutlet::new(outlet, &process.bus, process.incarnation)?;
+        return runtime::service::run(process, &mut agent);
+    }
     let gateway = keys.gateway(&process.name).with_context(|| {
         let path = process.config.path.display();
         format!("{path}: no gateway is named \"{}\"", process.name)

@@ -1,13 +1,15 @@
 //! Keys of gateways, and their place in a deployment.
 
 use std::collections::BTreeSet;
-use std::net::SocketAddr;
 
 use asterix::Category;
 use deployment::{Deployment, NetworkOutput, Parts, Source, check_name};
-use net::{Interface, NetError, SenderSettings};
+use net::{Interface, SenderSettings};
 use outgoing::HeightReference;
 use settings::{KeyTable, Seconds, SettingsError};
+
+use crate::cue_settings::CueOutletSettings;
+use crate::destination::{Destination, sender_mistake};
 
 /// Categories that a gateway can send of a sensor.
 const SENSOR_CATEGORIES: [u8; 4] = [10, 20, 21, 48];
@@ -21,6 +23,8 @@ settings::settings! {
     pub struct Keys {
         /// Network output: a gateway process.
         gateways as "gateway": Vec<Settings> = Vec::new();
+        /// Cues to sensor controllers: a gateway process for rows.
+        cue_outlets as "cue_outlet": Vec<CueOutletSettings> = Vec::new();
     }
 
     /// A part of the Earth between two parallels and two meridians (WGS-84).
@@ -81,32 +85,6 @@ settings::settings! {
     }
 }
 
-/// Address and port that datagrams go to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Destination(pub SocketAddr);
-
-impl Default for Destination {
-    fn default() -> Self {
-        Self(SocketAddr::from(([0; 4], 0)))
-    }
-}
-
-impl Destination {
-    fn parse(text: String) -> Result<Self, String> {
-        let address: SocketAddr = text.parse().map_err(|_| {
-            format!(
-                "\"{text}\" is no address and port; write a multicast group or an address, as in \"239.1.2.3:8610\""
-            )
-        })?;
-        match address.port() {
-            0 => Err("port 0 is no port; give one from 1 to 65535".to_owned()),
-            _ => Ok(Self(address)),
-        }
-    }
-}
-
-settings::spelt_as!(Destination, String, "text", Self::parse, |to| to.0.to_string());
-
 /// Content that a gateway sends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum GatewayContent<'a> {
@@ -116,21 +94,6 @@ pub(crate) enum GatewayContent<'a> {
     Own,
     /// The sensor tracks of a source.
     OfSource(&'a Source),
-}
-
-/// Names the key of a setting that no sender can have.
-fn sender_mistake(error: NetError) -> SettingsError {
-    match error {
-        NetError::Setting { setting, value, reason } => {
-            let key = match setting {
-                "time to live" => "ttl",
-                "interface" => "interface",
-                _ => "send_to",
-            };
-            SettingsError::new(key, format!("{value} {reason}"))
-        }
-        other => SettingsError::new("send_to", other.to_string()),
-    }
 }
 
 impl Settings {
@@ -240,6 +203,19 @@ impl Keys {
     pub fn gateway(&self, name: &str) -> Option<&Settings> {
         self.gateways.iter().find(|gateway| gateway.name == name)
     }
+
+    /// Returns the cue outlet called `name`.
+    pub fn cue_outlet(&self, name: &str) -> Option<&CueOutletSettings> {
+        self.cue_outlets.iter().find(|outlet| outlet.name == name)
+    }
+
+    /// Names of the processes, each with the key of its name.
+    pub fn names(&self) -> impl Iterator<Item = (String, &String)> {
+        let gateways = self.gateways.iter().enumerate();
+        let outlets = self.cue_outlets.iter().enumerate();
+        let gateways = gateways.map(|(index, each)| (format!("gateway[{index}].name"), &each.name));
+        gateways.chain(outlets.map(|(index, each)| (format!("cue_outlet[{index}].name"), &each.name)))
+    }
 }
 
 impl Parts for Keys {
@@ -249,22 +225,21 @@ impl Parts for Keys {
 
     fn join(&self, deployment: &mut Deployment) -> Result<(), SettingsError> {
         let mut names = BTreeSet::new();
-        for (index, each) in self.gateways.iter().enumerate() {
-            let key = |part: &str| format!("gateway[{index}].{part}");
-            check_name(&key("name"), &each.name)?;
-            if !names.insert(&each.name) {
-                let what = format!("\"{}\" is the name of an earlier gateway; give each its own", each.name);
-                return Err(SettingsError::new(key("name"), what));
+        for (key, name) in self.names() {
+            check_name(&key, name)?;
+            if !names.insert(name) {
+                let what = format!("\"{name}\" is the name of an earlier gateway; give each its own");
+                return Err(SettingsError::new(key, what));
             }
             let of_sources = deployment.sources.iter().map(|source| &source.adapter);
             let of_sensors = deployment.wide_area_sensors.iter().map(|sensor| &sensor.adapter);
-            if of_sources.chain(of_sensors).any(|adapter| *adapter == each.name) {
-                let what = format!(
-                    "\"{}\" is the name of an adapter process; give the gateway another",
-                    each.name
-                );
-                return Err(SettingsError::new(key("name"), what));
+            if of_sources.chain(of_sensors).any(|adapter| adapter == name) {
+                let what = format!("\"{name}\" is the name of an adapter process; give the gateway another");
+                return Err(SettingsError::new(key, what));
             }
+        }
+        for (index, each) in self.gateways.iter().enumerate() {
+            let key = |part: &str| format!("gateway[{index}].{part}");
             let content = each.content(deployment);
             let content = content.map_err(|error| error.under(&format!("gateway[{index}]")))?;
             if matches!(content, GatewayContent::Own) && !deployment.system_tracks.exchange {
@@ -274,9 +249,14 @@ impl Parts for Keys {
         }
         let output = |gateway: &Settings| NetworkOutput {
             name: gateway.name.clone(),
-            sender: gateway.sender(),
+            sender: Some(gateway.sender()),
         };
         deployment.services.gateways = self.gateways.iter().map(output).collect();
+        for (index, outlet) in self.cue_outlets.iter().enumerate() {
+            let output = outlet.output(deployment);
+            let output = output.map_err(|error| error.under(&format!("cue_outlet[{index}]")))?;
+            deployment.services.gateways.push(output);
+        }
         Ok(())
     }
 }

@@ -23,7 +23,7 @@ fn a_gateway_sends_the_fused_picture_by_default() {
     assert!(matches!(gateway.content(&config), Ok(GatewayContent::Fused)));
     let output = &config.services.gateways[0];
     assert_eq!(
-        (output.name.as_str(), output.sender.destination),
+        (output.name.as_str(), output.sender.as_ref().unwrap().destination),
         ("picture", gateway.send_to.0)
     );
 }
@@ -32,7 +32,7 @@ fn a_gateway_sends_the_fused_picture_by_default() {
 fn the_time_to_live_of_a_gateway_reaches_its_sender() {
     let sender = |overrides: &[String]| {
         let config = Config::parse(Path::new("live.toml"), SITE, overrides).unwrap();
-        config.services.gateways[0].sender.clone()
+        config.services.gateways[0].sender.clone().unwrap()
     };
     assert_eq!(sender(&[]).time_to_live, None);
     assert_eq!(sender(&["gateway[0].ttl=7".to_owned()]).time_to_live, Some(7));
@@ -122,5 +122,55 @@ fn mistakes_are_named_with_line_value_and_remedy() {
         let message = refused(&SITE.replacen(old, new, 1));
         assert!(message.starts_with("test.toml:"), "{message}");
         assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn a_cue_outlet_needs_one_way_out_and_a_source_with_cues() {
+    let read = |keys: &str| {
+        let text = SITE.replace("[source.tracker]", "[source.tracker]\ncues = true");
+        let with_tracker = match text.contains("[source.tracker]") {
+            true => text,
+            false => SITE.replacen(
+                "[source.covariance]",
+                "[source.tracker]\ncues = true\n[source.covariance]",
+                1,
+            ),
+        };
+        let text = format!("{with_tracker}\n[[cue_outlet]]\nname = \"looks\"\n{keys}");
+        Config::parse(Path::new("live.toml"), &text, &[]).map_err(|error| error.to_string())
+    };
+    let source = "source = \"radar-north\"\n";
+    let config = read(&format!("{source}listen = \"127.0.0.1:8620\"\n")).unwrap();
+    let output = config.services.gateways.last().unwrap();
+    assert_eq!((output.name.as_str(), &output.sender), ("looks", &None));
+    assert!(config.parts.cue_outlet("looks").is_some() && config.parts.gateway("looks").is_none());
+    let config = read(&format!(
+        "{source}send_to = \"239.1.2.3:8620\"\ninterface = \"127.0.0.1\"\nttl = 3\n"
+    ))
+    .unwrap();
+    let sender = config.services.gateways.last().unwrap().sender.clone().unwrap();
+    assert_eq!(sender.time_to_live, Some(3));
+    for (keys, expected) in [
+        (source.to_owned(), "give either send_to (datagrams) or listen"),
+        (
+            format!("{source}send_to = \"239.1.2.3:1\"\nlisten = \"127.0.0.1:1\"\n"),
+            "give either send_to",
+        ),
+        (
+            format!("{source}listen = \"127.0.0.1:8620\"\nttl = 3\n"),
+            "cue_outlet[0].ttl",
+        ),
+        (
+            "source = \"nobody\"\nlisten = \"127.0.0.1:8620\"\n".to_owned(),
+            "there is no source named \"nobody\"",
+        ),
+        (
+            "source = \"radar-south\"\nlisten = \"127.0.0.1:8620\"\n".to_owned(),
+            "\"radar-south\" makes no cues",
+        ),
+    ] {
+        let refused = read(&keys).unwrap_err();
+        assert!(refused.contains(expected), "{refused}");
     }
 }

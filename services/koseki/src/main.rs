@@ -217,13 +217,7 @@ fn process_name(kind: ProcessKind, given: Option<String>, config: &Config) -> Re
     let names: Vec<&str> = match kind {
         ProcessKind::Adapter => config.adapters(),
         ProcessKind::Link => config.links.iter().map(|link| link.name.as_str()).collect(),
-        ProcessKind::Gateway => config
-            .parts
-            .gateway
-            .gateways
-            .iter()
-            .map(|gateway| gateway.name.as_str())
-            .collect(),
+        ProcessKind::Gateway => config.parts.gateway.names().map(|(_, name)| name.as_str()).collect(),
         _ => return Ok(given.unwrap_or_else(|| kind.word().to_owned())),
     };
     let (kind, path) = (kind.word(), config.path.display());

@@ -31,7 +31,8 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
         say(&format!("{what}; it is tried again until it works"));
     }
     for gateway in &config.services.gateways {
-        if let Err(error) = UdpSender::open(&gateway.sender) {
+        let Some(sender) = &gateway.sender else { continue };
+        if let Err(error) = UdpSender::open(sender) {
             say(&format!(
                 "gateway {}: {error}; it is tried again until it works",
                 gateway.name

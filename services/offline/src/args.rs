@@ -223,7 +223,8 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
          --out has mmsi, level and the ages of the track's values at the end.
          Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
-         number is a scan without detections. Several files are merged by time. Unusable rows are omitted and counted. A
+         number is a scan without detections. A row of the kind none, with its other values empty, is a scan without
+         detections at its time, also before the first detection and after the last one. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
          (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config.
 --wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place

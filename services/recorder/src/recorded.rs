@@ -87,9 +87,10 @@ impl RecordedSample for PlatformState {
 impl RecordedSample for Cue {
     type Row = CueRow;
 
-    fn row(&self, source: u16, _: &SystemFrame) -> Option<CueRow> {
+    fn row(&self, _: u16, _: &SystemFrame) -> Option<CueRow> {
         Some(CueRow {
-            sensor_id: sensor_id(source),
+            // Of several sensors of a tracker, the one that is to look.
+            sensor_id: sensor_id(self.source),
             cue: *self,
         })
     }

@@ -61,7 +61,8 @@ impl Sampled for Cue {
     }
 }
 
-/// Times of the sensors' next looks: one period after the last look of each.
+/// Times of the sensors' next looks: one period after the last look of each, or as many periods as a silent sensor has
+/// let pass.
 #[derive(Clone, Debug, Default)]
 pub struct LookTimes {
     /// (sensor, last time, period), nanoseconds.
@@ -89,10 +90,13 @@ impl LookTimes {
         }
     }
 
-    /// Pairs (sensor, time of its next look in nanoseconds) for the sensors with a known period.
-    pub fn next(&self) -> impl Iterator<Item = (u32, i64)> + '_ {
-        let next = |(sensor, last_ns, period_ns): &(u32, i64, Option<i64>)| {
-            period_ns.map(|period_ns| (*sensor, last_ns.saturating_add(period_ns)))
+    /// Pairs (sensor, time of its first look after `now_ns` in nanoseconds) for the sensors with a known period.
+    pub fn next(&self, now_ns: i64) -> impl Iterator<Item = (u32, i64)> + '_ {
+        let next = move |(sensor, last_ns, period_ns): &(u32, i64, Option<i64>)| {
+            let period_ns = (*period_ns)?;
+            let passed = now_ns.saturating_sub(*last_ns).max(0) / period_ns;
+            let after_ns = period_ns.saturating_mul(passed.saturating_add(1));
+            Some((*sensor, last_ns.saturating_add(after_ns)))
         };
         self.sensors.iter().filter_map(next)
     }
@@ -140,5 +144,24 @@ pub(crate) fn cue(
         velocity_mps: moved.estimate.velocity_mps(),
         half_axes_m: [axis(mean + apart), axis(mean - apart)],
         orientation_rad: (std::f64::consts::FRAC_PI_2 - turned).rem_euclid(std::f64::consts::PI),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sensor_looks_again_after_a_period_and_a_silent_one_at_its_next_turn() {
+        let mut looks = LookTimes::of([1, 2, 3].into_iter());
+        for (sensor_id, time_ns) in [(1, 0), (2, 1), (3, 2), (1, 4), (2, 11), (1, 8), (7, 9)] {
+            looks.saw(sensor_id, time_ns);
+        }
+        let next = |now_ns| looks.next(now_ns).collect::<Vec<_>>();
+        assert_eq!(next(8), [(1, 12), (2, 21)], "sensor 3 has shown no period yet");
+        assert_eq!(next(12), [(1, 16), (2, 21)]);
+        assert_eq!(next(31), [(1, 32), (2, 41)]);
+        assert_eq!(next(i64::MIN), [(1, 12), (2, 21)]);
+        assert!(next(i64::MAX).iter().all(|(_, time_ns)| *time_ns > i64::MAX - 11));
     }
 }

@@ -1,7 +1,8 @@
 //! Expected targets of each cluster in one scan, derived from the reports.
 //!
 //! Reports of the same time of observation add up if they refer to the same cluster: a sensor may report targets
-//! singly or together. Among different times the latest report holds.
+//! singly or together. Among different times the latest report holds. Reports that are matched one to one
+//! ([`super::matching`]) are handled together, observation by observation.
 
 use association::Grid;
 use messages::{AXES, NS_PER_S};
@@ -10,6 +11,7 @@ use observations::WideAreaReport;
 use super::choice::{Centre, nearest};
 use super::distribution::share;
 use super::identification::Origin;
+use super::matching::{Matcher, Matching, TOGETHER_MAX};
 use super::report;
 use super::settings::SupportSettings;
 use crate::counts::TrackerCounts;
@@ -38,6 +40,15 @@ pub(crate) struct Expectation {
     observed_ns: i64,
 }
 
+/// A scan for which the reports of an observation are matched one to one.
+struct MatchedScan<'a> {
+    /// Whether these reports are due in the scan.
+    is_due: bool,
+    /// Time of the centres, nanoseconds.
+    reference_ns: i64,
+    settings: &'a SupportSettings,
+}
+
 /// Working memory for one scan after the other.
 #[derive(Clone, Debug)]
 pub(crate) struct Expectations {
@@ -55,6 +66,7 @@ pub(crate) struct Expectations {
     shares: Vec<f64>,
     /// Reports that have been taken into a group.
     grouped: Vec<bool>,
+    matcher: Matcher,
 }
 
 impl Expectations {
@@ -68,6 +80,7 @@ impl Expectations {
             near: Vec::with_capacity(clusters_max),
             shares: Vec::with_capacity(clusters_max),
             grouped: Vec::with_capacity(super::report::REPORTS_MAX),
+            matcher: Matcher::new(clusters_max),
         }
     }
 
@@ -99,6 +112,15 @@ impl Expectations {
         self.grouped.resize(reports.len(), false);
         for place in 0..reports.len() {
             if self.grouped[place] || !matters(&reports[place]) {
+                continue;
+            }
+            if settings.matching == Matching::OneToOne {
+                let scan = MatchedScan {
+                    is_due: is_due(&reports[place]),
+                    reference_ns: before.time_ns,
+                    settings,
+                };
+                self.take_together(reports, place, &scan, matters, counts);
                 continue;
             }
             let report = self.group(reports, place, settings, matters);
@@ -224,6 +246,69 @@ impl Expectations {
         true
     }
 
+    /// Adds the reports that are of the same observation and arrival as the one at `place` to the clusters with which
+    /// they are matched one to one.
+    fn take_together(
+        &mut self,
+        reports: &[WideAreaReport],
+        place: usize,
+        scan: &MatchedScan<'_>,
+        matters: impl Fn(&WideAreaReport) -> bool,
+        counts: &mut TrackerCounts,
+    ) {
+        let (first, settings) = (&reports[place], scan.settings);
+        let seconds = first.time_ns.saturating_sub(scan.reference_ns) as f64 / NS_PER_S;
+        self.matcher.clear();
+        for (other, report) in reports.iter().enumerate().skip(place) {
+            let same = (report.time_ns, report.arrival_ns) == (first.time_ns, first.arrival_ns);
+            if !same || self.grouped[other] || !matters(report) || self.matcher.reports.len() == TOGETHER_MAX {
+                continue;
+            }
+            self.grouped[other] = true;
+            // Nothing is to be corrected for a report of no targets; absence is another matter.
+            if report.targets > 0 {
+                self.search(report.position_m, seconds, settings.range_m);
+                let centres = &self.centres;
+                let distances = self
+                    .near
+                    .iter()
+                    .map(|near| (*near, centres[*near as usize].1.distance_m(report.position_m, seconds)));
+                self.matcher
+                    .add(other, distances.filter(|(_, distance)| *distance < settings.range_m));
+            } else {
+                counts.wide_area_reports_used += u64::from(scan.is_due);
+            }
+        }
+        self.matcher.solve(settings.range_m);
+        for row in 0..self.matcher.reports.len() {
+            let report = &reports[self.matcher.reports[row]];
+            counts.wide_area_reports_used += u64::from(scan.is_due);
+            let Some(chosen) = self.matcher.chosen(row) else {
+                counts.wide_area_reports_unmatched += u64::from(scan.is_due);
+                continue;
+            };
+            let targets = f64::from(settings.knowledge.targets(report));
+            let elsewhere = if settings.others_count {
+                self.unreported(report, seconds, settings.range_m)
+            } else {
+                0.0
+            };
+            if targets > elsewhere {
+                let (cluster, _) = self.centres[chosen as usize];
+                self.list[cluster as usize].expect(targets - elsewhere, report, scan.is_due);
+            }
+        }
+    }
+
+    /// Tracks within range of a report in clusters that no report of the observation means.
+    fn unreported(&mut self, report: &WideAreaReport, seconds: f64, range_m: f64) -> f64 {
+        self.search(report.position_m, seconds, range_m);
+        let others = self.near.iter().filter(|near| !self.matcher.is_meant(**near));
+        let centres = others.map(|near| &self.centres[*near as usize].1);
+        let in_range = centres.filter(|centre| centre.distance_m(report.position_m, seconds) < range_m);
+        in_range.map(|centre| centre.tracks.round()).sum()
+    }
+
     /// WA-8: silence or lack of coverage is not absence.
     fn find_absences(
         &mut self,
@@ -307,5 +392,55 @@ impl Expectation {
                 };
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tracker;
+    use crate::testing::{S, position, settings};
+
+    /// Targets three kilometres apart; the second one's report lies nearer to the first one.
+    #[test]
+    fn reports_matched_one_to_one_ask_each_cluster_for_its_own_targets() {
+        let mut tracker = Tracker::new(settings()).unwrap();
+        for second in 0..10 {
+            let seen = [0.0, 3000.0].map(|north| position(second * S, 15.0 * second as f64, north));
+            tracker.scan(1, second * S, &seen).unwrap();
+        }
+        let report = |north: f64, targets| WideAreaReport {
+            time_ns: 9 * S,
+            arrival_ns: 10 * S,
+            position_m: [135.0, north, 0.0],
+            velocity_mps: [15.0, 0.0, 0.0],
+            targets,
+            origin_m: None,
+        };
+        let asked = |matching, reports: &[WideAreaReport]| {
+            let settings = SupportSettings {
+                matching,
+                ..SupportSettings::default()
+            };
+            let (mut expectations, mut counts) = (Expectations::new(64), TrackerCounts::default());
+            expectations.find(tracker.latest(), 10 * S, reports, &settings, false, &mut counts);
+            let mut targets: Vec<_> = (0..tracker.clusters() as u32)
+                .map(|cluster| expectations.of(cluster).targets)
+                .collect();
+            targets.sort_by(|one, other| one.partial_cmp(other).unwrap());
+            (
+                targets,
+                counts.wide_area_reports_used,
+                counts.wide_area_reports_unmatched,
+            )
+        };
+        let both = [report(100.0, 2), report(1400.0, 1)];
+        assert_eq!(asked(Matching::Nearest, &both), (vec![None, Some(1.0)], 2, 0));
+        assert_eq!(asked(Matching::OneToOne, &both), (vec![Some(1.0), Some(2.0)], 2, 0));
+        // A report alone leaves out the track beside it; a third report finds no cluster, and none of zero is one.
+        assert_eq!(asked(Matching::OneToOne, &both[..1]), (vec![None, Some(1.0)], 1, 0));
+        let many = [both[0], both[1], report(500.0, 4), report(0.0, 0)];
+        assert_eq!(asked(Matching::OneToOne, &many).2, 1);
+        assert_eq!(asked(Matching::OneToOne, &many).1, 4);
     }
 }

@@ -22,6 +22,11 @@ impl OutputSchedule {
         }
     }
 
+    /// Whether [`Self::next`] has a time until `now_ns`; never before its first call.
+    pub fn is_due(&self, now_ns: i64) -> bool {
+        self.next_ns.is_some_and(|next_ns| next_ns <= now_ns)
+    }
+
     /// The next time of a picture, if it is not after `now_ns`; to be asked until there is none. The first one is the
     /// first even time from the first `now_ns` on; after a pause at most the last hundred are made up for.
     pub fn next(&mut self, now_ns: i64) -> Option<i64> {
@@ -47,12 +52,14 @@ mod tests {
     fn pictures_come_at_even_times_whatever_comes_between() {
         let mut schedule = OutputSchedule::new(10);
         let mut found = Vec::new();
+        assert!(!schedule.is_due(100), "no time has come yet");
         for now_ns in [-3, 4, 5, 9, 31, 31, 40] {
             while let Some(time_ns) = schedule.next(now_ns) {
                 found.push((now_ns, time_ns));
             }
         }
         assert_eq!(found, [(4, 0), (31, 10), (31, 20), (31, 30), (40, 40)]);
+        assert_eq!([49, 50].map(|now_ns| schedule.is_due(now_ns)), [false, true]);
     }
 
     #[test]

@@ -2,11 +2,12 @@
 //!
 //! Without reports none of it does anything.
 
-use settings::Seconds;
+use settings::{Seconds, SettingsError};
 
 use super::correction::Rule;
 use super::distribution::Sharing;
 use super::group::Groups;
+use super::matching::Matching;
 use super::prior::{Circle, Knowledge};
 use super::report::TARGETS_MAX;
 use crate::life::{Confirmation, Deletion};
@@ -31,6 +32,7 @@ fn earlier() -> Deletion {
 settings::settings! {
     /// Use of a wide-area sensor's reports (WA).
     pub struct SupportSettings with knowledge: Knowledge {
+        check SupportSettings::check;
         /// Correction of reliabilities in the scan in which a report is due (WA-4).
         correction: Option<Rule> = Some(Rule::Share(0.6));
         /// Only clusters with a confirmed track are corrected, so that the search for a second target does not delay
@@ -42,6 +44,9 @@ settings::settings! {
         held: Option<Rule> = Some(Rule::Share(0.1));
         /// Distance from a report's place from which on clusters are unaffected by the report (WA-3).
         range_m: f64 = 5000.0, in [1, 1e7];
+        /// How reports find their clusters: `nearest`, where reports of the same cluster add up; `one_to_one`, where
+        /// reports of the same observation are matched together and no cluster has two of them (WA-3).
+        matching: Matching = Matching::Nearest;
         /// Least number of expected tracks of a corrected cluster; 0 is the source's rule (WA-3).
         tracks_min: f64 = 0.5, in [0, TARGETS_MAX];
         /// Tracks of other clusters in range are first subtracted from the number, so that separated targets are not
@@ -89,6 +94,14 @@ impl EarlyConfirmation {
 }
 
 impl SupportSettings {
+    fn check(&self) -> Result<(), SettingsError> {
+        if self.sharing.is_some() && self.matching == Matching::OneToOne {
+            let what = "\"one_to_one\" gives each report to one cluster, and sharing to several; leave one of them out";
+            return Err(SettingsError::new("matching", what));
+        }
+        Ok(())
+    }
+
     /// Returns whether valid reports affect scans without a due report.
     pub(crate) fn lasts(&self) -> bool {
         self.held.is_some() || self.confirmation.is_some() || self.deletion.is_some()

@@ -5,6 +5,7 @@
 
 use observations::WideAreaReport;
 
+use super::confirmation;
 use super::correction::{Gains, Rule, has_enough, lacking};
 use super::description::DescriptionWorkspace;
 use super::emission::{Emission, EmissionRejection, Emissions};
@@ -17,6 +18,7 @@ use crate::hypothesis_store::HypothesisStore;
 use crate::life::Deletion;
 use crate::population::{Hypothesis, Population};
 use crate::settings::Settings;
+use crate::track::Track;
 use crate::track_report::{BestBranch, TrackReport};
 
 /// Wide-area support of one tracker.
@@ -196,18 +198,50 @@ impl<'a> ClusterSupport<'a> {
         is_absent.then_some(early.deletion)
     }
 
-    /// WA-6: confirms tracks early if reports show more targets than there are confirmed tracks.
-    pub(crate) fn confirm(&self, store: &mut HypothesisStore, next_number: &mut u32, counts: &mut TrackerCounts) {
+    /// WA-6: confirms tracks early if reports show more targets than the confirmed tracks account for. Hypotheses agree
+    /// on a target by their associations over the last `merge_scans`. `taken_over` receives a track that takes over the
+    /// number of another one, its reliability, and the least one.
+    pub(crate) fn confirm(
+        &self,
+        store: &mut HypothesisStore,
+        merge_scans: usize,
+        next_number: &mut u32,
+        counts: &mut TrackerCounts,
+        taken_over: impl Fn(&Track, f64, f64),
+    ) {
         let Some(early) = self.easier_confirmation() else {
             return;
         };
         let targets: f64 = self.expectations().filter_map(|expectation| expectation.targets).sum();
-        if has_enough(self.confirmed, targets) {
-            return;
+        let mut expected = confirmation::expected(store);
+        for place in 0..store.tracks.len() {
+            if has_enough(expected.round() as usize, targets) {
+                return;
+            }
+            let track = store.tracks[place];
+            if track.is_confirmed() || track.company() < early.company_min {
+                continue;
+            }
+            let reliability = confirmation::on_same_target(store, place, merge_scans);
+            let track = Track { reliability, ..track };
+            if !early.is_met(&track) {
+                continue;
+            }
+            counts.confirmed += 1;
+            counts.wide_area_confirmations += 1;
+            if let Some(other) = confirmation::other_history(store, place) {
+                confirmation::number(store, place, other.number, other.root);
+                taken_over(
+                    &store.tracks[place],
+                    track.reliability,
+                    early.confirmation.reliability_min,
+                );
+            } else {
+                confirmation::number(store, place, *next_number, track.root);
+                *next_number = next_number.wrapping_add(1).max(1);
+            }
+            expected = confirmation::expected(store);
         }
-        let before = counts.confirmed;
-        store.confirm(|track| early.is_met(track), next_number, counts);
-        counts.wide_area_confirmations += counts.confirmed - before;
     }
 
     /// Least reliability of tracks that are confirmed sooner, if any are.

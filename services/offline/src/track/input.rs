@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use configuration::SeenDetections;
 use formats::autoferry;
-use formats::detections_csv::DetectionReader;
+use formats::scan_rows_csv::{ScanRow, ScanRowReader};
 use frames::time::NS_PER_DAY;
 use observations::{Detection, TransponderReply};
 use tracking::Settings;
@@ -47,7 +47,11 @@ impl DetectionInput {
         }
         if input.detections.is_empty() {
             let first = input.refusals.first.first();
-            let why = first.map_or("the files have a header only", String::as_str);
+            let why = match first {
+                Some(first) => first,
+                None if input.silent.is_empty() => "the files have a header only",
+                None => "no row is a detection",
+            };
             return Err(InputError::new(&input.first_file, format!("no row can be used: {why}")));
         }
         Ok(input)
@@ -67,9 +71,13 @@ impl DetectionInput {
             Ok(_) => first[..0].chain(file),
             Err(_) => first[..begun].chain(file),
         };
-        let reader = DetectionReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
+        let reader = ScanRowReader::new(BufReader::with_capacity(BUFFER_OCTETS, file), 0);
         for row in reader.map_err(|error| InputError::new(path, error))? {
-            self.detections.extend(self.refusals.usable(path, row)?);
+            match self.refusals.usable(path, row)? {
+                Some(ScanRow::Detection(detection)) => self.detections.push(detection),
+                Some(ScanRow::Empty(scan)) => self.silent.push((scan.sensor_id, scan.scan, scan.time_ns)),
+                None => {}
+            }
         }
         Ok(())
     }

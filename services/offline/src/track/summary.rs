@@ -243,7 +243,7 @@ impl TrackSummary<'_> {
 }
 
 /// Returns counts of rejections and drops by reason: word, description, number.
-fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
+fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 8] {
     [
         (
             "unusable_detections",
@@ -254,6 +254,16 @@ fn refused(counts: &TrackerCounts) -> [(&'static str, &'static str, u64); 6] {
             "crowded_out_detections",
             "detections for which a scan had no room; raise capacity.detections",
             counts.dropped_detections,
+        ),
+        (
+            "deselected_detections",
+            "detections by age or accuracy (selection), or used with kept_weight",
+            counts.deselected_detections,
+        ),
+        (
+            "outranked_scans",
+            "scans beside one of a sensor of higher priority (selection), or used with kept_weight",
+            counts.outranked_scans,
         ),
         (
             "unmade_comparisons",
