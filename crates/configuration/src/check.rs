@@ -19,6 +19,7 @@ use super::checked::{Checked, limits, place};
 use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
+use super::tracker_process::check_trackers;
 use super::wide_area_sensor::{check_company, check_wide_area_sensors};
 use deployment::{
     Deployment, Input, Instrument, Link, Links, Recorded, RecordedFormat, ReportOrder, SampleDelivery, Services,
@@ -33,10 +34,10 @@ const SILENT_MIN_S: f64 = 1.0;
 pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, Engine, Vec<Processing>)> {
     check_name("name", &raw.name)?;
     let frame = SystemFrame::at(place("frame", &raw.frame)?);
-    if raw.sources.is_empty() {
+    if raw.sources.is_empty() && raw.trackers.is_empty() {
         return Err(SettingsError::new(
             "",
-            "there is no [[source]]: a deployment needs at least one",
+            "there is no [[source]] and no [[tracker]]: a deployment needs at least one",
         ));
     }
     let mut names = BTreeSet::new();
@@ -63,8 +64,16 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     }
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
-    check_company(&sources, &wide_area_sensors)?;
-    let receivers = network.receivers(&sources, &wide_area_sensors)?;
+    let mut trackers = check_trackers(&raw, names, &frame, &mut network)?;
+    for (source, processed, weighed) in trackers.sources.drain(..) {
+        sources.push(source);
+        processing.push(processed);
+        weighing.push(weighed);
+    }
+    let located = |error| trackers.located(error);
+    check_company(&sources, &wide_area_sensors).map_err(located)?;
+    let behind: Vec<Source> = sources.iter().chain(&trackers.sensors).cloned().collect();
+    let receivers = network.receivers(&behind, &wide_area_sensors).map_err(located)?;
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
     let scenario = check_scenario(&raw, &sources, &wide_area_sensors)?;
@@ -77,7 +86,8 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
             .any(|remote| remote.into() == topic.as_str())
     };
     let is_live = |source: &Source| matches!(source.input, Input::External) && !is_linked(source);
-    let external = sources.iter().any(is_live);
+    let is_tracker_live = |source: &Source| matches!(source.input, Input::Tracker(_)) && !source.input.is_recorded();
+    let external = sources.iter().any(|source| is_live(source) || is_tracker_live(source));
     if (external || !receivers.is_empty()) && raw.time.order == ReportOrder::Time {
         return Err(SettingsError::new(
             "time.order",
@@ -122,6 +132,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         order: raw.time.order,
         first_day_ns,
         sources,
+        tracker_sensors: trackers.sensors,
         wide_area_sensors,
         receivers,
         links: raw.links,
@@ -139,7 +150,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     Ok((deployment, engine, processing))
 }
 
-fn check_source(
+pub(super) fn check_source(
     index: usize,
     raw: &SourceTable,
     system: &SystemFrame,
@@ -229,7 +240,7 @@ fn check_source(
 
 fn delivery(processing: &Processing) -> SampleDelivery {
     match processing {
-        Processing::Tracks => SampleDelivery::Tracks,
+        Processing::Tracks | Processing::Plots => SampleDelivery::Tracks,
         Processing::Detections(tracker) => SampleDelivery::Detections {
             cues: tracker.outputs.cues,
         },
@@ -258,7 +269,7 @@ fn check_tracker(
             Instrument::Sensor(sensor) => sensor.plots,
             Instrument::DirectionFinder(_) => false,
         },
-        Input::External => false,
+        Input::External | Input::Tracker(_) => false,
     };
     if !has_detections {
         let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
@@ -280,7 +291,7 @@ fn check_locator(
     let may_have_bearings = match input {
         Input::Live(live) => network.is_udp(&live.receiver),
         Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder(_)),
-        Input::Recorded(_) | Input::External => false,
+        Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
     };
     match (&raw.locator, input) {
         (Some(locator), _) if may_have_bearings => Ok(Some(*locator)),
@@ -305,7 +316,7 @@ fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {
 }
 
 fn first_day(raw: &DeploymentTable, sources: &[Source]) -> Checked<Option<i64>> {
-    let recorded = sources.iter().any(|source| matches!(source.input, Input::Recorded(_)));
+    let recorded = sources.iter().any(|source| source.input.is_recorded());
     match &raw.time.date {
         Some(date) => {
             let day: jiff::civil::Date = date.parse().map_err(|_| {

@@ -16,6 +16,7 @@ mod reference;
 mod tables;
 mod tracker;
 mod tracker_links;
+mod tracker_process;
 mod wide_area_sensor;
 
 use std::fmt;

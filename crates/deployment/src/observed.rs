@@ -3,9 +3,10 @@
 use crate::{Deployment, Input};
 
 impl Deployment {
-    /// Returns the sources, as readers of the running deployment use them.
+    /// Returns the sources, and behind them the sensors of tracker processes, as readers of the running deployment use them.
     pub fn observed_sources(&self) -> Vec<observed::SourceFacts> {
-        let sources = self.sources.iter().map(|source| observed::SourceFacts {
+        let sources = self.sources.iter().chain(&self.tracker_sensors);
+        let sources = sources.map(|source| observed::SourceFacts {
             number: source.number,
             name: source.name.clone(),
             adapter: source.adapter.clone(),

@@ -273,7 +273,7 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings 
 /// Turn of the antenna that a recording shows, found as the source's adapter finds it.
 fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<TurnEstimate> {
     let mut tracker = tracker?.clone();
-    tracker.cutter.period_ns = None;
+    tracker.joining.cutters[0].period_ns = None;
     let processing = Processing::Detections(Box::new(tracker));
     let mut pipeline = Pipeline::new(source.model, &processing, 0, Arrivals::new()).ok()?;
     let (mut decoder, mut samples) = (recorded.asterix.decoder(), Samples::default());
