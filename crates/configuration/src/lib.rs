@@ -201,6 +201,16 @@ impl<P> ConfigWith<P> {
         self.processing[usize::from(number)].tracker()
     }
 
+    /// Settings of the tracker process whose sensors have all of these ids in files.
+    pub fn tracker_of(&self, sensor_ids: &std::collections::BTreeSet<u32>) -> Option<&TrackerSettings> {
+        let trackers = self.processing.iter().filter_map(Processing::tracker);
+        let has_all = |tracker: &&TrackerSettings| {
+            let own = tracker.sensor_ids();
+            tracker.events && sensor_ids.iter().all(|id| own.contains(id))
+        };
+        trackers.into_iter().find(has_all)
+    }
+
     /// Settings of the locator of source `number`, if its tracks are made of its bearings.
     pub fn locator(&self, number: u16) -> Option<&::locating::Settings> {
         self.processing[usize::from(number)].locator()

@@ -161,8 +161,8 @@ fn check_sensor(
     table.weighing.period_s = raw.period_s;
     let (mut source, ..) = check_source(number, &table, system, origin, network)?;
     source.delivers = SampleDelivery::Plots { format, sensor_id };
-    if matches!(source.input, Input::Recorded(_)) {
-        // The tracker reads the file itself.
+    if !matches!(source.input, Input::Live(_)) {
+        // The tracker process reads the file or the topic itself.
         source.adapter.clone_from(&tracker.name);
     }
     Ok(source)
@@ -181,6 +181,10 @@ fn check_tracker(
     if recorded > 0 && recorded < sensors.len() {
         let what = "some sensors are recordings and some are not: their times are of different days";
         return Err(SettingsError::new(key("name"), what));
+    }
+    if recorded > 0 && raw.cues {
+        let what = "the sensors of a recording look nowhere: leave it out";
+        return Err(SettingsError::new(key("cues"), what));
     }
     let mut table = SourceTable {
         name: raw.name.clone(),

@@ -92,7 +92,7 @@ fn what_cannot_be_is_refused_with_line_key_and_remedy() {
     for (old, new, line, expected) in [
         ("name = \"ship\"", "name = \"other\"", 17, "tracker[0].name: \"other\" is also the name"),
         ("receiver = \"lan\"", "receiver = \"wan\"", 23, "tracker[0].sensor[0].live.receiver: there is no [[receiver]]"),
-        ("name = \"lidar\"", "name = \"radar\"", 19, "is the name of two sensors"),
+        ("name = \"lidar\"", "name = \"radar\"", 20, "is the name of two sensors"),
         ("sensor_id = 2", "sensor_id = 1", 10, "give each a sensor_id of its own"),
         ("sac = 1\nsic = 2", "sensor_id = 4", 24, "name a sensor of ASTERIX by sac and sic"),
         ("format = \"rows\"\nsensor_id = 1", "format = \"autoferry\"", 30, "is a format of files"),

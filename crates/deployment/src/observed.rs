@@ -10,7 +10,7 @@ impl Deployment {
             number: source.number,
             name: source.name.clone(),
             adapter: source.adapter.clone(),
-            is_external: matches!(source.input, Input::External),
+            is_external: matches!(source.input, Input::External) && source.has_tracks(),
             silent_after_ns: source.silent_after_ns,
             period_ns: source.period_ns,
             // Simulated sensors observe with the configured north.

@@ -70,11 +70,7 @@ impl<R: Read> DetectionReader<R> {
     /// [`CsvError`] if a column is missing or the input fails.
     pub fn new(input: R, first_day_ns: i64) -> Result<Self, CsvError> {
         let table = Table::new(input)?;
-        let columns = DetectionColumns {
-            first_day_ns,
-            at: DetectionPlaces::find(&table)?,
-            reply: ReplyPlaces::find(&table)?,
-        };
+        let columns = DetectionColumns::find(&table, first_day_ns)?;
         Ok(Self { table, columns })
     }
 }
@@ -105,6 +101,15 @@ impl Columns for DetectionColumns {
 }
 
 impl DetectionColumns {
+    /// Finds the columns in a header.
+    pub(crate) fn find<R: Read>(table: &Table<R>, first_day_ns: i64) -> Result<Self, CsvError> {
+        Ok(Self {
+            first_day_ns,
+            at: DetectionPlaces::find(table)?,
+            reply: ReplyPlaces::find(table)?,
+        })
+    }
+
     fn kind(&self, row: Cells<'_>) -> Result<DetectionKind, CsvError> {
         let word = row.text(self.at.kind)?.unwrap_or_default();
         DetectionKind::from_word(word).ok_or_else(|| {

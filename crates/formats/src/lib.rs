@@ -34,6 +34,7 @@ pub mod recording;
 mod replies;
 pub mod rows;
 pub mod sbs;
+pub mod scan_rows_csv;
 pub mod sensor_tracks_csv;
 pub mod snapshots_csv;
 pub mod tracks_csv;

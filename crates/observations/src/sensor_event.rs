@@ -27,6 +27,15 @@ pub enum SensorEvent {
 }
 
 impl SensorEvent {
+    /// The event as one of the sensor with this id.
+    #[must_use]
+    pub fn of_sensor(self, sensor_id: u32) -> Self {
+        match self {
+            Self::Detection(detection) => Self::Detection(Detection { sensor_id, ..detection }),
+            mark => mark,
+        }
+    }
+
     /// Time of the event.
     pub fn time_ns(&self) -> i64 {
         match self {

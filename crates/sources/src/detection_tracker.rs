@@ -130,12 +130,13 @@ impl DetectionTracker {
     /// Takes an event of the sensor in this place of the settings, received at `ingested_ns`.
     pub fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
+        let sensor_id = self.tracker.tracker().settings().sensors[sensor].sensor_id;
+        let event = event.of_sensor(sensor_id);
         if self.events {
-            let source = self.tracker.tracker().settings().sensors[sensor].sensor_id as u16 - 1;
-            samples.detections.push(event.sample(source, ingested(ingested_ns)));
+            samples.detections.push(event.sample(sensor_id as u16 - 1, ingested(ingested_ns)));
             self.taken += u64::from(matches!(event, SensorEvent::Detection(_)));
         }
-        match self.joiner.take(sensor, event, ingested_ns) {
+        match self.joiner.take(sensor, &event, ingested_ns) {
             DetectionTreatment::Waits => self.come_to(samples),
             DetectionTreatment::TooLate => self.late += 1,
             DetectionTreatment::Refused => self.dropped += 1,
