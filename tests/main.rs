@@ -40,6 +40,7 @@ mod live_asterix;
 mod live_bearings;
 mod live_centres;
 mod live_counts;
+mod joint_tracker;
 mod live_plots;
 mod orders;
 mod recording;

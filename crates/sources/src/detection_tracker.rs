@@ -188,8 +188,11 @@ impl DetectionTracker {
     /// Processes the waiting detections at the end of the data.
     pub fn end(&mut self, samples: &mut Samples) {
         self.joiner.end();
-        self.work_off(samples);
-        // A picture of a time beyond the latest scan waits for data of that time.
+        match self.events {
+            true => self.come_to(samples),
+            // A picture of a time beyond the latest scan waits for data of that time.
+            false => self.work_off(samples),
+        }
     }
 
     /// Size in words of the memory for its tracks.

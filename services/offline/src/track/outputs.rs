@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
 use formats::tracks_csv::{RepliedTrackerTrack, TrackerTrack};
-use messages::StageTimes;
+use messages::{StageTimes, TrackState};
 use observations::Sampled as _;
 use sources::{SensorScan, TrackSink};
 use tracking::wide_area::cue::Cue;
@@ -31,6 +31,8 @@ pub(super) struct TrackerSink {
     failed: anyhow::Result<()>,
     /// Time from which the rows' times count, UTC, nanoseconds; 0 if the detections' times count from there already.
     pub(super) first_day_ns: i64,
+    /// Whether pictures without a scan since the last one are marked as coasted, as a live tracker marks them.
+    pub(super) marks_extrapolated: bool,
 }
 
 /// Output table.
@@ -114,6 +116,7 @@ impl TrackerSink {
             begun_ns: 0,
             failed: Ok(()),
             first_day_ns: 0,
+            marks_extrapolated: false,
         })
     }
 
@@ -154,11 +157,14 @@ impl TrackSink for TrackerSink {
         self.tracked.scan(scan, took_ns, taken, tracker);
     }
 
-    fn tracks(&mut self, tracks: &[TrackReport], _extrapolated: bool) {
+    fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool) {
         self.attempt(|written| {
             tracks.iter().try_for_each(|report| {
                 let mut track = report.sensor_track(0);
                 track.time_of_measurement_ns -= written.first_day_ns;
+                if extrapolated && written.marks_extrapolated {
+                    track.state = TrackState::Coasted as u8;
+                }
                 written.tracks.write(TrackerTrack {
                     track,
                     hypotheses: report.hypotheses,
