@@ -5,6 +5,9 @@ use std::fs;
 use std::net::{SocketAddr, UdpSocket};
 use std::time::Duration;
 
+use bus::{Bus, Mark, Publisher, SharedMemory};
+use messages::{DetectionKind, SensorDetection, sensor_detection_bits};
+use runtime::clock::mono_ns;
 use rustix::process::Signal;
 use test_support::Random;
 
@@ -71,17 +74,18 @@ struct Site {
     random: Random,
     begun_ns: i64,
     steps: u64,
+    // The publisher ends before its bus.
+    sonar: Option<(Publisher<SharedMemory, SensorDetection>, Bus<SharedMemory>)>,
 }
 
 impl Site {
-    /// A lidar and a camera that send rows to one socket, and a sonar that does so to another.
+    /// A lidar and a camera that send rows to one socket, and a sonar whose program publishes its detections.
     fn new() -> Self {
         let home = Home::new();
-        let [to, other] = [free_address(), free_address()];
+        let to = free_address();
         let text = format!(
             "name = \"test\"\n[frame]\nlatitude_deg = {}\nlongitude_deg = {}\n\
              [[receiver]]\nname = \"rows\"\n[receiver.udp]\nlisten = \"{to}\"\n\
-             [[receiver]]\nname = \"more\"\n[receiver.udp]\nlisten = \"{other}\"\n\
              [[tracker]]\nname = \"ship\"\nwait_s = 0.3\nperiod_s = 0.5\nfresh_s = 5.0\n\
              [tracker.settings.motion]\nprocess_noise_m2ps3 = [1.0, 1.0]\n\
              [tracker.settings.initiation]\nspeed_sigma_mps = 30.0\n\
@@ -91,7 +95,7 @@ impl Site {
              [[tracker.sensor]]\nname = \"camera\"\nsigmas = [0.01]\ndetection_probability = 0.6\n\
              [tracker.sensor.live]\nreceiver = \"rows\"\nformat = \"rows\"\nsensor_id = 2\n\
              [[tracker.sensor]]\nname = \"sonar\"\nscans = \"period\"\nperiod_s = 0.7\n\
-             [tracker.sensor.live]\nreceiver = \"more\"\nformat = \"rows\"\n\
+             [tracker.sensor.external]\n\
              [recorder]\nformat = [\"csv\", \"mcap\"]\n",
             PLACE[0], PLACE[1]
         );
@@ -103,6 +107,7 @@ impl Site {
             random: Random::new(1),
             begun_ns: 0,
             steps: 0,
+            sonar: None,
         }
     }
 
@@ -111,11 +116,44 @@ impl Site {
             .home
             .start(&["up", "site.toml", "--instance", "test", "--out", "out"]);
         running.until_said("instance test runs");
-        for name in ["rows", "more", "ship"] {
+        for name in ["rows", "ship"] {
             until("it runs", || self.home.status_row(name).state == "running");
         }
         self.begun_ns = utc_ns();
+        let bus = Bus::<SharedMemory>::open(&self.home.root("test"), "sonar").unwrap();
+        let topic = messages::sensor_detections("ship.sonar");
+        self.sonar = Some((bus.publisher(&topic, mono_ns() as u64).unwrap(), bus));
         running
+    }
+
+    /// Publishes what the sonar measures at a time: all targets, and one detection farther away than any can be.
+    fn ping(&mut self, time_s: f64) {
+        let mut samples = Vec::new();
+        for number in 0..=TARGETS {
+            let [east, north] = Self::target(number, time_s);
+            let range_m = if number == TARGETS { 1e7 } else { east.hypot(north) + self.noise() };
+            samples.push(SensorDetection {
+                time_of_measurement_ns: self.begun_ns + (time_s * 1e9) as i64,
+                kind: DetectionKind::RangeBearing.code(),
+                values: [range_m, east.atan2(north), 0.0],
+                sigmas: [3.0, 0.02, 0.0, 0.0],
+                valid: sensor_detection_bits::SIGMAS,
+                ..SensorDetection::default()
+            });
+        }
+        let (publisher, _) = self.sonar.as_mut().unwrap();
+        let sent_ns = mono_ns();
+        let mark = Mark {
+            progress_ns: i64::MIN,
+            sent_ns,
+            end: false,
+        };
+        let sent = publisher.send(mark, samples.len(), |index, sequence| {
+            let mut sample = samples[index];
+            (sample.sequence, sample.stages.ingested_ns, sample.stages.published_ns) = (sequence, sent_ns, sent_ns);
+            sample
+        });
+        sent.unwrap();
     }
 
     /// Sends a table of rows.
@@ -174,6 +212,9 @@ impl Site {
                 format!("{time},2,{step},{number},bearing,{bearing:.6},,,,,,,,0,0,0")
             })
             .collect();
+        if step % 7 == 3 {
+            self.ping(time_s);
+        }
         match rows.is_empty() {
             true => self.send(self.to, &[format!("{time},2,{step},,none,,,,,,,,,,,")]),
             false => self.send(self.to, &rows),
@@ -204,6 +245,7 @@ fn detections_of_several_live_sensors_become_tracks_and_their_recording_gives_th
         site.step();
     }
     let status = site.home.run(&["status", "--instance", "test", "--json"]);
+    site.sonar = None;
     let (ended, said) = running.stop();
     assert_eq!(ended.code(), Some(0), "{said}");
     let (summary, tracks) = tracked_again(&site.home, "ship");
@@ -256,6 +298,7 @@ fn killed(times: usize) {
             assert_eq!(number_at(&rows, target).as_ref(), Some(number), "kill {kill_number}, target {target}");
         }
     }
+    site.sonar = None;
     let (status, said) = running.stop();
     assert_eq!(status.code(), Some(0), "{said}");
     assert!(!said.contains("not used"), "{said}");

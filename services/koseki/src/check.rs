@@ -16,6 +16,7 @@ use tracking::cutting::Boundaries;
 use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
+use crate::check_trackers;
 use crate::config::Config;
 use crate::recordings::{self, Depth, RecordingFindings};
 
@@ -227,7 +228,7 @@ fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes
     for gap in settings.border.gaps() {
         row("warning", gap.to_string());
     }
-    for doubt in doubtful_periods(config, found) {
+    for doubt in doubtful_periods(config, found).chain(check_trackers::doubts(config)) {
         row("warning", doubt);
     }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
@@ -258,7 +259,7 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
         (Input::External, _) => "external, published by a separate process".to_owned(),
-        (Input::Tracker(_), _) => describe_sensors(source, config),
+        (Input::Tracker(_), _) => check_trackers::describe(source, config),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
             let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();
@@ -290,27 +291,6 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
         .tracker(source.number)
         .map_or_else(String::new, |tracker| links(tracker, source, config));
     format!("{}, {period}: {input}{tracked}{links}", source.name)
-}
-
-/// Returns the sensors of a tracker process.
-fn describe_sensors(source: &Source, config: &Config) -> String {
-    let sensor = |sensor: &Source| {
-        let input = match &sensor.input {
-            Input::Live(live) => format!("live, behind receiver {}", live.receiver),
-            Input::Recorded(recorded) => recorded.file.display().to_string(),
-            _ => "external".to_owned(),
-        };
-        let own = sensor.name.rsplit('.').next().unwrap_or_default();
-        format!("{own} ({input})")
-    };
-    let sensors: Vec<String> = config.sensors_of(source).iter().map(sensor).collect();
-    let wait_s = config
-        .tracker(source.number)
-        .map_or(0.0, |tracker| tracker.joining.wait_ns as f64 / NS as f64);
-    format!(
-        "a tracker process joins the detections of {}; a scan waits at most {wait_s} s for others",
-        sensors.join(", ")
-    )
 }
 
 fn describe_world(world: &ScenarioSettings) -> String {
