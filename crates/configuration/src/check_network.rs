@@ -15,8 +15,8 @@ use settings::SettingsError;
 use super::checked::Checked;
 use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
 use deployment::{
-    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Simulated, Source, WideAreaSensor,
-    category, check_name,
+    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Simulated, Source,
+    WideAreaSensor, category, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.

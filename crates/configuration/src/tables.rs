@@ -505,7 +505,11 @@ impl TrackerSensorTable {
             ("external", self.external.is_some()),
         ];
         exactly_one("tracker.sensor", &self.name, &inputs)?;
-        if self.live.as_ref().is_some_and(|live| live.format == PlotFormat::Autoferry) {
+        if self
+            .live
+            .as_ref()
+            .is_some_and(|live| live.format == PlotFormat::Autoferry)
+        {
             let what = "\"autoferry\" is a format of files; write \"asterix\" or \"rows\"";
             return Err(SettingsError::new("live.format", what));
         }

@@ -69,13 +69,18 @@ pub(super) fn check_trackers(
         let sensor = move |sensor| format!("tracker[{place}].sensor[{sensor}]");
         (0..tracker.sensors.len()).map(sensor)
     };
-    all.keys = (0..raw.trackers.len()).map(|place| format!("tracker[{place}]")).collect();
+    all.keys = (0..raw.trackers.len())
+        .map(|place| format!("tracker[{place}]"))
+        .collect();
     all.keys.extend(raw.trackers.iter().enumerate().flat_map(of_trackers));
     for (place, tracker) in raw.trackers.iter().enumerate() {
         let key = format!("tracker[{place}]");
         check_name(&format!("{key}.name"), &tracker.name)?;
         if !names.insert(tracker.name.clone()) || raw.receivers.iter().any(|other| other.name == tracker.name) {
-            let what = format!("\"{}\" is also the name of a source or receiver; give each its own", tracker.name);
+            let what = format!(
+                "\"{}\" is also the name of a source or receiver; give each its own",
+                tracker.name
+            );
             return Err(SettingsError::new(format!("{key}.name"), what));
         }
         if tracker.sensors.len() > SENSORS_MAX {
@@ -89,7 +94,14 @@ pub(super) fn check_trackers(
             let sensor = sensor.map_err(|error| all.located(error))?;
             all.sensors.push(sensor);
         }
-        let source = check_tracker(first + place, tracker, &all.sensors[begin..], begin, (frame, &raw.frame), network);
+        let source = check_tracker(
+            first + place,
+            tracker,
+            &all.sensors[begin..],
+            begin,
+            (frame, &raw.frame),
+            network,
+        );
         let (mut source, processing, weighed) = source.map_err(|error| all.located(error))?;
         check_links(&key, tracker, &mut source, raw)?;
         all.sources.push((source, processing, weighed));
@@ -103,7 +115,10 @@ impl TrackerProcesses {
         let Some((number, part)) = error.key.strip_prefix("source[").and_then(|rest| rest.split_once(']')) else {
             return error;
         };
-        let place = number.parse::<usize>().ok().and_then(|number| number.checked_sub(self.first));
+        let place = number
+            .parse::<usize>()
+            .ok()
+            .and_then(|number| number.checked_sub(self.first));
         if let Some(key) = place.and_then(|place| self.keys.get(place)) {
             error.key = format!("{key}{part}");
         }
@@ -133,7 +148,11 @@ fn check_sensor(
     let sensor_id = sensor_id.or(raw.recorded.as_ref().and_then(|recorded| recorded.sensor_id));
     let format = raw.format().unwrap_or(PlotFormat::Rows);
     if sensor_id.is_some() && format == PlotFormat::Asterix {
-        let part = if raw.live.is_some() { "live.sensor_id" } else { "recorded.sensor_id" };
+        let part = if raw.live.is_some() {
+            "live.sensor_id"
+        } else {
+            "recorded.sensor_id"
+        };
         let what = "is a number in rows; name a sensor of ASTERIX by sac and sic";
         return Err(SettingsError::new(key(part), what));
     }

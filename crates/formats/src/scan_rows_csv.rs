@@ -108,19 +108,34 @@ mod tests {
     fn a_scan_without_detections_is_a_row_beside_the_others() {
         let rows = "2.5,1,3,,none,,,,,,,,,,,,\n3,1,4,0,position2,1,2,,,5,5,,,0,0,0,\n4,2,9,7,none,,,,,,,,,0,0,0,-1\n";
         let found: Vec<_> = read(rows).into_iter().map(Result::unwrap).collect();
-        let empty = |sensor_id, scan, time_ns| ScanRow::Empty(EmptyScan { sensor_id, scan, time_ns });
-        assert_eq!([found[0], found[2]], [empty(1, 3, 2_500_001_000), empty(2, 9, 4_000_001_000)]);
+        let empty = |sensor_id, scan, time_ns| {
+            ScanRow::Empty(EmptyScan {
+                sensor_id,
+                scan,
+                time_ns,
+            })
+        };
+        assert_eq!(
+            [found[0], found[2]],
+            [empty(1, 3, 2_500_001_000), empty(2, 9, 4_000_001_000)]
+        );
         assert!(matches!(found[1], ScanRow::Detection(detection) if detection.scan == 4));
     }
 
     #[test]
     fn what_cannot_be_meant_is_refused_with_place_and_remedy() {
         for (row, expected) in [
-            ("2,1,3,0,none,5,,,,,,,,,,,", "column m0: \"5\" is measured, but a row of the kind none"),
+            (
+                "2,1,3,0,none,5,,,,,,,,,,,",
+                "column m0: \"5\" is measured, but a row of the kind none",
+            ),
             ("2,1,3,0,none,,,,,,,,9,,,,", "column s3: \"9\" is measured"),
             ("2,1,,0,none,,,,,,,,,,,,", "column scan: \"\" is empty"),
             (",1,3,0,none,,,,,,,,,,,,", "column time_s: \"\" is empty"),
-            ("2,1,3,0,nothing,,,,,,,,,,,,", "column kind: \"nothing\" is no kind of detection; write one of position2"),
+            (
+                "2,1,3,0,nothing,,,,,,,,,,,,",
+                "column kind: \"nothing\" is no kind of detection; write one of position2",
+            ),
         ] {
             let [found] = &read(row)[..] else { panic!("{row}") };
             let text = found.as_ref().unwrap_err();

@@ -133,7 +133,9 @@ impl DetectionTracker {
         let sensor_id = self.tracker.tracker().settings().sensors[sensor].sensor_id;
         let event = event.of_sensor(sensor_id);
         if self.events {
-            samples.detections.push(event.sample(sensor_id as u16 - 1, ingested(ingested_ns)));
+            samples
+                .detections
+                .push(event.sample(sensor_id as u16 - 1, ingested(ingested_ns)));
             self.taken += u64::from(matches!(event, SensorEvent::Detection(_)));
         }
         match self.joiner.take(sensor, &event, ingested_ns) {

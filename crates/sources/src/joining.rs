@@ -14,7 +14,7 @@
 use observations::{Detection, SensorEvent};
 use settings::SettingsError;
 use tracking::cutting::{Boundaries, CutScan, Cutter, CutterSettings, DetectionTreatment};
-use tracking::scans::silent_scans;
+use tracking::scans::{SILENT_SCANS_MAX, silent_scans};
 use tracking::stated_scans::StatedScans;
 use tracking::turn_time::TurnEstimate;
 
@@ -63,6 +63,8 @@ struct JoinedSensor {
     scans: SensorScans,
     /// Number and time of the latest complete scan.
     latest: Option<(u32, i64)>,
+    /// Latest time of the sensor's own events.
+    own_ns: i64,
 }
 
 /// Method for the scans of a sensor.
@@ -88,6 +90,7 @@ impl ScanJoiner {
                     sensor_id: *sensor_id,
                     scans: SensorScans::new(CutterSettings { epoch_ns, ..*cutter }),
                     latest: None,
+                    own_ns: i64::MIN,
                 })
                 .collect(),
             wait_ns: settings.wait_ns,
@@ -108,6 +111,8 @@ impl ScanJoiner {
     pub fn take(&mut self, sensor: usize, event: &SensorEvent, with_it: i64) -> DetectionTreatment {
         let treatment = self.sensors[sensor].scans.take(event, with_it);
         if treatment == DetectionTreatment::Waits {
+            let own_ns = &mut self.sensors[sensor].own_ns;
+            *own_ns = event.time_ns().max(*own_ns);
             self.come_to(event.time_ns());
         }
         treatment
@@ -206,6 +211,30 @@ impl ScanJoiner {
             while let Some(scan) = self.sensors[place].scans.next() {
                 self.put(place, scan);
             }
+            if !is_alone {
+                self.put_silent(place);
+            }
+        }
+    }
+
+    /// Puts the scans without detections that the sensor's own marks of time show: those that it has passed since its
+    /// latest scan. Without marks they are known when the next detection comes.
+    fn put_silent(&mut self, place: usize) {
+        let sensor = &self.sensors[place];
+        let (Some((mut number, mut time_ns)), Some(period_ns)) = (sensor.latest, sensor.scans.silent_period_ns())
+        else {
+            return;
+        };
+        let (own_ns, span_ns) = (sensor.own_ns, sensor.scans.span_ns());
+        // A longer gap is a pause of the sensor, or a time that means something else.
+        let longest_ns = i64::from(SILENT_SCANS_MAX).saturating_mul(period_ns);
+        if own_ns.saturating_sub(time_ns) > longest_ns {
+            return;
+        }
+        while own_ns.saturating_sub(time_ns) >= period_ns + span_ns {
+            (number, time_ns) = (number.saturating_add(1), time_ns + period_ns);
+            self.insert(place, CutScan { number, time_ns }, false);
+            self.sensors[place].latest = Some((number, time_ns));
         }
     }
 
@@ -228,13 +257,17 @@ impl ScanJoiner {
             waiting.with_them.extend_from_slice(with_them);
         }
         let order = (scan.time_ns, sensor);
-        let place = self.waiting.partition_point(|each| (each.time_ns, each.sensor) <= order);
+        let place = self
+            .waiting
+            .partition_point(|each| (each.time_ns, each.sensor) <= order);
         self.waiting.insert(place, waiting);
     }
 
     /// Whether the first scan that waits is released.
     fn is_released(&self) -> bool {
-        let Some(first) = self.waiting.first() else { return false };
+        let Some(first) = self.waiting.first() else {
+            return false;
+        };
         let is_due = self.has_ended || first.time_ns <= self.horizon_ns() || self.waiting.len() >= WAITING_MAX;
         let order = (first.time_ns, first.sensor);
         let mut others = (0..self.sensors.len()).filter(|place| *place != first.sensor);
@@ -291,6 +324,14 @@ impl SensorScans {
         match self {
             Self::Cut(cutter) => (cutter.detections(), cutter.with_them()),
             Self::Stated(scans) => (scans.detections(), scans.with_them()),
+        }
+    }
+
+    /// Period by which scans without detections follow each other; `None` if detections wait, or it is not known.
+    fn silent_period_ns(&self) -> Option<i64> {
+        match self {
+            Self::Cut(cutter) => cutter.period_ns().filter(|_| cutter.is_idle()),
+            Self::Stated(_) => None,
         }
     }
 

@@ -76,7 +76,9 @@ impl PlotRelay {
     pub(crate) fn pass(&mut self, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         self.newest_ns = self.newest_ns.max(event.time_ns());
         self.detections += u64::from(matches!(event, SensorEvent::Detection(_)));
-        samples.detections.push(event.sample(self.source, ingested(ingested_ns)));
+        samples
+            .detections
+            .push(event.sample(self.source, ingested(ingested_ns)));
     }
 
     /// Time of the latest event, nanoseconds.

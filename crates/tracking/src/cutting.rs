@@ -197,6 +197,11 @@ impl<T: Copy> Cutter<T> {
         self.rhythm.map(|rhythm| rhythm.period_ns)
     }
 
+    /// Whether no detection waits for its scan.
+    pub fn is_idle(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
     /// Time from a boundary to the completion of the scan that begins there, nanoseconds; 0 until the period is known.
     pub fn span_ns(&self) -> i64 {
         self.rhythm.map_or(0, |rhythm| rhythm.period_ns + rhythm.wait_ns)

@@ -55,7 +55,10 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     let of_trackers = config.tracker_sensors.iter().map(|sensor| (sensor, &Processing::Plots));
     let sources = config.sources.iter().zip(processing).chain(of_trackers);
     let sources: Vec<Processed<'_>> = sources.filter(|(source, _)| source.adapter == *name).collect();
-    if let Some(tracker) = sources.iter().find(|(source, _)| matches!(source.input, Input::Tracker(_))) {
+    if let Some(tracker) = sources
+        .iter()
+        .find(|(source, _)| matches!(source.input, Input::Tracker(_)))
+    {
         return runtime::service::run(process, tracker::agent(process, *tracker)?.as_mut());
     }
     if let Some(receiver) = config.receiver(name) {

@@ -79,7 +79,11 @@ impl DatagramReader for PlotRows {
     }
 
     fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
-        sources.extend(self.channels.iter().map(|(_, channel)| channel.health(&Counters::default())));
+        sources.extend(
+            self.channels
+                .iter()
+                .map(|(_, channel)| channel.health(&Counters::default())),
+        );
         self.tables.count(&mut whole.counters);
         whole.set(Counter::RejectedSource, self.strangers);
     }

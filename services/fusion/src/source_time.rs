@@ -66,7 +66,9 @@ impl SourceTime {
                 began: None,
             },
             (input, Speed::Max) if input.is_recorded() => Self::Unpaced,
-            (Input::Live(_) | Input::Simulated(_) | Input::Recorded(_) | Input::Tracker(_), _) => Self::Stated { offset_s: None, step_s },
+            (Input::Live(_) | Input::Simulated(_) | Input::Recorded(_) | Input::Tracker(_), _) => {
+                Self::Stated { offset_s: None, step_s }
+            }
         }
     }
 

@@ -76,7 +76,10 @@ mod tests {
     fn a_sensor_slower_than_the_wait_is_told_unless_scans_are_open() {
         let said = |text: &str| {
             let config = Config::parse(Path::new("t.toml"), text, &[]).unwrap();
-            (describe(&config.sources[0], &config), doubts(&config).collect::<Vec<_>>())
+            (
+                describe(&config.sources[0], &config),
+                doubts(&config).collect::<Vec<_>>(),
+            )
         };
         let (what, found) = said(SITE);
         assert_eq!(
@@ -85,7 +88,10 @@ mod tests {
              for others"
         );
         assert_eq!(found.len(), 1);
-        assert!(found[0].contains("tracker ship: a scan of radar is complete up to 2.8 s"), "{found:?}");
+        assert!(
+            found[0].contains("tracker ship: a scan of radar is complete up to 2.8 s"),
+            "{found:?}"
+        );
         assert_eq!(said(&SITE.replacen("0.3", "3", 1)).1.len(), 0);
         let open = SITE.replacen("wait_s = 0.3", "wait_s = 0.3\nsettings.capacity.open_scans = 8", 1);
         assert_eq!(said(&open).1.len(), 0);

@@ -114,7 +114,14 @@ impl TrackerAgent {
 /// Checks of a sensor whose detections pass no adapter.
 fn checks(process: &Process, sensor: &Source) -> anyhow::Result<Option<Box<Pipeline>>> {
     let is_external = matches!(sensor.input, Input::External);
-    let pipeline = || Pipeline::new(sensor.model, &Processing::Plots, process.first_day_ns(), Arrivals::new());
+    let pipeline = || {
+        Pipeline::new(
+            sensor.model,
+            &Processing::Plots,
+            process.first_day_ns(),
+            Arrivals::new(),
+        )
+    };
     Ok(is_external.then(pipeline).transpose()?.map(Box::new))
 }
 
@@ -142,7 +149,10 @@ impl Agent for TrackerAgent {
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let mut of_tracker = self.channel.health(&Counters::default());
         let lost = self.sensors.iter().map(|sensor| sensor.events.counts());
-        of_tracker.set(Counter::Lost, lost.map(|counts| counts.lost + counts.schema_mismatch).sum());
+        of_tracker.set(
+            Counter::Lost,
+            lost.map(|counts| counts.lost + counts.schema_mismatch).sum(),
+        );
         let unknown: u64 = self.sensors.iter().map(|sensor| sensor.unknown).sum();
         of_tracker.counters[Counter::DetectionsRejected] += unknown;
         let mut whole = HealthEntry {

@@ -92,7 +92,8 @@ impl RecordedTracker {
             };
             let path = data.join(&recorded.file);
             let events = self.events_of(sensor, recorded, &path, first_day_ns);
-            let events = events.with_context(|| format!("reading {}, the recording of {}", path.display(), sensor.name))?;
+            let events =
+                events.with_context(|| format!("reading {}, the recording of {}", path.display(), sensor.name))?;
             let mut come_ns = i64::MIN;
             all.extend(events.into_iter().map(|event| {
                 come_ns = come_ns.max(event.time_ns());

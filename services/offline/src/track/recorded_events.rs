@@ -58,7 +58,8 @@ pub(super) fn is_recording(host: &dyn Host, path: &Path) -> anyhow::Result<bool>
 /// If the arguments are contradictory, or a file cannot be read or written.
 pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     if track.wide_area.is_some() || track.emissions.is_some() {
-        let what = "--wide-area and --emissions go with tables of detections; a recording contains what its tracker took";
+        let what =
+            "--wide-area and --emissions go with tables of detections; a recording contains what its tracker took";
         return Err(Usage(what.to_owned()).into());
     }
     let config = configuration(track, host)?;
@@ -70,7 +71,10 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     };
     let mut joiner = ScanJoiner::new(&settings.sensor_ids(), &settings.joining, first_day_ns)?;
     let outputs = Outputs {
-        period_ns: track.period.map(|period| period.as_nanos() as i64).or(settings.outputs.period_ns),
+        period_ns: track
+            .period
+            .map(|period| period.as_nanos() as i64)
+            .or(settings.outputs.period_ns),
         cues: track.cues.is_some(),
     };
     let mut input = DetectionInput::of_recording(&track.detections[0], recorded.octets);
@@ -109,6 +113,14 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         tracker.show(joiner.shown_ns(), &mut written);
         written.check()?;
     }
+    let tracked = std::mem::take(&mut written.tracked);
+    if tracked.refused_detections > 0 {
+        let by_reason = &mut input.refusals.by_reason;
+        by_reason.insert(
+            "late: the scan was older than every open one".to_owned(),
+            tracked.refused_detections,
+        );
+    }
     let mut summary = TrackSummary {
         out: &track.out,
         rows: 0,
@@ -117,7 +129,7 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         support: None,
         emissions: None,
         tracker: tracker.tracker(),
-        tracked: std::mem::take(&mut written.tracked),
+        tracked,
     };
     (summary.rows, summary.cues) = written.finish()?;
     if let (Some(explained), Some(path)) = (explained, &track.explain) {
@@ -145,7 +157,10 @@ fn tracker<'a>(track: &TrackArgs, config: &'a Config) -> anyhow::Result<(&'a Sou
     let names: Vec<&str> = trackers.iter().map(|source| source.name.as_str()).collect();
     let found = match (&track.tracker, &trackers[..]) {
         (None, [only]) => Some(*only),
-        (name, _) => trackers.iter().find(|source| Some(&source.name) == name.as_ref()).copied(),
+        (name, _) => trackers
+            .iter()
+            .find(|source| Some(&source.name) == name.as_ref())
+            .copied(),
     };
     let settings = found.and_then(|source| Some((source, config.tracker(source.number)?)));
     settings.ok_or_else(|| {
@@ -187,10 +202,14 @@ impl RecordedEvents {
             let file = host.open(path)?;
             recorded.octets += file.length;
             let read = recording::read::<_, anyhow::Error>(&mut BufReader::new(file), |item| {
-                let Item::Sample { topic, octets } = item else { return Ok(()) };
+                let Item::Sample { topic, octets } = item else {
+                    return Ok(());
+                };
                 match topics.get(topic) {
                     Some(ReadTopic::Events) => {
-                        let Some(sample) = SensorDetection::of_octets(octets) else { return Ok(()) };
+                        let Some(sample) = SensorDetection::of_octets(octets) else {
+                            return Ok(());
+                        };
                         let place = sensors.iter().position(|sensor| sensor.number == sample.source);
                         // A replay that is started again publishes some events twice.
                         if let (Some(place), Some(event)) = (place, SensorEvent::of_sample(&sample))
