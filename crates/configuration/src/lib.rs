@@ -9,6 +9,7 @@ mod check;
 mod check_network;
 mod check_qnh;
 mod check_region;
+mod check_source;
 mod checked;
 mod locating;
 mod offline;

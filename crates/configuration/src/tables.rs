@@ -29,8 +29,8 @@ settings::settings! {
         receivers as "receiver": Vec<ReceiverTable> = Vec::new();
         /// Source. The source's number is its position in the file, from 0.
         sources as "source": Vec<SourceTable> = Vec::new();
-        /// Tracker process: joins the detections of several sensors (HT-12). Its tracks are a source of its name, behind
-        /// the sources in the file.
+        /// Tracker process: joins the detections of several sensors (HT-12). Its tracks are a source of its name,
+        /// behind the sources in the file.
         trackers as "tracker": Vec<TrackerTable> = Vec::new();
         /// Wide-area sensor: counts targets (WA).
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
@@ -289,8 +289,8 @@ settings::settings! {
         recorded: Option<RecordedPlotsTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
-        /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period; `stated`, as
-        /// numbered in its detections.
+        /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period; `stated`,
+        /// as numbered in its detections.
         scans: Option<Boundaries> = None, usually "turn for ASTERIX, else stated";
         /// Time between two scans.
         period_s: Option<f64> = None, in [0.0625, 3600], usually "as the data show";

@@ -31,8 +31,8 @@ use sources::{Outputs, Processing, TrackerSettings};
 use tracking::cutting::{Boundaries, CutterSettings};
 use tracking::settings::SensorFacts;
 
-use super::check::check_source;
 use super::check_network::Network;
+use super::check_source::check_source;
 use super::checked::Checked;
 use super::tables::{
     DeploymentTable, ExternalTable, LiveTable, PlaceTable, RecordedTable, SourceTable, TrackerSensorTable, TrackerTable,

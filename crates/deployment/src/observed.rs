@@ -3,7 +3,8 @@
 use crate::{Deployment, Input};
 
 impl Deployment {
-    /// Returns the sources, and behind them the sensors of tracker processes, as readers of the running deployment use them.
+    /// Returns the sources, and behind them the sensors of tracker processes, as readers of the running deployment
+    /// use them.
     pub fn observed_sources(&self) -> Vec<observed::SourceFacts> {
         let sources = self.sources.iter().chain(&self.tracker_sensors);
         let sources = sources.map(|source| observed::SourceFacts {

@@ -2,7 +2,8 @@
 //!
 //! A [`Subscription`] gives access to the samples published by the deployment's processes, without copying. A
 //! [`Publisher`] is the opposite direction: tracks of a source, detections of a tracker's sensor, counts of a
-//! wide-area sensor and positions of a platform that the configuration calls `external`. [`Orders`] gives orders to fusion. All may move between threads.
+//! wide-area sensor and positions of a platform that the configuration calls `external`. [`Orders`] gives orders to
+//! fusion. All may move between threads.
 //!
 //! ```no_run
 //! use std::time::Duration;

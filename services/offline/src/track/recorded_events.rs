@@ -5,8 +5,8 @@
 //! in every field, and the same late detections are rejected. Reports of the tracker's wide-area sensors are read from
 //! the recording, too. The settings are those in the recording, or of a deployment given by `--config`.
 //!
-//! Limit: a tracker process that was killed and has resumed its tracks has lost the detections that waited; from then on
-//! the tracks may differ.
+//! Limit: a tracker process that was killed and has resumed its tracks has lost the detections that waited; from then
+//! on the tracks may differ.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read as _};
