@@ -153,7 +153,7 @@ fn what_cannot_be_is_refused_with_line_key_and_remedy() {
         (
             "[tracker.sensor.external]",
             "[tracker.sensor.recorded]\nfile = \"x\"",
-            16,
+            17,
             "some sensors are recordings",
         ),
     ] {

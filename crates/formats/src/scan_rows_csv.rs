@@ -130,7 +130,7 @@ mod tests {
                 "column m0: \"5\" is measured, but a row of the kind none",
             ),
             ("2,1,3,0,none,,,,,,,,9,,,,", "column s3: \"9\" is measured"),
-            ("2,1,,0,none,,,,,,,,,,,,", "column scan: \"\" is empty"),
+            ("2,1,,0,none,,,,,,,,,,,,", "column scan: \"\" is no whole number"),
             (",1,3,0,none,,,,,,,,,,,,", "column time_s: \"\" is empty"),
             (
                 "2,1,3,0,nothing,,,,,,,,,,,,",
