@@ -1,9 +1,9 @@
 //! Collects the detections of a sensor that numbers its scans itself.
 //!
 //! A camera's image or a lidar's sweep has a number and a time. The scans of such a sensor need no cutting
-//! ([`crate::cutting`]): detections with the same number are a scan. A scan is complete when the sensor's time has come beyond the scan's
-//! latest detection by more than the *wait*. An image without detections has a number, too, and is a scan without
-//! detections.
+//! ([`crate::cutting`]): detections with the same number are a scan. A scan is complete when the sensor's time has come
+//! beyond the scan's latest detection by more than the *wait*. An image without detections has a number, too, and is a
+//! scan without detections.
 //!
 //! Detections of complete scans, and of times before them, are too late and are rejected. Times count, not numbers: a
 //! restarted sensor begins again with its first number.

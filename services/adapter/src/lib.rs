@@ -2,10 +2,10 @@
 //!
 //! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
 //! (`tables`), or in lines over a connection (`lines`). The source's pipeline converts observations to samples
-//! ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a
-//! source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts;
-//! `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections of its sensors
-//! from their topics, or reads their recordings. Sensors that only count are in `wide_area`.
+//! ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read
+//! as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as
+//! counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections of its
+//! sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`.
 
 #![forbid(unsafe_code)]
 
