@@ -34,6 +34,7 @@ mod bench;
 mod captures;
 mod continuity;
 mod deployment;
+mod joint_tracker;
 mod kills;
 mod levels;
 mod live_asterix;

@@ -79,8 +79,9 @@ koseki_counters koseki_counts(const koseki_subscription *subscription);
 /* Ends a subscription; slices that are kept stay valid until they are released. The handle is invalid afterwards. */
 void koseki_unsubscribe(koseki_subscription *subscription);
 
-/* Writes the topic of a source (sensor/NAME/tracks, KosekiSensorTrack), wide-area sensor (wide-area/NAME/reports, KosekiWideArea) or
- * platform (platform/NAME/state, KosekiPlatformState) that the configuration calls external. */
+/* Writes the topic of a source (sensor/NAME/tracks, KosekiSensorTrack), sensor of a tracker (sensor/TRACKER.NAME/detections,
+ * KosekiSensorDetection), wide-area sensor (wide-area/NAME/reports, KosekiWideArea) or platform (platform/NAME/state,
+ * KosekiPlatformState) that the configuration calls external. */
 int koseki_advertise(const char *instance, const char *topic, uint64_t schema, koseki_publisher **handle);
 
 /* Publishes `count` samples of the topic's type. Their sequence numbers and stamps are filled in. */

@@ -41,6 +41,11 @@ template <> struct Topic<KosekiSensorTrack> {
   static constexpr std::uint64_t schema = KOSEKI_SENSOR_TRACK_SCHEMA;
   static std::string name(const std::string &source) { return "sensor/" + source + "/tracks"; }
 };
+// Of a sensor of a tracker, called "tracker.sensor".
+template <> struct Topic<KosekiSensorDetection> {
+  static constexpr std::uint64_t schema = KOSEKI_SENSOR_DETECTION_SCHEMA;
+  static std::string name(const std::string &sensor) { return "sensor/" + sensor + "/detections"; }
+};
 template <> struct Topic<KosekiWideArea> {
   static constexpr std::uint64_t schema = KOSEKI_WIDE_AREA_SCHEMA;
   static std::string name(const std::string &sensor) { return "wide-area/" + sensor + "/reports"; }

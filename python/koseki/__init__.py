@@ -292,7 +292,8 @@ def order(instance: str, kind: str, *, operator: str | None = None, lasts_s: flo
 def publish(instance: str, source: str | None = None, *, topic: str | None = None) -> Publisher:
     """Feeds the source called `source`, which the configuration calls external, with sensor tracks.
 
-    With `topic` another one: `wide-area/NAME/reports` or `platform/NAME/state`.
+    With `topic` another one: `sensor/TRACKER.NAME/detections` of a tracker's sensor, `wide-area/NAME/reports` or
+    `platform/NAME/state`.
     """
     if (source is None) == (topic is None):
         raise ValueError("name either a source or a topic")

@@ -15,8 +15,8 @@ use settings::SettingsError;
 use super::checked::Checked;
 use super::tables::{AsterixTable, LiveTable, ReceiverTable, UdpTable, interface};
 use deployment::{
-    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, Simulated, Source, WideAreaSensor,
-    category, check_name,
+    Asterix, Input, Instrument, Live, Receiver, ReceiverTransport, RecordedFormat, SampleDelivery, Simulated, Source,
+    WideAreaSensor, category, check_name,
 };
 
 /// Port of the first simulated sensor on the deployment's loopback address; the others follow.
@@ -189,6 +189,7 @@ impl Network {
                 );
                 return Err(SettingsError::new(key, what));
             }
+            check_plots(receiver, &behind).map_err(|what| SettingsError::new(&key, what))?;
             if matches!(receiver.transport, ReceiverTransport::Sbs { .. }) && behind.len() > 1 {
                 let what = format!(
                     "an SBS-1 feed is one source, but {} have receiver = \"{name}\"",
@@ -209,7 +210,7 @@ impl Network {
                     let are_apart = own.method != other.method && ![own.method, other.method].contains(&Method::Any);
                     own.sac_sic == other.sac_sic && !are_apart
                 };
-                if behind[..place].iter().any(|other| is_same(&other)) {
+                if !source.has_rows() && behind[..place].iter().any(|other| is_same(&other)) {
                     let sender = source.model.sac_sic.map_or_else(
                         || "no sac and sic".to_owned(),
                         |(sac, sic)| format!("sac = {sac} and sic = {sic}"),
@@ -224,6 +225,38 @@ impl Network {
         }
         Ok(self.receivers)
     }
+}
+
+/// Checks the sensors of tracker processes among the sources behind a receiver.
+fn check_plots(receiver: &Receiver, behind: &[&Source]) -> Result<(), String> {
+    let name = &receiver.name;
+    let plots = |source: &Source| match source.delivers {
+        SampleDelivery::Plots { sensor_id, .. } => Some(sensor_id),
+        _ => None,
+    };
+    if !behind.iter().any(|source| plots(source).is_some()) {
+        return Ok(());
+    }
+    if !matches!(receiver.transport, ReceiverTransport::Udp(_)) {
+        return Err(format!(
+            "\"{name}\" takes no datagrams, which the sensors of a tracker send; give it [receiver.udp]"
+        ));
+    }
+    let with_rows: Vec<_> = behind.iter().filter(|source| source.has_rows()).collect();
+    if !with_rows.is_empty() && with_rows.len() < behind.len() {
+        return Err(format!(
+            "rows and ASTERIX come to \"{name}\"; give the sensors with format = \"rows\" a receiver of their own"
+        ));
+    }
+    let ids: Vec<Option<u32>> = with_rows.iter().filter_map(|source| plots(source)).collect();
+    let is_unclear = |(place, id): (usize, &Option<u32>)| id.is_none() || ids[..place].contains(id);
+    if ids.len() > 1 && ids.iter().enumerate().any(is_unclear) {
+        return Err(format!(
+            "the rows of {} sensors come to \"{name}\"; give each a sensor_id of its own",
+            ids.len()
+        ));
+    }
+    Ok(())
 }
 
 fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
@@ -293,7 +326,7 @@ pub(super) fn technology(input: &Input, network: &Network) -> Technology {
         Input::Live(live) => of_categories(&live.asterix),
         Input::Recorded(recorded) if recorded.format == RecordedFormat::Sbs => Technology::AdsB,
         Input::Recorded(recorded) => of_categories(&recorded.asterix),
-        Input::External => Technology::Other,
+        Input::External | Input::Tracker(_) => Technology::Other,
     }
 }
 

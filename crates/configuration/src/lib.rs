@@ -9,6 +9,7 @@ mod check;
 mod check_network;
 mod check_qnh;
 mod check_region;
+mod check_source;
 mod checked;
 mod locating;
 mod offline;
@@ -16,6 +17,7 @@ mod reference;
 mod tables;
 mod tracker;
 mod tracker_links;
+mod tracker_process;
 mod wide_area_sensor;
 
 use std::fmt;
@@ -198,6 +200,16 @@ impl<P> ConfigWith<P> {
     /// Settings of the tracker of source `number`, if its tracks are made of its detections.
     pub fn tracker(&self, number: u16) -> Option<&TrackerSettings> {
         self.processing[usize::from(number)].tracker()
+    }
+
+    /// Settings of the tracker process whose sensors have all of these ids in files.
+    pub fn tracker_of(&self, sensor_ids: &std::collections::BTreeSet<u32>) -> Option<&TrackerSettings> {
+        let trackers = self.processing.iter().filter_map(Processing::tracker);
+        let has_all = |tracker: &&TrackerSettings| {
+            let own = tracker.sensor_ids();
+            tracker.events && sensor_ids.iter().all(|id| own.contains(id))
+        };
+        trackers.into_iter().find(has_all)
     }
 
     /// Settings of the locator of source `number`, if its tracks are made of its bearings.

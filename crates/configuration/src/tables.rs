@@ -12,7 +12,7 @@ use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
 use tracking::settings::SensorModel;
 
-use deployment::{Checkpoint, Fusion, Link, RecordedFormat, ReportOrder, Truncated};
+use deployment::{Checkpoint, Fusion, Link, PlotFormat, RecordedFormat, ReportOrder, Truncated};
 
 settings::settings! {
     /// A deployment.
@@ -29,6 +29,9 @@ settings::settings! {
         receivers as "receiver": Vec<ReceiverTable> = Vec::new();
         /// Source. The source's number is its position in the file, from 0.
         sources as "source": Vec<SourceTable> = Vec::new();
+        /// Tracker process: joins the detections of several sensors (HT-12). Its tracks are a source of its name,
+        /// behind the sources in the file.
+        trackers as "tracker": Vec<TrackerTable> = Vec::new();
         /// Wide-area sensor: counts targets (WA).
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
         /// Gateways.
@@ -249,6 +252,91 @@ settings::settings! {
         wait_s: Option<f64> = None, in [0, 3600], usually "0.1 periods";
     }
 
+    /// A tracker process: its sensors' detections become the tracks of one source.
+    pub struct TrackerTable with weighing: fusion::settings::Weighing {
+        check TrackerTable::check;
+        /// Name of the process and of the source of its tracks.
+        name: String;
+        /// Identity of the source, the same in every deployment.
+        uid: Option<u32> = None, in [1, u32::MAX], usually "derived from the name";
+        /// Whether the deployment ends if the process cannot be started.
+        required: bool = false;
+        /// Sensor, in the order of precedence at equal times.
+        sensors as "sensor": Vec<TrackerSensorTable> = Vec::new();
+        /// Longest time for which a complete scan waits for earlier scans of other sensors. A scan that comes later is
+        /// used if scans are open for it (`settings.capacity.open_scans`), and is refused and counted otherwise.
+        wait_s: Seconds = Seconds::of(0.5), in [0, 3600];
+        /// Settings of the tracker, without sensors.
+        settings: tracking::Settings = tracking::Settings::default();
+        /// Names of the wide-area sensors with counts for this tracker (WA-2).
+        wide_area_sensors: Vec<String> = Vec::new();
+        /// Names of the on-board direction finders whose emissions identify tracks (WA-9).
+        emissions: Vec<String> = Vec::new();
+        /// Publish cues after each scan: places for each sensor's next look (WA-12).
+        cues: bool = false;
+        /// Time between two outputs of the tracks (WA-11).
+        output_period_s: Option<Seconds> = None, in [0.01, 3600], usually "after each scan";
+        /// Number of periods without a track or detection after which the tracker is silent, with an alarm; 0: never.
+        silent_periods: f64 = 5.0, in [0, 1e6];
+    }
+
+    /// A sensor of a tracker process: exactly one of `live`, `recorded` and `external`.
+    pub struct TrackerSensorTable with model: SensorModel {
+        check TrackerSensorTable::check;
+        /// Name: its detections are at `sensor/<tracker>.<name>/detections`.
+        name: String;
+        /// Sensor behind a receiver.
+        live: Option<LivePlotsTable> = None;
+        /// Recording.
+        recorded: Option<RecordedPlotsTable> = None;
+        /// A process that is no part of the deployment publishes the topic.
+        external: Option<ExternalTable> = None;
+        /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period; `stated`,
+        /// as numbered in its detections.
+        scans: Option<Boundaries> = None, usually "turn for ASTERIX, else stated";
+        /// Time between two scans.
+        period_s: Option<f64> = None, in [0.0625, 3600], usually "as the data show";
+        /// Time for which a scan waits for late detections of the sensor, at most a period.
+        wait_s: Option<f64> = None, in [0, 3600], usually "0.1 periods; 0 for stated scans";
+        /// Standard deviations for detections without their own, of the measured quantities in order: 1 to 3 values.
+        sigmas: Option<Vec<f64>> = None, in [1e-9, 1e6];
+        /// Standard deviation of range rates of detections that state none; needs `sigmas` beside it.
+        range_rate_sigma_mps: Option<f64> = None, in [1e-9, 1e6];
+        /// Priority: of scans at the same time (`selection.same_time_s`), only scans of the sensor with the highest
+        /// priority are used.
+        priority: u32 = 0;
+        /// Place of the sensor, for ASTERIX.
+        place: Option<PlaceTable> = None, usually "the frame's";
+        /// Assumed height of targets without a height, for slant ranges.
+        assumed_height_m: f64 = 5000.0, in [-500, 20e3];
+        /// Limits of the sensor's reports.
+        limits: PlausibilityLimits = PlausibilityLimits::default();
+        /// Covariance of the sensor's reports, for ASTERIX.
+        covariance: CovarianceModel = CovarianceModel::default();
+        /// Number of periods without a detection after which the sensor is silent, with an alarm; 0: never.
+        silent_periods: f64 = 0.0, in [0, 1e6];
+    }
+
+    /// Detections behind a receiver.
+    pub struct LivePlotsTable with sender: SenderTable {
+        /// Name of the receiver.
+        receiver: String;
+        /// Content of the datagrams: `asterix` or `rows`.
+        format: PlotFormat = PlotFormat::Asterix;
+        /// Number of the sensor in rows.
+        sensor_id: Option<u32> = None, usually "all rows";
+    }
+
+    /// Recorded detections.
+    pub struct RecordedPlotsTable with sender: SenderTable {
+        /// File, relative to the data folder unless absolute.
+        file: String;
+        /// Content of the file.
+        format: PlotFormat = PlotFormat::Asterix;
+        /// Number of the sensor in rows, or in a scenario of Autoferry.
+        sensor_id: Option<u32> = None, usually "all rows";
+    }
+
     /// A wide-area sensor: exactly one of `live`, `recorded`, `tracks`, `external` and `simulated`.
     pub struct WideAreaSensorTable {
         check WideAreaSensorTable::check;
@@ -377,6 +465,10 @@ impl SacSicTable {
 
 impl SourceTrackerTable {
     fn check(&self) -> Result<(), SettingsError> {
+        if self.scans == Boundaries::Stated {
+            let what = "\"stated\" needs numbered scans, which ASTERIX has not; write \"turn\" or \"period\"";
+            return Err(SettingsError::new("scans", what));
+        }
         if !self.tracker.sensors.is_empty() {
             let what = "the source is the only sensor; write its keys into [source.tracker] itself";
             return Err(SettingsError::new("sensor", what));
@@ -386,6 +478,55 @@ impl SourceTrackerTable {
             return Err(SettingsError::new("emissions", what));
         }
         Ok(())
+    }
+}
+
+impl TrackerTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        if !self.settings.sensors.is_empty() {
+            let what = "the sensors of a tracker process are its [[tracker.sensor]]; move their keys there";
+            return Err(SettingsError::new("settings.sensor", what));
+        }
+        if self.sensors.is_empty() {
+            let what = "a tracker needs sensors; add [[tracker.sensor]]";
+            return Err(SettingsError::new("name", what));
+        }
+        if !self.emissions.is_empty() && self.settings.wide_area.knowledge.types.is_empty() {
+            let what = "no type is described that an emission could be of; add [[tracker.settings.wide_area.type]]";
+            return Err(SettingsError::new("emissions", what));
+        }
+        Ok(())
+    }
+}
+
+impl TrackerSensorTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let inputs = [
+            ("live", self.live.is_some()),
+            ("recorded", self.recorded.is_some()),
+            ("external", self.external.is_some()),
+        ];
+        exactly_one("tracker.sensor", &self.name, &inputs)?;
+        if self
+            .live
+            .as_ref()
+            .is_some_and(|live| live.format == PlotFormat::Autoferry)
+        {
+            let what = "\"autoferry\" is a format of files; write \"asterix\" or \"rows\"";
+            return Err(SettingsError::new("live.format", what));
+        }
+        if self.scans == Some(Boundaries::Stated) && self.format() == Some(PlotFormat::Asterix) {
+            let what = "\"stated\" needs numbered scans, which ASTERIX has not; write \"turn\" or \"period\"";
+            return Err(SettingsError::new("scans", what));
+        }
+        let longest_s = self.period_s.unwrap_or(60.0);
+        settings::within("wait_s", self.wait_s.unwrap_or(0.0), 0.0, longest_s)
+    }
+
+    /// Format of the data; `None` for an external sensor.
+    pub(crate) fn format(&self) -> Option<PlotFormat> {
+        let live = self.live.as_ref().map(|live| live.format);
+        live.or(self.recorded.as_ref().map(|recorded| recorded.format))
     }
 }
 

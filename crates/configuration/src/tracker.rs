@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use settings::{Seconds, SettingsError};
+use sources::joining::JoiningSettings;
 use sources::{Outputs, TrackerSettings};
 use tracking::cutting::{CutterSettings, PERIOD_MIN_NS};
 use tracking::settings::{ROOM_MAX, SensorFacts, Settings};
@@ -17,7 +18,7 @@ use super::tables::SourceTrackerTable;
 /// Room for tracks, where nobody says more: so many times the detections of the largest scan.
 const TRACKS_PER_DETECTION: usize = 6;
 /// Room for detections that wait for their scan to be complete: so many times that of a scan.
-const WAITING_SCANS: usize = 2;
+pub(crate) const WAITING_SCANS: usize = 2;
 
 /// A configuration of `koseki track`; an empty one says nothing.
 #[derive(Debug, Default)]
@@ -86,13 +87,17 @@ pub(crate) fn source_tracker(
         ..SensorFacts::default()
     }];
     Ok(TrackerSettings {
-        cutter: CutterSettings {
-            boundaries: table.scans,
-            period_ns,
-            wait_ns: table.wait_s.map(|wait_s| Seconds::of(wait_s).ns()),
-            waiting_max: WAITING_SCANS * settings.capacity.detections(),
-            epoch_ns: 0,
+        joining: JoiningSettings {
+            cutters: vec![CutterSettings {
+                boundaries: table.scans,
+                period_ns,
+                wait_ns: table.wait_s.map(|wait_s| Seconds::of(wait_s).ns()),
+                waiting_max: WAITING_SCANS * settings.capacity.detections(),
+                epoch_ns: 0,
+            }],
+            wait_ns: 0,
         },
+        events: false,
         settings,
         outputs: Outputs {
             period_ns: table.output_period_s.map(Seconds::ns),

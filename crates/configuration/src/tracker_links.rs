@@ -14,7 +14,7 @@ use settings::SettingsError;
 
 use super::checked::Checked;
 use super::tables::{SourceTable, WideAreaSensorTable};
-use deployment::{Input, Source};
+use deployment::Source;
 
 /// Lets the trackers know what they are linked with.
 pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: &[WideAreaSensorTable]) -> Checked<()> {
@@ -37,7 +37,7 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
             numbers_of(&key("wide_area_sensors"), named, "[[wide_area_sensor]]", &sensors)?;
         let kind = "direction finder among the sources";
         source.links.emissions = numbers_of(&key("emissions"), &raw.emissions, kind, &finders)?;
-        if !matches!(source.input, Input::Recorded(_)) {
+        if !source.input.is_recorded() {
             continue;
         }
         if !source.links.emissions.is_empty() {
@@ -56,7 +56,7 @@ pub(super) fn check_links(sources: &mut [Source], raw: &[SourceTable], sensors: 
 
 /// The numbers of these names, ascending, so that the order in which they are named does not matter. `known` are the
 /// names of a kind of thing with their numbers.
-fn numbers_of(key: &str, names: &[String], kind: &str, known: &[(&str, u16)]) -> Checked<Vec<u16>> {
+pub(super) fn numbers_of(key: &str, names: &[String], kind: &str, known: &[(&str, u16)]) -> Checked<Vec<u16>> {
     let mut numbers = Vec::new();
     for name in names {
         let Some((_, number)) = known.iter().find(|(other, _)| other == name) else {

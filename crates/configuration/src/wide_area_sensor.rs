@@ -39,7 +39,7 @@ use settings::SettingsError;
 use super::check_network::{Network, asterix};
 use super::checked::{Checked, place};
 use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
-use deployment::{CountedTracks, Input, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
+use deployment::{CountedTracks, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
 
 /// Most wide-area sensors of a deployment.
 const SENSORS_MAX: usize = 16;
@@ -151,7 +151,7 @@ fn check_tracks(
 
 /// Recordings go with recordings: their times are of another day than those of what comes live.
 pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> Checked<()> {
-    let is_recorded = |source: &Source| matches!(source.input, Input::Recorded(_));
+    let is_recorded = |source: &Source| source.input.is_recorded();
     let differ = |recorded: bool, source: &Source| -> Option<SettingsError> {
         let of_other_kind = |number: &&u16| sensors[usize::from(**number)].recording().is_some() != recorded;
         let sensor = &sensors[usize::from(*source.links.wide_area_sensors.iter().find(of_other_kind)?)];

@@ -26,7 +26,10 @@ pub use names::check_name;
 pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, category};
 pub use parts::Parts;
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
-pub use source::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Simulated, Source, Truncated};
+pub use source::{
+    Input, Instrument, Links, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Simulated, Source, TrackerInput,
+    Truncated,
+};
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
 /// One process of a deployment, connected and ready.
@@ -57,6 +60,9 @@ pub struct Deployment {
     pub first_day_ns: Option<i64>,
     /// The sources, in the order of their numbers.
     pub sources: Vec<Source>,
+    /// The sensors of tracker processes, whose numbers follow those of the sources. They deliver detections only, and
+    /// are no sources of fusion. Their names begin with the tracker's.
+    pub tracker_sensors: Vec<Source>,
     /// The wide-area sensors, in the order of their numbers; they are no sources.
     pub wide_area_sensors: Vec<WideAreaSensor>,
     /// The network inputs; each is an adapter process.
@@ -98,6 +104,14 @@ impl Deployment {
         self.sources.iter().find(|source| source.name == name)
     }
 
+    /// The sensors of a source that is a tracker process; empty for other sources.
+    pub fn sensors_of(&self, source: &Source) -> &[Source] {
+        match &source.input {
+            Input::Tracker(tracker) => &self.tracker_sensors[tracker.sensors.clone()],
+            _ => &[],
+        }
+    }
+
     /// The wide-area sensor called `name`.
     pub fn wide_area_sensor(&self, name: &str) -> Option<&WideAreaSensor> {
         self.wide_area_sensors.iter().find(|sensor| sensor.name == name)
@@ -126,6 +140,13 @@ impl Deployment {
                 names.push(&source.adapter);
             }
         }
+        // External sensors have none, and a recorded tracker reads its sensors' files itself.
+        let of_trackers = self.tracker_sensors.iter();
+        for sensor in of_trackers.filter(|sensor| matches!(sensor.input, Input::Live(_))) {
+            if !names.contains(&sensor.adapter.as_str()) {
+                names.push(&sensor.adapter);
+            }
+        }
         for sensor in &self.wide_area_sensors {
             if !matches!(sensor.input, WideAreaInput::External) && !names.contains(&sensor.adapter.as_str()) {
                 names.push(&sensor.adapter);
@@ -147,7 +168,7 @@ impl Deployment {
     /// that nothing is lost.
     pub fn is_recorded(&self) -> bool {
         self.sources.iter().all(|source| match source.input {
-            Input::Recorded(_) => true,
+            Input::Recorded(_) | Input::Tracker(_) => source.input.is_recorded(),
             // In order `time` it is what a link brings.
             Input::External => self.order == ReportOrder::Time,
             Input::Live(_) | Input::Simulated(_) => false,

@@ -3,13 +3,15 @@
 use crate::{Deployment, Input};
 
 impl Deployment {
-    /// Returns the sources, as readers of the running deployment use them.
+    /// Returns the sources, and behind them the sensors of tracker processes, as readers of the running deployment
+    /// use them.
     pub fn observed_sources(&self) -> Vec<observed::SourceFacts> {
-        let sources = self.sources.iter().map(|source| observed::SourceFacts {
+        let sources = self.sources.iter().chain(&self.tracker_sensors);
+        let sources = sources.map(|source| observed::SourceFacts {
             number: source.number,
             name: source.name.clone(),
             adapter: source.adapter.clone(),
-            is_external: matches!(source.input, Input::External),
+            is_external: matches!(source.input, Input::External) && source.has_tracks(),
             silent_after_ns: source.silent_after_ns,
             period_ns: source.period_ns,
             // Simulated sensors observe with the configured north.

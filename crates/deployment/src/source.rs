@@ -47,9 +47,28 @@ pub struct Links {
 }
 
 impl Source {
-    /// Whether its tracks are made of its detections.
+    /// Whether it publishes detections: those behind its tracks, or for a tracker process.
     pub fn has_detections(&self) -> bool {
-        matches!(self.delivers, SampleDelivery::Detections { .. })
+        matches!(
+            self.delivers,
+            SampleDelivery::Detections { .. } | SampleDelivery::Plots { .. }
+        )
+    }
+
+    /// Whether it publishes tracks; a sensor of a tracker process does not.
+    pub fn has_tracks(&self) -> bool {
+        !matches!(self.delivers, SampleDelivery::Plots { .. })
+    }
+
+    /// Whether its detections come as rows of a table.
+    pub fn has_rows(&self) -> bool {
+        matches!(
+            self.delivers,
+            SampleDelivery::Plots {
+                format: PlotFormat::Rows,
+                ..
+            }
+        )
     }
 
     /// Whether its tracks are made of its bearings.
@@ -67,7 +86,18 @@ impl Source {
         match &self.input {
             Input::External => true,
             Input::Recorded(recorded) => recorded.format == RecordedFormat::SensorTracks,
-            Input::Simulated(_) | Input::Live(_) => false,
+            Input::Simulated(_) | Input::Live(_) | Input::Tracker(_) => false,
+        }
+    }
+}
+
+impl Input {
+    /// Whether the data are recorded.
+    pub fn is_recorded(&self) -> bool {
+        match self {
+            Self::Recorded(_) => true,
+            Self::Tracker(tracker) => tracker.is_recorded,
+            Self::Simulated(_) | Self::Live(_) | Self::External => false,
         }
     }
 }
@@ -85,6 +115,13 @@ pub enum SampleDelivery {
     },
     /// Bearings and states of the platform, of which its adapter makes tracks.
     Bearings,
+    /// Detections and no tracks: a sensor of a tracker process.
+    Plots {
+        /// Content of the datagrams or of the file.
+        format: PlotFormat,
+        /// Number of the sensor in rows; `None` takes all rows.
+        sensor_id: Option<u32>,
+    },
 }
 
 /// Where a source's data come from.
@@ -98,6 +135,18 @@ pub enum Input {
     Live(Live),
     /// A process that is no part of the deployment publishes the source's topic.
     External,
+    /// A tracker process that joins the detections of several sensors.
+    Tracker(TrackerInput),
+}
+
+/// Sensors of a tracker process.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TrackerInput {
+    /// Places in [`Deployment::tracker_sensors`](crate::Deployment::tracker_sensors), in the order of the tracker's
+    /// sensors.
+    pub sensors: std::ops::Range<usize>,
+    /// Whether all of them are recordings.
+    pub is_recorded: bool,
 }
 
 /// A simulated input.
@@ -142,6 +191,18 @@ settings::words! {
         Sbs = "sbs",
         /// A table of sensor tracks (FM-5).
         SensorTracks = "sensor-tracks",
+    }
+}
+
+settings::words! {
+    /// Content of a tracker sensor's datagrams or file.
+    pub enum PlotFormat {
+        /// ASTERIX.
+        Asterix = "asterix",
+        /// Rows of detections (FM-6); a datagram is a table of its own.
+        Rows = "rows",
+        /// A scenario of the Autoferry data set; files only.
+        Autoferry = "autoferry",
     }
 }
 

@@ -30,6 +30,9 @@ impl runtime::DeploymentParts for Deployment {
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
+        for sensor in &self.tracker_sensors {
+            visit.visit(&messages::sensor_detections(&sensor.name), publishers)?;
+        }
         if self.system_tracks.exchange {
             visit.visit(&messages::own_tracks(), publishers)?;
         }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use bus::{Payload, Root};
 use messages::layout::Layout;
-use messages::{BatchHeader, Outgoing, PlatformState, SensorTrack, Topic, Visitor, WideArea};
+use messages::{BatchHeader, Outgoing, PlatformState, SensorDetection, SensorTrack, Topic, Visitor, WideArea};
 
 use crate::error::Error;
 use crate::publisher::Publisher;
@@ -99,6 +99,8 @@ impl Visitor for Publish<'_> {
             self.open::<SensorTrack>()
         } else if topic.is::<Topic<WideArea>>() {
             self.open::<WideArea>()
+        } else if topic.is::<Topic<SensorDetection>>() {
+            self.open::<SensorDetection>()
         } else if topic.is::<Topic<PlatformState>>() {
             self.open::<PlatformState>()
         } else {

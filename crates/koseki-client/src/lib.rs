@@ -1,8 +1,9 @@
 //! Readers and feeders of a Koseki deployment, for programs that are no part of it (PL-2, PL-11).
 //!
 //! A [`Subscription`] gives access to the samples published by the deployment's processes, without copying. A
-//! [`Publisher`] is the opposite direction: tracks of a source, counts of a wide-area sensor and positions of a
-//! platform that the configuration calls `external`. [`Orders`] gives orders to fusion. All may move between threads.
+//! [`Publisher`] is the opposite direction: tracks of a source, detections of a tracker's sensor, counts of a
+//! wide-area sensor and positions of a platform that the configuration calls `external`. [`Orders`] gives orders to
+//! fusion. All may move between threads.
 //!
 //! ```no_run
 //! use std::time::Duration;

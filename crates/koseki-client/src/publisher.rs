@@ -1,4 +1,4 @@
-//! Feeds a source, a wide-area sensor or a platform that the configuration calls `external`.
+//! Feeds a source, a sensor of a tracker, a wide-area sensor or a platform that the configuration calls `external`.
 
 use bus::{Mark, Root};
 use messages::{Outgoing, sensor_uid};
@@ -7,7 +7,8 @@ use crate::clock::mono_ns;
 use crate::connection::{Connection, Medium};
 use crate::error::Error;
 
-/// Writer of the topic of one source (`SensorTrack`), wide-area sensor (`WideArea`) or platform (`PlatformState`).
+/// Writer of the topic of one source (`SensorTrack`), sensor of a tracker (`SensorDetection`, called
+/// `tracker.sensor`), wide-area sensor (`WideArea`) or platform (`PlatformState`).
 #[derive(Debug)]
 pub struct Publisher<T: Outgoing> {
     publisher: bus::Publisher<Medium, T>,

@@ -47,6 +47,7 @@
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_VELOCITY UINT64_C(0x8) /* `platform_velocity_mps` is known. */
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_ATTITUDE UINT64_C(0x10) /* `platform_attitude_rad` and `attitude_sigmas_rad` are known. */
 #define KOSEKI_SENSOR_DETECTION_PLATFORM_SIGMA UINT64_C(0x20) /* `platform_sigma_m` is known. */
+#define KOSEKI_SENSOR_DETECTION_MARK UINT64_C(0x40) /* The sample is no detection but a mark of the sensor's time: `kind` holds a `DetectionMark` code. */
 #define KOSEKI_SENSOR_BEARING_EMITTER UINT64_C(0x1) /* `emitter_id` is known: the sensor distinguishes transmitters. */
 #define KOSEKI_SENSOR_BEARING_HEADING UINT64_C(0x2) /* `heading_rad` is known. */
 #define KOSEKI_SENSOR_BEARING_FREQUENCY UINT64_C(0x4) /* `frequency_hz` was measured. */
@@ -127,6 +128,9 @@
 #define KOSEKI_DETECTION_KIND_RANGE_BEARING_ELEVATION UINT64_C(0x3) /* Slant range, bearing and elevation from the sensor. */
 #define KOSEKI_DETECTION_KIND_BEARING UINT64_C(0x4) /* Bearing from the sensor. */
 #define KOSEKI_DETECTION_KIND_BEARING_ELEVATION UINT64_C(0x5) /* Bearing and elevation from the sensor. */
+#define KOSEKI_DETECTION_MARK_PASSED UINT64_C(0x0) /* The sensor's time has come to the time of measurement. */
+#define KOSEKI_DETECTION_MARK_EMPTY_SCAN UINT64_C(0x1) /* The scan `scan` at the time of measurement has no detections. */
+#define KOSEKI_DETECTION_MARK_TURN_BEGINS UINT64_C(0x2) /* A turn of the sensor begins at the time of measurement. */
 #define KOSEKI_STREAM_SENSOR_TRACKS UINT64_C(0x1) /* Sensor tracks of a source. */
 #define KOSEKI_STREAM_DETECTIONS UINT64_C(0x2) /* Detections of a source. */
 #define KOSEKI_STREAM_BEARINGS UINT64_C(0x3) /* Bearings of a source. */

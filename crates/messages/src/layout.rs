@@ -370,6 +370,7 @@ fn constants() -> Vec<(String, u64, &'static str)> {
         ("VERTICAL", crate::VerticalMovement::constants()),
         ("LONGITUDINAL", crate::LongitudinalMovement::constants()),
         ("DETECTION_KIND", crate::DetectionKind::constants()),
+        ("DETECTION_MARK", crate::DetectionMark::constants()),
         ("STREAM", crate::Stream::constants()),
         ("STEP", crate::StepKind::constants()),
         ("PROCESS", crate::ProcessKind::constants()),

@@ -73,7 +73,7 @@ pub use progress::Progress;
 pub use registration::{Bias, BiasKind, ErrorModel, Registration, registration_bits};
 pub use restored::{RESTORED_WORDS, Restored};
 pub use sensor_bearing::{SensorBearing, sensor_bearing_bits};
-pub use sensor_detection::{DetectionKind, Quantity, SensorDetection, sensor_detection_bits};
+pub use sensor_detection::{DetectionKind, DetectionMark, Quantity, SensorDetection, sensor_detection_bits};
 pub use sensor_track::{SensorTrack, alert_bits, sensor_track_bits};
 pub use sensor_uid::sensor_uid;
 pub use stages::StageTimes;

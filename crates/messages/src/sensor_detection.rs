@@ -21,6 +21,8 @@ bits! {
         PLATFORM_ATTITUDE = 1 << 4;
         /// `platform_sigma_m` is known.
         PLATFORM_SIGMA = 1 << 5;
+        /// The sample is no detection but a mark of the sensor's time: `kind` holds a `DetectionMark` code.
+        MARK = 1 << 6;
     }
 }
 
@@ -87,6 +89,18 @@ codes! {
         Bearing = 4, "bearing";
         /// Bearing and elevation from the sensor.
         BearingElevation = 5, "bearing_elevation";
+    }
+}
+
+codes! {
+    /// Mark of a sensor's time among its detections: what `kind` means in a sample with the bit `MARK`.
+    pub enum DetectionMark: u8 {
+        /// The sensor's time has come to the time of measurement.
+        Passed = 0, "passed";
+        /// The scan `scan` at the time of measurement has no detections.
+        EmptyScan = 1, "empty_scan";
+        /// A turn of the sensor begins at the time of measurement.
+        TurnBegins = 2, "turn_begins";
     }
 }
 

@@ -92,6 +92,9 @@ impl Sampled for Detection {
     }
 
     fn of_sample(sample: &SensorDetection) -> Option<Self> {
+        if sample.valid & bits::MARK != 0 {
+            return None;
+        }
         Some(Self {
             time_of_measurement_ns: sample.time_of_measurement_ns,
             sensor_id: sensor_id(sample.source),

@@ -2,6 +2,7 @@
 //!
 //! - [`Observation`]: a target report of any format, still in the sensor's own terms;
 //! - [`Detection`]: a measurement in the system frame, for sensors whose tracks Koseki makes;
+//! - [`SensorEvent`]: a detection, or a mark of the sensor's time among its detections;
 //! - [`Bearing`]: the direction of an emitter, from a direction finder that measures nothing else;
 //! - [`WideAreaReport`]: the number of targets that a wide-area sensor has seen.
 //!
@@ -14,6 +15,7 @@ mod alerts;
 mod bearing;
 mod detection;
 mod observation;
+mod sensor_event;
 mod wide_area;
 
 pub use alerts::Alerts;
@@ -21,6 +23,7 @@ pub use bearing::Bearing;
 pub use detection::{Detection, DetectionTruth, QUANTITIES_MAX, TransponderReply};
 pub use messages::{DetectionKind, Quantity};
 pub use observation::{Axes, Observation, Plane, Position, Quality, RADIUS95_SIGMAS, ServiceMessage, TRUNCATION_NS};
+pub use sensor_event::SensorEvent;
 pub use wide_area::WideAreaReport;
 
 use messages::StageTimes;

@@ -46,6 +46,8 @@ pub struct Observation {
     pub polar: Option<[f64; 2]>,
     /// Straight distance (m) and azimuth clockwise from the sensor's north (rad).
     pub slant_polar: Option<[f64; 2]>,
+    /// Radial speed measured by the Doppler effect, with the sender's sign, metres per second.
+    pub doppler_mps: Option<f64>,
     /// Latitude and longitude, radians.
     pub geodetic: Option<[f64; 2]>,
     /// Horizontal velocity along two axes, metres per second.

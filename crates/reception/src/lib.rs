@@ -106,6 +106,11 @@ settings::settings! {
         range_sigma_m: Option<f64> = None, in [1e-3, 1e5];
         /// Azimuth error of a polar sensor.
         azimuth_sigma_deg: Option<Degrees> = None, in [1e-6, 45];
+        /// Standard deviation of the radial speed of plots (CAT048, I048/120); the radial speed is used for tracking if
+        /// this is given.
+        doppler_sigma_mps: Option<f64> = None, in [1e-3, 1e4], usually "not used";
+        /// Whether a positive radial speed is towards the radar: ASTERIX does not state the sign.
+        doppler_towards: bool = false;
         /// Treatment of reports with a quality figure for "accuracy unknown": used with a large covariance, or
         /// rejected.
         poor_quality: PoorQuality = PoorQuality::Use;

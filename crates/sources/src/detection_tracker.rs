@@ -1,9 +1,14 @@
-//! Tracks of a sensor that delivers detections: cut into scans, and each scan through the tracker (HT, SP).
+//! Tracks of sensors that deliver detections: cut into scans, and each scan through the tracker (HT, SP).
 //!
-//! Detections wait until their scan is complete ([`tracking::cutting`]), which depends on times of the data alone.
-//! They are then published with the scan's number, followed by every confirmed track after the scan, in the order of
-//! times. Missing scan numbers are scans without detections; the tracker receives them as soon as the next scan is
-//! complete. `koseki track` repeats all of this with the recorded detections and produces the same tracks.
+//! Detections wait until their scan is complete and, with several sensors, until no earlier scan can come
+//! ([`crate::joining`]), which depends on times of the data alone. They are then published with the scan's number,
+//! followed by every confirmed track after the scan, in the order of times. Missing scan numbers are scans without
+//! detections; the tracker receives them as soon as the next scan is complete. `koseki track` repeats all of this with
+//! the recorded detections and produces the same tracks.
+//!
+//! A tracker of several sensors instead publishes each event of a sensor as it comes, before anything is decided about
+//! it: detections, late ones included, and marks of time. `koseki track` takes the recorded events in the same order,
+//! makes the same tracks and rejects the same late detections.
 //!
 //! With a configured output period (WA-11), all confirmed tracks are moved to each multiple of the period as soon as
 //! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
@@ -30,16 +35,16 @@ use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
 use messages::{Counter, Counters, SensorBearing, StageTimes, TrackState};
-use observations::{Bearing, Detection, Sampled, WideAreaReport};
+use observations::{Bearing, Detection, Sampled, SensorEvent, WideAreaReport};
 use settings::SettingsError;
-use tracking::cutting::{CutScan, Cutter, CutterSettings, DetectionTreatment};
-use tracking::scans::silent_scans;
+use tracking::cutting::DetectionTreatment;
 use tracking::turn_time::TurnEstimate;
 use tracking::wide_area::Emission;
 use tracking::wide_area::arrivals::Arrivals;
 use tracking::wide_area::cue::Cue;
-use tracking::{LeftTracks, TrackReport, TrackerMemory};
+use tracking::{LeftTracks, ScanRejection, TrackReport, Tracker, TrackerMemory};
 
+use crate::joining::{JoiningSettings, ScanJoiner};
 use crate::last_kept::LastKept;
 use crate::samples::Samples;
 use crate::scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
@@ -47,20 +52,31 @@ use crate::scan_tracker::{Outputs, ScanTracker, SensorScan, TrackSink};
 /// Settings for making tracks of a source's detections.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
-    /// Settings of the tracker; its only sensor is the source, under the number in the source's files.
+    /// Settings of the tracker with its sensors. The only sensor of a source's own tracker is the source, under the
+    /// number in the source's files.
     pub settings: tracking::Settings,
-    /// Rules for cutting detections into scans.
-    pub cutter: CutterSettings,
+    /// Rules for the scans of the sensors.
+    pub joining: JoiningSettings,
     /// Requested outputs of the tracker.
     pub outputs: Outputs,
+    /// Whether the events of the sensors are published as they come, instead of the detections of complete scans.
+    pub events: bool,
 }
 
-/// Tracker of a sensor that delivers detections.
+impl TrackerSettings {
+    /// Ids of the sensors, in their order.
+    pub fn sensor_ids(&self) -> Vec<u32> {
+        self.settings.sensors.iter().map(|sensor| sensor.sensor_id).collect()
+    }
+}
+
+/// Tracker of sensors that deliver detections.
 #[derive(Debug)]
 pub struct DetectionTracker {
     source: u16,
-    sensor_id: u32,
-    cutter: Cutter<i64>,
+    /// See [`TrackerSettings::events`].
+    events: bool,
+    joiner: ScanJoiner,
     tracker: ScanTracker,
     /// Number and time of the latest scan.
     latest: Option<(u32, i64)>,
@@ -69,6 +85,8 @@ pub struct DetectionTracker {
     detections: u64,
     /// Latest time of any detection, nanoseconds.
     newest_ns: i64,
+    /// Detections that came, where events are published.
+    taken: u64,
     late: u64,
     dropped: u64,
     /// Detections refused by their age.
@@ -94,23 +112,16 @@ impl DetectionTracker {
         epoch_ns: i64,
         reports: Arrivals,
     ) -> Result<Self, SettingsError> {
-        let sensor = settings
-            .settings
-            .sensors
-            .first()
-            .ok_or_else(|| SettingsError::new("sensor", "a tracker needs a sensor"))?;
         Ok(Self {
             source,
-            sensor_id: sensor.sensor_id,
-            cutter: Cutter::new(CutterSettings {
-                epoch_ns,
-                ..settings.cutter
-            }),
+            events: settings.events,
+            joiner: ScanJoiner::new(&settings.sensor_ids(), &settings.joining, epoch_ns)?,
             tracker: ScanTracker::new(settings.settings.clone(), settings.outputs, reports, Vec::new())?,
             latest: None,
             ingested_ns: 0,
             detections: 0,
             newest_ns: i64::MIN,
+            taken: 0,
             late: 0,
             dropped: 0,
             deselected: 0,
@@ -123,16 +134,30 @@ impl DetectionTracker {
         })
     }
 
-    /// Takes a detection received at `ingested_ns` (monotonic, nanoseconds).
+    /// Takes a detection of the first sensor received at `ingested_ns` (monotonic, nanoseconds).
     pub fn take(&mut self, detection: Detection, ingested_ns: i64, samples: &mut Samples) {
+        self.event(0, &SensorEvent::Detection(detection), ingested_ns, samples);
+    }
+
+    /// Takes an event of the sensor in this place of the settings, received at `ingested_ns`.
+    pub fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
         self.ingested_ns = ingested_ns;
-        let time_ns = detection.time_of_measurement_ns;
-        if self.is_too_old(time_ns) {
+        if let SensorEvent::Detection(detection) = event
+            && self.is_too_old(detection.time_of_measurement_ns)
+        {
             self.deselected += 1;
             return;
         }
-        match self.cutter.take(detection, ingested_ns) {
-            DetectionTreatment::Waits => self.come_to(time_ns, samples),
+        let sensor_id = self.tracker.tracker().settings().sensors[sensor].sensor_id;
+        let event = event.of_sensor(sensor_id);
+        if self.events {
+            samples
+                .detections
+                .push(event.sample(sensor_id as u16 - 1, ingested(ingested_ns)));
+            self.taken += u64::from(matches!(event, SensorEvent::Detection(_)));
+        }
+        match self.joiner.take(sensor, &event, ingested_ns) {
+            DetectionTreatment::Waits => self.come_to(samples),
             DetectionTreatment::TooLate => self.late += 1,
             DetectionTreatment::Refused => self.dropped += 1,
         }
@@ -146,6 +171,11 @@ impl DetectionTracker {
         let is_old = refused.is_some_and(|most| self.newest_ns.saturating_sub(time_ns) > most.ns());
         self.newest_ns = self.newest_ns.max(time_ns);
         is_old
+    }
+
+    /// Place in the settings of the sensor with this id.
+    pub fn place(&self, sensor_id: u32) -> Option<usize> {
+        self.joiner.place(sensor_id)
     }
 
     /// Takes a report of a wide-area sensor, for the first scan after its arrival, or for the next scan if the
@@ -166,22 +196,20 @@ impl DetectionTracker {
         }
     }
 
-    /// The sensor's time has come to `time_ns` (UTC, nanoseconds), and its next turn begins there or not.
+    /// The first sensor's time has come to `time_ns` (UTC, nanoseconds), and its next turn begins there or not.
     pub fn passed(&mut self, time_ns: i64, turn_begins: bool, ingested_ns: i64, samples: &mut Samples) {
-        self.ingested_ns = ingested_ns;
-        if turn_begins {
-            self.cutter.turn_begins(time_ns);
-        } else {
-            self.cutter.passed(time_ns);
-        }
-        self.come_to(time_ns, samples);
+        let event = match turn_begins {
+            true => SensorEvent::TurnBegins(time_ns),
+            false => SensorEvent::Passed(time_ns),
+        };
+        self.event(0, &event, ingested_ns, samples);
     }
 
     /// The clock has come to `time_ns`, in the sensor's time (UTC, nanoseconds), whether or not data have come: the
     /// pictures that no longer wait for data are made (WA-11). Without a configured output period, or before the first
     /// scan, nothing happens.
     pub fn elapsed(&mut self, time_ns: i64, samples: &mut Samples) {
-        let Some(patience_ns) = self.cutter.patience_ns() else {
+        let Some(patience_ns) = self.joiner.patience_ns() else {
             return;
         };
         let due_ns = time_ns.saturating_sub(patience_ns);
@@ -191,20 +219,23 @@ impl DetectionTracker {
         }
     }
 
-    /// Takes the sensor's report that a turn takes `turn_ns` nanoseconds.
+    /// Takes the first sensor's report that a turn takes `turn_ns` nanoseconds.
     pub fn turn_takes(&mut self, turn_ns: i64) {
-        self.cutter.turn_takes(turn_ns);
+        self.joiner.turn_takes(0, turn_ns);
     }
 
-    /// Turn time estimated so far from the sensor's data.
+    /// Turn time estimated so far from the first sensor's data.
     pub fn turn(&self) -> Option<TurnEstimate> {
-        self.cutter.turn()
+        self.joiner.turn()
     }
 
     /// Processes the waiting detections at the end of the data.
     pub fn end(&mut self, samples: &mut Samples) {
-        while let Some(scan) = self.cutter.last_scan() {
-            self.scan(scan, samples);
+        self.joiner.end();
+        match self.events {
+            true => self.come_to(samples),
+            // A picture of a time beyond the latest scan waits for data of that time.
+            false => self.work_off(samples),
         }
     }
 
@@ -257,13 +288,16 @@ impl DetectionTracker {
             Some(_) => 0,
             None => self.deselected + counts.deselected_detections,
         };
-        counters[Counter::Reports] -= self.late + self.dropped + self.deselected;
+        // Where events are published, refused detections were not counted as taken.
+        let refused = if self.events { 0 } else { self.deselected };
+        counters[Counter::Reports] += self.taken;
+        counters[Counter::Reports] -= self.late + self.dropped + refused;
         counters[Counter::DetectionsRejected] =
             self.dropped + counts.rejected_detections + counts.dropped_detections + deselected;
         counters[Counter::TracksDropped] += counts.dropped_tracks;
         counters[Counter::Scans] = self.tracker.scans();
         counters[Counter::ScanPeriodMs] = self
-            .cutter
+            .joiner
             .period_ns()
             .map_or(0, |period_ns| period_ns as u64 / 1_000_000);
         counters[Counter::WideAreaReports] = counts.wide_area_reports;
@@ -277,46 +311,45 @@ impl DetectionTracker {
         counters[Counter::Cues] = self.cues;
     }
 
-    fn come_to(&mut self, time_ns: i64, samples: &mut Samples) {
-        while let Some(scan) = self.cutter.next_scan() {
-            self.scan(scan, samples);
-        }
+    fn come_to(&mut self, samples: &mut Samples) {
+        self.work_off(samples);
+        let shown_ns = self.joiner.shown_ns();
         let mut sink = Publishing {
             source: self.source,
             ingested_ns: self.ingested_ns,
             has_pictures: self.tracker.shown_ns().is_some(),
             cues: &mut self.cues,
+            late: None,
             samples,
         };
-        self.tracker.show(time_ns, &mut sink);
+        self.tracker.show(shown_ns, &mut sink);
     }
 
-    fn scan(&mut self, scan: CutScan, samples: &mut Samples) {
-        for (detection, ingested_ns) in self.cutter.detections().iter().zip(self.cutter.with_them()) {
-            self.detections += 1;
-            let sample = detection.sample(self.source, ingested(*ingested_ns));
-            samples.detections.push(sample);
+    /// Gives the tracker the scans that are complete.
+    fn work_off(&mut self, samples: &mut Samples) {
+        while self.joiner.next_scan().is_some() {
+            let scan = self.joiner.released();
+            self.detections += scan.detections.len() as u64;
+            if !self.events {
+                let (_, receipts) = self.joiner.receipts();
+                let published = scan.detections.iter().zip(receipts);
+                let published = published.map(|(detection, at_ns)| detection.sample(self.source, ingested(*at_ns)));
+                samples.detections.extend(published);
+            }
+            let mut sink = Publishing {
+                source: self.source,
+                ingested_ns: self.ingested_ns,
+                has_pictures: self.tracker.shown_ns().is_some(),
+                cues: &mut self.cues,
+                late: self.events.then_some(&mut self.late),
+                samples,
+            };
+            self.tracker.scan(&scan, None, &mut sink);
+            let latest_ns = self.latest.map_or(i64::MIN, |(_, time_ns)| time_ns);
+            if !self.events || scan.time_ns >= latest_ns {
+                self.latest = Some((scan.number, scan.time_ns));
+            }
         }
-        let mut sink = Publishing {
-            source: self.source,
-            ingested_ns: self.ingested_ns,
-            has_pictures: self.tracker.shown_ns().is_some(),
-            cues: &mut self.cues,
-            samples,
-        };
-        let now = (scan.number, scan.time_ns);
-        let of_sensor = |(number, time_ns), detections| SensorScan {
-            sensor_id: self.sensor_id,
-            number,
-            time_ns,
-            detections,
-        };
-        for silent in self.latest.into_iter().flat_map(|before| silent_scans(before, now)) {
-            self.tracker.scan(&of_sensor(silent, &[]), None, &mut sink);
-        }
-        let scan = of_sensor(now, self.cutter.detections());
-        self.tracker.scan(&scan, None, &mut sink);
-        self.latest = Some(now);
     }
 }
 
@@ -327,10 +360,18 @@ struct Publishing<'a> {
     /// Whether tracks come as pictures at even times.
     has_pictures: bool,
     cues: &'a mut u64,
+    /// Count of the detections in scans that are too late for the tracker.
+    late: Option<&'a mut u64>,
     samples: &'a mut Samples,
 }
 
 impl TrackSink for Publishing<'_> {
+    fn done(&mut self, scan: &SensorScan<'_>, taken: Result<(), ScanRejection>, _: &Tracker) {
+        if let (Err(ScanRejection::TooLate), Some(late)) = (taken, &mut self.late) {
+            **late += scan.detections.len() as u64;
+        }
+    }
+
     fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool) {
         for report in tracks {
             let mut track = report.sensor_track(self.source);

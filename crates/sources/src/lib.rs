@@ -9,6 +9,8 @@
 //! and the cues of sensors. `koseki track` uses it too, so a live source and its recorded detections give the same
 //! tracks.
 //!
+//! [`joining`] joins the detections of several sensors into one order of scans.
+//!
 //! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
 //! of reading.
 
@@ -16,8 +18,10 @@
 
 mod bearing_locator;
 mod detection_tracker;
+pub mod joining;
 mod last_kept;
 mod pipeline;
+mod plot_relay;
 mod samples;
 mod scan_tracker;
 

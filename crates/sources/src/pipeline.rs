@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicU64;
 
 use kept::{Memory, MemoryRefusal};
 use messages::{Counters, NS_PER_S, SensorBearing, sensor_track_bits};
-use observations::{Bearing, Observation, ServiceMessage, WideAreaReport};
+use observations::{Bearing, Observation, SensorEvent, ServiceMessage, WideAreaReport};
 use reception::{ConversionModel, Converter};
 use settings::SettingsError;
 use tracking::turn_time::TurnEstimate;
@@ -16,6 +16,7 @@ use tracking::wide_area::arrivals::Arrivals;
 
 use crate::bearing_locator::BearingLocator;
 use crate::detection_tracker::{DetectionTracker, TrackerSettings};
+use crate::plot_relay::PlotRelay;
 use crate::samples::Samples;
 
 /// Method for making a source's tracks.
@@ -23,6 +24,8 @@ use crate::samples::Samples;
 pub enum Processing {
     /// The sensor delivers tracks.
     Tracks,
+    /// The sensor's detections are passed on; a tracker process makes tracks of them.
+    Plots,
     /// Tracker for the source's detections.
     Detections(Box<TrackerSettings>),
     /// Locator for the source's bearings.
@@ -34,7 +37,7 @@ impl Processing {
     pub fn tracker(&self) -> Option<&TrackerSettings> {
         match self {
             Self::Detections(settings) => Some(settings),
-            Self::Tracks | Self::Bearings(_) => None,
+            Self::Tracks | Self::Plots | Self::Bearings(_) => None,
         }
     }
 
@@ -42,7 +45,7 @@ impl Processing {
     pub fn locator(&self) -> Option<&locating::Settings> {
         match self {
             Self::Bearings(settings) => Some(settings),
-            Self::Tracks | Self::Detections(_) => None,
+            Self::Tracks | Self::Plots | Self::Detections(_) => None,
         }
     }
 }
@@ -61,6 +64,7 @@ pub struct Pipeline {
 #[derive(Debug)]
 enum Maker {
     None,
+    Plots(Box<PlotRelay>),
     Tracker(Box<DetectionTracker>),
     Locator(Box<BearingLocator>),
 }
@@ -80,6 +84,7 @@ impl Pipeline {
         let number = model.number;
         let maker = match processing {
             Processing::Tracks => Maker::None,
+            Processing::Plots => Maker::Plots(Box::new(PlotRelay::new(number, model.limits))),
             Processing::Detections(settings) => Maker::Tracker(Box::new(DetectionTracker::new(
                 number,
                 settings,
@@ -102,8 +107,10 @@ impl Pipeline {
     /// Sets the time of receipt of the following data, nanoseconds: see [`Converter::received`].
     pub fn received(&mut self, utc_ns: i64, steady_ns: i64) {
         self.converter.received(utc_ns, steady_ns);
-        if let Maker::Locator(locator) = &mut self.maker {
-            locator.received(steady_ns);
+        match &mut self.maker {
+            Maker::Locator(locator) => locator.received(steady_ns),
+            Maker::Plots(relay) => relay.received(steady_ns),
+            Maker::None | Maker::Tracker(_) => {}
         }
     }
 
@@ -123,6 +130,11 @@ impl Pipeline {
                     tracker.take(detection, ingested_ns, samples);
                 }
             }
+            Maker::Plots(relay) => {
+                if let Some(detection) = self.converter.detect(observation) {
+                    relay.pass(&SensorEvent::Detection(detection), ingested_ns, samples);
+                }
+            }
             // Such a source has bearings only.
             Maker::Locator(_) => {}
         }
@@ -133,6 +145,22 @@ impl Pipeline {
     pub fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64, samples: &mut Samples) {
         if let Maker::Locator(locator) = &mut self.maker {
             locator.take(bearing, ingested_ns, samples);
+        }
+        self.follow();
+    }
+
+    /// Takes an event of a sensor that states its detections in the system frame, received at `ingested_ns`.
+    pub fn row(&mut self, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
+        if let Maker::Plots(relay) = &mut self.maker {
+            relay.row(event, ingested_ns, samples);
+        }
+        self.follow();
+    }
+
+    /// Takes an event of the sensor in this place of the tracker's settings, received at `ingested_ns`.
+    pub fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64, samples: &mut Samples) {
+        if let Maker::Tracker(tracker) = &mut self.maker {
+            tracker.event(sensor, event, ingested_ns, samples);
         }
         self.follow();
     }
@@ -154,6 +182,15 @@ impl Pipeline {
                 }
                 if let Some(time_ns) = time_ns {
                     tracker.passed(time_ns, service.turn_begins, ingested_ns, samples);
+                }
+            }
+            Maker::Plots(relay) => {
+                if let Some(time_ns) = time_ns {
+                    let event = match service.turn_begins {
+                        true => SensorEvent::TurnBegins(time_ns),
+                        false => SensorEvent::Passed(time_ns),
+                    };
+                    relay.pass(&event, ingested_ns, samples);
                 }
             }
             Maker::Locator(_) => {}
@@ -191,7 +228,7 @@ impl Pipeline {
     /// Processes all waiting data at the end of the source's data.
     pub fn end(&mut self, samples: &mut Samples) {
         match &mut self.maker {
-            Maker::None | Maker::Locator(_) => {}
+            Maker::None | Maker::Plots(_) | Maker::Locator(_) => {}
             Maker::Tracker(tracker) => tracker.end(samples),
         }
         self.follow();
@@ -200,7 +237,7 @@ impl Pipeline {
     /// Size in words of the memory for the tracks made here; `None` if none are made.
     pub fn kept_words(&self) -> Option<usize> {
         match &self.maker {
-            Maker::None => None,
+            Maker::None | Maker::Plots(_) => None,
             Maker::Tracker(tracker) => Some(tracker.kept_words()),
             Maker::Locator(locator) => Some(locator.kept_words()),
         }
@@ -213,7 +250,7 @@ impl Pipeline {
     /// If the memory is not whole, or not of this source.
     pub fn resume(&mut self, memory: &[AtomicU64], owner: &str, since_ns: i64) -> Result<(), MemoryRefusal> {
         match &mut self.maker {
-            Maker::None => Ok(()),
+            Maker::None | Maker::Plots(_) => Ok(()),
             Maker::Tracker(tracker) => tracker.resume(memory, owner, since_ns),
             Maker::Locator(locator) => locator.resume(memory, owner, since_ns),
         }
@@ -223,7 +260,7 @@ impl Pipeline {
     /// size](Self::kept_words).
     pub fn keep_in(&mut self, memory: Box<dyn Memory>, owner: &str) {
         match &mut self.maker {
-            Maker::None => {}
+            Maker::None | Maker::Plots(_) => {}
             Maker::Tracker(tracker) => tracker.keep_in(memory, owner),
             Maker::Locator(locator) => locator.keep_in(memory, owner),
         }
@@ -233,7 +270,7 @@ impl Pipeline {
     /// every published number is saved.
     pub fn keep(&mut self, now_ns: i64) {
         match &mut self.maker {
-            Maker::None => {}
+            Maker::None | Maker::Plots(_) => {}
             Maker::Tracker(tracker) => tracker.keep(now_ns),
             Maker::Locator(locator) => locator.keep(now_ns),
         }
@@ -249,6 +286,7 @@ impl Pipeline {
     pub fn clock_offset(&self) -> Option<(f64, f64)> {
         match &self.maker {
             Maker::None | Maker::Tracker(_) => self.converter.clock().offset(),
+            Maker::Plots(relay) => relay.clock().offset().or_else(|| self.converter.clock().offset()),
             Maker::Locator(locator) => locator.clock().offset(),
         }
     }
@@ -257,7 +295,7 @@ impl Pipeline {
     pub fn turn(&self) -> Option<TurnEstimate> {
         match &self.maker {
             Maker::Tracker(tracker) => tracker.turn(),
-            Maker::None | Maker::Locator(_) => None,
+            Maker::None | Maker::Plots(_) | Maker::Locator(_) => None,
         }
     }
 
@@ -266,6 +304,7 @@ impl Pipeline {
         let mut counters = *self.converter.counters();
         match &self.maker {
             Maker::None => {}
+            Maker::Plots(relay) => relay.count(&mut counters),
             Maker::Tracker(tracker) => tracker.count(&mut counters),
             Maker::Locator(locator) => locator.count(&mut counters),
         }
@@ -275,6 +314,7 @@ impl Pipeline {
     fn follow(&mut self) {
         let progress_ns = match &self.maker {
             Maker::None => return,
+            Maker::Plots(relay) => relay.progress_ns(),
             Maker::Tracker(tracker) => tracker.progress_ns(),
             Maker::Locator(locator) => locator.progress_ns(),
         };

@@ -61,6 +61,8 @@ settings::words! {
         Turn = "turn",
         /// Boundaries at whole multiples of the period.
         Period = "period",
+        /// The sensor numbers its scans itself ([`crate::stated_scans`]).
+        Stated = "stated",
     }
 }
 
@@ -193,6 +195,21 @@ impl<T: Copy> Cutter<T> {
     /// Period of the scans, nanoseconds; `None` until it is known.
     pub fn period_ns(&self) -> Option<i64> {
         self.rhythm.map(|rhythm| rhythm.period_ns)
+    }
+
+    /// Whether no detection waits for its scan.
+    pub fn is_idle(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Time from a boundary to the completion of the scan that begins there, nanoseconds; 0 until the period is known.
+    pub fn span_ns(&self) -> i64 {
+        self.rhythm.map_or(0, |rhythm| rhythm.period_ns + rhythm.wait_ns)
+    }
+
+    /// No scan that is complete later is earlier than this time, nanoseconds.
+    pub fn earliest_ns(&self) -> i64 {
+        self.scan.map_or(i64::MIN, |scan| scan.begin_ns)
     }
 
     /// The sensor's time has come to `time_ns`.

@@ -84,6 +84,7 @@ mod sensor;
 mod separation;
 pub mod settings;
 mod splitting;
+pub mod stated_scans;
 #[cfg(test)]
 mod testing;
 mod track;

@@ -75,7 +75,7 @@ fn asterix(source: &Source) -> Option<&Asterix> {
     match &source.input {
         Input::Live(live) => Some(&live.asterix),
         Input::Simulated(simulated) => Some(&simulated.live.asterix),
-        Input::Recorded(_) | Input::External => None,
+        Input::Recorded(_) | Input::External | Input::Tracker(_) => None,
     }
 }
 

@@ -5,7 +5,7 @@ use deployment::{Process, Source};
 use messages::{
     Counter, Counters, Cue, NS_PER_S, PlatformState, SensorBearing, SensorDetection, SensorTrack, WideArea,
 };
-use observations::{Bearing, Observation, Sampled, ServiceMessage, WideAreaReport};
+use observations::{Bearing, Observation, Sampled, SensorEvent, ServiceMessage, WideAreaReport};
 use runtime::clock::{SteadyClock, mono_ns};
 use runtime::{HealthEntry, Now};
 use sources::{Pipeline, Samples};
@@ -25,6 +25,7 @@ const SLICES_PER_LOOK: usize = 64;
 #[derive(Debug)]
 pub(crate) struct SourceChannel {
     source: u16,
+    has_tracks: bool,
     name: String,
     pipeline: Pipeline,
     /// Wide-area sensors of the source's tracker.
@@ -55,7 +56,7 @@ impl Outlets {
             detections: TopicOutlet::open(process, &messages::sensor_detections(name), uid, has_detections)?,
             platforms: TopicOutlet::open(process, &messages::platform_states(name), uid, has_bearings)?,
             bearings: TopicOutlet::open(process, &messages::sensor_bearings(name), uid, has_bearings)?,
-            tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, true)?,
+            tracks: TopicOutlet::open(process, &messages::sensor_tracks(name), uid, source.has_tracks())?,
             cues: TopicOutlet::open(process, &messages::cues(name), uid, source.has_cues())?,
         })
     }
@@ -88,6 +89,7 @@ impl SourceChannel {
             counts: counts.collect::<Result<_, _>>()?,
             emissions: emissions.collect::<Result<_, _>>()?,
             source: source.number,
+            has_tracks: source.has_tracks(),
             name: source.name.clone(),
             pipeline,
             gathered: Samples {
@@ -128,6 +130,18 @@ impl SourceChannel {
     /// Takes a bearing received at `ingested_ns`.
     pub(crate) fn bearing(&mut self, bearing: &Bearing, ingested_ns: i64) -> anyhow::Result<()> {
         self.pipeline.bearing(bearing, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Takes a row of a sensor of a tracker process.
+    pub(crate) fn row(&mut self, event: &SensorEvent, ingested_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.row(event, ingested_ns, &mut self.gathered);
+        self.publish_many()
+    }
+
+    /// Takes an event of a sensor of the tracker process.
+    pub(crate) fn event(&mut self, sensor: usize, event: &SensorEvent, ingested_ns: i64) -> anyhow::Result<()> {
+        self.pipeline.event(sensor, event, ingested_ns, &mut self.gathered);
         self.publish_many()
     }
 
@@ -174,7 +188,12 @@ impl SourceChannel {
         };
         entry.registration.set_clock_offset(self.clock_offset(Now::read()));
         entry.counters += decoded;
-        entry.set(Counter::Published, self.outlets.tracks.sent());
+        // Of a tracker's sensor, detections are what is published.
+        let published = match self.has_tracks {
+            true => self.outlets.tracks.sent(),
+            false => self.outlets.detections.sent(),
+        };
+        entry.set(Counter::Published, published);
         let lost = self.counts.iter().map(|sensor| sensor.counts());
         let lost = lost.map(|counts| counts.lost + counts.schema_mismatch).sum();
         entry.set(Counter::WideAreaLost, lost);
@@ -185,7 +204,7 @@ impl SourceChannel {
     }
 
     /// Passes reports of wide-area sensors and direction finders to the pipeline.
-    fn listen(&mut self) -> anyhow::Result<()> {
+    pub(crate) fn listen(&mut self) -> anyhow::Result<()> {
         let pipeline = &mut self.pipeline;
         for sensor in &mut self.counts {
             sensor.take(SLICES_PER_LOOK, |_, samples| {
@@ -202,7 +221,13 @@ impl SourceChannel {
     }
 
     fn publish_many(&mut self) -> anyhow::Result<()> {
-        let is_full = self.gathered.tracks.len().max(self.gathered.bearings.len()) >= GATHERED_MAX;
+        let Samples {
+            tracks,
+            bearings,
+            detections,
+            ..
+        } = &self.gathered;
+        let is_full = tracks.len().max(bearings.len()).max(detections.len()) >= GATHERED_MAX;
         // A picture is published before the following scan.
         match is_full || self.gathered.has_picture {
             true => self.publish(),

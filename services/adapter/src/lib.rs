@@ -1,10 +1,11 @@
 //! Adapter process: one per sensor or network input, converts sensors' data to sensor tracks and publishes them.
 //!
-//! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings or counts (`tables`), or in
-//! lines over a connection (`lines`). The source's pipeline converts observations to samples ([`sources`]), and
-//! `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a
-//! source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts;
-//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`.
+//! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
+//! (`tables`), or in lines over a connection (`lines`). The source's pipeline converts observations to samples
+//! ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read
+//! as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as
+//! counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections of its
+//! sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`.
 
 #![forbid(unsafe_code)]
 
@@ -19,10 +20,12 @@ mod intake;
 mod lines;
 mod misfits;
 mod outlet;
+mod plot_rows;
 mod receiver;
 pub mod recorded_source;
 mod replay;
 mod tables;
+mod tracker;
 mod wide_area;
 
 use anyhow::Context as _;
@@ -33,6 +36,7 @@ use sources::Processing;
 use crate::bearings::Bearings;
 use crate::blocks::BlockSources;
 use crate::lines::LineAgent;
+use crate::plot_rows::PlotRows;
 use crate::receiver::DatagramAgent;
 
 /// Source, and how its tracks come about.
@@ -48,14 +52,26 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
         return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
     }
-    let sources = config.sources.iter().zip(processing);
+    let of_trackers = config.tracker_sensors.iter().map(|sensor| (sensor, &Processing::Plots));
+    let sources = config.sources.iter().zip(processing).chain(of_trackers);
     let sources: Vec<Processed<'_>> = sources.filter(|(source, _)| source.adapter == *name).collect();
+    if let Some(tracker) = sources
+        .iter()
+        .find(|(source, _)| matches!(source.input, Input::Tracker(_)))
+    {
+        return runtime::service::run(process, tracker::agent(process, *tracker)?.as_mut());
+    }
     if let Some(receiver) = config.receiver(name) {
         let has_bearings = sources.iter().any(|(source, _)| source.has_bearings());
         let mut agent: Box<dyn Agent> = match &receiver.transport {
             ReceiverTransport::Sbs { server, settings } => {
                 Box::new(LineAgent::new(process, *server, *settings, &sources)?)
             }
+            transport if sources.iter().any(|(source, _)| source.has_rows()) => Box::new(DatagramAgent::open(
+                process,
+                transport,
+                PlotRows::new(process, &sources)?,
+            )?),
             transport if has_bearings => Box::new(DatagramAgent::open(
                 process,
                 transport,

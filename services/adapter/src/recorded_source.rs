@@ -78,7 +78,7 @@ pub(crate) fn replay(
 
 /// Reports of the wide-area sensors of the source's tracker: read from the recordings and not from their topics, so
 /// that the tracks do not depend on the speed of other processes.
-fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
+pub(crate) fn counts(process: &Process, source: &Source) -> anyhow::Result<Arrivals> {
     let mut reports = Vec::new();
     for number in &source.links.wide_area_sensors {
         let sensor = &process.config.wide_area_sensors[usize::from(*number)];

@@ -60,13 +60,15 @@ impl SourceTime {
         let clock = SourceClock::new(step_s);
         match (&source.input, speed) {
             (Input::External, _) => Self::Received { clock, step_s },
-            (Input::Recorded(_), Speed::Factor(factor)) => Self::Paced {
+            (input, Speed::Factor(factor)) if input.is_recorded() => Self::Paced {
                 clock,
                 factor,
                 began: None,
             },
-            (Input::Recorded(_), Speed::Max) => Self::Unpaced,
-            (Input::Live(_) | Input::Simulated(_), _) => Self::Stated { offset_s: None, step_s },
+            (input, Speed::Max) if input.is_recorded() => Self::Unpaced,
+            (Input::Live(_) | Input::Simulated(_) | Input::Recorded(_) | Input::Tracker(_), _) => {
+                Self::Stated { offset_s: None, step_s }
+            }
         }
     }
 

@@ -16,6 +16,7 @@ use tracking::cutting::Boundaries;
 use tracking::turn_time::Basis;
 
 use crate::args::{self, Check};
+use crate::check_trackers;
 use crate::config::Config;
 use crate::recordings::{self, Depth, RecordingFindings};
 
@@ -114,8 +115,8 @@ fn json(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes: O
 /// Returns the time between two reports of a target by the source, seconds; `None` if the source's adapter measures
 /// it.
 fn period_s(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> Option<f64> {
-    let period_ns = match config.tracker(source.number) {
-        Some(tracker) => tracker.cutter.period_ns.or(found?.turn.map(|turn| turn.ns)),
+    let period_ns = match config.tracker(source.number).filter(|tracker| !tracker.events) {
+        Some(tracker) => tracker.joining.cutters[0].period_ns.or(found?.turn.map(|turn| turn.ns)),
         None => Some(config.engine.sources[usize::from(source.number)].period_ns),
     };
     Some(period_ns? as f64 / NS as f64)
@@ -128,7 +129,7 @@ fn period(source: &Source, config: &Config, found: Option<&RecordingFindings>) -
     };
     let is_configured = config
         .tracker(source.number)
-        .is_none_or(|tracker| tracker.cutter.period_ns.is_some());
+        .is_none_or(|tracker| tracker.events || tracker.joining.cutters[0].period_ns.is_some());
     match found.and_then(|found| found.turn).filter(|_| !is_configured) {
         Some(turn) => format!("every {} s, as {} show", digits(period_s), shown_by(turn.basis)),
         None => format!("every {period_s} s"),
@@ -139,7 +140,7 @@ fn period(source: &Source, config: &Config, found: Option<&RecordingFindings>) -
 fn doubtful_periods<'a>(config: &'a Config, found: &'a [RecordingFindings]) -> impl Iterator<Item = String> + 'a {
     found.iter().filter_map(|found| {
         let source = &config.sources[usize::from(found.source)];
-        let (configured_ns, turn) = (config.tracker(found.source)?.cutter.period_ns?, found.turn?);
+        let (configured_ns, turn) = (config.tracker(found.source)?.joining.cutters[0].period_ns?, found.turn?);
         let configured_s = configured_ns as f64 / NS as f64;
         let turn_s = turn.ns as f64 / NS as f64;
         ((turn_s / configured_s).ln().abs() > PERIOD_DOUBT).then(|| {
@@ -227,7 +228,7 @@ fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes
     for gap in settings.border.gaps() {
         row("warning", gap.to_string());
     }
-    for doubt in doubtful_periods(config, found) {
+    for doubt in doubtful_periods(config, found).chain(check_trackers::doubts(config)) {
         row("warning", doubt);
     }
     let free = free_bytes.map_or_else(String::new, |free| format!("; {} are free", size(free)));
@@ -258,6 +259,7 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
         }
         (Input::Live(live), _) => format!("live, behind receiver {}", live.receiver),
         (Input::External, _) => "external, published by a separate process".to_owned(),
+        (Input::Tracker(_), _) => check_trackers::describe(source, config),
         (Input::Recorded(recorded), None) => recorded.file.display().to_string(),
         (Input::Recorded(recorded), Some(found)) => {
             let editions: Vec<String> = recorded.asterix.tables.iter().map(ToString::to_string).collect();
@@ -279,7 +281,9 @@ fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>)
     };
     let tracked = config
         .tracker(source.number)
-        .map_or("", |tracker| match tracker.cutter.boundaries {
+        .filter(|tracker| !tracker.events)
+        .map_or("", |tracker| match tracker.joining.cutters[0].boundaries {
+            Boundaries::Stated => "; its adapter makes tracks of its plots, scan by scan",
             Boundaries::Turn => "; its adapter makes tracks of its plots, turn by turn",
             Boundaries::Period => "; its adapter makes tracks of its plots, period by period",
         });

@@ -16,6 +16,7 @@ mod args;
 mod bearings;
 mod bench;
 mod check;
+mod check_trackers;
 mod config;
 mod decode;
 mod doctor;

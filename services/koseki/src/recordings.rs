@@ -13,10 +13,14 @@ use std::path::{Path, PathBuf};
 
 use asterix::{Error as BlockError, blocks, registry};
 use csv_table::CsvError;
-use deployment::{Input, Recorded, RecordedFormat, Source, Truncated, WideAreaInput, WideAreaSensor};
+use deployment::{
+    Input, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated, WideAreaInput, WideAreaSensor,
+};
+use formats::autoferry;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
 use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
+use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
 use formats::wide_area_csv::WideAreaReader;
 use reception::observation::{Reading, read};
@@ -129,7 +133,35 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
     for sensor in &config.wide_area_sensors {
         inspect_wide_area(sensor, data, depth)?;
     }
+    for sensor in &config.tracker_sensors {
+        inspect_plots(sensor, data, depth)?;
+    }
     Ok(found)
+}
+
+/// Checks the recording of a tracker's sensor, if present. The tracker process counts unreadable rows.
+fn inspect_plots(sensor: &Source, data: &Path, depth: Depth) -> Result<(), UnusableRecording> {
+    let (Input::Recorded(recorded), SampleDelivery::Plots { format, .. }) = (&sensor.input, sensor.delivers) else {
+        return Ok(());
+    };
+    let key = RecordingOwner {
+        whose: format!("sensor \"{}\"", sensor.name).into(),
+        place: "tracker.sensor.recorded".into(),
+    };
+    let file = data.join(&recorded.file);
+    let looked = match fs::read(&file) {
+        Err(error) => Err(key.unreadable(&error)),
+        Ok(bytes) => match format {
+            PlotFormat::Asterix => look(&bytes, recorded, &key, depth).map(|_| ()),
+            PlotFormat::Rows => ScanRowReader::new(&bytes[..], 0)
+                .map(|_| ())
+                .map_err(|error| key.no_table(&error, "detections")),
+            PlotFormat::Autoferry => autoferry::read_detections(&bytes)
+                .map(|_| ())
+                .map_err(|error| format!("{error}; it is the recording of {}", key.whose)),
+        },
+    };
+    looked.map_err(|what| UnusableRecording { file, what })
 }
 
 /// Checks the recording of a wide-area sensor, if present. The adapter counts unreadable rows.
@@ -273,7 +305,7 @@ fn decode(bytes: &[u8], recorded: &Recorded, depth: Depth) -> RecordingFindings 
 /// Turn of the antenna that a recording shows, found as the source's adapter finds it.
 fn turn(bytes: &[u8], recorded: &Recorded, source: &Source, tracker: Option<&TrackerSettings>) -> Option<TurnEstimate> {
     let mut tracker = tracker?.clone();
-    tracker.cutter.period_ns = None;
+    tracker.joining.cutters[0].period_ns = None;
     let processing = Processing::Detections(Box::new(tracker));
     let mut pipeline = Pipeline::new(source.model, &processing, 0, Arrivals::new()).ok()?;
     let (mut decoder, mut samples) = (recorded.asterix.decoder(), Samples::default());

@@ -74,7 +74,8 @@ pub(crate) fn parts(config: &Deployment) -> Vec<ProcessPart> {
 }
 
 fn adapter(config: &Deployment, name: &str) -> ProcessPart {
-    let mut sources = config.sources.iter().filter(|source| source.adapter == name);
+    let all = config.sources.iter().chain(&config.tracker_sensors);
+    let mut sources = all.filter(|source| source.adapter == name);
     let required = sources.clone().any(|source| source.required);
     let source = match (sources.next(), sources.next()) {
         (Some(only), None) => only.number,

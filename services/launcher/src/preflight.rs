@@ -24,7 +24,8 @@ pub(crate) fn check(config: &Deployment) -> anyhow::Result<()> {
             continue;
         };
         let what = format!("receiver {}: {error}", receiver.name);
-        let mut behind = config.sources.iter().filter(|source| source.adapter == receiver.name);
+        let sources = config.sources.iter().chain(&config.tracker_sensors);
+        let mut behind = sources.filter(|source| source.adapter == receiver.name);
         if let Some(source) = behind.find(|source| source.required) {
             bail!("{what}; source {} behind it is required", source.name);
         }

@@ -396,7 +396,7 @@ fn restarts(processes: &[ObservedProcess]) -> Restarts {
 
 fn run_settings(config: &deployment::Deployment, monitor: &Settings, options: &Options) -> RunSettings {
     let count = |of: fn(&Input) -> bool| config.sources.iter().filter(|source| of(&source.input)).count();
-    let recorded = count(|input| matches!(input, Input::Recorded(_)));
+    let recorded = count(Input::is_recorded);
     let simulated = count(|input| matches!(input, Input::Simulated(_)));
     let speed = match options.speed {
         Speed::Factor(factor) => factor.to_string(),

@@ -226,7 +226,8 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          number is a scan without detections. A row of the kind none, with its other values empty, is a scan without
          detections at its time, also before the first detection and after the last one. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
-         (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config.
+         (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config. A recording of
+         a deployment with a [[tracker]] (MCAP) gives the tracks of this tracker again, with its recorded settings.
 --wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place
          (docs/wide-area.md); arrival_s counts like time_s; route: east and north of earlier places, oldest first, joined
          with |.
@@ -255,7 +256,7 @@ fn track_examples() -> String {
 /// `koseki track`.
 #[derive(Debug, Args)]
 pub struct TrackArgs {
-    /// Detections: CSV files, or recordings of the Autoferry data set
+    /// Detections: CSV files, recordings of the Autoferry data set, or a deployment's recordings of all topics (MCAP)
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
     /// Counts of a wide-area sensor, which reports late: a CSV file
@@ -267,6 +268,9 @@ pub struct TrackArgs {
     /// Description of the sensors, and settings of the tracker: a TOML file
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Tracker process whose detections are taken from a recording, if the recording has several
+    #[arg(long, value_name = "NAME")]
+    pub(crate) tracker: Option<String>,
     /// File for the tracks
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,

@@ -64,6 +64,8 @@ impl RecordedSample for SensorDetection {
     type Row = RepliedDetection;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<RepliedDetection> {
+        // A tracker process publishes the events of its sensors, whose numbers follow those of all sources.
+        let source = source.max(self.source);
         Detection::of_sample(&Self { source, ..*self }).map(RepliedDetection)
     }
 }

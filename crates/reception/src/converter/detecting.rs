@@ -64,6 +64,11 @@ impl Converter {
                 (kind, placed.position_m, [sigma(0), sigma(1), sigma(2)])
             }
         };
+        let doppler = self.model.covariance.doppler_sigma_mps.zip(observation.doppler_mps);
+        let range_rate = doppler.map(|(sigma_mps, speed_mps)| match self.model.covariance.doppler_towards {
+            true => (-speed_mps, sigma_mps),
+            false => (speed_mps, sigma_mps),
+        });
         let measured = kind.quantities().len();
         let only_measured = |place: usize, value: f64| if place < measured { value } else { 0.0 };
         Ok(Detection {
@@ -73,9 +78,10 @@ impl Converter {
             detection_id: 0,
             kind,
             values: std::array::from_fn(|place| only_measured(place, values[place])),
-            range_rate_mps: None,
-            sigmas: Some(std::array::from_fn(|place| {
-                sigmas.get(place).map_or(0.0, |sigma| only_measured(place, *sigma))
+            range_rate_mps: range_rate.map(|(rate_mps, _)| rate_mps),
+            sigmas: Some(std::array::from_fn(|place| match sigmas.get(place) {
+                Some(sigma) => only_measured(place, *sigma),
+                None => range_rate.map_or(0.0, |(_, sigma_mps)| sigma_mps),
             })),
             platform_m,
             reply: self.reply(observation),

@@ -42,6 +42,8 @@ fn converter() -> Converter {
             height_sigma_m: 30.0,
             range_sigma_m: None,
             azimuth_sigma_deg: None,
+            doppler_sigma_mps: None,
+            doppler_towards: false,
             poor_quality: PoorQuality::Use,
         },
     };
@@ -892,4 +894,23 @@ fn what_was_measured_is_detected_and_nothing_else() {
     };
     let detection = converter().detect(&flat).unwrap();
     assert_eq!((detection.kind, detection.values[2]), (DetectionKind::Position2, 0.0));
+}
+
+#[test]
+fn a_doppler_speed_is_the_range_rate_where_its_accuracy_is_configured() {
+    let report = Observation {
+        doppler_mps: Some(25.0),
+        ..plot(1.0)
+    };
+    let detect = |sigma_mps: Option<f64>, towards: bool, report: &Observation| {
+        let mut model = polar(radar()).model;
+        model.covariance.doppler_sigma_mps = sigma_mps;
+        model.covariance.doppler_towards = towards;
+        let detection = Converter::new(model, DAY).detect(report).unwrap();
+        (detection.range_rate_mps, detection.sigmas.unwrap()[3])
+    };
+    assert_eq!(detect(None, false, &report), (None, 0.0));
+    assert_eq!(detect(Some(2.0), false, &report), (Some(25.0), 2.0));
+    assert_eq!(detect(Some(2.0), true, &report), (Some(-25.0), 2.0));
+    assert_eq!(detect(Some(2.0), false, &plot(1.0)), (None, 0.0));
 }

@@ -23,6 +23,7 @@ const MEASURED_HEIGHT: Elements<1> = elements(CAT048, "110", ["3DH"]);
 const ADDRESS: Elements<1> = whole(CAT048, "220");
 const CALLSIGN: Elements<1> = whole(CAT048, "240");
 const FLIGHT_STATUS: Elements<1> = elements(CAT048, "230", ["STAT"]);
+const DOPPLER: Frn = item(CAT048, "120");
 const ADVISORY: Frn = item(CAT048, "260");
 
 const DESCRIPTOR: Frn = item(CAT048, "020");
@@ -76,6 +77,7 @@ fn observation(record: &Record<'_>) -> Observation {
         },
         // Beyond the range that the item can hold, it holds the largest.
         slant_polar: PLOT.quantities(record).filter(|_| !ERR.is_set(descriptor)),
+        doppler_mps: doppler(record.octets(DOPPLER)),
         velocity: velocity.map(components),
         axes: Axes::Target,
         velocity_covariance: velocity.zip(sigma).and_then(velocity_covariance),
@@ -93,6 +95,17 @@ fn observation(record: &Record<'_>) -> Observation {
         },
         ..Observation::default()
     }
+}
+
+/// Calculated Doppler speed, metres per second: the first element of a compound item, in 10 bits of two's complement.
+/// `None` if it is absent or doubtful; a raw speed is ambiguous.
+fn doppler(item: &[u8]) -> Option<f64> {
+    const CALCULATED: u8 = 0x80;
+    const DOUBTFUL: u8 = 0x80;
+    let [present, high, low, ..] = *item else { return None };
+    // The ten bits at the left end of sixteen, so that a shift to the right keeps the sign.
+    let speed = i16::from_be_bytes([high, low]) << 6 >> 6;
+    (present & CALCULATED != 0 && high & DOUBTFUL == 0).then_some(f64::from(speed))
 }
 
 fn height_doubted(record: &Record<'_>) -> bool {
@@ -114,4 +127,24 @@ fn velocity_covariance(([speed, track], [_, _, sigma_speed, sigma_track]): ([f64
         (along - across) * sine * cosine,
         along * cosine * cosine + across * sine * sine,
     ])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::doppler;
+
+    #[test]
+    fn a_calculated_doppler_speed_is_read_with_its_sign() {
+        for (item, expected) in [
+            (&[0x80, 0x00, 0x19][..], Some(25.0)),
+            (&[0x80, 0x03, 0xe7], Some(-25.0)),
+            (&[0x80, 0x80, 0x19], None),
+            (&[0x80, 0x01, 0xff], Some(511.0)),
+            (&[0x80, 0x02, 0x00], Some(-512.0)),
+            (&[0x40, 0x01, 0x00, 0x10, 0x00, 0x20, 0x00, 0x30], None),
+            (&[], None),
+        ] {
+            assert_eq!(doppler(item), expected, "{item:x?}");
+        }
+    }
 }

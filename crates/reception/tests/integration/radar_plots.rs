@@ -53,6 +53,8 @@ fn model() -> ConversionModel {
             height_sigma_m: 50.0,
             range_sigma_m: Some(30.0),
             azimuth_sigma_deg: Some(settings::Degrees::of(0.03)),
+            doppler_sigma_mps: None,
+            doppler_towards: false,
             poor_quality: PoorQuality::Use,
         },
     }

@@ -54,6 +54,11 @@ impl SkippedRows {
         self.add(reason.to_owned(), file, format!("line {line}: {why}"));
     }
 
+    /// Counts a value without a row of its own.
+    pub fn count(&mut self, reason: &str) {
+        *self.by_reason.entry(reason.to_owned()).or_default() += 1;
+    }
+
     /// Returns the number of skipped rows.
     pub fn rows(&self) -> u64 {
         self.by_reason.values().sum()

@@ -30,6 +30,17 @@ pub(super) struct DetectionInput {
 }
 
 impl DetectionInput {
+    /// The input of a recording of this length, before its detections.
+    pub(super) fn of_recording(file: &Path, octets: u64) -> Self {
+        Self {
+            first_file: file.to_owned(),
+            detections: Vec::new(),
+            silent: Vec::new(),
+            refusals: SkippedRows::default(),
+            octets,
+        }
+    }
+
     /// Reads all files. Unusable rows are skipped and counted.
     ///
     /// # Errors

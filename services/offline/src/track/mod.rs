@@ -7,6 +7,7 @@
 mod explain;
 mod input;
 mod outputs;
+mod recorded_events;
 mod summary;
 mod support;
 
@@ -37,6 +38,9 @@ use support::SupportInput;
 /// If the arguments are contradictory, or a file cannot be read or written.
 pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     check_files(track)?;
+    if recorded_events::is_recording(host, &track.detections[0])? {
+        return recorded_events::run(track, host);
+    }
     let config = match &track.config {
         Some(path) => TrackConfiguration::read(host, path)?,
         None => TrackConfiguration::Offline(Box::default()),
@@ -153,11 +157,12 @@ impl TrackConfiguration {
                     Err(InputError::new(&config.path, what).into())
                 }
             },
+            _ if let Some(tracker) = config.tracker_of(&seen.sensor_ids) => Ok(tracker.settings.clone()),
             _ => {
                 let ids: Vec<String> = seen.sensor_ids.iter().map(u32::to_string).collect();
                 let what = format!(
-                    "in a deployment each source has a tracker of its own, but the detections are of the sensors {}; give \
-                     those of one",
+                    "no tracker of the deployment has all of the sensors {}: each source has one of its own, and each \
+                     [[tracker]] has its sensors; give the detections of one",
                     ids.join(", ")
                 );
                 Err(InputError::new(&config.path, what).into())

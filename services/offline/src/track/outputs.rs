@@ -7,7 +7,7 @@ use anyhow::Context as _;
 use formats::cues_csv::CueRow;
 use formats::rows::{Row, RowWriter};
 use formats::tracks_csv::{RepliedTrackerTrack, TrackerTrack};
-use messages::StageTimes;
+use messages::{StageTimes, TrackState};
 use observations::Sampled as _;
 use sources::{SensorScan, TrackSink};
 use tracking::wide_area::cue::Cue;
@@ -29,6 +29,10 @@ pub(super) struct TrackerSink {
     /// Monotonic time of the start of the current scan, nanoseconds.
     begun_ns: i64,
     failed: anyhow::Result<()>,
+    /// Time from which the rows' times count, UTC, nanoseconds; 0 if the detections' times count from there already.
+    pub(super) first_day_ns: i64,
+    /// Whether pictures without a scan since the last one are marked as coasted, as a live tracker marks them.
+    pub(super) marks_extrapolated: bool,
 }
 
 /// Output table.
@@ -111,6 +115,8 @@ impl TrackerSink {
             emissions: None,
             begun_ns: 0,
             failed: Ok(()),
+            first_day_ns: 0,
+            marks_extrapolated: false,
         })
     }
 
@@ -151,11 +157,16 @@ impl TrackSink for TrackerSink {
         self.tracked.scan(scan, took_ns, taken, tracker);
     }
 
-    fn tracks(&mut self, tracks: &[TrackReport], _extrapolated: bool) {
+    fn tracks(&mut self, tracks: &[TrackReport], extrapolated: bool) {
         self.attempt(|written| {
             tracks.iter().try_for_each(|report| {
+                let mut track = report.sensor_track(0);
+                track.time_of_measurement_ns -= written.first_day_ns;
+                if extrapolated && written.marks_extrapolated {
+                    track.state = TrackState::Coasted as u8;
+                }
                 written.tracks.write(TrackerTrack {
-                    track: report.sensor_track(0),
+                    track,
                     hypotheses: report.hypotheses,
                     reliability: report.reliability,
                 })
@@ -164,12 +175,17 @@ impl TrackSink for TrackerSink {
     }
 
     fn cues(&mut self, scan_ns: i64, cues: &[Cue]) {
-        let row = |cue: &Cue| CueRow {
-            sensor_id: cue.sensor_id,
-            cue: messages::Cue {
-                made_ns: scan_ns,
-                ..cue.sample(0, StageTimes::default())
-            },
+        let first_day_ns = self.first_day_ns;
+        let row = |cue: &Cue| {
+            let sample = cue.sample(0, StageTimes::default());
+            CueRow {
+                sensor_id: cue.sensor_id,
+                cue: messages::Cue {
+                    made_ns: scan_ns - first_day_ns,
+                    time_ns: sample.time_ns - first_day_ns,
+                    ..sample
+                },
+            }
         };
         self.attempt(|written| match &mut written.cues {
             Some(table) => cues.iter().try_for_each(|cue| table.write(&row(cue))),

@@ -30,6 +30,8 @@ pub(super) struct Tracked {
     in_tracks: u64,
     /// Maximum number of tracks, branches included.
     branches_max: usize,
+    /// Detections in rejected scans.
+    pub(super) refused_detections: u64,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -58,7 +60,10 @@ impl Tracked {
                 self.in_tracks += tracker.tracks().iter().filter(|track| track.missed == 0).count() as u64;
                 self.branches_max = self.branches_max.max(tracker.branches());
             }
-            Err(refusal) => *self.refused_scans.entry(refusal.to_string()).or_default() += 1,
+            Err(refusal) => {
+                *self.refused_scans.entry(refusal.to_string()).or_default() += 1;
+                self.refused_detections += scan.detections.len() as u64;
+            }
         }
     }
 }

@@ -44,6 +44,8 @@ fn model(polar: bool, form: PositionForm) -> ConversionModel {
             height_sigma_m: 30.0,
             range_sigma_m: polar.then_some(50.0),
             azimuth_sigma_deg: polar.then_some(settings::Degrees::of_rad(0.001)),
+            doppler_sigma_mps: None,
+            doppler_towards: false,
             poor_quality: PoorQuality::Use,
         },
     }

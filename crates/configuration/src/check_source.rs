@@ -1,0 +1,187 @@
+//! Checking one source, of a file or of a tracker process.
+//!
+//! Each check names its key as the file spells it, so that the error can name the line.
+
+use std::path::PathBuf;
+
+use ::fusion::settings::{AccuracyTable, CoverageArea, SourceSettings};
+use frames::{SensorFrame, SystemFrame};
+use reception::ConversionModel;
+use scenario::{SensorKind, SensorSettings};
+use settings::SettingsError;
+
+use super::check_network::{Network, asterix, simulated_sac_sic, technology};
+use super::checked::{Checked, limits, place};
+use super::tables::{PlaceTable, RecordedTable, SourceTable};
+use super::tracker::source_tracker;
+use deployment::{Input, Instrument, Links, Recorded, RecordedFormat, SampleDelivery, Source};
+use sources::{Processing, TrackerSettings};
+
+/// Shortest silence that is told, seconds: processes speak five times a second.
+const SILENT_MIN_S: f64 = 1.0;
+
+/// The source number `index` that `raw` describes, how its tracks come about, and how fusion weighs them.
+pub(super) fn check_source(
+    index: usize,
+    raw: &SourceTable,
+    system: &SystemFrame,
+    origin: &PlaceTable,
+    network: &mut Network,
+) -> Checked<(Source, Processing, SourceSettings)> {
+    let key = |part: &str| format!("source[{index}].{part}");
+    let sensor_place = raw.place.as_ref().unwrap_or(origin);
+    let mut origin = place(&key("place"), sensor_place)?;
+    let (input, adapter) = match (
+        &raw.recorded,
+        &raw.live,
+        &raw.simulated,
+        &raw.simulated_direction_finder,
+    ) {
+        (Some(recorded), ..) => (Input::Recorded(check_recorded(index, recorded)?), raw.name.clone()),
+        (_, Some(live), ..) => (Input::Live(network.live(index, live)?), live.receiver.clone()),
+        (_, _, Some(simulated), _) => {
+            origin = system.to_geodetic(simulated.position_m.unwrap_or_default());
+            let instrument = Instrument::Sensor(Box::new(simulated.clone()));
+            let simulated = network.simulated(index, &raw.name, instrument);
+            (Input::Simulated(simulated), raw.name.clone())
+        }
+        (_, _, _, Some(finder)) => {
+            let instrument = Instrument::DirectionFinder(Box::new(finder.clone()));
+            let simulated = network.simulated(index, &raw.name, instrument);
+            (Input::Simulated(simulated), raw.name.clone())
+        }
+        _ => (Input::External, raw.name.clone()),
+    };
+    let sender = raw.recorded.as_ref().map(|recorded| &recorded.sender);
+    let sender = sender.or(raw.live.as_ref().map(|live| &live.sender));
+    let tracker =
+        check_tracker(index, raw, &input, network)?.map(|settings| Processing::Detections(Box::new(settings)));
+    let locator = check_locator(index, raw, &input, network)?.map(|settings| Processing::Bearings(Box::new(settings)));
+    let processing = tracker.or(locator).unwrap_or(Processing::Tracks);
+    let source = Source {
+        number: index as u16,
+        uid: raw.uid.unwrap_or_else(|| messages::sensor_uid(&raw.name)),
+        name: raw.name.clone(),
+        technology: raw.technology.unwrap_or_else(|| technology(&input, network)),
+        delivers: delivery(&processing),
+        links: Links::default(),
+        silent_after_ns: silent_after_ns(raw, &input),
+        period_ns: settings::Seconds::of(raw.period_s()).ns(),
+        required: raw.required,
+        model: ConversionModel {
+            number: index as u16,
+            sac_sic: match (&input, sender) {
+                (Input::Simulated(_), _) => Some(simulated_sac_sic(index as u16)),
+                (_, sender) => sender.and_then(|sender| sender.identity.sac_sic()),
+            },
+            method: sender.map(|sender| sender.method).unwrap_or_default(),
+            positions: sender.map(|sender| sender.positions).unwrap_or_default(),
+            frame: SensorFrame::new(system, origin, sensor_place.north_offset_deg.rad()),
+            system: *system,
+            height_m: origin.height_m(),
+            assumed_height_m: raw.assumed_height_m,
+            qnh_hpa: raw.qnh_hpa,
+            limits: raw.limits,
+            covariance: raw.covariance,
+        },
+        input,
+        adapter,
+    };
+    let place_m = source.model.frame.place();
+    let usual = (raw.period_s(), u32::from(source.number));
+    let weighed = SourceSettings::new(&raw.name, &raw.weighing, usual, place_m, &AccuracyTable::default());
+    let mut weighed = weighed.map_err(|error| error.under(&format!("source[{index}]")))?;
+    weighed.sensor_uid = source.uid;
+    let is_self_reported = source.technology == outgoing::Technology::AdsB;
+    weighed.is_self_reported = raw.weighing.self_reported.unwrap_or(is_self_reported);
+    let is_radar = |simulated: &SensorSettings| simulated.kind == SensorKind::Radar;
+    if raw.place.is_some() || raw.simulated.as_ref().is_some_and(is_radar) {
+        weighed.place_m = Some(place_m);
+    }
+    if source.is_taken_as_it_is() {
+        // What comes through an adapter has been looked at there.
+        weighed.limits = limits(&source.model.limits, place_m);
+    }
+    if source.has_bearings() {
+        // A direction finder hears what transmits: its silence is no evidence of absence.
+        weighed.coverage.get_or_insert_with(CoverageArea::none);
+    }
+    Ok((source, processing, weighed))
+}
+
+fn delivery(processing: &Processing) -> SampleDelivery {
+    match processing {
+        Processing::Tracks | Processing::Plots => SampleDelivery::Tracks,
+        Processing::Detections(tracker) => SampleDelivery::Detections {
+            cues: tracker.outputs.cues,
+        },
+        Processing::Bearings(_) => SampleDelivery::Bearings,
+    }
+}
+
+/// Silence that is an alarm.
+fn silent_after_ns(raw: &SourceTable, input: &Input) -> Option<i64> {
+    let is_expected = !matches!(input, Input::Recorded(_)) && raw.silent_periods > 0.0;
+    is_expected.then(|| ((raw.silent_periods * raw.period_s()).max(SILENT_MIN_S) * messages::NS_PER_S) as i64)
+}
+
+fn check_tracker(
+    index: usize,
+    raw: &SourceTable,
+    input: &Input,
+    network: &Network,
+) -> Checked<Option<TrackerSettings>> {
+    let Some(tracker) = &raw.tracker else { return Ok(None) };
+    let key = || format!("source[{index}].tracker");
+    let has_detections = match input {
+        Input::Recorded(recorded) => recorded.format == RecordedFormat::Asterix,
+        Input::Live(live) => !network.is_sbs(&live.receiver),
+        Input::Simulated(simulated) => match &simulated.instrument {
+            Instrument::Sensor(sensor) => sensor.plots,
+            Instrument::DirectionFinder(_) => false,
+        },
+        Input::External | Input::Tracker(_) => false,
+    };
+    if !has_detections {
+        let what = "takes plots in ASTERIX; leave it out where a source has tracks already, and give a simulated sensor \
+                    plots = true";
+        return Err(SettingsError::new(key(), what));
+    }
+    source_tracker(tracker, index as u16, raw.weighing.period_s).map(Some)
+}
+
+/// A direction finder has bearings and nothing else, whether it is simulated or said to be one by its
+/// `[source.locator]`.
+fn check_locator(
+    index: usize,
+    raw: &SourceTable,
+    input: &Input,
+    network: &Network,
+) -> Checked<Option<locating::Settings>> {
+    let key = format!("source[{index}].locator");
+    let may_have_bearings = match input {
+        Input::Live(live) => network.is_udp(&live.receiver),
+        Input::Simulated(simulated) => matches!(simulated.instrument, Instrument::DirectionFinder(_)),
+        Input::Recorded(_) | Input::External | Input::Tracker(_) => false,
+    };
+    match (&raw.locator, input) {
+        (Some(locator), _) if may_have_bearings => Ok(Some(*locator)),
+        (Some(_), _) => {
+            let what =
+                "takes bearings: of a [[receiver]] with [receiver.udp], or of a [source.simulated_direction_finder]";
+            Err(SettingsError::new(key, what))
+        }
+        (None, Input::Simulated(_)) if may_have_bearings => Ok(Some(locating::Settings::default())),
+        (None, _) => Ok(None),
+    }
+}
+
+fn check_recorded(index: usize, raw: &RecordedTable) -> Checked<Recorded> {
+    Ok(Recorded {
+        file: PathBuf::from(&raw.file),
+        format: raw.format,
+        asterix: asterix(&format!("source[{index}].recorded.editions"), &raw.sender.reading)?,
+        reorder_ns: raw.reorder_s.ns(),
+        truncated: raw.truncated,
+    })
+}

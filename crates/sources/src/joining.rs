@@ -1,0 +1,365 @@
+//! Scans of several sensors in the order of their times (HT-12).
+//!
+//! Each sensor's detections are cut into scans by the sensor's own times ([`tracking::cutting`],
+//! [`tracking::stated_scans`]). A tracker needs the scans of all sensors in one order. Scans in the order of their
+//! arrival would depend on the load of the machine; therefore a scan waits until no earlier scan can come: until every
+//! other sensor has passed its time. A silent sensor must not stop the others. The wait ends when the data of any
+//! sensor are later than the scan by the stated *wait*; a sensor whose scan is still open then counts as having come so
+//! far.
+//!
+//! The result depends on the events and their order alone, so recorded events give the same scans. A scan that comes
+//! after later ones have been released is released at once: the tracker inserts it among its open scans, or rejects it
+//! ([`tracking::Tracker`]). With one sensor nothing waits here.
+
+use observations::{Detection, SensorEvent};
+use settings::SettingsError;
+use tracking::cutting::{Boundaries, CutScan, Cutter, CutterSettings, DetectionTreatment};
+use tracking::scans::{SILENT_SCANS_MAX, silent_scans};
+use tracking::stated_scans::StatedScans;
+use tracking::turn_time::TurnEstimate;
+
+use crate::scan_tracker::SensorScan;
+
+/// Most scans that wait for those of other sensors; of more, the earliest is released.
+const WAITING_MAX: usize = 1024;
+
+/// Rules for joining the detections of a tracker's sensors.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct JoiningSettings {
+    /// Rules for the scans of each sensor, in the order of the tracker's sensors.
+    pub cutters: Vec<CutterSettings>,
+    /// Time for which a complete scan waits for earlier scans of other sensors, nanoseconds.
+    pub wait_ns: i64,
+}
+
+/// A complete scan.
+#[derive(Clone, Debug, Default)]
+struct WaitingScan {
+    sensor: usize,
+    number: u32,
+    time_ns: i64,
+    detections: Vec<Detection>,
+    with_them: Vec<i64>,
+}
+
+/// Joins the scans of several sensors.
+#[derive(Debug)]
+pub struct ScanJoiner {
+    sensors: Vec<JoinedSensor>,
+    wait_ns: i64,
+    /// Latest time of any event.
+    running_ns: i64,
+    /// In the order of times, then of sensors, then of completion.
+    waiting: Vec<WaitingScan>,
+    has_ended: bool,
+    released: WaitingScan,
+    /// Memory of released scans.
+    spare: Vec<WaitingScan>,
+}
+
+#[derive(Debug)]
+struct JoinedSensor {
+    sensor_id: u32,
+    scans: SensorScans,
+    /// Number and time of the latest complete scan.
+    latest: Option<(u32, i64)>,
+    /// Latest time of the sensor's own events.
+    own_ns: i64,
+}
+
+/// Method for the scans of a sensor.
+#[derive(Debug)]
+enum SensorScans {
+    Cut(Box<Cutter<i64>>),
+    Stated(Box<StatedScans<i64>>),
+}
+
+impl ScanJoiner {
+    /// A joiner for the sensors with these ids. Scan numbers count from `epoch_ns` (UTC, nanoseconds).
+    ///
+    /// # Errors
+    /// If the rules are not those of these sensors.
+    pub fn new(sensor_ids: &[u32], settings: &JoiningSettings, epoch_ns: i64) -> Result<Self, SettingsError> {
+        if sensor_ids.is_empty() || sensor_ids.len() != settings.cutters.len() {
+            return Err(SettingsError::new("sensor", "a tracker needs a sensor"));
+        }
+        let sensors = sensor_ids.iter().zip(&settings.cutters);
+        Ok(Self {
+            sensors: sensors
+                .map(|(sensor_id, cutter)| JoinedSensor {
+                    sensor_id: *sensor_id,
+                    scans: SensorScans::new(CutterSettings { epoch_ns, ..*cutter }),
+                    latest: None,
+                    own_ns: i64::MIN,
+                })
+                .collect(),
+            wait_ns: settings.wait_ns,
+            running_ns: i64::MIN,
+            waiting: Vec::with_capacity(WAITING_MAX),
+            has_ended: false,
+            released: WaitingScan::default(),
+            spare: Vec::new(),
+        })
+    }
+
+    /// Place of the sensor with this id.
+    pub fn place(&self, sensor_id: u32) -> Option<usize> {
+        self.sensors.iter().position(|sensor| sensor.sensor_id == sensor_id)
+    }
+
+    /// Takes an event of the sensor in this place; `with_it` stays with a detection: the time of its receipt.
+    pub fn take(&mut self, sensor: usize, event: &SensorEvent, with_it: i64) -> DetectionTreatment {
+        let treatment = self.sensors[sensor].scans.take(event, with_it);
+        if treatment == DetectionTreatment::Waits {
+            let own_ns = &mut self.sensors[sensor].own_ns;
+            *own_ns = event.time_ns().max(*own_ns);
+            self.come_to(event.time_ns());
+        }
+        treatment
+    }
+
+    /// Takes the statement of the sensor in this place that a turn takes `turn_ns` nanoseconds.
+    pub fn turn_takes(&mut self, sensor: usize, turn_ns: i64) {
+        if let SensorScans::Cut(cutter) = &mut self.sensors[sensor].scans {
+            cutter.turn_takes(turn_ns);
+        }
+    }
+
+    /// Turn time of the first sensor, estimated so far from its data.
+    pub fn turn(&self) -> Option<TurnEstimate> {
+        match &self.sensors[0].scans {
+            SensorScans::Cut(cutter) => cutter.turn(),
+            SensorScans::Stated(_) => None,
+        }
+    }
+
+    /// Period of the first sensor's scans, nanoseconds.
+    pub fn period_ns(&self) -> Option<i64> {
+        match &self.sensors[0].scans {
+            SensorScans::Cut(cutter) => cutter.period_ns(),
+            SensorScans::Stated(_) => None,
+        }
+    }
+
+    /// Time after which a first sensor that sends nothing is not waited for, nanoseconds; `None` until its period is
+    /// known.
+    pub fn patience_ns(&self) -> Option<i64> {
+        match &self.sensors[0].scans {
+            SensorScans::Cut(cutter) => cutter.patience_ns(),
+            SensorScans::Stated(_) => None,
+        }
+    }
+
+    /// No more events come: all scans that wait are released.
+    pub fn end(&mut self) {
+        self.has_ended = true;
+        for place in 0..self.sensors.len() {
+            while let Some(scan) = self.sensors[place].scans.last() {
+                self.put(place, scan);
+            }
+        }
+    }
+
+    /// The next scan in order; it is valid until the next call. [`Self::receipts`] are those of its detections.
+    pub fn next_scan(&mut self) -> Option<SensorScan<'_>> {
+        if !self.is_released() {
+            return None;
+        }
+        let next = self.waiting.remove(0);
+        let mut passed = std::mem::replace(&mut self.released, next);
+        passed.detections.clear();
+        passed.with_them.clear();
+        self.spare.push(passed);
+        Some(self.released())
+    }
+
+    /// The latest released scan.
+    pub fn released(&self) -> SensorScan<'_> {
+        let scan = &self.released;
+        SensorScan {
+            sensor_id: self.sensors[scan.sensor].sensor_id,
+            number: scan.number,
+            time_ns: scan.time_ns,
+            detections: &scan.detections,
+        }
+    }
+
+    /// Place of the sensor of the latest released scan, and the data attached to its detections, in their order.
+    pub fn receipts(&self) -> (usize, &[i64]) {
+        (self.released.sensor, &self.released.with_them)
+    }
+
+    /// Time until which pictures are due, nanoseconds: with several sensors, as long as no scan waits any longer.
+    pub fn shown_ns(&self) -> i64 {
+        match (self.sensors.len(), self.has_ended) {
+            (1, _) | (_, true) => self.running_ns,
+            _ => self.horizon_ns(),
+        }
+    }
+
+    /// Scans until this time wait for no other sensor.
+    fn horizon_ns(&self) -> i64 {
+        self.running_ns.saturating_sub(self.wait_ns)
+    }
+
+    /// Time to which every sensor counts as having come, nanoseconds. The longest scan that ends there is complete when
+    /// the wait for its first detection ends.
+    fn cut_ns(&self) -> i64 {
+        let spans = self.sensors.iter().map(|sensor| sensor.scans.span_ns());
+        let rest_ns = self.wait_ns.saturating_sub(spans.max().unwrap_or(0)).max(0);
+        self.running_ns.saturating_sub(rest_ns)
+    }
+
+    fn come_to(&mut self, time_ns: i64) {
+        self.running_ns = self.running_ns.max(time_ns);
+        let (cut_ns, is_alone) = (self.cut_ns(), self.sensors.len() == 1);
+        for place in 0..self.sensors.len() {
+            if !is_alone {
+                self.sensors[place].scans.passed(cut_ns);
+            }
+            while let Some(scan) = self.sensors[place].scans.next() {
+                self.put(place, scan);
+            }
+            if !is_alone {
+                self.put_silent(place);
+            }
+        }
+    }
+
+    /// Puts the scans without detections that the sensor's own marks of time show: those that it has passed since its
+    /// latest scan. Without marks they are known when the next detection comes.
+    fn put_silent(&mut self, place: usize) {
+        let sensor = &self.sensors[place];
+        let (Some((mut number, mut time_ns)), Some(period_ns)) = (sensor.latest, sensor.scans.silent_period_ns())
+        else {
+            return;
+        };
+        let (own_ns, span_ns) = (sensor.own_ns, sensor.scans.span_ns());
+        // A longer gap is a pause of the sensor, or a time that means something else.
+        let longest_ns = i64::from(SILENT_SCANS_MAX).saturating_mul(period_ns);
+        if own_ns.saturating_sub(time_ns) > longest_ns {
+            return;
+        }
+        while own_ns.saturating_sub(time_ns) >= period_ns + span_ns {
+            (number, time_ns) = (number.saturating_add(1), time_ns + period_ns);
+            self.insert(place, CutScan { number, time_ns }, false);
+            self.sensors[place].latest = Some((number, time_ns));
+        }
+    }
+
+    /// Puts the complete scan of the sensor in this place among those that wait, behind its scans without detections.
+    fn put(&mut self, place: usize, scan: CutScan) {
+        let now = (scan.number, scan.time_ns);
+        let before = self.sensors[place].latest.replace(now);
+        for (number, time_ns) in before.into_iter().flat_map(|before| silent_scans(before, now)) {
+            self.insert(place, CutScan { number, time_ns }, false);
+        }
+        self.insert(place, scan, true);
+    }
+
+    fn insert(&mut self, sensor: usize, scan: CutScan, has_detections: bool) {
+        let mut waiting = self.spare.pop().unwrap_or_default();
+        (waiting.sensor, waiting.number, waiting.time_ns) = (sensor, scan.number, scan.time_ns);
+        if has_detections {
+            let (detections, with_them) = self.sensors[sensor].scans.complete();
+            waiting.detections.extend_from_slice(detections);
+            waiting.with_them.extend_from_slice(with_them);
+        }
+        let order = (scan.time_ns, sensor);
+        let place = self
+            .waiting
+            .partition_point(|each| (each.time_ns, each.sensor) <= order);
+        self.waiting.insert(place, waiting);
+    }
+
+    /// Whether the first scan that waits is released.
+    fn is_released(&self) -> bool {
+        let Some(first) = self.waiting.first() else {
+            return false;
+        };
+        let is_due = self.has_ended || first.time_ns <= self.horizon_ns() || self.waiting.len() >= WAITING_MAX;
+        let order = (first.time_ns, first.sensor);
+        let mut others = (0..self.sensors.len()).filter(|place| *place != first.sensor);
+        is_due || others.all(|place| (self.sensors[place].scans.earliest_ns(), place) > order)
+    }
+}
+
+impl SensorScans {
+    fn new(settings: CutterSettings) -> Self {
+        match settings.boundaries {
+            Boundaries::Stated => {
+                let wait_ns = settings.wait_ns.unwrap_or(0);
+                Self::Stated(Box::new(StatedScans::new(wait_ns, settings.waiting_max)))
+            }
+            Boundaries::Turn | Boundaries::Period => Self::Cut(Box::new(Cutter::new(settings))),
+        }
+    }
+
+    fn take(&mut self, event: &SensorEvent, with_it: i64) -> DetectionTreatment {
+        match (self, *event) {
+            (Self::Cut(cutter), SensorEvent::Detection(detection)) => return cutter.take(detection, with_it),
+            (Self::Stated(scans), SensorEvent::Detection(detection)) => return scans.take(detection, with_it),
+            (Self::Cut(cutter), SensorEvent::TurnBegins(time_ns)) => cutter.turn_begins(time_ns),
+            (Self::Stated(scans), SensorEvent::EmptyScan { number, time_ns }) => {
+                scans.empty_scan(CutScan { number, time_ns });
+            }
+            (scans, _) => scans.passed(event.time_ns()),
+        }
+        DetectionTreatment::Waits
+    }
+
+    fn passed(&mut self, time_ns: i64) {
+        match self {
+            Self::Cut(cutter) => cutter.passed(time_ns),
+            Self::Stated(scans) => scans.passed(time_ns),
+        }
+    }
+
+    fn next(&mut self) -> Option<CutScan> {
+        match self {
+            Self::Cut(cutter) => cutter.next_scan(),
+            Self::Stated(scans) => scans.next_scan(),
+        }
+    }
+
+    fn last(&mut self) -> Option<CutScan> {
+        match self {
+            Self::Cut(cutter) => cutter.last_scan(),
+            Self::Stated(scans) => scans.last_scan(),
+        }
+    }
+
+    fn complete(&self) -> (&[Detection], &[i64]) {
+        match self {
+            Self::Cut(cutter) => (cutter.detections(), cutter.with_them()),
+            Self::Stated(scans) => (scans.detections(), scans.with_them()),
+        }
+    }
+
+    /// Period by which scans without detections follow each other; `None` if detections wait, or it is not known.
+    fn silent_period_ns(&self) -> Option<i64> {
+        match self {
+            Self::Cut(cutter) => cutter.period_ns().filter(|_| cutter.is_idle()),
+            Self::Stated(_) => None,
+        }
+    }
+
+    /// Longest time from a detection to the completion of its scan, as far as it is known, nanoseconds.
+    fn span_ns(&self) -> i64 {
+        match self {
+            Self::Cut(cutter) => cutter.span_ns(),
+            Self::Stated(_) => 0,
+        }
+    }
+
+    fn earliest_ns(&self) -> i64 {
+        match self {
+            Self::Cut(cutter) => cutter.earliest_ns(),
+            Self::Stated(scans) => scans.earliest_ns(),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "joining_tests.rs"]
+mod tests;

@@ -1,0 +1,90 @@
+//! Rows of detections in datagrams (FM-6), and the sensors of tracker processes behind the socket.
+//!
+//! Each datagram is a table by itself. Rows name their sensor, so several sensors may send to one socket; a row of a
+//! sensor that no configuration names is counted. A row of the kind `none` states a scan without detections.
+
+use anyhow::Context as _;
+use deployment::{Process, SampleDelivery};
+use formats::scan_rows_csv::{ScanRow, ScanRowReader};
+use messages::{Counter, Counters};
+use observations::SensorEvent;
+use runtime::{HealthEntry, Now};
+
+use crate::Processed;
+use crate::channel::SourceChannel;
+use crate::receiver::{DatagramReader, ReceiptTime};
+use crate::tables::{TableCounts, utc_ns};
+
+/// Reader of tables of detections.
+#[derive(Debug)]
+pub(crate) struct PlotRows {
+    /// Each with the number of its sensor in rows; `None` takes all rows.
+    channels: Vec<(Option<u32>, SourceChannel)>,
+    tables: TableCounts,
+    /// Rows of unknown sensors.
+    strangers: u64,
+}
+
+impl PlotRows {
+    pub(crate) fn new(process: &Process, sources: &[Processed<'_>]) -> anyhow::Result<Self> {
+        let channel = |processed: &Processed<'_>| match processed.0.delivers {
+            SampleDelivery::Plots { sensor_id, .. } => Ok((sensor_id, SourceChannel::open(process, *processed)?)),
+            _ => anyhow::bail!("source {} takes no rows of detections", processed.0.name),
+        };
+        let channels: Vec<_> = sources.iter().map(channel).collect::<anyhow::Result<_>>()?;
+        channels.first().context("no sensor is behind this receiver")?;
+        Ok(Self {
+            channels,
+            tables: TableCounts::default(),
+            strangers: 0,
+        })
+    }
+}
+
+/// Event that a row states at a time of the day, with the number of its sensor.
+pub(crate) fn event_of(row: ScanRow, utc_ns: impl Fn(i64) -> i64) -> (u32, SensorEvent) {
+    match row {
+        ScanRow::Detection(mut detection) => {
+            detection.time_of_measurement_ns = utc_ns(detection.time_of_measurement_ns);
+            (detection.sensor_id, SensorEvent::Detection(detection))
+        }
+        ScanRow::Empty(scan) => {
+            let event = SensorEvent::EmptyScan {
+                number: scan.scan,
+                time_ns: utc_ns(scan.time_ns),
+            };
+            (scan.sensor_id, event)
+        }
+    }
+}
+
+impl DatagramReader for PlotRows {
+    fn take(&mut self, bytes: &[u8], received: ReceiptTime) -> anyhow::Result<()> {
+        for (_, channel) in &mut self.channels {
+            channel.received(received)?;
+        }
+        for row in self.tables.rows(bytes, ScanRowReader::new) {
+            let (sensor_id, event) = event_of(row, |time_ns| utc_ns(received.utc_ns, time_ns));
+            let of_sensor = |(id, _): &&mut (Option<u32>, SourceChannel)| id.is_none_or(|id| id == sensor_id);
+            match self.channels.iter_mut().find(of_sensor) {
+                Some((_, channel)) => channel.row(&event, received.mono_ns)?,
+                None => self.strangers += 1,
+            }
+        }
+        Ok(())
+    }
+
+    fn publish(&mut self, _count: usize, _now: Now) -> anyhow::Result<()> {
+        self.channels.iter_mut().try_for_each(|(_, channel)| channel.publish())
+    }
+
+    fn health(&self, whole: &mut HealthEntry, sources: &mut Vec<HealthEntry>) {
+        sources.extend(
+            self.channels
+                .iter()
+                .map(|(_, channel)| channel.health(&Counters::default())),
+        );
+        self.tables.count(&mut whole.counters);
+        whole.set(Counter::RejectedSource, self.strangers);
+    }
+}

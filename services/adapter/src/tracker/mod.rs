@@ -1,0 +1,34 @@
+//! Tracker process: the detections of several sensors become the tracks of one source (HT-12).
+//!
+//! Live, each sensor's adapter, or a process of the integrator, publishes the sensor's detections; the tracker process
+//! takes them from their topics ([`live`]). Recorded sensors are read from their files here ([`recorded`]), so that the
+//! tracks do not depend on the speed of other processes. Both give the same events to the same tracker
+//! ([`sources::DetectionTracker`]), and publish each event before anything is decided about it
+//! (`sensor/<tracker>/detections`). `koseki track` repeats the tracks from these recorded events.
+
+mod live;
+mod recorded;
+
+use deployment::Process;
+use observations::SensorEvent;
+use runtime::Agent;
+
+use crate::Processed;
+use live::TrackerAgent;
+
+/// The agent of a tracker process.
+///
+/// # Errors
+/// If its input cannot be read, or shared memory fails.
+pub(crate) fn agent(process: &Process, tracker: Processed<'_>) -> anyhow::Result<Box<dyn Agent>> {
+    Ok(match tracker.0.input.is_recorded() {
+        true => Box::new(recorded::replay(process, tracker)?),
+        false => Box::new(TrackerAgent::open(process, tracker)?),
+    })
+}
+
+/// Event of the sensor in this place as the tracker uses it: in the system frame. The only place between a sensor and
+/// the tracker; a platform that moves is taken into account here.
+fn placed(_sensor: usize, event: SensorEvent) -> Option<SensorEvent> {
+    Some(event)
+}

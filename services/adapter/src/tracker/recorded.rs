@@ -1,0 +1,229 @@
+//! Recorded tracker process: reads the files of its sensors, and replays the tracks.
+//!
+//! Each file is in the order of its recording. An event of a file comes when the file's latest time so far has come;
+//! the events of all sensors are merged by these times. A detection that was recorded late thus comes late, as it did.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use anyhow::Context as _;
+use csv_table::CsvError;
+use deployment::{Input, PlotFormat, Process, Recorded, SampleDelivery, Source};
+use formats::autoferry;
+use formats::scan_rows_csv::ScanRowReader;
+use messages::{Counter, Counters, ProcessKind, SensorDetection, SensorTrack, Stream, StreamId};
+use observations::{Sampled, SensorEvent};
+use sources::{Pipeline, Processing, Samples};
+use tracking::wide_area::arrivals::Arrivals;
+
+use super::placed;
+use crate::Processed;
+use crate::content::RecordedContent;
+use crate::intake::Intake;
+use crate::plot_rows::event_of;
+use crate::recorded_source::{AHEAD, counts};
+use crate::replay::{Published, ReplayAgent, Replayed};
+
+/// Recorded sensors and their tracker.
+#[derive(Debug)]
+pub(super) struct RecordedTracker {
+    /// Place of the sensor, and its event, in the order of coming.
+    events: VecDeque<(usize, SensorEvent)>,
+    pipeline: Pipeline,
+    samples: Samples,
+    read: Counters,
+    has_ended: bool,
+    ready: VecDeque<SensorTrack>,
+    next_track: u64,
+    detections: VecDeque<SensorDetection>,
+    next_detection: u64,
+}
+
+/// Creates the agent that replays the tracks of recorded sensors.
+///
+/// # Errors
+/// If a recording cannot be read, or shared memory fails.
+pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Result<ReplayAgent<RecordedTracker>> {
+    let (source, processing) = tracker;
+    let first_day_ns = process.first_day_ns();
+    let pipeline = Pipeline::new(source.model, processing, first_day_ns, counts(process, source)?)?;
+    let mut recording = RecordedTracker {
+        events: VecDeque::new(),
+        pipeline,
+        samples: Samples::default(),
+        read: Counters::default(),
+        has_ended: false,
+        ready: VecDeque::with_capacity(2 * AHEAD),
+        next_track: 0,
+        detections: VecDeque::new(),
+        next_detection: 0,
+    };
+    recording.read_all(process.config.sensors_of(source), &process.options.data, first_day_ns)?;
+    recording.track_ahead();
+    let published = |stream| StreamId {
+        stream,
+        number: source.number,
+    };
+    let tracks = Published {
+        topic: &messages::sensor_tracks(&source.name),
+        stream: published(Stream::SensorTracks),
+        sensor_uid: Some(source.uid),
+    };
+    let detections = Published {
+        topic: &messages::sensor_detections(&source.name),
+        stream: published(Stream::Detections),
+        sensor_uid: Some(source.uid),
+    };
+    ReplayAgent::new(
+        process,
+        recording,
+        tracks.open(process, &[ProcessKind::Fusion])?,
+        Some(detections.open(process, &[])?),
+    )
+}
+
+impl RecordedTracker {
+    /// Reads the files of all sensors.
+    fn read_all(&mut self, sensors: &[Source], data: &Path, first_day_ns: i64) -> anyhow::Result<()> {
+        let mut all = Vec::new();
+        for (place, sensor) in sensors.iter().enumerate() {
+            let Input::Recorded(recorded) = &sensor.input else {
+                anyhow::bail!("sensor {} has no recording", sensor.name);
+            };
+            let path = data.join(&recorded.file);
+            let events = self.events_of(sensor, recorded, &path, first_day_ns);
+            let events =
+                events.with_context(|| format!("reading {}, the recording of {}", path.display(), sensor.name))?;
+            let mut come_ns = i64::MIN;
+            all.extend(events.into_iter().map(|event| {
+                come_ns = come_ns.max(event.time_ns());
+                (come_ns, place, event)
+            }));
+        }
+        all.sort_by_key(|(come_ns, place, _)| (*come_ns, *place));
+        self.events = all.into_iter().map(|(_, place, event)| (place, event)).collect();
+        Ok(())
+    }
+
+    fn events_of(
+        &mut self,
+        sensor: &Source,
+        recorded: &Recorded,
+        path: &Path,
+        first_day_ns: i64,
+    ) -> anyhow::Result<Vec<SensorEvent>> {
+        let SampleDelivery::Plots { format, sensor_id } = sensor.delivers else {
+            anyhow::bail!("it delivers no detections");
+        };
+        let bytes = std::fs::read(path)?;
+        let is_own = |id: u32| sensor_id.is_none_or(|own| own == id);
+        let mut events = Vec::new();
+        match format {
+            PlotFormat::Rows => {
+                for row in ScanRowReader::new(bytes.as_slice(), first_day_ns)? {
+                    self.read[Counter::Records] += 1;
+                    match row {
+                        Ok(row) => {
+                            let (id, event) = event_of(row, |time_ns| time_ns);
+                            events.extend(is_own(id).then_some(event));
+                        }
+                        Err(CsvError::Value { .. } | CsvError::Length { .. }) => {
+                            self.read[Counter::BlocksRejected] += 1;
+                        }
+                        Err(error) => return Err(error.into()),
+                    }
+                }
+            }
+            PlotFormat::Autoferry => {
+                for scan in autoferry::read_detections(&bytes)? {
+                    if !is_own(scan.sensor.id()) {
+                        continue;
+                    }
+                    self.read[Counter::Records] += 1;
+                    if scan.detections.is_empty() {
+                        events.push(SensorEvent::EmptyScan {
+                            number: scan.number,
+                            time_ns: scan.time_of_measurement_ns,
+                        });
+                    }
+                    events.extend(scan.detections.into_iter().map(SensorEvent::Detection));
+                }
+            }
+            PlotFormat::Asterix => {
+                let pipeline = Pipeline::new(sensor.model, &Processing::Plots, first_day_ns, Arrivals::default())?;
+                let mut intake = Intake::new(sensor.number, pipeline, 0);
+                let mut content = RecordedContent::open(bytes, recorded, first_day_ns)?;
+                while !content.is_exhausted() {
+                    content.read_piece(&mut intake);
+                    events.extend(intake.detections().filter_map(|sample| SensorEvent::of_sample(&sample)));
+                }
+                content.count(&mut self.read);
+            }
+        }
+        Ok(events)
+    }
+
+    /// Gives events to the tracker until tracks are ahead of the replay.
+    fn track_ahead(&mut self) {
+        while self.ready.len() < AHEAD && !self.has_ended {
+            match self.events.pop_front() {
+                Some((place, event)) => {
+                    if let Some(event) = placed(place, event) {
+                        self.pipeline.event(place, &event, 0, &mut self.samples);
+                    }
+                }
+                None => {
+                    self.pipeline.end(&mut self.samples);
+                    self.has_ended = true;
+                }
+            }
+            for mut detection in self.samples.detections.drain(..) {
+                detection.sequence = self.next_detection;
+                self.next_detection += 1;
+                self.detections.push_back(detection);
+            }
+            for mut track in self.samples.tracks.drain(..) {
+                track.sequence = self.next_track;
+                self.next_track += 1;
+                self.ready.push_back(track);
+            }
+            // The sensors of a recording look nowhere.
+            self.samples.cues.clear();
+        }
+    }
+}
+
+impl Replayed for RecordedTracker {
+    type Sample = SensorTrack;
+    const WAITS_FOR: &'static str = "fusion and recorder";
+
+    fn due_ns(&self, ahead: usize) -> Option<i64> {
+        self.ready.get(ahead).map(|track| track.time_of_measurement_ns)
+    }
+
+    fn next(&mut self) -> Option<(u64, SensorTrack)> {
+        let track = self.ready.pop_front()?;
+        self.track_ahead();
+        Some((track.sequence, track))
+    }
+
+    fn skip_to(&mut self, first_needed: u64) {
+        while self.ready.front().is_some_and(|track| track.sequence < first_needed) {
+            Replayed::next(self);
+        }
+    }
+
+    fn peek_detection(&self) -> Option<&SensorDetection> {
+        self.detections.front()
+    }
+
+    fn next_detection(&mut self) -> Option<SensorDetection> {
+        self.detections.pop_front()
+    }
+
+    fn counters(&self) -> Counters {
+        let mut counters = self.pipeline.counters();
+        counters += &self.read;
+        counters
+    }
+}
