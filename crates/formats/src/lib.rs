@@ -27,6 +27,7 @@ pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
 pub mod foreign;
+mod on_board;
 pub mod orders_csv;
 mod parts;
 pub mod platform_states_csv;

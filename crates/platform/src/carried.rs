@@ -275,8 +275,7 @@ impl Polar {
                 let up = if has_height { c } else { 0.0 };
                 let ground_m = a.hypot(b);
                 let range_m = ground_m.hypot(up);
-                // Written so that NaN is refused.
-                if !(ground_m > VERTICAL) {
+                if ground_m.is_nan() || ground_m <= VERTICAL {
                     return None;
                 }
                 let fall = -up / (range_m * range_m * ground_m);
@@ -315,8 +314,7 @@ impl Direction {
     fn in_space(axes: &Axes, d: [f64; 3], by_bearing: [f64; 3], by_elevation: [f64; 3]) -> Option<Self> {
         let unit = times(&axes.rotation, d);
         let ground = unit[0].hypot(unit[1]);
-        // Written so that NaN is refused.
-        if !(ground > VERTICAL) {
+        if ground.is_nan() || ground <= VERTICAL {
             return None;
         }
         let read = |moved: [f64; 3]| {
@@ -339,8 +337,7 @@ impl Direction {
         let w = times(&axes.rotation, across);
         let forward = times(&axes.rotation, along);
         let level = w[0].hypot(w[1]);
-        // Written so that NaN is refused.
-        if !(level > VERTICAL) {
+        if level.is_nan() || level <= VERTICAL {
             return None;
         }
         let ahead = if forward[1] * w[0] - forward[0] * w[1] >= 0.0 {

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use messages::DetectionKind;
-use observations::{Detection, TransponderReply};
+use observations::{Detection, DetectionPlatform, TransponderReply};
 use platform::{AngleAt, Assumed, Attitude, Bearings, History, Mount, NoState, Pose, Refusal, State};
 use proptest::prelude::*;
 use rand::SeedableRng;
@@ -36,6 +36,7 @@ fn detection(kind: DetectionKind, [range_m, bearing, elevation]: [f64; 3], sigma
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: [0.0; 3],
+        platform: DetectionPlatform::default(),
         reply: TransponderReply::default(),
         truth: None,
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use messages::DetectionKind;
-use observations::{Detection, TransponderReply};
+use observations::{Detection, DetectionPlatform, TransponderReply};
 use platform::{Added, Assumed, History, Mount, NoState, Refusal, State, WaitingRoom};
 use proptest::prelude::*;
 use settings::{Degrees, Seconds};
@@ -180,6 +180,7 @@ fn detection(time_ns: i64, detection_id: u32) -> Detection {
         range_rate_mps: None,
         sigmas: Some([10.0, 0.01, 0.0, 0.0]),
         platform_m: [0.0; 3],
+        platform: DetectionPlatform::default(),
         reply: TransponderReply::default(),
         truth: None,
     }

@@ -17,7 +17,7 @@ use formats::sensor_tracks_csv::SensorTrackWriter;
 use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
 use observations::sensor_id;
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use scenario::{
     RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };
@@ -334,6 +334,7 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
+        platform: DetectionPlatform::default(),
         reply: TransponderReply {
             identity: plot.identity,
             level: plot.level,

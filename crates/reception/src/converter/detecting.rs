@@ -20,7 +20,7 @@ use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
 use crate::placing::{Height, SystemPosition, place};
 use observations::sensor_id;
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use observations::{Observation, Position};
 
 impl Converter {
@@ -78,6 +78,7 @@ impl Converter {
                 sigmas.get(place).map_or(0.0, |sigma| only_measured(place, *sigma))
             })),
             platform_m,
+            platform: DetectionPlatform::default(),
             reply: self.reply(observation),
             truth: None,
         })
