@@ -5,6 +5,7 @@
 //! the detection is refused and counted. Detections leave in the order in which they came.
 
 use std::collections::VecDeque;
+use std::ops::AddAssign;
 
 use frames::SystemFrame;
 use observations::Detection;
@@ -49,6 +50,17 @@ impl WaitingCounts {
             Refusal::Full => &mut self.full,
         };
         *counter += 1;
+    }
+}
+
+impl AddAssign for WaitingCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.carried += other.carried;
+        self.no_state += other.no_state;
+        self.gap += other.gap;
+        self.too_old += other.too_old;
+        self.full += other.full;
+        self.unusable += other.unusable;
     }
 }
 

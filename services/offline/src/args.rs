@@ -214,6 +214,7 @@ Examples:
   koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
   koseki track --detections radar.csv --wide-area counts.csv --emissions heard.csv --config types.toml --out tracks.csv
   koseki track --detections radar.csv --period 1 --cues looks.csv --out tracks.csv
+  koseki track --detections radar.csv --platform ship.csv --config mounting.toml --out tracks.csv
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
@@ -226,6 +227,11 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          number is a scan without detections. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
          (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config.
+--platform     time_s[,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,velocity_sigma_mps,
+         heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad]    a row per state, or part of a state, of the platform that carries
+         the sensors (docs/platform.md). Detections are then as the sensors measured them: bearings from the nose, p unused.
+         [platform] and [[platform.sensor]] of --config give the mounting. Detections without a state near their time are
+         refused and counted.
 --wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place
          (docs/wide-area.md); arrival_s counts like time_s; route: east and north of earlier places, oldest first, joined
          with |.
@@ -257,6 +263,9 @@ pub struct TrackArgs {
     /// Detections: CSV files, or recordings of the Autoferry data set
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
+    /// States of the platform that carries the sensors: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) platform: Option<PathBuf>,
     /// Counts of a wide-area sensor, which reports late: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) wide_area: Option<PathBuf>,

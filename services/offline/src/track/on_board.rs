@@ -1,0 +1,133 @@
+//! Detections of sensors on a moving platform (`--platform`), carried into the system's terms before they are tracked.
+//!
+//! The steps are those of live trackers: history, mounting, waiting room (crate `platform`). All states are known
+//! before the first detection, so no detection waits.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::BufReader;
+use std::path::Path;
+
+use formats::platform_states_csv::PlatformStateReader;
+use observations::Detection;
+use platform::{History, State, WaitingCounts, WaitingRoom};
+use serde_json::{Value, json};
+
+use crate::files::InputError;
+use crate::host::Host;
+use crate::reading::SkippedRows;
+
+use super::TrackConfiguration;
+use super::input::DetectionInput;
+
+/// Outcome of the platform's states and of the detections that need them.
+#[derive(Debug, Default)]
+pub(super) struct OnBoard {
+    states: u64,
+    refusals: SkippedRows,
+    counts: WaitingCounts,
+}
+
+impl OnBoard {
+    /// Reads the platform's states, and carries the detections of the sensors on board; refused detections are counted.
+    ///
+    /// # Errors
+    /// If the file cannot be read, has no usable state, or no detection can be used.
+    pub(super) fn carry(
+        host: &dyn Host,
+        path: &Path,
+        config: &TrackConfiguration,
+        input: &mut DetectionInput,
+    ) -> Result<Self, InputError> {
+        let mut on_board = Self::default();
+        let settings = config.platform();
+        let states = on_board.states(host, path)?;
+        let mut history = History::new(settings.assumed, states.len());
+        for state in &states {
+            history.add(state);
+        }
+        let mut rooms = BTreeMap::new();
+        let mut all = WaitingCounts::default();
+        let mut carried = |detection: &Detection| -> Option<Detection> {
+            let sensor_id = detection.sensor_id;
+            let Some(mount) = settings.mount(sensor_id) else {
+                return Some(*detection);
+            };
+            let room = rooms
+                .entry(sensor_id)
+                .or_insert_with(|| WaitingRoom::new(mount, config.sigmas(sensor_id), settings.wait_s.ns(), 1));
+            room.take(*detection, ());
+            // No further state will come.
+            room.end();
+            Some(room.next(&history, None)?.outcome.ok()?.detection)
+        };
+        let detections = input.detections.iter().filter_map(&mut carried).collect();
+        input.detections = detections;
+        for room in rooms.values() {
+            all += room.counts();
+        }
+        on_board.counts = all;
+        if input.detections.is_empty() {
+            let what = format!(
+                "no detection can be used: {}; check that the times of both files count from the same midnight",
+                on_board.reasons()
+            );
+            return Err(InputError::new(path, what));
+        }
+        Ok(on_board)
+    }
+
+    fn states(&mut self, host: &dyn Host, path: &Path) -> Result<Vec<State>, InputError> {
+        let mut states = Vec::new();
+        let rows = PlatformStateReader::new(BufReader::new(host.open(path)?), 0);
+        for row in rows.map_err(|error| InputError::new(path, error))? {
+            states.extend(self.refusals.usable(path, row)?.map(|sample| State::of_sample(&sample)));
+        }
+        self.states = states.len() as u64;
+        match states.iter().any(|state| state.position_m.is_some()) {
+            true => Ok(states),
+            false => Err(InputError::new(path, "has no row with a position in px, py and pz")),
+        }
+    }
+
+    pub(super) fn as_json(&self) -> Value {
+        json!({
+            "states": self.states,
+            "rows_refused": self.refusals.rows(),
+            "carried": self.counts.carried,
+            "refused": {
+                "no_state": self.counts.no_state,
+                "gap": self.counts.gap,
+                "too_old": self.counts.too_old,
+                "unusable": self.counts.unusable,
+            },
+        })
+    }
+
+    pub(super) fn write_text(&self, text: &mut String) -> std::fmt::Result {
+        text.push_str(&self.refusals.as_text());
+        writeln!(
+            text,
+            "platform: {} states; {} detections carried{}",
+            self.states,
+            self.counts.carried,
+            match self.counts.refused() {
+                0 => String::new(),
+                _ => format!("; {}", self.reasons()),
+            }
+        )
+    }
+
+    /// Refused detections by reason.
+    fn reasons(&self) -> String {
+        let reasons = [
+            (self.counts.too_old, "before the first state"),
+            (self.counts.gap, "in a gap of the states longer than platform.max_gap_s"),
+            (self.counts.no_state, "after the last state, or of a heading"),
+            (self.counts.unusable, "without standard deviations or direction"),
+        ];
+        let refused = reasons.iter().filter(|(count, _)| *count > 0);
+        let words: Vec<_> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
+        format!("refused: {}", words.join(", "))
+    }
+}
