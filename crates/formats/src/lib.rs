@@ -27,6 +27,7 @@ pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
 pub mod foreign;
+pub mod nmea;
 mod on_board;
 pub mod orders_csv;
 mod parts;

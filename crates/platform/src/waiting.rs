@@ -3,17 +3,25 @@
 //! A detection often comes before the state after its time, without which there is no interpolation. It waits; how long
 //! depends on the times of the data alone: when the sensor's data have run ahead of a detection by more than the wait,
 //! the detection is refused and counted. Detections leave in the order in which they came.
+//!
+//! A sensor without elevation does not measure heights, and a tracker assumes its targets to be anywhere within
+//! kilometres above and below the sensor. A mast that moves up and down by metres would then seem to reveal their
+//! heights, by changes of the slant range that are smaller than its error. The height of such a sensor is therefore
+//! held until it has changed by more than [`HELD_WITHIN_M`].
 
 use std::collections::VecDeque;
 use std::ops::AddAssign;
 
 use frames::SystemFrame;
-use observations::Detection;
+use observations::{Detection, DetectionKind};
 
 use crate::carried::{Carried, Refusal};
 use crate::history::History;
 use crate::mount::Mount;
 use crate::pose::NoState;
+
+/// Change of its height up to which the height of a sensor without elevation is held, metres.
+pub const HELD_WITHIN_M: f64 = 50.0;
 
 /// Numbers of detections by what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,6 +93,8 @@ pub struct WaitingRoom<T> {
     waiting_max: usize,
     /// Latest time of the sensor's data, nanoseconds.
     reached_ns: i64,
+    /// Height in which a sensor without elevation is held, metres.
+    held_m: Option<f64>,
     counts: WaitingCounts,
 }
 
@@ -99,6 +109,7 @@ impl<T> WaitingRoom<T> {
             waiting: VecDeque::with_capacity(waiting_max),
             waiting_max,
             reached_ns: i64::MIN,
+            held_m: None,
             counts: WaitingCounts::default(),
         }
     }
@@ -144,6 +155,7 @@ impl<T> WaitingRoom<T> {
         if may_come && self.reached_ns.saturating_sub(time_ns) <= self.wait_ns {
             return None;
         }
+        let outcome = outcome.map(|carried| self.held(carried));
         match outcome {
             Ok(_) => self.counts.carried += 1,
             Err(refusal) => self.counts.count(refusal),
@@ -154,6 +166,17 @@ impl<T> WaitingRoom<T> {
             measured,
             with_it,
         })
+    }
+
+    /// A detection without elevation, from the height in which its sensor is held.
+    fn held(&mut self, mut carried: Carried) -> Carried {
+        let detection = &mut carried.detection;
+        if matches!(detection.kind, DetectionKind::RangeBearing | DetectionKind::Bearing) {
+            let height_m = detection.platform_m[2];
+            let held_m = self.held_m.filter(|held_m| (held_m - height_m).abs() <= HELD_WITHIN_M);
+            detection.platform_m[2] = *self.held_m.insert(held_m.unwrap_or(height_m));
+        }
+        carried
     }
 
     /// Number of waiting detections.

@@ -236,3 +236,34 @@ fn detections_wait_for_the_platform_and_then_are_refused_and_counted() {
     assert_eq!((counts.carried, counts.no_state, counts.gap, counts.full), (1, 1, 2, 1));
     assert_eq!(counts.refused(), 4);
 }
+
+/// The heave of a ship must not look like the height of a target.
+#[test]
+fn the_height_of_a_sensor_without_elevation_is_held() {
+    let mut history = History::new(assumed(), 16);
+    for (time_s, up) in [(0, 15.0), (1, 12.0), (2, 18.5), (3, 70.0)] {
+        history.add(&State {
+            position_m: Some([0.0, 0.0, up]),
+            ..whole(time_s * S)
+        });
+    }
+    let mut room = WaitingRoom::new(Mount::default(), None, S, 4);
+    let mut height = |time_s: i64, kind: DetectionKind| {
+        let values = [1000.0, 0.5, 0.1];
+        let sigmas = Some([10.0, 0.01, 0.01, 0.0]);
+        let measured = Detection {
+            kind,
+            values,
+            sigmas,
+            ..detection(time_s * S, 1)
+        };
+        assert!(room.take(measured, ()).is_none());
+        room.next(&history, None).unwrap().outcome.unwrap().detection.platform_m[2]
+    };
+    let (plane, space) = (DetectionKind::RangeBearing, DetectionKind::RangeBearingElevation);
+    assert_eq!(
+        [0, 1, 2, 3].map(|time_s| height(time_s, plane)),
+        [15.0, 15.0, 15.0, 70.0]
+    );
+    assert_eq!([0, 1, 2].map(|time_s| height(time_s, space)), [15.0, 12.0, 18.5]);
+}
