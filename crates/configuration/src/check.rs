@@ -16,6 +16,7 @@ use super::check_network::{Network, asterix, simulated_sac_sic, technology};
 use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::checked::{Checked, limits, place};
+use super::platform::{check_platform_names, check_platforms};
 use super::tables::{DeploymentTable, FusionTable, PlaceTable, RecordedTable, SourceTable};
 use super::tracker::source_tracker;
 use super::tracker_links::check_links;
@@ -64,6 +65,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     let wide_area_sensors = check_wide_area_sensors(&raw, &frame, &mut network)?;
     check_links(&mut sources, &raw.sources, &raw.wide_area_sensors)?;
     check_company(&sources, &wide_area_sensors)?;
+    let platforms = check_platforms(&raw.platforms)?;
     let receivers = network.receivers(&sources, &wide_area_sensors)?;
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
     let first_day_ns = first_day(&raw, &sources)?;
@@ -123,6 +125,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         first_day_ns,
         sources,
         wide_area_sensors,
+        platforms,
         receivers,
         links: raw.links,
         checkpoint: raw.checkpoint,
@@ -136,6 +139,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         scenario,
         services: Services::default(),
     };
+    check_platform_names(&deployment)?;
     Ok((deployment, engine, processing))
 }
 

@@ -12,6 +12,7 @@ mod check_region;
 mod checked;
 mod locating;
 mod offline;
+mod platform;
 mod reference;
 mod tables;
 mod tracker;

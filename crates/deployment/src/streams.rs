@@ -30,6 +30,9 @@ impl runtime::DeploymentParts for Deployment {
                 Stream::Orders => visit.visit(&messages::order_states(), publishers)?,
             }
         }
+        for platform in &self.platforms {
+            visit.visit(&messages::platform_states(&platform.name), publishers)?;
+        }
         if self.system_tracks.exchange {
             visit.visit(&messages::own_tracks(), publishers)?;
         }

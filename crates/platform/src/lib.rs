@@ -33,6 +33,7 @@
 mod carried;
 mod channel;
 mod history;
+mod jumps;
 mod mount;
 mod navigation;
 mod on_board;
@@ -44,6 +45,7 @@ mod waiting;
 
 pub use carried::{Carried, Refusal};
 pub use history::{Added, History};
+pub use jumps::{Jump, JumpLimits, JumpWatch};
 pub use mount::{Bearings, Mount};
 pub use navigation::{Navigation, Navigator};
 pub use on_board::{OfflinePlatform, OnBoardSensor};

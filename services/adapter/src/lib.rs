@@ -4,7 +4,8 @@
 //! lines over a connection (`lines`). The source's pipeline converts observations to samples ([`sources`]), and
 //! `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a
 //! source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts;
-//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`.
+//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`, the states of platforms that
+//! carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 
@@ -19,6 +20,7 @@ mod intake;
 mod lines;
 mod misfits;
 mod outlet;
+mod platform;
 mod receiver;
 pub mod recorded_source;
 mod replay;
@@ -26,7 +28,7 @@ mod tables;
 mod wide_area;
 
 use anyhow::Context as _;
-use deployment::{Input, Process, ReceiverTransport, Source};
+use deployment::{Input, Platform, Process, ReceiverTransport, Source};
 use runtime::Agent;
 use sources::Processing;
 
@@ -47,6 +49,10 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
         return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
+    }
+    let is_named = |platform: &&Platform| platform.has_process() && platform.name == *name;
+    if let Some(found) = config.platforms.iter().find(is_named) {
+        return runtime::service::run(process, crate::platform::agent(process, found)?.as_mut());
     }
     let sources = config.sources.iter().zip(processing);
     let sources: Vec<Processed<'_>> = sources.filter(|(source, _)| source.adapter == *name).collect();
