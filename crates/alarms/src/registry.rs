@@ -209,6 +209,9 @@ alarms! {
         "The position, course or attitude of the platform of {process} jumped: {count}.",
         "Check the navigation receiver and the compass: detections of the sensors on board are displaced together. \
          `[platform.jumps]` sets the permitted differences.";
+    PlatformFar = 42, "platform-far", Warning, raise 0 s, clear 30 s,
+        "The platform of {process} is {distance} from the origin of the system frame.",
+        "Choose an origin nearer to the platform (`[frame]`): beyond 300 km, the plane of the frame distorts.";
 }
 
 #[cfg(test)]

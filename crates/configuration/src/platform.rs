@@ -50,6 +50,7 @@ pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
             input,
             assumed: each.assumed,
             jumps: each.jumps,
+            range_m: each.range_m,
             receipt_sigma_s: each.receipt_sigma_s,
             silent_after_ns: each.silent_s.ns(),
         });

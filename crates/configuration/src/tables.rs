@@ -282,6 +282,8 @@ settings::settings! {
         receipt_sigma_s: f64 = 0.05, in [0, 10];
         /// Time without a state after which the alarm `platform-silent` is raised.
         silent_s: Seconds = Seconds::of(5.0), in [0.1, 3600];
+        /// Largest distance from the frame's origin. States beyond are refused and counted.
+        range_m: f64 = 1e6, in [1e3, 2e7];
         /// Differences from the prediction by the states before that raise the alarm `platform-jumped`.
         jumps: JumpLimits = JumpLimits::default();
     }

@@ -18,6 +18,8 @@ pub struct Platform {
     pub assumed: Assumed,
     /// Differences that count as jumps.
     pub jumps: JumpLimits,
+    /// Largest distance of its states from the frame's origin, metres.
+    pub range_m: f64,
     /// Standard deviation of the delay of sentences without a time, seconds.
     pub receipt_sigma_s: f64,
     /// Time without a state after which the platform is silent, nanoseconds.

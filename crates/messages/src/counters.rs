@@ -407,6 +407,8 @@ counters! {
         "Sentences of NMEA 0183 without a fix, or marked as invalid.";
     SentencesOther = "sentences_other", AdapterRemark by [Adapter],
         "Sentences of NMEA 0183 of kinds that are not read.";
+    PlatformFarKm = "platform_far_km", Level by [],
+        "Level: distance of a platform from the origin of the system frame where it is too far, kilometres.";
 }
 
 #[cfg(test)]

@@ -31,6 +31,7 @@
 #![forbid(unsafe_code)]
 
 mod carried;
+mod carried_bearing;
 mod channel;
 mod history;
 mod jumps;

@@ -52,6 +52,17 @@ impl Attitude {
         ]
     }
 
+    /// A vector of the body's axes (right, forward, up) towards east, north, up.
+    pub fn to_world(&self, vector: [f64; 3]) -> [f64; 3] {
+        times(&self.rotation(), vector)
+    }
+
+    /// A vector towards east, north, up along the body's axes (right, forward, up).
+    pub fn to_body(&self, vector: [f64; 3]) -> [f64; 3] {
+        let rotation = self.rotation();
+        std::array::from_fn(|column| (0..3).map(|row| rotation[row][column] * vector[row]).sum())
+    }
+
     /// The same attitude seen from other axes: `axes` has the axes of the present frame in the other, by rows.
     pub fn seen_from(&self, axes: &[[f64; 3]; 3]) -> Self {
         let turned = product(axes, &self.rotation());

@@ -31,6 +31,8 @@ const DEVICE_PAUSE: Duration = Duration::from_millis(5);
 const DEVICE_OCTETS: usize = 4096;
 /// Time between two attempts to open a device, nanoseconds.
 const REOPEN_NS: i64 = 1_000_000_000;
+/// Distance from the origin of the system frame beyond which the plane of the frame distorts, metres.
+const FAR_M: f64 = 300e3;
 /// Most states of one turn; a further one begins the next slice.
 const STATES_MAX: usize = 1024;
 
@@ -76,6 +78,11 @@ struct PlatformStates {
     jumps: JumpWatch,
     jumped: u64,
     silent_after_ns: i64,
+    range_m: f64,
+    /// States beyond that range.
+    too_far: u64,
+    /// Distance of the latest position from the frame's origin, metres.
+    distance_m: f64,
     /// Monotonic time of the latest state, or of the start, nanoseconds.
     came_ns: i64,
     /// Time of the latest state, UTC, nanoseconds.
@@ -97,6 +104,9 @@ impl PlatformStates {
             jumps: JumpWatch::new(platform.jumps, platform.assumed.max_gap_s.ns()),
             jumped: 0,
             silent_after_ns: platform.silent_after_ns,
+            range_m: platform.range_m,
+            too_far: 0,
+            distance_m: 0.0,
             came_ns: mono_ns(),
             progress_ns: i64::MIN,
             publisher: process.bus.publisher(&topic, process.incarnation)?,
@@ -124,7 +134,21 @@ impl PlatformStates {
         }
     }
 
+    /// Leaves out states beyond the range.
+    fn judge(&mut self) {
+        let (range_m, too_far, distance_m) = (self.range_m, &mut self.too_far, &mut self.distance_m);
+        self.states.retain(|(state, _)| {
+            let Some([east, north, _]) = state.position_m else {
+                return true;
+            };
+            *distance_m = east.hypot(north);
+            *too_far += u64::from(*distance_m > range_m);
+            *distance_m <= range_m
+        });
+    }
+
     fn send(&mut self) -> anyhow::Result<()> {
+        self.judge();
         let Some((_, came_ns)) = self.states.last() else {
             return Ok(());
         };
@@ -168,6 +192,10 @@ impl PlatformStates {
         whole.set(Counter::SentencesWithoutFix, counts.no_fix);
         whole.set(Counter::SentencesOther, counts.other);
         whole.set(Counter::PlatformJumps, self.jumped);
+        whole.set(Counter::RejectedPosition, self.too_far);
+        if self.distance_m > FAR_M {
+            whole.set(Counter::PlatformFarKm, (self.distance_m / 1e3) as u64);
+        }
         whole.set(Counter::Published, self.publisher.counts().samples);
         whole.progress_ns = self.progress_ns;
         let silent_ns = mono_ns().saturating_sub(self.came_ns);

@@ -259,7 +259,11 @@ impl Parts for Keys {
             let of_sources = deployment.sources.iter().map(|source| &source.adapter);
             let of_sensors = deployment.wide_area_sensors.iter().map(|sensor| &sensor.adapter);
             let of_platforms = deployment.platforms.iter().map(|platform| &platform.name);
-            if of_sources.chain(of_sensors).chain(of_platforms).any(|adapter| *adapter == each.name) {
+            if of_sources
+                .chain(of_sensors)
+                .chain(of_platforms)
+                .any(|adapter| *adapter == each.name)
+            {
                 let what = format!(
                     "\"{}\" is the name of an adapter process; give the gateway another",
                     each.name

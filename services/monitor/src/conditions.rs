@@ -141,6 +141,16 @@ impl Conditions {
                     &[process.clone(), silence],
                 );
             }
+            let far_km = counters[Counter::PlatformFarKm];
+            if far_km > 0 {
+                let distance = ("distance", format!("{far_km} km"));
+                round.find(
+                    AlarmKind::PlatformFar,
+                    subject,
+                    Finding::Bad,
+                    &[process.clone(), distance],
+                );
+            }
             let jumps = counters[Counter::PlatformJumps];
             if self.growth.has_grown(AlarmKind::PlatformJumped, subject, jumps, 0) {
                 let count = ("count", several(jumps, "time"));

@@ -88,6 +88,9 @@ NAME  demo       a busy airport and its surroundings with five sensors, as in `k
       dense      demo with 400 targets
       mode-s     200 targets that cross in a small space; plots of radar-south (sensor 5) have addresses, codes, levels
       wide-area  formations not resolved by two radars but counted by a remote sensor: config/wide-area.toml
+      on-board   a ship that rolls and turns, with a radar: platform.csv, detections.csv (from the bow), at_rest.csv (the
+                 same looks from a radar at rest), truth.csv and mounting.toml for `koseki track --platform`; --set
+                 roll_deg, turn_degps, attitude_sigma_deg, error_time_s, lever_arm_m, … (docs/platform.md)
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
 DIR/truth.csv            a row per whole second and visible target
@@ -331,6 +334,9 @@ pub struct Locate {
     /// Bearings: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) bearings: PathBuf,
+    /// States of the platform: a CSV file as for `koseki track`; bearings are then from its nose
+    #[arg(long, value_name = "FILE")]
+    pub(crate) platform: Option<PathBuf>,
     /// Motion of emitters: auto, fixed or straight [default: the value in --config, else auto]
     #[arg(long, value_name = "FILTER")]
     pub(crate) filter: Option<String>,

@@ -5,6 +5,8 @@
 //! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target.
 //! Wide-area sensors write a table of counts (FM-6).
 
+mod on_board;
+
 use std::io::Write as _;
 use std::path::Path;
 
@@ -64,6 +66,9 @@ const NAMED: [(&str, &str, &[&str]); 5] = [
 /// # Errors
 /// If the scenario does not exist, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
+    if simulate.scenario == Path::new(on_board::NAME) {
+        return on_board::run(simulate, host);
+    }
     let config = config(host, &simulate.scenario, &simulate.set)?;
     let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
     let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
@@ -125,7 +130,7 @@ fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Co
             Ok(host.deployment(scenario, text, &[&changes, set].concat())?)
         }
         None if !scenario.exists() => {
-            let names = NAMED.map(|(name, ..)| name).join(", ");
+            let names = format!("{}, {}", NAMED.map(|(name, ..)| name).join(", "), on_board::NAME);
             let what = format!(
                 "--scenario {}: no such file or scenario; there are {names}",
                 scenario.display()

@@ -5,17 +5,15 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::BufReader;
 use std::path::Path;
 
-use formats::platform_states_csv::PlatformStateReader;
 use observations::Detection;
-use platform::{History, State, WaitingCounts, WaitingRoom};
+use platform::{History, WaitingCounts, WaitingRoom};
 use serde_json::{Value, json};
 
 use crate::files::InputError;
 use crate::host::Host;
-use crate::reading::SkippedRows;
+use crate::reading::{SkippedRows, platform_states};
 
 use super::TrackConfiguration;
 use super::input::DetectionInput;
@@ -41,7 +39,8 @@ impl OnBoard {
     ) -> Result<Self, InputError> {
         let mut on_board = Self::default();
         let settings = config.platform();
-        let states = on_board.states(host, path)?;
+        let states = platform_states(host, path, &mut on_board.refusals)?;
+        on_board.states = states.len() as u64;
         let mut history = History::new(settings.assumed, states.len());
         for state in &states {
             history.add(state);
@@ -75,19 +74,6 @@ impl OnBoard {
             return Err(InputError::new(path, what));
         }
         Ok(on_board)
-    }
-
-    fn states(&mut self, host: &dyn Host, path: &Path) -> Result<Vec<State>, InputError> {
-        let mut states = Vec::new();
-        let rows = PlatformStateReader::new(BufReader::new(host.open(path)?), 0);
-        for row in rows.map_err(|error| InputError::new(path, error))? {
-            states.extend(self.refusals.usable(path, row)?.map(|sample| State::of_sample(&sample)));
-        }
-        self.states = states.len() as u64;
-        match states.iter().any(|state| state.position_m.is_some()) {
-            true => Ok(states),
-            false => Err(InputError::new(path, "has no row with a position in px, py and pz")),
-        }
     }
 
     pub(super) fn as_json(&self) -> Value {
