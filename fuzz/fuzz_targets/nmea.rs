@@ -1,7 +1,7 @@
 //! Sentences of NMEA 0183 in a stream.
 //!
-//! The first byte selects where the stream is divided, and whether times of receipt are known. A division must not change
-//! the states or the counts, and no state may have a value that is not finite.
+//! The first byte selects where the stream is divided, and whether times of receipt are known. A division must not
+//! change the states or the counts, and no state may have a value that is not finite.
 
 #![no_main]
 

@@ -3,7 +3,8 @@
 //! The measured values are in `m0`, `m1`, `m2` in the order of their kind, the range rate is in `m3`, and their
 //! standard deviations are in the `s` columns with the same numbers. Values not measured by a kind must be empty: a
 //! value there indicates mixed-up columns. A row states all of its standard deviations or none. The values that the
-//! target's transponder stated follow in optional columns (`replies`), and so do those of a moving platform (`on_board`).
+//! target's transponder stated follow in optional columns (`replies`), and so do those of a moving platform
+//! (`on_board`).
 
 use std::io::{self, Read, Write};
 

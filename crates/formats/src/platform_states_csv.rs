@@ -1,11 +1,10 @@
 //! States of moving platforms as CSV rows.
 //!
 //! `time_s,sensor_id,px,py,pz` and, if known, `vx,vy,vz`, `heading_rad`, `pitch_rad`, `roll_rad`, `position_sigma_m`,
-//! `heading_sigma_rad`, `velocity_sigma_mps`, `pitch_sigma_rad` and `roll_sigma_rad`: metres in the system frame, metres
-//! per second, radians (heading clockwise from north, nose above the horizon, right wing below the horizon).
-//! `sensor_id` is the sensor on the platform. Every column but `time_s` may be absent, and
-//! every value empty: a compass gives rows of headings. Every number has as many decimals as needed to read back the
-//! same value.
+//! `heading_sigma_rad`, `velocity_sigma_mps`, `pitch_sigma_rad` and `roll_sigma_rad`: metres in the system frame,
+//! metres per second, radians (heading clockwise from north, nose above the horizon, right wing below the horizon).
+//! `sensor_id` is the sensor on the platform. Every column but `time_s` may be absent, and every value empty: a
+//! compass gives rows of headings. Every number has as many decimals as needed to read back the same value.
 
 use std::io::Read;
 
@@ -26,8 +25,8 @@ columns! {
     PlatformStatePlaces of PlatformState: |row|
     time: Column = "time_s" => Time(row.time_ns),
     sensor: Option<Column> = "sensor_id" => SensorId(row.source),
-    position: Option<[Column; 3]> = ["px", "py", "pz"] => row.position_m.map(|place_m| (row.valid & bits::NO_POSITION == 0).then_some(place_m)),
-    velocity: Option<[Column; 3]> = ["vx", "vy", "vz"] => row.velocity_mps.map(|speed_mps| known(row, bits::VELOCITY, speed_mps)),
+    position: Option<[Column; 3]> = ["px", "py", "pz"] => position(row),
+    velocity: Option<[Column; 3]> = ["vx", "vy", "vz"] => velocity(row),
     heading: Option<Column> = "heading_rad" => known(row, bits::HEADING, row.heading_rad),
     pitch: Option<Column> = "pitch_rad" => known(row, bits::ATTITUDE, row.pitch_rad),
     roll: Option<Column> = "roll_rad" => known(row, bits::ATTITUDE, row.roll_rad),
@@ -36,6 +35,17 @@ columns! {
     velocity_sigma: Option<Column> = "velocity_sigma_mps" => known(row, bits::VELOCITY_SIGMA, row.velocity_sigma_mps),
     pitch_sigma: Option<Column> = "pitch_sigma_rad" => known(row, bits::ATTITUDE_SIGMA, row.pitch_sigma_rad),
     roll_sigma: Option<Column> = "roll_sigma_rad" => known(row, bits::ATTITUDE_SIGMA, row.roll_sigma_rad),
+}
+
+fn position(state: &PlatformState) -> [Option<f64>; 3] {
+    let is_known = state.valid & bits::NO_POSITION == 0;
+    state.position_m.map(|place_m| is_known.then_some(place_m))
+}
+
+fn velocity(state: &PlatformState) -> [Option<f64>; 3] {
+    state
+        .velocity_mps
+        .map(|speed_mps| known(state, bits::VELOCITY, speed_mps))
 }
 
 fn known(state: &PlatformState, bit: u16, value: f64) -> Option<f64> {

@@ -5,9 +5,10 @@
 //! sensor's estimated place p + R·l. Every column of the Jacobian is one error: of the measured values, of the three
 //! coordinates of p, of heading, pitch and roll. The covariance is J·diag(σ²)·Jᵀ.
 //!
-//! A sensor without elevation measures the bearing in the plane of its deck. On a rolling deck, the same bearing belongs
-//! to different directions at different elevations. The target is assumed near the horizontal: the direction h(ψ) in
-//! the horizontal plane with h·(R·M·∂d/∂b) = 0, and the assumed elevation's error moves ψ as this equation demands.
+//! A sensor without elevation measures the bearing in the plane of its deck. On a rolling deck, the same bearing
+//! belongs to different directions at different elevations. The target is assumed near the horizontal: the direction
+//! h(ψ) in the horizontal plane with h·(R·M·∂d/∂b) = 0, and the assumed elevation's error moves ψ as this equation
+//! demands.
 //!
 //! Limits: the tangent is good for errors of a few degrees. A direction without a range has no enlargement by errors of
 //! the position, which depend on the range.
@@ -20,6 +21,8 @@ use observations::{Detection, DetectionKind, QUANTITIES_MAX};
 use crate::mount::{Bearings, Mount};
 use crate::pose::{NoState, Pose};
 use crate::rotation::{Attitude, IDENTITY, Matrix, dot, product, scaled, sum, times};
+use crate::settings::Assumed;
+use crate::state::State;
 
 /// Horizontal part of a direction's unit vector, or of a range in metres, below which a bearing has no meaning.
 const VERTICAL: f64 = 1e-6;
@@ -138,6 +141,26 @@ impl Mount {
             .chain(&carried.detection.values)
             .all(|value| value.is_finite());
         if finite { Ok(carried) } else { Err(Refusal::NoDirection) }
+    }
+
+    /// Carries a detection that states position and attitude of its platform itself. Its position is the sensor's, so
+    /// there is no lever arm.
+    ///
+    /// # Errors
+    /// [`Refusal`]: why the detection cannot be used.
+    pub fn carry_own(
+        &self,
+        detection: &Detection,
+        assumed: &Assumed,
+        default_sigmas: Option<[f64; QUANTITIES]>,
+        frame: Option<&SystemFrame>,
+    ) -> Result<Carried, Refusal> {
+        let at_the_sensor = Self {
+            lever_arm_m: [0.0; 3],
+            ..*self
+        };
+        let pose = Pose::of(&State::of_detection(detection), assumed).ok_or(Refusal::Position(NoState::None))?;
+        at_the_sensor.carry(detection, &pose, default_sigmas, frame)
     }
 
     /// The attitude, where the sensor needs one.

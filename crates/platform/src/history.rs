@@ -8,10 +8,11 @@
 //!
 //! - position: the cubic through both positions with both velocities (Hermite); without velocities the straight line;
 //! - angles: along the shorter arc, so across north, at a constant rate;
-//! - variances: (1 − f)·σ₁² + f·σ₂². Errors of successive states are taken as the same, as those of a compass mostly are;
-//!   independent errors would partly cancel, so the value is never too small;
-//! - growth: the motion between the states deviates from the line by at most a·f·(1 − f)·T²/2 at an acceleration a. This
-//!   is added as a standard deviation, for the cubic with a further factor f·(1 − f), which it follows to the second order.
+//! - variances: (1 − f)·σ₁² + f·σ₂². Errors of successive states are taken as the same, as those of a compass mostly
+//!   are; independent errors would partly cancel, so the value is never too small;
+//! - growth: the motion between the states deviates from the line by at most a·f·(1 − f)·T²/2 at an acceleration a.
+//!   This is added as a standard deviation, for the cubic with a further factor f·(1 − f), since the cubic follows the
+//!   motion to a higher order.
 
 use std::f64::consts::{PI, TAU};
 

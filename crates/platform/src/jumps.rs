@@ -1,8 +1,8 @@
 //! Jumps of a platform's states: values that no motion explains.
 //!
-//! A receiver that loses its satellites, a compass that is adjusted, or two instruments that answer in turn make a state
-//! jump. Detections carried with such a state are displaced all together. A state is compared with the prediction from
-//! the two states before, so that a steady turn or roll is no jump.
+//! A receiver that loses its satellites, a compass that is adjusted, or two instruments that answer in turn make a
+//! state jump. Detections carried with such a state are displaced all together. A state is compared with the
+//! prediction from the two states before, so that a steady turn or roll is no jump.
 
 use crate::history::shorter_arc;
 use crate::state::State;

@@ -11,7 +11,8 @@ use crate::settings::Assumed;
         check OfflinePlatform::check;
         /// Time by which a sensor's data may run ahead of the platform's states, while a detection waits for a state.
         wait_s: Seconds = Seconds::of(2.0), in [0, 60];
-        /// Sensor with a mounting of its own. Other sensors are at the platform's position, with bearings from the nose.
+        /// Sensor with a mounting of its own. Other sensors are at the platform's position, with bearings from the
+        /// nose.
         sensors as "sensor": Vec<OnBoardSensor> = Vec::new();
     }
 

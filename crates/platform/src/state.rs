@@ -1,6 +1,7 @@
 //! A platform's state as one message gives it: whatever the message has.
 
 use messages::{PlatformState, StageTimes, platform_state_bits as bits};
+use observations::Detection;
 
 /// State of a platform at a time. Each part may be missing: a compass gives a heading alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +41,26 @@ impl State {
             velocity_sigma_mps: stated(bits::VELOCITY_SIGMA).then_some(sample.velocity_sigma_mps),
             heading_sigma_rad: stated(bits::HEADING_SIGMA).then_some(sample.heading_sigma_rad),
             tilt_sigmas_rad: stated(bits::ATTITUDE_SIGMA).then_some([sample.pitch_sigma_rad, sample.roll_sigma_rad]),
+        }
+        .finite()
+    }
+
+    /// Takes the state of its platform from a detection.
+    pub fn of_detection(detection: &Detection) -> Self {
+        let platform = &detection.platform;
+        let [heading, pitch, roll] = platform.attitude_rad.unwrap_or_default().map(f64::from);
+        let [heading_sigma, pitch_sigma, roll_sigma] = platform.attitude_sigmas_rad.map(f64::from);
+        let is_known = platform.attitude_rad.is_some();
+        Self {
+            time_ns: detection.time_of_measurement_ns,
+            position_m: Some(detection.platform_m),
+            velocity_mps: platform.velocity_mps.map(|velocity| velocity.map(f64::from)),
+            heading_rad: is_known.then_some(heading),
+            tilt_rad: is_known.then_some([pitch, roll]),
+            position_sigma_m: platform.sigma_m.map(f64::from),
+            velocity_sigma_mps: None,
+            heading_sigma_rad: Some(heading_sigma),
+            tilt_sigmas_rad: Some([pitch_sigma, roll_sigma]),
         }
         .finite()
     }

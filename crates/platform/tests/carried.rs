@@ -450,3 +450,48 @@ fn the_range_rate_of_a_target_at_rest_is_zero() {
     }
     assert!(largest < 0.1, "{largest}");
 }
+
+/// A detection that states its platform's attitude itself gives what the state of a feed gives; its position is the
+/// sensor's.
+#[test]
+fn a_detection_may_state_its_platform_itself() {
+    let mount = Mount {
+        lever_arm_m: [20.0, 0.0, 15.0],
+        mounting_deg: [10.0, 0.0, 0.0].map(Degrees::of),
+        ..Mount::default()
+    };
+    let plain = detection(DetectionKind::RangeBearing, [5e3, 1.0, 0.0], [20.0, 0.01, 0.0, 0.0]);
+    let assumed = Assumed::default();
+    let unstated = mount.carry_own(&plain, &assumed, None, None);
+    assert_eq!(unstated, Err(Refusal::Heading(NoState::None)));
+    let measured = Detection {
+        platform_m: [7.0, 8.0, 9.0],
+        platform: DetectionPlatform {
+            velocity_mps: None,
+            attitude_rad: Some([0.5, 0.0, 0.125]),
+            sigma_m: Some(4.0),
+            attitude_sigmas_rad: [0.0078125, 0.0, 0.0],
+        },
+        ..plain
+    };
+    let own = mount.carry_own(&measured, &assumed, None, None).unwrap();
+    assert_eq!(own.detection.platform_m, [7.0, 8.0, 9.0]);
+    let mut at = pose([0.5, 0.0, 0.125], 0.0078125);
+    (at.position_m, at.position_sigma_m) = ([7.0, 8.0, 9.0], 4.0);
+    let level = assumed.attitude_sigma_deg.rad();
+    at.tilt = at.tilt.map(|tilt| {
+        tilt.map(|angle| AngleAt {
+            sigma_rad: level,
+            ..angle
+        })
+    });
+    let without_arm = Mount {
+        lever_arm_m: [0.0; 3],
+        ..mount
+    };
+    let fed = without_arm.carry(&measured, &at, None, None).unwrap();
+    assert!(circular(fed.detection.values[1], own.detection.values[1]).abs() < 1e-12);
+    assert!(circular(own.detection.values[1], 1.0 + 0.5 + 10f64.to_radians()).abs() < 0.02);
+    // Of two deviations of the tilt that are not stated, none is taken for zero.
+    assert!((own.covariance[1][1] - fed.covariance[1][1]).abs() < 1e-12);
+}

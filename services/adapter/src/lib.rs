@@ -4,8 +4,8 @@
 //! lines over a connection (`lines`). The source's pipeline converts observations to samples ([`sources`]), and
 //! `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read as a whole: a
 //! source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as counts;
-//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`, the states of platforms that
-//! carry sensors in `platform`.
+//! `replay` publishes both, paced by their own times. Sensors that only count are in `wide_area`, the states of
+//! platforms that carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 

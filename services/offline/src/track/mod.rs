@@ -47,7 +47,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     let mut input = DetectionInput::read(host, &track.detections)?;
     let carried = match &track.platform {
         Some(path) => Some(OnBoard::carry(host, path, &config, &mut input)?),
-        None => None,
+        None => OnBoard::carry_own(&track.detections[0], &config, &mut input)?,
     };
     let (support, reports) = read(track.wide_area.as_deref(), |path| SupportInput::reports(host, path))?;
     let (heard, emissions) = read(track.emissions.as_deref(), |path| SupportInput::emissions(host, path))?;

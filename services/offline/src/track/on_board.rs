@@ -76,6 +76,48 @@ impl OnBoard {
         Ok(on_board)
     }
 
+    /// Carries the detections that state the attitude of their platform themselves, of sensors that `[[platform.sensor]]`
+    /// names; `None` if there are none.
+    ///
+    /// # Errors
+    /// If no detection can be used.
+    pub(super) fn carry_own(
+        path: &Path,
+        config: &TrackConfiguration,
+        input: &mut DetectionInput,
+    ) -> Result<Option<Self>, InputError> {
+        let settings = config.platform();
+        let mut own = Self::default();
+        let counts = &mut own.counts;
+        let carried = |detection: &Detection| {
+            let named = settings.sensors.iter().find(|sensor| sensor.id == detection.sensor_id);
+            let (Some(sensor), Some(_)) = (named.filter(|sensor| sensor.on_board), detection.platform.attitude_rad)
+            else {
+                return Some(*detection);
+            };
+            let sigmas = config.sigmas(detection.sensor_id);
+            match sensor.mount.carry_own(detection, &settings.assumed, sigmas, None) {
+                Ok(carried) => {
+                    counts.carried += 1;
+                    Some(carried.detection)
+                }
+                Err(refusal) => {
+                    counts.count(refusal);
+                    None
+                }
+            }
+        };
+        let detections = input.detections.iter().filter_map(carried).collect();
+        input.detections = detections;
+        if input.detections.is_empty() {
+            return Err(InputError::new(
+                path,
+                format!("no detection can be used: {}", own.reasons()),
+            ));
+        }
+        Ok((own.counts != WaitingCounts::default()).then_some(own))
+    }
+
     pub(super) fn as_json(&self) -> Value {
         json!({
             "states": self.states,
