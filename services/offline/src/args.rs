@@ -225,7 +225,8 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
          Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, level (flight level) of the transponder's
          reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
-         --out has mmsi, level and the ages of the track's values at the end.
+         --out has mmsi, level and the ages of the track's values at the end. Optional columns of a moving platform:
+         docs/platform.md.
          Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
          number is a scan without detections. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
