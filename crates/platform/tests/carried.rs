@@ -380,9 +380,9 @@ fn squared(covariance: &[[f64; 4]; 4], residual: [f64; 3], dimension: usize) -> 
         for row in k + 1..dimension {
             let factor = c[row][k] / c[k][k];
             r[row] -= factor * r[k];
-            for column in k..dimension {
-                c[row][column] -= factor * c[k][column];
-            }
+            let above = c[k];
+            let elements = c[row].iter_mut().zip(above).take(dimension);
+            elements.skip(k).for_each(|(element, above)| *element -= factor * above);
         }
     }
     sum

@@ -304,7 +304,9 @@ mod tests {
         assert_eq!(voyage, settings.voyage(3, 120.0));
         assert_eq!(voyage.on_board.len(), voyage.at_rest.len());
         let mut history = History::new(Assumed::default(), voyage.states.len());
-        voyage.states.iter().for_each(|state| drop(history.add(state)));
+        for state in &voyage.states {
+            history.add(state);
+        }
         let (mut sum, mut rest, mut count) = ([0.0; 2], [0.0; 2], 0.0);
         for (measured, still) in voyage.on_board.iter().zip(&voyage.at_rest) {
             let Some(DetectionTruth::Target(id)) = measured.truth else {

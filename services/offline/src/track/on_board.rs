@@ -76,8 +76,8 @@ impl OnBoard {
         Ok(on_board)
     }
 
-    /// Carries the detections that state the attitude of their platform themselves, of sensors that `[[platform.sensor]]`
-    /// names; `None` if there are none.
+    /// Carries the detections that state the attitude of their platform themselves, of sensors that
+    /// `[[platform.sensor]]` names; `None` if there are none.
     ///
     /// # Errors
     /// If no detection can be used.
