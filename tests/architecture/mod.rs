@@ -18,6 +18,7 @@ const ORDER: &[&str] = &[
     "frames",
     "messages",
     "observations",
+    "platform",
     "csv_table",
     "estimation",
     "kept",

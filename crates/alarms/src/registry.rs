@@ -202,6 +202,16 @@ alarms! {
          of the last minute ({share}).",
         "Find the addresses among the decisions `identity_conflict` of `koseki fuse --explain`. Fusion rejects the \
          positions of these addresses from this source until the positions agree again.";
+    PlatformSilent = 40, "platform-silent", Major, raise 0 s, clear 2 s,
+        "The platform of {process} has sent no state for {silence}.",
+        "Check the navigation receiver and its line. Detections of the sensors on board wait, and then are not used.";
+    PlatformJumped = 41, "platform-jumped", Major, raise 0 s, clear 30 s,
+        "The position, course or attitude of the platform of {process} jumped: {count}.",
+        "Check the navigation receiver and the compass: detections of the sensors on board are displaced together. \
+         `[platform.jumps]` sets the permitted differences.";
+    PlatformFar = 42, "platform-far", Warning, raise 0 s, clear 30 s,
+        "The platform of {process} is {distance} from the origin of the system frame.",
+        "Choose an origin nearer to the platform (`[frame]`): beyond 300 km, the plane of the frame distorts.";
 }
 
 #[cfg(test)]

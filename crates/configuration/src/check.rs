@@ -14,6 +14,7 @@ use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::check_source::check_source;
 use super::checked::{Checked, place};
+use super::platform::{check_platform_names, check_platforms};
 use super::tables::{DeploymentTable, FusionTable};
 use super::tracker_links::check_links;
 use super::tracker_process::check_trackers;
@@ -63,6 +64,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     }
     let located = |error| trackers.located(error);
     check_company(&sources, &wide_area_sensors).map_err(located)?;
+    let platforms = check_platforms(&raw.platforms)?;
     let behind: Vec<Source> = sources.iter().chain(&trackers.sensors).cloned().collect();
     let receivers = network.receivers(&behind, &wide_area_sensors).map_err(located)?;
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;
@@ -125,6 +127,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         sources,
         tracker_sensors: trackers.sensors,
         wide_area_sensors,
+        platforms,
         receivers,
         links: raw.links,
         checkpoint: raw.checkpoint,
@@ -138,6 +141,7 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
         scenario,
         services: Services::default(),
     };
+    check_platform_names(&deployment)?;
     Ok((deployment, engine, processing))
 }
 

@@ -259,7 +259,7 @@ fn check_plots(receiver: &Receiver, behind: &[&Source]) -> Result<(), String> {
     Ok(())
 }
 
-fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
+pub(super) fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
     let listen_key = format!("{key}.listen");
     let listen: SocketAddr = raw.listen.parse().map_err(|_| {
         let what = format!(
@@ -287,7 +287,7 @@ fn check_udp(key: &str, raw: &UdpTable) -> Checked<ReceiverSettings> {
     Ok(settings)
 }
 
-fn server(key: &str, text: &str) -> Checked<SocketAddr> {
+pub(super) fn server(key: &str, text: &str) -> Checked<SocketAddr> {
     let found = text.to_socket_addrs().ok().and_then(|mut addresses| addresses.next());
     found.ok_or_else(|| {
         let what = format!("\"{text}\" is no server and port, or its name is not known; write \"127.0.0.1:30003\"");

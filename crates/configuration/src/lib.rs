@@ -13,6 +13,7 @@ mod check_source;
 mod checked;
 mod locating;
 mod offline;
+mod platform;
 mod reference;
 mod tables;
 mod tracker;

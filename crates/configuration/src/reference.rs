@@ -6,6 +6,7 @@ use settings::Shared;
 use super::locating::LocatingTable;
 use super::offline::{OfflineSensorTable, OfflineTable};
 use super::tables::DeploymentTable;
+use super::tracker::TrackingTable;
 
 /// Spaces before the keys in help texts.
 const INDENT: &str = "           ";
@@ -31,7 +32,7 @@ pub fn reference<P: Parts>() -> String {
     let (mut deployment, mut services) = (DeploymentTable::default(), P::default());
     let deployment = Shared::new(&mut deployment, services.tables());
     let offline = OfflineTable::default();
-    let (tracking, locating) = (tracking::Settings::default(), LocatingTable::default());
+    let (tracking, locating) = (TrackingTable::default(), LocatingTable::default());
     let files: [(&str, &str, &dyn settings::KeyTable); 4] = [
         (
             "Tracking",
@@ -55,7 +56,7 @@ pub fn reference<P: Parts>() -> String {
 
 /// The keys of `koseki track --config` with their defaults, a line each, for its help.
 pub fn tracking_help() -> String {
-    settings::help(&tracking::Settings::default(), INDENT)
+    settings::help(&TrackingTable::default(), INDENT)
 }
 
 /// The keys of `koseki locate --config` with their defaults, a line each, for its help.

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
 use outgoing::Technology;
+use platform::{Assumed, JumpLimits};
 use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm};
 use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
@@ -34,6 +35,8 @@ settings::settings! {
         trackers as "tracker": Vec<TrackerTable> = Vec::new();
         /// Wide-area sensor: counts targets (WA).
         wide_area_sensors as "wide_area_sensor": Vec<WideAreaSensorTable> = Vec::new();
+        /// Platform that carries sensors.
+        platforms as "platform": Vec<PlatformTable> = Vec::new();
         /// Gateways.
         gateways as "gateway": Unread = Unread;
         /// Cues to sensor controllers.
@@ -354,6 +357,38 @@ settings::settings! {
         simulated: Option<scenario::WideAreaSettings> = None;
     }
 
+    /// A platform that carries sensors: exactly one of `live`, `recorded` and `external`.
+    pub struct PlatformTable with assumed: Assumed {
+        check PlatformTable::check;
+        /// Name, which is also part of its topic's name, and that of its process.
+        name: String;
+        /// Sentences of NMEA 0183, or rows of states, received by a process of its own.
+        live: Option<PlatformLiveTable> = None;
+        /// Sentences or rows in a file.
+        recorded: Option<RecordedRowsTable> = None;
+        /// A process that is no part of the deployment publishes the topic.
+        external: Option<ExternalTable> = None;
+        /// Standard deviation of the delay of sentences that state no time (HDT, THS).
+        receipt_sigma_s: f64 = 0.05, in [0, 10];
+        /// Time without a state after which the alarm `platform-silent` is raised.
+        silent_s: Seconds = Seconds::of(5.0), in [0.1, 3600];
+        /// Largest distance from the frame's origin. States beyond are refused and counted.
+        range_m: f64 = 1e6, in [1e3, 2e7];
+        /// Differences from the prediction by the states before that raise the alarm `platform-jumped`.
+        jumps: JumpLimits = JumpLimits::default();
+    }
+
+    /// Input of a platform: exactly one of `udp`, `tcp` and `device`.
+    pub struct PlatformLiveTable {
+        check PlatformLiveTable::check;
+        /// Sentences, or rows with a header in each datagram.
+        udp: Option<UdpTable> = None;
+        /// Address and port of a server of sentences.
+        tcp: Option<String> = None;
+        /// Serial device with sentences, set to its speed before, as in `"/dev/ttyUSB0"`; or another file.
+        device: Option<String> = None;
+    }
+
     /// Rows of counts in datagrams.
     pub struct RowsTable {
         /// Name of the receiver.
@@ -540,6 +575,30 @@ impl WideAreaSensorTable {
             ("simulated", self.simulated.is_some()),
         ];
         exactly_one("wide_area_sensor", &self.name, &inputs)
+    }
+}
+
+impl PlatformTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let inputs = [
+            ("live", self.live.is_some()),
+            ("recorded", self.recorded.is_some()),
+            ("external", self.external.is_some()),
+        ];
+        exactly_one("platform", &self.name, &inputs)
+    }
+}
+
+impl PlatformLiveTable {
+    fn check(&self) -> Result<(), SettingsError> {
+        let given = [self.udp.is_some(), self.tcp.is_some(), self.device.is_some()];
+        match given.iter().filter(|given| **given).count() {
+            1 => Ok(()),
+            _ => Err(SettingsError::new(
+                "",
+                "give exactly one of udp = { listen = \"ADDRESS:PORT\" }, tcp = \"ADDRESS:PORT\" and device = \"/dev/…\"",
+            )),
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use platform::OfflinePlatform;
 use settings::{Seconds, SettingsError};
 use sources::joining::JoiningSettings;
 use sources::{Outputs, TrackerSettings};
@@ -23,7 +24,15 @@ pub(crate) const WAITING_SCANS: usize = 2;
 /// A configuration of `koseki track`; an empty one says nothing.
 #[derive(Debug, Default)]
 pub struct Tracking {
-    settings: Settings,
+    table: TrackingTable,
+}
+
+settings::settings! {
+    /// A configuration of `koseki track`.
+    pub(crate) struct TrackingTable with tracker: Settings {
+        /// Platform of the sensors, with `--platform`.
+        platform: OfflinePlatform = OfflinePlatform::default();
+    }
 }
 
 /// Facts that files of detections tell.
@@ -41,13 +50,24 @@ impl Tracking {
     /// # Errors
     /// [`ConfigError`] with file, line, key, value and remedy.
     pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
-        let settings = super::read(path, text)?;
-        Ok(Self { settings })
+        let table = super::read(path, text)?;
+        Ok(Self { table })
+    }
+
+    /// The platform of the sensors.
+    pub fn platform(&self) -> &OfflinePlatform {
+        &self.table.platform
+    }
+
+    /// Standard deviations of a sensor's detections that state none.
+    pub fn sigmas(&self, sensor_id: u32) -> Option<[f64; 4]> {
+        let mut sensors = self.table.tracker.sensors.iter();
+        sensors.find(|sensor| sensor.sensor_id == sensor_id)?.default_sigmas()
     }
 
     /// The tracker's settings for what the files hold; sensors and sizes that are not configured are as usual.
     pub fn settings(&self, seen: &SeenDetections) -> Settings {
-        let mut settings = self.settings.clone();
+        let mut settings = self.table.tracker.clone();
         let room = &mut settings.capacity;
         let more = |usual: usize, seen: usize| usual.max(seen.min(ROOM_MAX));
         room.detections = Some(

@@ -11,6 +11,7 @@ mod names;
 mod network;
 mod observed;
 mod parts;
+mod platform;
 mod processes;
 mod source;
 mod streams;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 
 use frames::SystemFrame;
 
+pub use crate::platform::{Platform, PlatformFeed, PlatformInput};
 pub use fusion::{Checkpoint, Fusion, WaitWord};
 pub use link::{Link, LinkPeer, LinkTls, RemoteTopic, check_endpoint, check_links};
 pub use names::check_name;
@@ -65,6 +67,8 @@ pub struct Deployment {
     pub tracker_sensors: Vec<Source>,
     /// The wide-area sensors, in the order of their numbers; they are no sources.
     pub wide_area_sensors: Vec<WideAreaSensor>,
+    /// The platforms that carry sensors, in the order of their numbers.
+    pub platforms: Vec<Platform>,
     /// The network inputs; each is an adapter process.
     pub receivers: Vec<Receiver>,
     /// The links to deployments on other hosts; each is a process.
@@ -117,6 +121,11 @@ impl Deployment {
         self.wide_area_sensors.iter().find(|sensor| sensor.name == name)
     }
 
+    /// The platform called `name`.
+    pub fn platform(&self, name: &str) -> Option<&Platform> {
+        self.platforms.iter().find(|platform| platform.name == name)
+    }
+
     /// The receiver called `name`.
     pub fn receiver(&self, name: &str) -> Option<&Receiver> {
         self.receivers.iter().find(|receiver| receiver.name == name)
@@ -152,6 +161,8 @@ impl Deployment {
                 names.push(&sensor.adapter);
             }
         }
+        let live = self.platforms.iter().filter(|platform| platform.has_process());
+        names.extend(live.map(|platform| platform.name.as_str()));
         names
     }
 

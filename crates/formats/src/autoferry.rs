@@ -22,7 +22,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use thiserror::Error;
 
-use observations::{Detection, DetectionKind, Quantity, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, Quantity, TransponderReply};
 
 /// Latitude and longitude (degrees) and height above the ellipsoid (metres) of the point from which positions count.
 pub const ORIGIN: [f64; 3] = [63.438_902_908_3, 10.399_082_78, 39.923];
@@ -216,6 +216,7 @@ impl RawScan {
             range_rate_mps: None,
             sigmas: None,
             platform_m,
+            platform: DetectionPlatform::default(),
             reply: TransponderReply::default(),
             truth: None,
         };

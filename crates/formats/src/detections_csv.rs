@@ -3,7 +3,8 @@
 //! The measured values are in `m0`, `m1`, `m2` in the order of their kind, the range rate is in `m3`, and their
 //! standard deviations are in the `s` columns with the same numbers. Values not measured by a kind must be empty: a
 //! value there indicates mixed-up columns. A row states all of its standard deviations or none. The values that the
-//! target's transponder stated follow in optional columns (`replies`).
+//! target's transponder stated follow in optional columns (`replies`), and so do those of a moving platform
+//! (`on_board`).
 
 use std::io::{self, Read, Write};
 
@@ -12,6 +13,7 @@ use observations::{Detection, DetectionKind, DetectionTruth, QUANTITIES_MAX};
 
 use crate::cells::{Cell, Time};
 use crate::columns::columns;
+use crate::on_board::{OnBoardPlaces, OnBoardRow};
 use crate::replies::{ReplyPlaces, ReplyRow};
 use crate::rows::{Columns, Reference, Row, RowReader, RowWriter};
 
@@ -24,6 +26,25 @@ pub type DetectionReader<R> = RowReader<R, DetectionColumns>;
 pub type DetectionWriter<W> = RowWriter<Detection, W>;
 /// Writer of detections with the values of transponders.
 pub type RepliedDetectionWriter<W> = RowWriter<RepliedDetection, W>;
+
+/// Writer of detections with the motion and attitude of their platform.
+pub type OnBoardDetectionWriter<W> = RowWriter<OnBoardDetection, W>;
+
+/// Detection with the motion and attitude of its platform in columns behind the others.
+#[derive(Clone, Copy, Debug)]
+pub struct OnBoardDetection(pub Detection);
+
+impl Row for OnBoardDetection {
+    fn columns() -> String {
+        [Detection::columns(), OnBoardRow::columns()].join(",")
+    }
+
+    fn write(&self, out: &mut impl Write, reference: &Reference) -> io::Result<()> {
+        self.0.write(out, reference)?;
+        out.write_all(b",")?;
+        OnBoardRow(&self.0.platform).write(out, reference)
+    }
+}
 
 /// Detection with the values of the target's transponder in columns behind the others.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +81,7 @@ columns! {
 pub struct DetectionColumns {
     first_day_ns: i64,
     at: DetectionPlaces,
+    on_board: OnBoardPlaces,
     reply: ReplyPlaces,
 }
 
@@ -94,6 +116,7 @@ impl Columns for DetectionColumns {
             range_rate_mps,
             sigmas: self.sigmas(row, kind, range_rate_mps.is_some())?,
             platform_m,
+            platform: self.on_board.read(row)?,
             reply: self.reply.read(row)?,
             truth: self.truth(row)?,
         })
@@ -106,6 +129,7 @@ impl DetectionColumns {
         Ok(Self {
             first_day_ns,
             at: DetectionPlaces::find(table)?,
+            on_board: OnBoardPlaces::find(table)?,
             reply: ReplyPlaces::find(table)?,
         })
     }
@@ -224,7 +248,7 @@ impl Cell for DetectionTruth {
 
 #[cfg(test)]
 mod tests {
-    use observations::TransponderReply;
+    use observations::{DetectionPlatform, TransponderReply};
     use proptest::prelude::*;
 
     use super::*;
@@ -254,6 +278,7 @@ mod tests {
             range_rate_mps: None,
             sigmas: Some([50.0, 50.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
+            platform: DetectionPlatform::default(),
             reply: TransponderReply::default(),
             truth: Some(DetectionTruth::Target(3)),
         };
@@ -402,6 +427,7 @@ mod tests {
                     range_rate_mps,
                     sigmas,
                     platform_m,
+                    platform: DetectionPlatform::default(),
                     reply: TransponderReply::default(),
                     truth,
                 }

@@ -27,6 +27,8 @@ pub mod cues_csv;
 pub mod decisions_csv;
 pub mod detections_csv;
 pub mod foreign;
+pub mod nmea;
+mod on_board;
 pub mod orders_csv;
 mod parts;
 pub mod platform_states_csv;

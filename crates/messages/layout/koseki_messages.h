@@ -59,6 +59,7 @@
 #define KOSEKI_PLATFORM_STATE_HEADING_SIGMA UINT64_C(0x10) /* `heading_sigma_rad` is known. */
 #define KOSEKI_PLATFORM_STATE_VELOCITY_SIGMA UINT64_C(0x20) /* `velocity_sigma_mps` is known. */
 #define KOSEKI_PLATFORM_STATE_ATTITUDE_SIGMA UINT64_C(0x40) /* `pitch_sigma_rad` and `roll_sigma_rad` are known. */
+#define KOSEKI_PLATFORM_STATE_NO_POSITION UINT64_C(0x80) /* `position_m` is not known: a state of attitude or velocity alone. */
 #define KOSEKI_WIDE_AREA_ORIGIN UINT64_C(0x1) /* `origin_m` is known. */
 #define KOSEKI_CONTRIBUTION_FRESH UINT64_C(0x1) /* The source's latest report is within its expected period. */
 #define KOSEKI_CONTRIBUTION_SCORED UINT64_C(0x2) /* The accuracy value exists: the source has delivered more than one report. */
@@ -482,9 +483,9 @@ typedef struct KosekiPlatformState {
     int64_t time_ns; /* Time at which the platform was there, UTC, nanoseconds since 1970. */
     uint64_t sequence; /* The state's sequence number at its publisher. */
     KosekiStageTimes stages; /* Stages passed so far. */
-    double position_m[3]; /* Position east, north, up in the system frame, metres. */
+    double position_m[3]; /* Position east, north, up in the system frame, metres; 0 with the bit `NO_POSITION`. */
     double velocity_mps[3]; /* Velocity east, north, up, metres per second. */
-    double heading_rad; /* Where its nose points, radians clockwise from north. */
+    double heading_rad; /* Where its nose points, radians clockwise from the system frame's north. */
     double pitch_rad; /* Nose above the horizon, radians. */
     double roll_rad; /* Right wing below the horizon, radians. */
     double position_sigma_m; /* Standard deviation of each coordinate of the position, metres. */

@@ -61,6 +61,7 @@ PLATFORM_STATE_POSITION_SIGMA = 0x8  # `position_sigma_m` is known.
 PLATFORM_STATE_HEADING_SIGMA = 0x10  # `heading_sigma_rad` is known.
 PLATFORM_STATE_VELOCITY_SIGMA = 0x20  # `velocity_sigma_mps` is known.
 PLATFORM_STATE_ATTITUDE_SIGMA = 0x40  # `pitch_sigma_rad` and `roll_sigma_rad` are known.
+PLATFORM_STATE_NO_POSITION = 0x80  # `position_m` is not known: a state of attitude or velocity alone.
 WIDE_AREA_ORIGIN = 0x1  # `origin_m` is known.
 CONTRIBUTION_FRESH = 0x1  # The source's latest report is within its expected period.
 CONTRIBUTION_SCORED = 0x2  # The accuracy value exists: the source has delivered more than one report.
@@ -574,9 +575,9 @@ class PlatformState(ctypes.Structure):
         ("time_ns", ctypes.c_int64),  # Time at which the platform was there, UTC, nanoseconds since 1970.
         ("sequence", ctypes.c_uint64),  # The state's sequence number at its publisher.
         ("stages", StageTimes),  # Stages passed so far.
-        ("position_m", ctypes.c_double * 3),  # Position east, north, up in the system frame, metres.
+        ("position_m", ctypes.c_double * 3),  # Position east, north, up in the system frame, metres; 0 with the bit `NO_POSITION`.
         ("velocity_mps", ctypes.c_double * 3),  # Velocity east, north, up, metres per second.
-        ("heading_rad", ctypes.c_double),  # Where its nose points, radians clockwise from north.
+        ("heading_rad", ctypes.c_double),  # Where its nose points, radians clockwise from the system frame's north.
         ("pitch_rad", ctypes.c_double),  # Nose above the horizon, radians.
         ("roll_rad", ctypes.c_double),  # Right wing below the horizon, radians.
         ("position_sigma_m", ctypes.c_double),  # Standard deviation of each coordinate of the position, metres.

@@ -393,6 +393,22 @@ counters! {
         "System tracks under the number that their target had before it was silent.";
     SmoothingDropped = "smoothing_dropped", Process by [Fusion],
         "States and measurements not smoothed because the smoothing thread of fusion was too slow.";
+    PlatformJumps (118) = "platform_jumps", AdapterRemark by [Adapter],
+        "States of a platform that differ from the states before by more than any motion.";
+    PlatformSilentMs = "platform_silent_ms", Level by [],
+        "Level: time since the latest state of a platform beyond its limit, milliseconds.";
+    SentencesPartial = "sentences_partial", AdapterRemark by [Adapter],
+        "Sentences of NMEA 0183 rejected because they were cut or too long.";
+    SentencesChecksum = "sentences_checksum", AdapterRemark by [Adapter],
+        "Sentences of NMEA 0183 rejected because of their checksum.";
+    SentencesTalker = "sentences_talker", AdapterRemark by [Adapter],
+        "Sentences of NMEA 0183 rejected because their talker is not known.";
+    SentencesWithoutFix = "sentences_without_fix", AdapterRemark by [Adapter],
+        "Sentences of NMEA 0183 without a fix, or marked as invalid.";
+    SentencesOther = "sentences_other", AdapterRemark by [Adapter],
+        "Sentences of NMEA 0183 of kinds that are not read.";
+    PlatformFarKm = "platform_far_km", Level by [],
+        "Level: distance of a platform from the origin of the system frame where it is too far, kilometres.";
 }
 
 #[cfg(test)]

@@ -21,6 +21,8 @@ bits! {
         VELOCITY_SIGMA = 1 << 5;
         /// `pitch_sigma_rad` and `roll_sigma_rad` are known.
         ATTITUDE_SIGMA = 1 << 6;
+        /// `position_m` is not known: a state of attitude or velocity alone.
+        NO_POSITION = 1 << 7;
     }
 }
 
@@ -33,11 +35,11 @@ sample! {
         sequence: u64,
         /// Stages passed so far.
         stages: StageTimes,
-        /// Position east, north, up in the system frame, metres.
+        /// Position east, north, up in the system frame, metres; 0 with the bit `NO_POSITION`.
         position_m: [f64; 3],
         /// Velocity east, north, up, metres per second.
         velocity_mps: [f64; 3],
-        /// Where its nose points, radians clockwise from north.
+        /// Where its nose points, radians clockwise from the system frame's north.
         heading_rad: f64,
         /// Nose above the horizon, radians.
         pitch_rad: f64,

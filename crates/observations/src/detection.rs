@@ -35,6 +35,8 @@ pub struct Detection {
     pub sigmas: Option<[f64; QUANTITIES_MAX + 1]>,
     /// Position of the sensor, metres east, north and up in the system frame.
     pub platform_m: [f64; 3],
+    /// Motion and attitude of the platform that carries the sensor, as far as the detection states them.
+    pub platform: DetectionPlatform,
     /// Values that the target's transponder stated.
     pub reply: TransponderReply,
     /// Truth, if known: for scoring, never for tracking.
@@ -52,6 +54,19 @@ pub struct TransponderReply {
     pub level: Option<i16>,
     /// Age of the level at the time of measurement, milliseconds.
     pub level_age_ms: u32,
+}
+
+/// Motion and attitude of the platform that carries a sensor, as its detection states them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DetectionPlatform {
+    /// Velocity east, north, up, metres per second.
+    pub velocity_mps: Option<[f32; 3]>,
+    /// Heading (clockwise from north), pitch (nose up) and roll (right side down), radians.
+    pub attitude_rad: Option<[f32; 3]>,
+    /// Standard deviation of each coordinate of the position, metres.
+    pub sigma_m: Option<f32>,
+    /// Standard deviations of heading, pitch and roll, radians; 0 where unknown.
+    pub attitude_sigmas_rad: [f32; 3],
 }
 
 /// Truth of a detection.
@@ -82,11 +97,18 @@ impl Sampled for Detection {
             kind: self.kind.code(),
             valid: flag(self.range_rate_mps.is_some(), bits::RANGE_RATE)
                 | flag(self.sigmas.is_some(), bits::SIGMAS)
-                | flag(self.reply.level.is_some(), bits::LEVEL),
+                | flag(self.reply.level.is_some(), bits::LEVEL)
+                | flag(self.platform.velocity_mps.is_some(), bits::PLATFORM_VELOCITY)
+                | flag(self.platform.attitude_rad.is_some(), bits::PLATFORM_ATTITUDE)
+                | flag(self.platform.sigma_m.is_some(), bits::PLATFORM_SIGMA),
             identity: self.reply.identity,
             identity_ages: self.reply.ages,
             level: self.reply.level.unwrap_or_default(),
             level_age_ms: self.reply.level_age_ms,
+            platform_velocity_mps: self.platform.velocity_mps.unwrap_or_default(),
+            platform_attitude_rad: self.platform.attitude_rad.unwrap_or_default(),
+            platform_sigma_m: self.platform.sigma_m.unwrap_or_default(),
+            attitude_sigmas_rad: self.platform.attitude_sigmas_rad,
             ..SensorDetection::default()
         }
     }
@@ -105,6 +127,12 @@ impl Sampled for Detection {
             range_rate_mps: (sample.valid & bits::RANGE_RATE != 0).then_some(sample.range_rate_mps),
             sigmas: (sample.valid & bits::SIGMAS != 0).then_some(sample.sigmas),
             platform_m: sample.platform_m,
+            platform: DetectionPlatform {
+                velocity_mps: (sample.valid & bits::PLATFORM_VELOCITY != 0).then_some(sample.platform_velocity_mps),
+                attitude_rad: (sample.valid & bits::PLATFORM_ATTITUDE != 0).then_some(sample.platform_attitude_rad),
+                sigma_m: (sample.valid & bits::PLATFORM_SIGMA != 0).then_some(sample.platform_sigma_m),
+                attitude_sigmas_rad: sample.attitude_sigmas_rad,
+            },
             reply: TransponderReply {
                 identity: sample.identity,
                 ages: sample.identity_ages,
@@ -144,6 +172,12 @@ mod tests {
                     range_rate_mps,
                     sigmas,
                     platform_m: [1.0, 2.0, 3.0],
+                    platform: DetectionPlatform {
+                        velocity_mps: sigmas.map(|_| [1.5, 2.5, 0.0]),
+                        attitude_rad: range_rate_mps.map(|_| [0.1, 0.2, -0.3]),
+                        sigma_m: sigmas.map(|_| 4.0),
+                        attitude_sigmas_rad: [0.01, 0.02, 0.0],
+                    },
                     reply: TransponderReply {
                         identity: Identity::default().with_address(0x4c_a7b3).with_mode_3a(0o7421),
                         ages: IdentityAges {

@@ -7,6 +7,7 @@
 //!   sensor tracks the detections with a separate filter and delivers sensor tracks.
 //! - A [`SimulatedDirectionFinder`] flies along a path and measures bearings of transmitters.
 //! - A [`SimulatedWideAreaSensor`] counts targets from afar.
+//! - A [`Voyage`] is that of a rolling ship with a radar on board.
 //!
 //! Everything is a pure function of settings, seed and time. The truth is closed-form and unlimited in time: any
 //! process can request any moment in any order. Every random number comes from a stream keyed by its purpose (seed,
@@ -28,6 +29,7 @@ mod grouping;
 mod local_track;
 mod look;
 mod measurement;
+mod on_board;
 mod path;
 mod plot;
 mod random;
@@ -44,6 +46,7 @@ mod wide_area;
 
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use formation_settings::FormationSettings;
+pub use on_board::{OnBoardSettings, SeaTarget, Voyage};
 pub use plot::RadarPlot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};

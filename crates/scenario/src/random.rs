@@ -40,6 +40,8 @@ pub(crate) enum Purpose {
     WideArea,
     /// The transponder's reply in one look of a radar.
     Reply,
+    /// Errors of a ship's navigation.
+    Navigation,
 }
 
 /// Returns the stream for `purpose` at `source`, of the thing numbered (`first`, `second`).

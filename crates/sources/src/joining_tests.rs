@@ -1,4 +1,4 @@
-use observations::{DetectionKind, TransponderReply};
+use observations::{DetectionKind, DetectionPlatform, TransponderReply};
 use proptest::prelude::*;
 use test_support::S;
 
@@ -15,6 +15,7 @@ fn detection(sensor_id: u32, scan: u32, time_ns: i64) -> SensorEvent {
         range_rate_mps: None,
         sigmas: None,
         platform_m: [0.0; 3],
+        platform: DetectionPlatform::default(),
         reply: TransponderReply::default(),
         truth: None,
     })

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use configuration::Config;
 use messages::{Counter, Counters, SensorBearing, SensorTrack, StageTimes, TrackState, sensor_bearing_bits};
-use observations::{Detection, DetectionKind, Sampled as _, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, Sampled as _, TransponderReply};
 use proptest::prelude::*;
 
 use sources::{DetectionTracker, Samples, ScanTracker, SensorScan, TrackSink, TrackerSettings};
@@ -47,6 +47,7 @@ fn seen(time_s: f64) -> Detection {
         range_rate_mps: None,
         sigmas: Some([50.0, 50.0, 0.0, 0.0]),
         platform_m: [0.0; 3],
+        platform: DetectionPlatform::default(),
         reply: TransponderReply::default(),
         truth: None,
     }

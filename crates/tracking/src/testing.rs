@@ -1,6 +1,6 @@
 //! Helpers that the tests have in common.
 
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 
 use crate::Settings;
 use crate::settings::{SensorFacts, SensorModel, TrackerCapacity};
@@ -18,6 +18,7 @@ pub(crate) fn position(time_ns: i64, east: f64, north: f64) -> Detection {
         range_rate_mps: None,
         sigmas: Some([10.0, 10.0, 0.0, 0.0]),
         platform_m: [0.0; 3],
+        platform: DetectionPlatform::default(),
         reply: TransponderReply::default(),
         truth: None,
     }

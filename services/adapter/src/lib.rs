@@ -5,7 +5,8 @@
 //! ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read
 //! as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as
 //! counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections of its
-//! sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`.
+//! sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`, the
+//! states of platforms that carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 
@@ -20,6 +21,7 @@ mod intake;
 mod lines;
 mod misfits;
 mod outlet;
+mod platform;
 mod plot_rows;
 mod receiver;
 pub mod recorded_source;
@@ -29,7 +31,7 @@ mod tracker;
 mod wide_area;
 
 use anyhow::Context as _;
-use deployment::{Input, Process, ReceiverTransport, Source};
+use deployment::{Input, Platform, Process, ReceiverTransport, Source};
 use runtime::Agent;
 use sources::Processing;
 
@@ -51,6 +53,10 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
     let (config, name) = (&process.config, &process.name);
     if let Some(sensor) = config.wide_area_sensors.iter().find(|sensor| sensor.adapter == *name) {
         return runtime::service::run(process, wide_area::agent(process, sensor)?.as_mut());
+    }
+    let is_named = |platform: &&Platform| platform.has_process() && platform.name == *name;
+    if let Some(found) = config.platforms.iter().find(is_named) {
+        return runtime::service::run(process, crate::platform::agent(process, found)?.as_mut());
     }
     let of_trackers = config.tracker_sensors.iter().map(|sensor| (sensor, &Processing::Plots));
     let sources = config.sources.iter().zip(processing).chain(of_trackers);

@@ -233,7 +233,12 @@ impl Parts for Keys {
             }
             let of_sources = deployment.sources.iter().map(|source| &source.adapter);
             let of_sensors = deployment.wide_area_sensors.iter().map(|sensor| &sensor.adapter);
-            if of_sources.chain(of_sensors).any(|adapter| adapter == name) {
+            let of_platforms = deployment.platforms.iter().map(|platform| &platform.name);
+            if of_sources
+                .chain(of_sensors)
+                .chain(of_platforms)
+                .any(|adapter| adapter == name)
+            {
                 let what = format!("\"{name}\" is the name of an adapter process; give the gateway another");
                 return Err(SettingsError::new(key, what));
             }

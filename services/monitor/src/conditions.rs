@@ -91,6 +91,7 @@ impl Conditions {
         self.misfits(sight, round);
         self.processes(sight, awake_ns, round);
         self.links(sight, round);
+        self.platforms(sight, round);
         self.room(sight.room, round);
     }
 
@@ -114,6 +115,46 @@ impl Conditions {
                 let [process, note] = values;
                 let offset = ("offset", format!("{off_ms:.0} ms"));
                 round.find(AlarmKind::HostClockOff, subject, finding, &[process, note, offset]);
+            }
+        }
+    }
+
+    /// Conditions of platforms that carry sensors.
+    fn platforms(&mut self, sight: RoundView<'_>, round: &mut Round<'_>) {
+        for adapter in sight
+            .processes
+            .iter()
+            .filter(|process| process.kind == Some(ProcessKind::Adapter))
+        {
+            let Some(latest) = sight.observed.book().whole(ProcessKind::Adapter, &adapter.name) else {
+                continue;
+            };
+            let (subject, counters) = (Subject::process(&adapter.name), latest.counters());
+            let process = ("process", adapter.title());
+            let silent_ms = counters[Counter::PlatformSilentMs];
+            if silent_ms > 0 {
+                let silence = ("silence", elapsed(silent_ms as i64 * 1_000_000));
+                round.find(
+                    AlarmKind::PlatformSilent,
+                    subject,
+                    Finding::Bad,
+                    &[process.clone(), silence],
+                );
+            }
+            let far_km = counters[Counter::PlatformFarKm];
+            if far_km > 0 {
+                let distance = ("distance", format!("{far_km} km"));
+                round.find(
+                    AlarmKind::PlatformFar,
+                    subject,
+                    Finding::Bad,
+                    &[process.clone(), distance],
+                );
+            }
+            let jumps = counters[Counter::PlatformJumps];
+            if self.growth.has_grown(AlarmKind::PlatformJumped, subject, jumps, 0) {
+                let count = ("count", several(jumps, "time"));
+                round.find(AlarmKind::PlatformJumped, subject, Finding::Bad, &[process, count]);
             }
         }
     }

@@ -88,6 +88,9 @@ NAME  demo       a busy airport and its surroundings with five sensors, as in `k
       dense      demo with 400 targets
       mode-s     200 targets that cross in a small space; plots of radar-south (sensor 5) have addresses, codes, levels
       wide-area  formations not resolved by two radars but counted by a remote sensor: config/wide-area.toml
+      on-board   a ship that rolls and turns, with a radar: platform.csv, detections.csv (from the bow), at_rest.csv (the
+                 same looks from a radar at rest), truth.csv and mounting.toml for `koseki track --platform`; --set
+                 roll_deg, turn_degps, attitude_sigma_deg, error_time_s, lever_arm_m, … (docs/platform.md)
 FILE  a deployment with [scenario] and simulated sources, as config/demo.toml or config/maritime.toml
 
 DIR/truth.csv            a row per whole second and visible target
@@ -214,6 +217,7 @@ Examples:
   koseki track --detections radar.csv --wide-area counts.csv --out tracks.csv
   koseki track --detections radar.csv --wide-area counts.csv --emissions heard.csv --config types.toml --out tracks.csv
   koseki track --detections radar.csv --period 1 --cues looks.csv --out tracks.csv
+  koseki track --detections radar.csv --platform ship.csv --config mounting.toml --out tracks.csv
 
 FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz      a row per detection, in any order
          kind: position2 (x, y), position3, range_bearing (m, rad clockwise from north), range_bearing_elevation,
@@ -221,13 +225,19 @@ FILE     time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,p
          p: position of the sensor; metres, radians, m/s; values not measured by a kind are empty.
          Optional: address (hexadecimal), mode_3a (octal), callsign, mmsi, level (flight level) of the transponder's
          reply, and address_age_s, mode_3a_age_s, callsign_age_s, level_age_s; all may be empty. With a reply in any row,
-         --out has mmsi, level and the ages of the track's values at the end.
+         --out has mmsi, level and the ages of the track's values at the end. Optional columns of a moving platform:
+         docs/platform.md.
          Detections with the same sensor_id and scan belong to the same scan: an antenna turn or an image. A missing scan
          number is a scan without detections. A row of the kind none, with its other values empty, is a scan without
          detections at its time, also before the first detection and after the last one. Several files are merged by time. Unusable rows are omitted and counted. A
          recording of the Autoferry data set (scenarioN_detections.json) can be read directly: sensors 1 lidar, 2 radar
          (position2), 3 infrared camera, 4 camera (bearing); its standard deviations must be in --config. A recording of
          a deployment with a [[tracker]] (MCAP) gives the tracks of this tracker again, with its recorded settings.
+--platform     time_s[,px,py,pz,vx,vy,vz,heading_rad,pitch_rad,roll_rad,position_sigma_m,velocity_sigma_mps,
+         heading_sigma_rad,pitch_sigma_rad,roll_sigma_rad]    a row per state, or part of a state, of the platform that carries
+         the sensors (docs/platform.md). Detections are then as the sensors measured them: bearings from the nose, p unused.
+         [platform] and [[platform.sensor]] of --config give the mounting. Detections without a state near their time are
+         refused and counted.
 --wide-area    time_s,arrival_s,x,y,z,vx,vy,vz,count[,route]    a row per report of the number of targets around a place
          (docs/wide-area.md); arrival_s counts like time_s; route: east and north of earlier places, oldest first, joined
          with |.
@@ -259,6 +269,9 @@ pub struct TrackArgs {
     /// Detections: CSV files, recordings of the Autoferry data set, or a deployment's recordings of all topics (MCAP)
     #[arg(long, value_name = "FILE", required = true, num_args = 1..)]
     pub(crate) detections: Vec<PathBuf>,
+    /// States of the platform that carries the sensors: a CSV file
+    #[arg(long, value_name = "FILE")]
+    pub(crate) platform: Option<PathBuf>,
     /// Counts of a wide-area sensor, which reports late: a CSV file
     #[arg(long, value_name = "FILE")]
     pub(crate) wide_area: Option<PathBuf>,
@@ -327,6 +340,9 @@ pub struct Locate {
     /// Bearings: a CSV file in the order of time
     #[arg(long, value_name = "FILE")]
     pub(crate) bearings: PathBuf,
+    /// States of the platform: a CSV file as for `koseki track`; bearings are then from its nose
+    #[arg(long, value_name = "FILE")]
+    pub(crate) platform: Option<PathBuf>,
     /// Motion of emitters: auto, fixed or straight [default: the value in --config, else auto]
     #[arg(long, value_name = "FILTER")]
     pub(crate) filter: Option<String>,

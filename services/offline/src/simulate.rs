@@ -5,6 +5,8 @@
 //! Direction finders write a table of bearings (FM-7), in which a transmitter has the number of its target.
 //! Wide-area sensors write a table of counts (FM-6).
 
+mod on_board;
+
 use std::io::Write as _;
 use std::path::Path;
 
@@ -17,7 +19,7 @@ use formats::sensor_tracks_csv::SensorTrackWriter;
 use formats::wide_area_csv::WideAreaWriter;
 use messages::SensorTrack;
 use observations::sensor_id;
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use scenario::{
     RadarPlot, SensorSettings, SimulatedDirectionFinder, SimulatedSensor, SimulatedWideAreaSensor, TargetState, Truth,
 };
@@ -64,6 +66,9 @@ const NAMED: [(&str, &str, &[&str]); 5] = [
 /// # Errors
 /// If the scenario does not exist, or a file cannot be written.
 pub(crate) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
+    if simulate.scenario == Path::new(on_board::NAME) {
+        return on_board::run(simulate, host);
+    }
     let config = config(host, &simulate.scenario, &simulate.set)?;
     let instruments: Vec<(&Source, &Instrument)> = config.sources.iter().filter_map(simulated).collect();
     let (Some(world), false) = (&config.scenario, instruments.is_empty()) else {
@@ -125,7 +130,7 @@ fn config(host: &dyn Host, scenario: &Path, set: &[String]) -> anyhow::Result<Co
             Ok(host.deployment(scenario, text, &[&changes, set].concat())?)
         }
         None if !scenario.exists() => {
-            let names = NAMED.map(|(name, ..)| name).join(", ");
+            let names = format!("{}, {}", NAMED.map(|(name, ..)| name).join(", "), on_board::NAME);
             let what = format!(
                 "--scenario {}: no such file or scenario; there are {names}",
                 scenario.display()
@@ -334,6 +339,7 @@ fn detection(sensor_id: u32, number: u32, plot: &RadarPlot) -> Detection {
         range_rate_mps: None,
         sigmas: Some(sigmas),
         platform_m: plot.site_m,
+        platform: DetectionPlatform::default(),
         reply: TransponderReply {
             identity: plot.identity,
             level: plot.level,

@@ -2,5 +2,6 @@
 
 mod autoferry;
 mod containers;
+mod nmea;
 mod recording;
 mod replies;

@@ -2,7 +2,7 @@
 
 use formats::detections_csv::{DetectionReader, DetectionWriter, RepliedDetection, RepliedDetectionWriter};
 use messages::{Identity, IdentityAges};
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use proptest::prelude::*;
 
 const HEADER: &str = "time_s,sensor_id,scan,detection_id,kind,m0,m1,m2,m3,s0,s1,s2,s3,px,py,pz,truth_id";
@@ -88,6 +88,7 @@ proptest! {
             range_rate_mps: None,
             sigmas: Some([5.0, 5.0, 0.0, 0.0]),
             platform_m: [0.0; 3],
+            platform: DetectionPlatform::default(),
             reply,
             truth: None,
         };

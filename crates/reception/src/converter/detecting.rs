@@ -20,7 +20,7 @@ use crate::PositionForm;
 use crate::accuracy::{self, Velocity};
 use crate::placing::{Height, SystemPosition, place};
 use observations::sensor_id;
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use observations::{Observation, Position};
 
 impl Converter {
@@ -84,6 +84,7 @@ impl Converter {
                 None => range_rate.map_or(0.0, |(_, sigma_mps)| sigma_mps),
             })),
             platform_m,
+            platform: DetectionPlatform::default(),
             reply: self.reply(observation),
             truth: None,
         })

@@ -2,7 +2,7 @@
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use messages::Identity;
-use observations::{Detection, DetectionKind, TransponderReply};
+use observations::{Detection, DetectionKind, DetectionPlatform, TransponderReply};
 use settings::Degrees;
 use test_support::S;
 use tracking::settings::{Limit, SensorFacts, SensorModel, TrackerCapacity};
@@ -45,6 +45,7 @@ fn scan(second: i64, state: &mut u64) -> Vec<Detection> {
                 [10.0, 0.01, 0.01, 1.0].map(|sigma| if kind == DetectionKind::Position2 { 10.0 } else { sigma }),
             ),
             platform_m: [-500.0, -500.0, 0.0],
+            platform: DetectionPlatform::default(),
             reply: TransponderReply::default(),
             truth: None,
         }

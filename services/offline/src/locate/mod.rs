@@ -19,12 +19,13 @@ use locating::selection::Select;
 use locating::settings::{FilterChoice, Settings};
 use locating::{BearingRejection, Locator};
 use observations::Bearing;
+use platform::{Assumed, History, Mount, Refusal};
 
 use crate::args::Locate;
 use crate::files::{InputError, Usage, check_outputs};
 use crate::host::Host;
 use crate::locate_columns::FIX_COLUMNS;
-use crate::reading::{CountingInput, Progress, SkippedRows};
+use crate::reading::{CountingInput, Progress, SkippedRows, platform_states};
 use decisions::Decisions;
 use picture::Paths;
 use summary::LocateSummary;
@@ -43,7 +44,12 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         ("--explain", locate.explain.as_ref()),
         ("--picture", locate.picture.as_ref()),
     ];
-    check_outputs(std::iter::once(&locate.bearings).chain(&locate.config), &outputs)?;
+    check_outputs(
+        std::iter::once(&locate.bearings)
+            .chain(&locate.config)
+            .chain(&locate.platform),
+        &outputs,
+    )?;
     let mut locator = Locator::new(settings(locate, host)?).map_err(|fault| Usage(fault.to_string()))?;
     let mut input = BearingInput::open(host, &locate.bearings)?;
     let mut out = host.begin(&locate.out)?;
@@ -57,7 +63,23 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
     let mut paths = locate.picture.as_ref().map(|_| Paths::new(locate.emitter));
     let mut summary = LocateSummary::default();
     let progress = Progress::new(host, input.octets);
-    while let Some((line, bearing)) = input.next()? {
+    let ship = locate
+        .platform
+        .as_deref()
+        .map(|path| ship(host, path, &mut input.refusals))
+        .transpose()?;
+    while let Some((line, measured)) = input.next()? {
+        let carried = ship.as_ref().map_or(Ok(measured), |ship| on_board(ship, &measured));
+        let bearing = match carried {
+            Ok(bearing) => bearing,
+            Err(refusal) => {
+                let why = format!("the platform's state at the time is not known: {refusal:?}");
+                input
+                    .refusals
+                    .refused("want of a platform state", input.path, line, why);
+                continue;
+            }
+        };
         let begin_ns = runtime::clock::mono_ns();
         let taken = locator.bearing(&bearing);
         summary.locator_ns += runtime::clock::mono_ns() - begin_ns;
@@ -88,6 +110,22 @@ pub(crate) fn run(locate: &Locate, host: &dyn Host) -> anyhow::Result<()> {
         paths.draw(file)?;
     }
     summary.show(host, locate, &locator, &input.refusals)
+}
+
+/// Reads the states of the ship that carries the direction finder.
+fn ship(host: &dyn Host, path: &Path, refusals: &mut SkippedRows) -> Result<History, InputError> {
+    let states = platform_states(host, path, refusals)?;
+    let mut history = History::new(Assumed::default(), states.len());
+    for state in &states {
+        history.add(state);
+    }
+    Ok(history)
+}
+
+/// A bearing from the bow, as one from north.
+fn on_board(ship: &History, bearing: &Bearing) -> Result<Bearing, Refusal> {
+    let pose = ship.at(bearing.time_of_measurement_ns).map_err(Refusal::Position)?;
+    Mount::default().carry_bearing(bearing, &pose, None)
 }
 
 /// Returns the settings of the command line and the configuration.

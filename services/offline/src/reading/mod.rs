@@ -5,6 +5,7 @@ mod arrivals;
 mod drive;
 mod kept;
 mod merged;
+mod platform_states;
 mod progress;
 mod refusals;
 mod setup;
@@ -12,6 +13,7 @@ mod survey;
 
 pub(crate) use drive::{DriveTotals, EngineReader, drive, drive_into};
 pub(crate) use merged::named_twice;
+pub(crate) use platform_states::platform_states;
 pub(crate) use progress::{CountingInput, Progress};
 pub use refusals::SkippedRows;
 pub(crate) use setup::{Setup, rule};

@@ -6,6 +6,7 @@
 
 mod explain;
 mod input;
+mod on_board;
 mod outputs;
 mod recorded_events;
 mod summary;
@@ -16,6 +17,7 @@ use std::path::Path;
 use configuration::{Config, SeenDetections, Tracking};
 use deployment::Source;
 use observations::sensor_id;
+use platform::OfflinePlatform;
 use sources::{Outputs, ScanTracker, SensorScan};
 use tracking::Settings;
 use tracking::explanation::Observer;
@@ -28,6 +30,7 @@ use crate::host::Host;
 use crate::reading::Progress;
 use explain::Explained;
 use input::DetectionInput;
+use on_board::OnBoard;
 use outputs::TrackerSink;
 use summary::TrackSummary;
 use support::SupportInput;
@@ -46,6 +49,10 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         None => TrackConfiguration::Offline(Box::default()),
     };
     let mut input = DetectionInput::read(host, &track.detections)?;
+    let carried = match &track.platform {
+        Some(path) => Some(OnBoard::carry(host, path, &config, &mut input)?),
+        None => OnBoard::carry_own(&track.detections[0], &config, &mut input)?,
+    };
     let (support, reports) = read(track.wide_area.as_deref(), |path| SupportInput::reports(host, path))?;
     let (heard, emissions) = read(track.emissions.as_deref(), |path| SupportInput::emissions(host, path))?;
     let scans = scans_of(&mut input.detections, &input.silent);
@@ -101,6 +108,7 @@ pub(crate) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         input: &input,
         support: written.reports.take(),
         emissions: written.emissions.take(),
+        carried,
         tracker: tracker.tracker(),
         tracked: std::mem::take(&mut written.tracked),
     };
@@ -136,6 +144,22 @@ impl TrackConfiguration {
             true => Self::Deployment(Box::new(host.deployment(path, &text, &[])?)),
             false => Self::Offline(Box::new(Tracking::parse(path, &text)?)),
         })
+    }
+
+    /// The platform of the sensors.
+    fn platform(&self) -> OfflinePlatform {
+        match self {
+            Self::Offline(config) => config.platform().clone(),
+            Self::Deployment(_) => OfflinePlatform::default(),
+        }
+    }
+
+    /// Standard deviations of a sensor's detections that state none.
+    fn sigmas(&self, sensor_id: u32) -> Option<[f64; 4]> {
+        match self {
+            Self::Offline(config) => config.sigmas(sensor_id),
+            Self::Deployment(_) => None,
+        }
     }
 
     fn settings(&self, seen: &SeenDetections) -> anyhow::Result<Settings> {
@@ -183,5 +207,11 @@ fn check_files(track: &TrackArgs) -> Result<(), Usage> {
         ("--cues", track.cues.as_ref()),
     ];
     let inputs = track.detections.iter().chain(&track.config);
-    check_outputs(inputs.chain(&track.wide_area).chain(&track.emissions), &outputs)
+    check_outputs(
+        inputs
+            .chain(&track.wide_area)
+            .chain(&track.emissions)
+            .chain(&track.platform),
+        &outputs,
+    )
 }

@@ -126,6 +126,7 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
         rows: 0,
         cues: None,
         input: &input,
+        carried: None,
         support: None,
         emissions: None,
         tracker: tracker.tracker(),

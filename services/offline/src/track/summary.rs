@@ -11,6 +11,7 @@ use tracking::{ScanRejection, Tracker, TrackerCounts};
 use crate::host::Host;
 
 use super::input::DetectionInput;
+use super::on_board::OnBoard;
 use super::support::SupportInput;
 
 /// Advice for a result without confirmed tracks.
@@ -78,6 +79,8 @@ pub(super) struct TrackSummary<'a> {
     pub(super) input: &'a DetectionInput,
     pub(super) support: Option<SupportInput>,
     pub(super) emissions: Option<SupportInput>,
+    /// Detections carried into the system's terms, with `--platform`.
+    pub(super) carried: Option<OnBoard>,
     pub(super) tracker: &'a Tracker,
     pub(super) tracked: Tracked,
 }
@@ -142,6 +145,7 @@ impl TrackSummary<'_> {
                 "used": counts.emissions_used,
                 "unclear": counts.emissions_unclear,
             })),
+            "platform": self.carried.as_ref().map(OnBoard::as_json),
             "dropped_probability_max": counts.dropped_probability_max,
             "dropped_probability_mean": counts.dropped_probability_mean(),
             "scan_median_ms": self.time_ms(0.5),
@@ -163,6 +167,9 @@ impl TrackSummary<'_> {
             )?;
         }
         text.push_str(&self.input.refusals.as_text());
+        if let Some(carried) = &self.carried {
+            carried.write_text(text)?;
+        }
         for (refusal, scans) in &tracked.refused_scans {
             writeln!(text, "refused: {scans} scans: {refusal}")?;
         }
