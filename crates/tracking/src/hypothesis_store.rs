@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use crate::counts::TrackerCounts;
 use crate::log_sum::{log_add, log_sum};
-use crate::settings::Reduction;
+use crate::settings::{Confirmation, Reduction};
 use crate::track::{TENTATIVE, Track};
 
 /// A child hypothesis.
@@ -179,13 +179,41 @@ impl HypothesisStore {
             if track.is_confirmed() || !may_be(track) {
                 continue;
             }
-            let root = track.root;
-            for branch in self.tracks.iter_mut().filter(|track| track.root == root) {
-                branch.number = *next_number;
-            }
-            *next_number = next_number.wrapping_add(1).max(1);
-            counts.confirmed += 1;
+            self.give_number(track.root, next_number, counts);
         }
+    }
+
+    /// Confirms the trees that may be confirmed (HT-10): as likely as all their branches together, of which no
+    /// hypothesis has two, as they share the first detection.
+    pub(crate) fn confirm_trees(
+        &mut self,
+        confirmation: &Confirmation,
+        next_number: &mut u32,
+        counts: &mut TrackerCounts,
+    ) {
+        self.sum_reliabilities();
+        for place in 0..self.tracks.len() {
+            let track = &self.tracks[place];
+            if track.is_confirmed() || !confirmation.is_seen_enough(track) {
+                continue;
+            }
+            let root = track.root;
+            let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
+            let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
+            let together = counted.map(|branch| branch.reliability).sum();
+            if confirmation.is_beyond_doubt(together) {
+                self.give_number(root, next_number, counts);
+            }
+        }
+    }
+
+    /// Confirms all branches of a root.
+    fn give_number(&mut self, root: u32, next_number: &mut u32, counts: &mut TrackerCounts) {
+        for branch in self.tracks.iter_mut().filter(|track| track.root == root) {
+            branch.number = *next_number;
+        }
+        *next_number = next_number.wrapping_add(1).max(1);
+        counts.confirmed += 1;
     }
 
     /// Reliabilities of the children, most reliable first, with their tracks.
