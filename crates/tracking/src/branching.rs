@@ -202,9 +202,11 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;
-    track.in_company += u32::from(joined.is_in_confirmed_gate(joined.row_of(found.plot) as usize));
-    track.log_likelihood_ratio +=
-        scan.sensor.log_detection + found.log_likelihood - scan.log_clutter[found.plot as usize];
+    let row = joined.row_of(found.plot) as usize;
+    track.in_company += u32::from(joined.is_in_confirmed_gate(row));
+    track.log_likelihood_ratio += scan.sensor.log_detection + found.log_likelihood
+        - scan.log_clutter[found.plot as usize]
+        - joined.shared[row].log_others;
     track.remember(scan.first_serial.wrapping_add(found.plot));
     if lacks_company(joined, &track) {
         counts.out_of_company += 1;

@@ -8,6 +8,7 @@
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
 use crate::counts::TrackerCounts;
+use crate::coupling::SharedPlot;
 use crate::directions::{Claims, Directions};
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
@@ -71,7 +72,7 @@ impl ClusterUpdate {
         &mut self,
         scan: &ScanContext<'_>,
         clusters: &[(u32, u32)],
-        plots: &[(u32, u32)],
+        plots: (&[(u32, u32)], &[SharedPlot]),
         next: &mut Population,
         counts: &mut TrackerCounts,
     ) {

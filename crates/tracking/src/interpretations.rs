@@ -205,7 +205,8 @@ impl Interpretations {
         let lacking = parents.list[parent].lacking;
         let mut entry = 0;
         for (row, (_, plot)) in joined.plots.iter().enumerate() {
-            let log_clutter = scan.log_clutter[*plot as usize];
+            let log_others = joined.shared[row].log_others;
+            let log_clutter = scan.log_clutter[*plot as usize] + log_others;
             let log_weight = scan.log_weight + scan.plots[*plot as usize].log_weight;
             let log_share = log_share_of_new(joined, lacking, row);
             self.ranked.begin_row();
@@ -219,7 +220,7 @@ impl Interpretations {
                 add(OWN, FALSE, 0.0);
             }
             if let Some(log_share) = log_share.filter(|_| start != TrackStart::MayNot && is_usable) {
-                add(OWN, NEW, -log_share - log_weight);
+                add(OWN, NEW, log_others - log_share - log_weight);
             }
             while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
                 entry += 1;

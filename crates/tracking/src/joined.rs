@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::counts::TrackerCounts;
+use crate::coupling::SharedPlot;
 use crate::gating::NONE;
 use crate::population::Cluster;
 use crate::ranked::ROWS_MAX;
@@ -40,6 +41,8 @@ pub(crate) struct JoinedClusters<'a> {
     clusters: &'a [(u32, u32)],
     /// (cluster that represents all, detection).
     pub(crate) plots: &'a [(u32, u32)],
+    /// By detection of theirs.
+    pub(crate) shared: &'a [SharedPlot],
     rows: &'a DetectionRows,
     pub(crate) detections: DetectionCounts,
     /// Number of confirmed tracks, branches not counted.
@@ -52,7 +55,7 @@ impl<'a> JoinedClusters<'a> {
     pub(crate) fn of(
         scan: &'a ScanContext<'a>,
         clusters: &'a [(u32, u32)],
-        plots: &'a [(u32, u32)],
+        (plots, shared): (&'a [(u32, u32)], &'a [SharedPlot]),
         rows: &'a mut DetectionRows,
         counts: &mut TrackerCounts,
     ) -> Self {
@@ -87,6 +90,7 @@ impl<'a> JoinedClusters<'a> {
             scan,
             clusters,
             plots,
+            shared,
             rows,
             detections,
             confirmed,
@@ -124,6 +128,9 @@ impl<'a> JoinedClusters<'a> {
 
     /// Returns whether SP-1 forbids new tracks at a row's detection.
     pub(crate) fn is_start_forbidden(&self, row: usize) -> bool {
-        self.confirmed > 0 && self.scan.settings.splitting.start_in_confirmed_gates && !self.is_in_confirmed_gate(row)
+        !self.shared[row].may_start
+            || self.confirmed > 0
+                && self.scan.settings.splitting.start_in_confirmed_gates
+                && !self.is_in_confirmed_gate(row)
     }
 }

@@ -50,6 +50,7 @@ mod clutter;
 #[cfg(test)]
 mod correlation_tests;
 mod counts;
+mod coupling;
 pub mod cutting;
 mod directions;
 #[cfg(test)]

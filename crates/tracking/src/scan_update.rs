@@ -4,12 +4,13 @@ use crate::branching;
 use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
+use crate::coupling::Coupling;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
 use crate::gating::Gating;
 use crate::identity::ScanReplies;
-use crate::limits::DETECTION_COUNTS;
+use crate::limits::{DETECTION_COUNTS, PAIRS_MAX};
 use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
@@ -23,6 +24,7 @@ pub(crate) struct ScanUpdate {
     /// By sensor.
     sensors: Vec<Sensor>,
     gating: Gating,
+    coupling: Coupling,
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
@@ -39,6 +41,7 @@ impl ScanUpdate {
         Self {
             sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
             gating: Gating::new(tracks, detections),
+            coupling: Coupling::new(tracks, 4 * tracks + PAIRS_MAX, detections),
             replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
             log_clutter: Vec::with_capacity(detections),
@@ -87,6 +90,8 @@ impl ScanUpdate {
             self.replies.read(plots.iter().map(|plot| &plot.identity));
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
+            let seen = (&plots[..], &self.log_clutter[..]);
+            self.coupling.run(&mut self.gating, before, seen, &looking, settings);
         }
         let scan = ScanContext {
             before,
@@ -119,11 +124,14 @@ fn run_clusters(
     counts: &mut TrackerCounts,
 ) {
     let mut of_none = &scan.gating.plots[..];
+    let mut shared = &scan.gating.shared[..];
     for joined in scan.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
         let of_joined = of_none.iter().take_while(|(first, _)| *first == joined[0].0);
         let (plots, rest) = of_none.split_at(of_joined.count());
         of_none = rest;
-        clusters.run(scan, joined, plots, next, counts);
+        let (of_joined, rest) = shared.split_at(plots.len());
+        shared = rest;
+        clusters.run(scan, joined, (plots, of_joined), next, counts);
     }
     for &(_, plot) in of_none {
         begin_cluster(scan, plot, next, counts);

@@ -97,6 +97,9 @@ settings::settings! {
         merge_scans: usize = 2, in [0, HISTORY_MAX];
         /// Least reliability of a hypothesis; less reliable hypotheses are dropped.
         reliability_min: f64 = 1e-3, in [0, 0.49];
+        /// Clusters are joined if both have the same detection with at least this probability; 0: every detection in
+        /// gates of both joins them (HT-4).
+        join_probability_min: f64 = 0.02, in [0, 1];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];
     }
