@@ -18,6 +18,7 @@ use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
 use crate::splitting::mean_motion;
 use crate::track::{NO_DETECTION, Track};
+use crate::unresolved::SHARED;
 
 /// Place of a track that has not been made yet, or finds no room.
 pub(crate) const UNMADE: u32 = u32::MAX;
@@ -31,6 +32,8 @@ pub(crate) struct Branches {
     missed: Vec<u32>,
     updated: Vec<u32>,
     begun: [u32; ROWS_MAX],
+    /// By detection of a pair of tracks: both of them.
+    shared: Vec<[u32; 2]>,
     /// (number, reliability) of confirmed tracks.
     numbers: Vec<(u32, f64)>,
     /// Indices of the branches of each number.
@@ -43,6 +46,7 @@ impl Branches {
             missed: vec![UNMADE; tracks_max],
             updated: vec![UNMADE; 4 * tracks_max + PAIRS_MAX],
             begun: [UNMADE; ROWS_MAX],
+            shared: vec![[UNMADE; 2]; 4 * tracks_max],
             numbers: Vec::with_capacity(CLUSTER_TRACKS_MAX),
             of_number: Vec::with_capacity(CLUSTER_TRACKS_MAX),
         }
@@ -51,6 +55,8 @@ impl Branches {
     /// Forgets the tracks made of these clusters.
     pub(crate) fn clear(&mut self, joined: &JoinedClusters<'_>) {
         self.begun = [UNMADE; ROWS_MAX];
+        let shared = joined.scan.unresolved.detections.len();
+        self.shared[..shared].fill([UNMADE; 2]);
         for track in joined.tracks() {
             self.missed[track as usize] = UNMADE;
             self.updated[joined.pairs(track)].fill(UNMADE);
@@ -70,6 +76,15 @@ impl Branches {
             let made = &mut self.missed[number as usize];
             if *made == UNMADE {
                 *made = missed_track(joined, number, counts).map_or(REMOVED, |track| kept(store, track));
+            }
+            return *made;
+        }
+        if pair & SHARED != 0 {
+            let tracks = joined.scan.unresolved.tracks_of(pair);
+            let side = usize::from(tracks[1] == number);
+            let made = &mut self.shared[(pair & !SHARED) as usize][side];
+            if *made == UNMADE {
+                *made = kept(store, shared_track(joined, number, tracks[1 - side], pair));
             }
             return *made;
         }
@@ -214,6 +229,26 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
         return None;
     }
     Some(track)
+}
+
+/// The track `number` with a detection between it and another track.
+fn shared_track(joined: &JoinedClusters<'_>, number: u32, other: u32, shared: u32) -> Track {
+    let scan = joined.scan;
+    let found = scan.unresolved.detections[(shared & !SHARED) as usize];
+    let plot = &scan.plots[found.plot as usize];
+    let [mut motion, other] = [number, other].map(|track| {
+        let track = &scan.before.tracks[track as usize];
+        track.motion_at(plot.time_ns, &scan.settings.motion)
+    });
+    let mut track = scan.before.tracks[number as usize];
+    // Without the update, which cannot fail in numbers, the track goes on as predicted.
+    let _ = motion.update_half(&other, &plot.measurement.weighted(scan.sensor.scan_weight));
+    track.motion = motion;
+    track.time_ns = plot.time_ns;
+    (track.missed, track.log_silence) = (0, 0.0);
+    track.detections += 1;
+    track.remember(scan.first_serial.wrapping_add(found.plot));
+    track
 }
 
 /// Begins a track with an inherited motion, or with the state of a first detection. `None` for a direction alone.

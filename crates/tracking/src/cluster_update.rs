@@ -22,6 +22,7 @@ use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
 use crate::separation::Separation;
 use crate::splitting::{DetectionCounts, SplitLimits};
+use crate::unresolved::SHARED;
 use crate::wide_area::children::ChildCorrection;
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
@@ -201,8 +202,14 @@ impl ChildHypotheses {
             return false;
         }
         for pair in interpretations.pairs(interpretation) {
-            let track = joined.scan.gating.pairs[pair as usize].track;
-            self.taken[track as usize] = pair;
+            if pair & SHARED == 0 {
+                let track = joined.scan.gating.pairs[pair as usize].track;
+                self.taken[track as usize] = pair;
+            } else {
+                for track in joined.scan.unresolved.tracks_of(pair) {
+                    self.taken[track as usize] = pair;
+                }
+            }
         }
         let mut room = true;
         for &track in self.parents.members(interpretation.parent) {

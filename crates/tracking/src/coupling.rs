@@ -30,6 +30,7 @@ use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
+use crate::unresolved::Unresolved;
 
 /// Largest logarithm of a likelihood ratio: more is certain, and must not overflow.
 const LOG_MAX: f64 = 30.0;
@@ -75,23 +76,25 @@ pub(crate) struct Coupling {
 impl Coupling {
     pub(crate) fn new(tracks_max: usize, pairs_max: usize, plots_max: usize) -> Self {
         Self {
-            claims: Vec::with_capacity(pairs_max),
+            claims: Vec::with_capacity(2 * pairs_max),
             joined: Vec::with_capacity(tracks_max),
             sizes: Vec::with_capacity(tracks_max),
-            shared: Vec::with_capacity(pairs_max + plots_max),
+            shared: Vec::with_capacity(2 * pairs_max + plots_max),
         }
     }
 
     /// Joins the clusters that have to be updated together, and lists the detections of each.
     pub(crate) fn run(
         &mut self,
-        gating: &mut Gating,
+        (gating, unresolved): (&mut Gating, &Unresolved),
         population: &Population,
         (plots, log_clutter): (&[Plot], &[f64]),
         sensor: &Sensor,
         settings: &Settings,
     ) {
         self.find_claims(gating, population, (plots, log_clutter), sensor);
+        self.add_claims_of_two(unresolved, population, (plots, log_clutter), sensor);
+        self.merge_claims();
         self.join(population, settings.reduction.join_probability_min);
         self.share(plots.len(), settings);
         gating.clusters.clear();
@@ -138,6 +141,37 @@ impl Coupling {
                 }
             }
         }
+    }
+
+    /// Adds the claims of pairs of tracks that the sensor may not resolve.
+    fn add_claims_of_two(
+        &mut self,
+        unresolved: &Unresolved,
+        population: &Population,
+        (plots, log_clutter): (&[Plot], &[f64]),
+        sensor: &Sensor,
+    ) {
+        for found in &unresolved.detections {
+            let (pair, plot) = (&unresolved.pairs[found.pair as usize], found.plot as usize);
+            let log_ratio = sensor.log_detection + found.log_likelihood - log_clutter[plot] + pair.log_unresolved;
+            let likelihood = (log_ratio + plots[plot].log_weight - pair.log_miss).min(LOG_MAX).exp();
+            for track in pair.tracks {
+                let clusters = &population.clusters;
+                let cluster = clusters.partition_point(|cluster| cluster.tracks.end <= track) as u32;
+                if self.claims.len() < self.claims.capacity() {
+                    self.claims.push(Claim {
+                        plot: found.plot,
+                        cluster,
+                        likelihood: likelihood * population.tracks[track as usize].reliability.min(1.0),
+                        is_confirmed: false,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Adds up the claims of each cluster to each detection.
+    fn merge_claims(&mut self) {
         self.claims.sort_unstable_by(|one, other| {
             let places = (one.plot, one.cluster).cmp(&(other.plot, other.cluster));
             places.then(one.likelihood.total_cmp(&other.likelihood))

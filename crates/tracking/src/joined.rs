@@ -121,6 +121,13 @@ impl<'a> JoinedClusters<'a> {
         self.rows.row_of[plot as usize]
     }
 
+    /// Row of a detection of the scan, if it is in these clusters.
+    pub(crate) fn known_row_of(&self, plot: u32) -> Option<u32> {
+        let row = self.row_of(plot);
+        let found = self.plots.get(row as usize).is_some_and(|(_, of_row)| *of_row == plot);
+        found.then_some(row)
+    }
+
     /// Whether a row's detection lies in a confirmed track's gate.
     pub(crate) fn is_in_confirmed_gate(&self, row: usize) -> bool {
         self.rows.in_confirmed_gate[row]

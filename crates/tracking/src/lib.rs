@@ -92,6 +92,7 @@ mod tracker;
 mod tracker_tests;
 mod turn;
 pub mod turn_time;
+mod unresolved;
 pub mod wide_area;
 #[cfg(test)]
 mod wide_area_identity_tests;
@@ -107,3 +108,4 @@ pub use resumption::{LeftTracks, TrackerMemory};
 pub use settings::Settings;
 pub use track_report::TrackReport;
 pub use tracker::{ScanRejection, Tracker};
+pub use unresolved::ResolutionCell;

@@ -18,7 +18,7 @@ use messages::STATE_LEN;
 
 use crate::initiation::{Initiation, first_state};
 use crate::log_sum::log_add;
-use crate::measurement::{DetectionMeasurement, MeasurementInnovation};
+use crate::measurement::{DetectionMeasurement, MeasurementInnovation, middle};
 use crate::turn::{TurnRate, TurnSettings};
 
 /// Smallest probability of a model: it must be able to come back.
@@ -230,6 +230,31 @@ impl TargetMotion {
         };
         *self = updated;
         Some(innovation)
+    }
+
+    /// The place between two targets, model by model.
+    pub(crate) fn middle(one: &Self, other: &Self) -> Self {
+        Self {
+            steady: middle(&one.steady, &other.steady),
+            turning: middle(&one.turning, &other.turning),
+            turning_probability: 0.5 * (one.turning_probability + other.turning_probability),
+            ..*one
+        }
+    }
+
+    /// Updates with a detection between this target and another one; `None`, and no change, if that cannot be done in
+    /// numbers.
+    pub(crate) fn update_half(&mut self, other: &Self, measurement: &DetectionMeasurement) -> Option<()> {
+        let (mut updated, other) = (*self, other.estimate());
+        let steady = measurement.update_half(&mut updated.steady, &other)?;
+        if self.turning_probability > 0.0 {
+            let turning = measurement.update_half(&mut updated.turning, &other)?;
+            let innovation = both(steady, turning, self.turning_probability)?;
+            let share = self.turning_probability.ln() + turning.log_likelihood - innovation.log_likelihood;
+            updated.turning_probability = share.exp().clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
+        }
+        *self = updated;
+        Some(())
     }
 
     /// Lets all standard deviations be larger by a factor.

@@ -16,6 +16,7 @@ use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
+use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
 /// Working memory for one scan after the other.
@@ -25,6 +26,7 @@ pub(crate) struct ScanUpdate {
     sensors: Vec<Sensor>,
     gating: Gating,
     coupling: Coupling,
+    unresolved: Unresolved,
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
@@ -41,6 +43,13 @@ impl ScanUpdate {
         Self {
             sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
             gating: Gating::new(tracks, detections),
+            unresolved: Unresolved::new(
+                tracks,
+                settings
+                    .sensors
+                    .iter()
+                    .any(|sensor| sensor.model.resolution_cell.is_some()),
+            ),
             coupling: Coupling::new(tracks, 4 * tracks + PAIRS_MAX, detections),
             replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
@@ -90,14 +99,17 @@ impl ScanUpdate {
             self.replies.read(plots.iter().map(|plot| &plot.identity));
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
+            self.unresolved.find(before, plots, *time_ns, &looking);
             let seen = (&plots[..], &self.log_clutter[..]);
-            self.coupling.run(&mut self.gating, before, seen, &looking, settings);
+            self.coupling
+                .run((&mut self.gating, &self.unresolved), before, seen, &looking, settings);
         }
         let scan = ScanContext {
             before,
             plots,
             log_clutter: &self.log_clutter,
             gating: &self.gating,
+            unresolved: &self.unresolved,
             settings,
             sensor: &looking,
             support,

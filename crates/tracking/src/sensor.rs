@@ -26,6 +26,7 @@ use crate::measurement::{DIMENSIONS_MAX, MeasurementInnovation};
 use crate::motion::MotionSettings;
 use crate::plot::Plot;
 use crate::settings::{SensorFacts, Settings};
+use crate::unresolved::ResolutionCell;
 
 /// Smallest weight of a scan: several scans at one time must keep some weight.
 const WEIGHT_MIN: f64 = 1e-3;
@@ -44,7 +45,8 @@ pub(crate) struct Sensor {
     /// Weight of the scan at hand relative to an independent scan, above 0, at most 1.
     pub(crate) scan_weight: f64,
     /// Position of the sensor at the scan at hand, east and north, metres; `None` if it is not known.
-    platform_m: Option<[f64; 2]>,
+    pub(crate) platform_m: Option<[f64; 2]>,
+    pub(crate) cell: Option<ResolutionCell>,
 }
 
 /// State of a sensor that is carried from scan to scan.
@@ -85,6 +87,7 @@ impl Sensor {
             coherence_s: settings.deletion.coherence_s,
             scan_weight: 1.0,
             platform_m: None,
+            cell: sensor.model.resolution_cell,
         }
     }
 

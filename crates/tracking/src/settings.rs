@@ -15,6 +15,7 @@ use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX};
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};
 use crate::selection::Selection;
 pub use crate::turn::TurnSettings;
+use crate::unresolved::ResolutionCell;
 use crate::wide_area::settings::SupportSettings;
 
 /// Tracks, and detections in a scan, for which there is room where nobody says more.
@@ -80,6 +81,8 @@ settings::settings! {
         /// Smallest distance between detections of different targets in a scan; without the key, a target gives at
         /// most one detection.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
+        /// Two targets that differ by less in range and bearing give one detection between them.
+        resolution_cell: Option<ResolutionCell> = None, usually "targets are resolved";
     }
 
     /// Gates around predicted measurements (HT-2).
