@@ -30,6 +30,7 @@ use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
+use crate::track::NO_DETECTION;
 use crate::unresolved::Unresolved;
 
 /// Largest logarithm of a likelihood ratio: more is certain, and must not overflow.
@@ -65,6 +66,8 @@ struct Claim {
 pub(crate) struct Coupling {
     /// Sorted by detection.
     claims: Vec<Claim>,
+    /// (serial number of a detection, cluster, reliability of its tracks with it), sorted.
+    taken: Vec<(u32, u32, f64)>,
     /// By cluster: another cluster joined with it, or the cluster itself.
     joined: Vec<u32>,
     /// By representative: numbers of tracks and, at most, detections of its joined clusters.
@@ -77,6 +80,7 @@ impl Coupling {
     pub(crate) fn new(tracks_max: usize, pairs_max: usize, plots_max: usize) -> Self {
         Self {
             claims: Vec::with_capacity(2 * pairs_max),
+            taken: Vec::with_capacity(tracks_max),
             joined: Vec::with_capacity(tracks_max),
             sizes: Vec::with_capacity(tracks_max),
             shared: Vec::with_capacity(2 * pairs_max + plots_max),
@@ -95,7 +99,14 @@ impl Coupling {
         self.find_claims(gating, population, (plots, log_clutter), sensor);
         self.add_claims_of_two(unresolved, population, (plots, log_clutter), sensor);
         self.merge_claims();
-        self.join(population, settings.reduction.join_probability_min);
+        let reduction = &settings.reduction;
+        self.begin(population);
+        let most = (CLUSTER_TRACKS_MAX, ROWS_MAX);
+        self.join(reduction.join_probability_min, most);
+        self.join_by_past(population, reduction.join_probability_min, most);
+        let few = (reduction.join_tracks, reduction.join_detections);
+        self.join(0.0, few);
+        self.join_by_past(population, 0.0, few);
         self.share(plots.len(), settings);
         gating.clusters.clear();
         for cluster in 0..self.joined.len() as u32 {
@@ -186,7 +197,8 @@ impl Coupling {
         });
     }
 
-    fn join(&mut self, population: &Population, probability_min: f64) {
+    /// Every cluster alone.
+    fn begin(&mut self, population: &Population) {
         self.joined.clear();
         self.joined.extend(0..population.clusters.len() as u32);
         self.sizes.clear();
@@ -195,6 +207,9 @@ impl Coupling {
         for claim in &self.claims {
             self.sizes[claim.cluster as usize].1 += 1;
         }
+    }
+
+    fn join(&mut self, probability_min: f64, most: (usize, usize)) {
         for of_plot in self.claims.chunk_by(|one, other| one.plot == other.plot) {
             let sum = 1.0 + of_plot.iter().map(|claim| claim.likelihood).sum::<f64>();
             let strongest = of_plot
@@ -205,7 +220,45 @@ impl Coupling {
                 let both = (strongest.likelihood / sum) * (other.likelihood / sum);
                 // Written so that NaN joins.
                 if !(both < probability_min) {
-                    unite(&mut self.joined, &mut self.sizes, strongest.cluster, other.cluster);
+                    unite(
+                        &mut self.joined,
+                        &mut self.sizes,
+                        (strongest.cluster, other.cluster),
+                        most,
+                    );
+                }
+            }
+        }
+    }
+
+    /// Joins clusters that both have taken the same detection, and may both be right: one of them is not.
+    fn join_by_past(&mut self, population: &Population, probability_min: f64, most: (usize, usize)) {
+        self.taken.clear();
+        for (cluster, of_cluster) in (0..).zip(&population.clusters) {
+            for track in &population.tracks[of_cluster.tracks.start as usize..of_cluster.tracks.end as usize] {
+                if track.history[0] != NO_DETECTION {
+                    self.taken.push((track.history[0], cluster, track.reliability));
+                }
+            }
+        }
+        self.taken.sort_unstable_by(|one, other| {
+            let places = (one.0, one.1).cmp(&(other.0, other.1));
+            places.then(one.2.total_cmp(&other.2))
+        });
+        self.taken.dedup_by(|later, earlier| {
+            let is_same = (later.0, later.1) == (earlier.0, earlier.1);
+            if is_same {
+                earlier.2 += later.2;
+            }
+            is_same
+        });
+        for of_detection in self.taken.chunk_by(|one, other| one.0 == other.0) {
+            let strongest = of_detection.iter().max_by(|one, other| one.2.total_cmp(&other.2));
+            let Some(strongest) = strongest else { continue };
+            for other in of_detection.iter().filter(|other| other.1 != strongest.1) {
+                // Written so that NaN joins.
+                if !(strongest.2 * other.2 < probability_min) {
+                    unite(&mut self.joined, &mut self.sizes, (strongest.1, other.1), most);
                 }
             }
         }
@@ -263,16 +316,15 @@ impl Coupling {
     }
 }
 
-/// Joins two clusters, unless they would become too large together.
-fn unite(joined: &mut [u32], sizes: &mut [(u32, u32)], one: u32, other: u32) {
+/// Joins two clusters, unless they would have more than `most` tracks or detections together.
+fn unite(joined: &mut [u32], sizes: &mut [(u32, u32)], (one, other): (u32, u32), most: (usize, usize)) {
     let (one, other) = (representative(joined, one), representative(joined, other));
     let ((tracks, plots), (more_tracks, more_plots)) = (sizes[one as usize], sizes[other as usize]);
     let sum = (tracks + more_tracks, plots + more_plots);
-    if one == other || sum.0 as usize > CLUSTER_TRACKS_MAX || sum.1 as usize > ROWS_MAX + 1 {
+    if one == other || sum.0 as usize > most.0 || sum.1 as usize > most.1 {
         return;
     }
     let (low, high) = (one.min(other), one.max(other));
     joined[high as usize] = low;
-    // They have at least one detection in common.
-    sizes[low as usize] = (sum.0, sum.1 - 1);
+    sizes[low as usize] = sum;
 }

@@ -103,6 +103,10 @@ settings::settings! {
         /// Clusters are joined if both have the same detection with at least this probability; 0: every detection in
         /// gates of both joins them (HT-4).
         join_probability_min: f64 = 0.02, in [0, 1];
+        /// Most tracks of joined clusters that every detection in gates of both joins, if they have few detections, too.
+        join_tracks: usize = 64, in [0, CLUSTER_TRACKS_MAX];
+        /// Most detections of joined clusters that every detection in gates of both joins, if they have few tracks, too.
+        join_detections: usize = 10, in [0, 64];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];
     }
