@@ -163,7 +163,9 @@ impl Branches {
         });
         let time_ns = scan.plots[plot as usize].time_ns;
         let best = self.of_number.iter().take(branches_max).map(of);
-        mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
+        let motion = &scan.settings.motion;
+        let mean = mean_motion(best.map(|track| (track.motion_at(time_ns, motion), track.reliability)));
+        mean.map(|mean| mean.leaving(motion))
     }
 }
 

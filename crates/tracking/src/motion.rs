@@ -14,7 +14,7 @@
 
 use estimation::{AxisNoise, Gaussian};
 use kept::{Get, Kept, Put, kept};
-use messages::STATE_LEN;
+use messages::{AXES, STATE_LEN};
 
 use crate::initiation::{Initiation, first_state};
 use crate::log_sum::log_add;
@@ -230,6 +230,22 @@ impl TargetMotion {
         };
         *self = updated;
         Some(innovation)
+    }
+
+    /// The motion of a target that leaves one of this motion: as likely as not it manoeuvres, and has done so for the
+    /// mean duration of a manoeuvre.
+    pub(crate) fn leaving(mut self, settings: &MotionSettings) -> Self {
+        let Some(manoeuvres) = settings.manoeuvres() else {
+            return self;
+        };
+        let [horizontal, vertical] = manoeuvres.process_noise_m2ps3;
+        for (axis, density) in [horizontal, horizontal, vertical].into_iter().enumerate() {
+            let row = AXES + axis;
+            let variance = self.turning.covariance.get(row, row) + density * manoeuvres.durations_s[1];
+            self.turning.covariance.set(row, row, variance);
+        }
+        self.turning_probability = self.turning_probability.max(0.5);
+        self
     }
 
     /// The place between two targets, model by model.
