@@ -85,7 +85,7 @@ impl ClusterUpdate {
         counts.drop_probability(dropped);
         let first_number = next.next_number;
         let confirmation = &scan.settings.confirmation;
-        store.confirm_trees(confirmation, &mut next.next_number, counts);
+        store.confirm_trees(confirmation, &scan.settings.splitting, &mut next.next_number, counts);
         let first_early = next.next_number;
         joined.support.confirm(store, &mut next.next_number, counts);
         if let Some(observer) = scan.observer {

@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use crate::counts::TrackerCounts;
 use crate::log_sum::{log_add, log_sum};
-use crate::settings::{Confirmation, Reduction};
+use crate::settings::{Confirmation, Reduction, Splitting};
 use crate::track::{TENTATIVE, Track};
 
 /// A child hypothesis.
@@ -188,6 +188,7 @@ impl HypothesisStore {
     pub(crate) fn confirm_trees(
         &mut self,
         confirmation: &Confirmation,
+        splitting: &Splitting,
         next_number: &mut u32,
         counts: &mut TrackerCounts,
     ) {
@@ -200,8 +201,12 @@ impl HypothesisStore {
             let root = track.root;
             let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
             let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
-            let together = counted.map(|branch| branch.reliability).sum();
-            if confirmation.is_beyond_doubt(together) {
+            let (together, with_company) = counted.fold((0.0, 0.0), |(all, with_company), branch| {
+                let company = if branch.in_company > 0 { branch.reliability } else { 0.0 };
+                (all + branch.reliability, with_company + company)
+            });
+            let of_split = splitting.reliability_min;
+            if confirmation.is_beyond_doubt(together) || of_split.is_some_and(|least| with_company >= least) {
                 self.give_number(root, next_number, counts);
             }
         }

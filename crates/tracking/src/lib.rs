@@ -52,6 +52,7 @@ mod correlation_tests;
 mod counts;
 mod coupling;
 pub mod cutting;
+mod detection_rate;
 mod directions;
 #[cfg(test)]
 mod enumeration_tests;

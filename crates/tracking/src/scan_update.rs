@@ -122,6 +122,9 @@ impl ScanUpdate {
             run_directions(&scan, &mut self.clusters, &mut self.claims, next, counts)
         } else {
             run_clusters(&scan, &mut self.clusters, next, counts);
+            if looking.learns {
+                next.sensors[*sensor].rate.count(&next.tracks, &looking);
+            }
             outside(before, &self.gating, &mut self.is_inside[..plots.len()])
         };
         next.sensors[*sensor].clutter.count(outside);

@@ -70,8 +70,9 @@ settings::settings! {
     /// Model of what a sensor detects.
     #[derive(Copy)]
     pub struct SensorModel {
-        /// Probability that a target in the field of view is detected in a scan.
-        detection_probability: f64 = 0.9, in [0.01, 0.9999];
+        /// Probability that a target in the field of view is detected in a scan. Without the key, 0.9 at first, and then
+        /// learned from confirmed tracks.
+        detection_probability: Option<f64> = None, in [0.01, 0.9999], usually "learned, at most 0.9";
         /// Expected false detections per scan: per m² for a sensor of positions or ranges, per radian of bearing for
         /// a sensor of directions only. Without the key, learned from detections outside the gates of confirmed
         /// tracks.
@@ -119,6 +120,9 @@ settings::settings! {
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
+        /// Least total reliability of the hypotheses with a track that had a detection in a confirmed track's gate, for
+        /// its confirmation; off: the value of `[confirmation]`.
+        reliability_min: Option<f64> = Some(0.97), in [0.501, 1];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).
