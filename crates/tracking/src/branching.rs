@@ -84,7 +84,8 @@ impl Branches {
             let side = usize::from(tracks[1] == number);
             let made = &mut self.shared[(pair & !SHARED) as usize][side];
             if *made == UNMADE {
-                *made = kept(store, shared_track(joined, number, tracks[1 - side], pair));
+                let shared = shared_track(joined, number, tracks[1 - side], pair);
+                *made = shared.map_or(REMOVED, |track| kept(store, track));
             }
             return *made;
         }
@@ -233,16 +234,23 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     Some(track)
 }
 
-/// The track `number` with a detection between it and another track.
-fn shared_track(joined: &JoinedClusters<'_>, number: u32, other: u32, shared: u32) -> Track {
+/// The track `number` with a detection between it and another track. `None` if it is the later one of the two and has had
+/// none of its own for too long: both may be of one target.
+fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, shared: u32) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.unresolved.detections[(shared & !SHARED) as usize];
     let plot = &scan.plots[found.plot as usize];
-    let [mut motion, other] = [number, other].map(|track| {
+    let [mut motion, other] = [number, other_number].map(|track| {
         let track = &scan.before.tracks[track as usize];
         track.motion_at(plot.time_ns, &scan.settings.motion)
     });
     let mut track = scan.before.tracks[number as usize];
+    let deletion = &scan.settings.deletion.limits;
+    let silent_ns = plot.time_ns.saturating_sub(track.seen_ns);
+    if silent_ns >= deletion.silent_s.ns() && track.number > scan.before.tracks[other_number as usize].number {
+        explain_end(scan, &track, deletion, TrackEvent::ENDS);
+        return None;
+    }
     // Without the update, which cannot fail in numbers, the track goes on as predicted.
     let _ = motion.update_half(&other, &plot.measurement.weighted(scan.sensor.scan_weight));
     track.motion = motion;
@@ -250,7 +258,7 @@ fn shared_track(joined: &JoinedClusters<'_>, number: u32, other: u32, shared: u3
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;
     track.remember(scan.first_serial.wrapping_add(found.plot));
-    track
+    Some(track)
 }
 
 /// Begins a track with an inherited motion, or with the state of a first detection. `None` for a direction alone.

@@ -60,3 +60,34 @@ impl DetectionRate {
         (self.hits / self.looks).clamp(RATE_MIN, PRIOR)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tracker;
+    use crate::testing::{S, position, settings};
+
+    /// Probability after scans in which a target is missed when `misses` holds.
+    fn learned(misses: fn(i64) -> bool, stated: Option<f64>) -> (f64, usize) {
+        let mut chosen = settings();
+        chosen.sensors[0].model.detection_probability = stated;
+        let mut tracker = Tracker::new(chosen).unwrap();
+        for second in 0..200 {
+            let seen = position(second * S, 15.0 * second as f64, 0.0);
+            let scan = [seen];
+            tracker
+                .scan(1, second * S, &scan[usize::from(misses(second))..])
+                .unwrap();
+        }
+        (tracker.latest().sensors[0].rate.probability(), tracker.tracks().len())
+    }
+
+    #[test]
+    fn the_share_of_detected_looks_is_learned_and_bounded() {
+        let (half, shown) = learned(|second| second % 2 == 1 && second > 5, None);
+        assert!((0.45..0.65).contains(&half) && shown == 1, "{half}");
+        assert_eq!(learned(|_| false, None).0, PRIOR, "luck proves little");
+        let (stated, _) = learned(|second| second % 2 == 1 && second > 5, Some(0.9));
+        assert_eq!(stated, PRIOR, "a stated probability is not learned");
+    }
+}

@@ -17,6 +17,9 @@ use crate::log_sum::{log_add, log_sum};
 use crate::settings::{Confirmation, Reduction, Splitting};
 use crate::track::{TENTATIVE, Track};
 
+/// Least share of detections in confirmed tracks' gates of a track that may have split off.
+const COMPANY_MIN: f64 = 0.5;
+
 /// A child hypothesis.
 #[derive(Clone, Debug)]
 pub(crate) struct ChildHypothesis {
@@ -202,7 +205,11 @@ impl HypothesisStore {
             let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
             let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
             let (together, with_company) = counted.fold((0.0, 0.0), |(all, with_company), branch| {
-                let company = if branch.in_company > 0 { branch.reliability } else { 0.0 };
+                let company = if branch.company() >= COMPANY_MIN {
+                    branch.reliability
+                } else {
+                    0.0
+                };
                 (all + branch.reliability, with_company + company)
             });
             let of_split = splitting.reliability_min;
@@ -256,4 +263,48 @@ fn mixed(value: u64) -> u64 {
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     value ^ (value >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initiation::Initiation;
+    use crate::measurement::DetectionMeasurement;
+    use crate::motion::TargetMotion;
+    use crate::testing::{position, settings};
+
+    /// Numbers after the confirmation of a tree with two branches, each in one hypothesis, and of a track beside it.
+    fn numbers(reliabilities: [f64; 3], in_company: u32) -> [u32; 3] {
+        let measurement = DetectionMeasurement::of(&position(0, 0.0, 0.0), None).unwrap();
+        let chosen = settings();
+        let motion = TargetMotion::first(&measurement, &Initiation::default(), &chosen.motion).unwrap();
+        let mut store = HypothesisStore::new(8, 8, 8);
+        for (place, root) in [(0, 1), (1, 1), (2, 2)] {
+            let track = Track {
+                detections: 3,
+                in_company,
+                ..Track::begun(motion, 0, place + 1, root)
+            };
+            store.add_track(track).unwrap();
+            store.add_member(place);
+            assert!(store.finish_child(reliabilities[place as usize].ln()));
+        }
+        let mut next_number = 1;
+        let mut counts = TrackerCounts::default();
+        store.confirm_trees(&chosen.confirmation, &chosen.splitting, &mut next_number, &mut counts);
+        assert_eq!(u64::from(next_number), counts.confirmed + 1);
+        [0, 1, 2].map(|place: usize| store.tracks[place].number)
+    }
+
+    #[test]
+    fn a_tree_is_as_likely_as_its_branches_together() {
+        assert_eq!(numbers([0.6, 0.399, 0.001], 0), [1, 1, 0]);
+        assert_eq!(numbers([0.6, 0.3, 0.1], 0), [0; 3]);
+    }
+
+    #[test]
+    fn a_tree_that_kept_company_needs_less() {
+        let between = [0.6, 0.385, 0.015];
+        assert_eq!((numbers(between, 1), numbers(between, 2)), ([0; 3], [1, 1, 0]));
+    }
 }

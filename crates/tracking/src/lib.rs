@@ -51,6 +51,8 @@ mod clutter;
 mod correlation_tests;
 mod counts;
 mod coupling;
+#[cfg(test)]
+mod crowd_tests;
 pub mod cutting;
 mod detection_rate;
 mod directions;

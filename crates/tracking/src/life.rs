@@ -14,7 +14,7 @@ settings::settings! {
     pub struct Confirmation {
         /// Least total reliability of the hypotheses with the track. 1: the track is in all remaining hypotheses, the
         /// rule of the source.
-        reliability_min: f64 = 0.99, in [0.501, 1];
+        reliability_min: f64 = 0.995, in [0.501, 1];
         /// Least number of detections of the track.
         detections_min: u32 = 2, in [1, 1000];
         /// Least log-likelihood ratio: logarithm of the likelihood of the track's detections if caused by a target,

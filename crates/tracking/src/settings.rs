@@ -107,7 +107,7 @@ settings::settings! {
         /// Most tracks of joined clusters that every detection in gates of both joins, if they have few detections, too.
         join_tracks: usize = 64, in [0, CLUSTER_TRACKS_MAX];
         /// Most detections of joined clusters that every detection in gates of both joins, if they have few tracks, too.
-        join_detections: usize = 10, in [0, 64];
+        join_detections: usize = 16, in [0, 64];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];
     }
@@ -122,7 +122,7 @@ settings::settings! {
         start_in_confirmed_gates: bool = false;
         /// Least total reliability of the hypotheses with a track that had a detection in a confirmed track's gate, for
         /// its confirmation; off: the value of `[confirmation]`.
-        reliability_min: Option<f64> = Some(0.97), in [0.501, 1];
+        reliability_min: Option<f64> = Some(0.985), in [0.501, 1];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).

@@ -12,7 +12,7 @@
 //! one cluster.
 //!
 //! Two tracks of one target would share its detections for ever. A detection of two does not count as a sign of life of
-//! either: a track without a detection of its own for `deletion.silent_s` is deleted.
+//! either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
 //!
 //! Limits: pairs, not larger groups; a track is in one pair of a hypothesis at a time, the likeliest, and a hypothesis
 //! has at most [`PAIRS_OF_HYPOTHESIS_MAX`] of them. The correlation of both states after the update is not kept.
