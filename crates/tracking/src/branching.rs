@@ -247,9 +247,12 @@ fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, sha
     let mut track = scan.before.tracks[number as usize];
     let deletion = &scan.settings.deletion.limits;
     let silent_ns = plot.time_ns.saturating_sub(track.seen_ns);
-    if silent_ns >= deletion.silent_s.ns() && track.number > scan.before.tracks[other_number as usize].number {
-        explain_end(scan, &track, deletion, TrackEvent::ENDS);
-        return None;
+    if silent_ns >= deletion.silent_s.ns() {
+        if track.number > scan.before.tracks[other_number as usize].number {
+            explain_end(scan, &track, deletion, TrackEvent::ENDS);
+            return None;
+        }
+        track.seen_ns = plot.time_ns;
     }
     // Without the update, which cannot fail in numbers, the track goes on as predicted.
     let _ = motion.update_half(&other, &plot.measurement.weighted(scan.sensor.scan_weight));
