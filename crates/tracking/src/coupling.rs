@@ -218,8 +218,7 @@ impl Coupling {
             let Some(strongest) = strongest else { continue };
             for other in of_plot.iter().filter(|other| other.cluster != strongest.cluster) {
                 let both = (strongest.likelihood / sum) * (other.likelihood / sum);
-                // Written so that NaN joins.
-                if !(both < probability_min) {
+                if both >= probability_min {
                     unite(
                         &mut self.joined,
                         &mut self.sizes,
@@ -256,8 +255,7 @@ impl Coupling {
             let strongest = of_detection.iter().max_by(|one, other| one.2.total_cmp(&other.2));
             let Some(strongest) = strongest else { continue };
             for other in of_detection.iter().filter(|other| other.1 != strongest.1) {
-                // Written so that NaN joins.
-                if !(strongest.2 * other.2 < probability_min) {
+                if strongest.2 * other.2 >= probability_min {
                     unite(&mut self.joined, &mut self.sizes, (strongest.1, other.1), most);
                 }
             }

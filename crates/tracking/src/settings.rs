@@ -71,8 +71,8 @@ settings::settings! {
     #[derive(Copy)]
     pub struct SensorModel {
         /// Probability that a target in the field of view is detected in a scan. Without the key, 0.9 at first, and then
-        /// learned from confirmed tracks.
-        detection_probability: Option<f64> = None, in [0.01, 0.9999], usually "learned, at most 0.9";
+        /// learned from confirmed tracks, at most 0.9.
+        detection_probability: Option<f64> = None, in [0.01, 0.9999], usually "learned";
         /// Expected false detections per scan: per m² for a sensor of positions or ranges, per radian of bearing for
         /// a sensor of directions only. Without the key, learned from detections outside the gates of confirmed
         /// tracks.

@@ -174,8 +174,7 @@ impl Unresolved {
                     continue;
                 }
                 let probability = cell.holds(&one.estimate, &other.estimate, sensor_m);
-                // Written so that NaN is left out.
-                if !(probability >= PROBABILITY_MIN) {
+                if probability < PROBABILITY_MIN || probability.is_nan() {
                     continue;
                 }
                 let probability = probability.min(PROBABILITY_MAX);
