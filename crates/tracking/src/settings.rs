@@ -120,8 +120,8 @@ settings::settings! {
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
-        /// Least total reliability of the hypotheses with a track that had a detection in a confirmed track's gate, for
-        /// its confirmation; off: the value of `[confirmation]`.
+        /// Least reliability of a single branch with half of its detections in confirmed tracks' gates, for its
+        /// confirmation; off: only `[confirmation]`.
         reliability_min: Option<f64> = Some(0.985), in [0.501, 1];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
