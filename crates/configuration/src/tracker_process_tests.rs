@@ -100,7 +100,7 @@ fn a_tracker_is_a_source_behind_the_others_and_its_sensors_follow() {
     let camera = &tracker.settings.sensors[2];
     assert_eq!(
         (camera.model.detection_probability, &camera.sigmas),
-        (0.4, &Some(vec![0.05]))
+        (Some(0.4), &Some(vec![0.05]))
     );
     assert_eq!(config.engine.sources.len(), 2);
 }

@@ -27,7 +27,7 @@ fn nothing_has_to_be_configured() {
     };
     let ids: Vec<u32> = found.sensors.iter().map(|sensor| sensor.sensor_id).collect();
     assert_eq!((ids, found.capacity), (vec![1, 7], capacity));
-    assert_eq!(found.sensors[0].model.detection_probability, 0.9);
+    assert_eq!(found.sensors[0].model.detection_probability, None);
     assert_eq!(found.sensors[0].model.clutter_density, None);
     let same = Settings {
         sensors: Vec::new(),
@@ -51,7 +51,7 @@ fn every_key_is_heard() {
     )
     .unwrap();
     let sensor = &found.sensors[1];
-    assert_eq!((sensor.sensor_id, sensor.model.detection_probability), (7, 0.8));
+    assert_eq!((sensor.sensor_id, sensor.model.detection_probability), (7, Some(0.8)));
     assert_eq!(sensor.model.clutter_density, Some(1e-8));
     assert_eq!(sensor.sigmas.as_deref(), Some(&[5.0, 0.01][..]));
     assert_eq!(sensor.range_rate_sigma_mps, Some(2.0));

@@ -18,6 +18,7 @@ use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
 use crate::splitting::mean_motion;
 use crate::track::{NO_DETECTION, Track};
+use crate::unresolved::SHARED;
 
 /// Place of a track that has not been made yet, or finds no room.
 pub(crate) const UNMADE: u32 = u32::MAX;
@@ -31,6 +32,8 @@ pub(crate) struct Branches {
     missed: Vec<u32>,
     updated: Vec<u32>,
     begun: [u32; ROWS_MAX],
+    /// By detection of a pair of tracks: both of them.
+    shared: Vec<[u32; 2]>,
     /// (number, reliability) of confirmed tracks.
     numbers: Vec<(u32, f64)>,
     /// Indices of the branches of each number.
@@ -43,6 +46,7 @@ impl Branches {
             missed: vec![UNMADE; tracks_max],
             updated: vec![UNMADE; 4 * tracks_max + PAIRS_MAX],
             begun: [UNMADE; ROWS_MAX],
+            shared: vec![[UNMADE; 2]; 4 * tracks_max],
             numbers: Vec::with_capacity(CLUSTER_TRACKS_MAX),
             of_number: Vec::with_capacity(CLUSTER_TRACKS_MAX),
         }
@@ -51,6 +55,8 @@ impl Branches {
     /// Forgets the tracks made of these clusters.
     pub(crate) fn clear(&mut self, joined: &JoinedClusters<'_>) {
         self.begun = [UNMADE; ROWS_MAX];
+        let shared = joined.scan.unresolved.detections.len();
+        self.shared[..shared].fill([UNMADE; 2]);
         for track in joined.tracks() {
             self.missed[track as usize] = UNMADE;
             self.updated[joined.pairs(track)].fill(UNMADE);
@@ -70,6 +76,16 @@ impl Branches {
             let made = &mut self.missed[number as usize];
             if *made == UNMADE {
                 *made = missed_track(joined, number, counts).map_or(REMOVED, |track| kept(store, track));
+            }
+            return *made;
+        }
+        if pair & SHARED != 0 {
+            let tracks = joined.scan.unresolved.tracks_of(pair);
+            let side = usize::from(tracks[1] == number);
+            let made = &mut self.shared[(pair & !SHARED) as usize][side];
+            if *made == UNMADE {
+                let shared = shared_track(joined, number, tracks[1 - side], pair);
+                *made = shared.map_or(REMOVED, |track| kept(store, track));
             }
             return *made;
         }
@@ -148,7 +164,9 @@ impl Branches {
         });
         let time_ns = scan.plots[plot as usize].time_ns;
         let best = self.of_number.iter().take(branches_max).map(of);
-        mean_motion(best.map(|track| (track.motion_at(time_ns, &scan.settings.motion), track.reliability)))
+        let motion = &scan.settings.motion;
+        let mean = mean_motion(best.map(|track| (track.motion_at(time_ns, motion), track.reliability)));
+        mean.map(|mean| mean.leaving(motion))
     }
 }
 
@@ -202,15 +220,47 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     (track.time_ns, track.seen_ns) = (plot.time_ns, plot.time_ns);
     (track.missed, track.log_silence) = (0, 0.0);
     track.detections += 1;
-    track.in_company += u32::from(joined.is_in_confirmed_gate(joined.row_of(found.plot) as usize));
-    track.log_likelihood_ratio +=
-        scan.sensor.log_detection + found.log_likelihood - scan.log_clutter[found.plot as usize];
+    let row = joined.row_of(found.plot) as usize;
+    track.in_company += u32::from(joined.is_in_confirmed_gate(row));
+    track.log_likelihood_ratio += scan.sensor.log_detection + found.log_likelihood
+        - scan.log_clutter[found.plot as usize]
+        - joined.shared[row].log_others;
     track.remember(scan.first_serial.wrapping_add(found.plot));
     if lacks_company(joined, &track) {
         counts.out_of_company += 1;
         explain_company(scan, &track);
         return None;
     }
+    Some(track)
+}
+
+/// The track `number` with a detection between it and another track. `None` if it is the later one of the two and has had
+/// none of its own for too long: both may be of one target.
+fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, shared: u32) -> Option<Track> {
+    let scan = joined.scan;
+    let found = scan.unresolved.detections[(shared & !SHARED) as usize];
+    let plot = &scan.plots[found.plot as usize];
+    let [mut motion, other] = [number, other_number].map(|track| {
+        let track = &scan.before.tracks[track as usize];
+        track.motion_at(plot.time_ns, &scan.settings.motion)
+    });
+    let mut track = scan.before.tracks[number as usize];
+    let deletion = &scan.settings.deletion.limits;
+    let silent_ns = plot.time_ns.saturating_sub(track.seen_ns);
+    if silent_ns >= deletion.silent_s.ns() {
+        if track.number > scan.before.tracks[other_number as usize].number {
+            explain_end(scan, &track, deletion, TrackEvent::ENDS);
+            return None;
+        }
+        track.seen_ns = plot.time_ns;
+    }
+    // Without the update, which cannot fail in numbers, the track goes on as predicted.
+    let _ = motion.update_half(&other, &plot.measurement.weighted(scan.sensor.scan_weight));
+    track.motion = motion;
+    track.time_ns = plot.time_ns;
+    (track.missed, track.log_silence) = (0, 0.0);
+    track.detections += 1;
+    track.remember(scan.first_serial.wrapping_add(found.plot));
     Some(track)
 }
 

@@ -8,6 +8,7 @@
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
 use crate::counts::TrackerCounts;
+use crate::coupling::SharedPlot;
 use crate::directions::{Claims, Directions};
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
@@ -21,6 +22,7 @@ use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;
 use crate::separation::Separation;
 use crate::splitting::{DetectionCounts, SplitLimits};
+use crate::unresolved::SHARED;
 use crate::wide_area::children::ChildCorrection;
 
 /// Most children drawn for each that may be kept: some break the limits of SP-3 and SP-5.
@@ -71,7 +73,7 @@ impl ClusterUpdate {
         &mut self,
         scan: &ScanContext<'_>,
         clusters: &[(u32, u32)],
-        plots: &[(u32, u32)],
+        plots: (&[(u32, u32)], &[SharedPlot]),
         next: &mut Population,
         counts: &mut TrackerCounts,
     ) {
@@ -83,7 +85,7 @@ impl ClusterUpdate {
         counts.drop_probability(dropped);
         let first_number = next.next_number;
         let confirmation = &scan.settings.confirmation;
-        store.confirm(|track| confirmation.is_met(track), &mut next.next_number, counts);
+        store.confirm_trees(confirmation, &scan.settings.splitting, &mut next.next_number, counts);
         let first_early = next.next_number;
         let taken_over = |track: &_, value, limit| scan.explain(TrackEvent::ConfirmedEarly, track, value, limit);
         let (scans, next_number) = (reduction.merge_scans, &mut next.next_number);
@@ -202,8 +204,14 @@ impl ChildHypotheses {
             return false;
         }
         for pair in interpretations.pairs(interpretation) {
-            let track = joined.scan.gating.pairs[pair as usize].track;
-            self.taken[track as usize] = pair;
+            if pair & SHARED == 0 {
+                let track = joined.scan.gating.pairs[pair as usize].track;
+                self.taken[track as usize] = pair;
+            } else {
+                for track in joined.scan.unresolved.tracks_of(pair) {
+                    self.taken[track as usize] = pair;
+                }
+            }
         }
         let mut room = true;
         for &track in self.parents.members(interpretation.parent) {

@@ -41,7 +41,7 @@ fn exact_settings() -> Settings {
 /// Every child of `whole` by the definitions HT-5 to HT-8.
 fn children(whole: &Whole, scan: &[Detection], time_ns: i64, first_serial: u32, settings: &Settings) -> Vec<Whole> {
     let gates = gates(settings.gate.probability);
-    let detection_probability = settings.sensors[0].model.detection_probability;
+    let detection_probability = settings.sensors[0].model.detection_probability.unwrap();
     let miss = (1.0 - detection_probability * settings.gate.probability).ln();
     let measured: Vec<_> = scan
         .iter()

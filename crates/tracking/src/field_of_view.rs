@@ -100,7 +100,7 @@ impl FieldOfView {
 }
 
 /// Probability that a normal deviate of mean 0 lies between.
-fn between(from: f64, to: f64, sigma: f64) -> f64 {
+pub(crate) fn between(from: f64, to: f64, sigma: f64) -> f64 {
     let below = |value: f64| {
         if sigma > 0.0 {
             normal(value / sigma)

@@ -7,12 +7,12 @@
 //! cluster that would grow beyond [`CLUSTER_TRACKS_MAX`] tracks or [`ROWS_MAX`] detections drops the pair that would
 //! make it so. So 10,000 detections in one gate cost no more than 10,000 elsewhere. All is counted.
 
-use association::components::representative;
 use association::{Grid, distance};
 
 use crate::counts::TrackerCounts;
+use crate::coupling::SharedPlot;
 use crate::identity::{LOG_NAMED, ScanReplies, TrackIdentity};
-use crate::limits::{CLUSTER_TRACKS_MAX, COMPARISONS_MAX, PAIRS_MAX};
+use crate::limits::{COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::population::Population;
@@ -47,11 +47,9 @@ pub(crate) struct Gating {
     pub(crate) pairs_begin: Vec<u32>,
     /// By track: logarithm of the probability of no detection in its gate, times the weight of the scan.
     pub(crate) log_misses: Vec<f64>,
-    /// By cluster: another cluster joined with it, or the cluster itself.
-    joined: Vec<u32>,
-    /// By representative: numbers of tracks and detections of its joined clusters.
-    sizes: Vec<(u32, u32)>,
-    /// By detection: a cluster that contains it, or [`NONE`].
+    /// By cluster: number of its detections, at most.
+    rows: Vec<u32>,
+    /// By detection: the last cluster that has it in a gate, or [`NONE`].
     owner: Vec<u32>,
     /// By detection: whether its reply names a track in whose gate it lies.
     is_named: Vec<bool>,
@@ -61,6 +59,8 @@ pub(crate) struct Gating {
     pub(crate) clusters: Vec<(u32, u32)>,
     /// (representative, detection), sorted; detections of no cluster last.
     pub(crate) plots: Vec<(u32, u32)>,
+    /// By entry of that list.
+    pub(crate) shared: Vec<SharedPlot>,
     grid: Grid,
     in_grid: usize,
     near: Vec<u32>,
@@ -72,13 +72,13 @@ impl Gating {
             pairs: Vec::with_capacity(4 * tracks_max + PAIRS_MAX),
             pairs_begin: Vec::with_capacity(tracks_max + 1),
             log_misses: Vec::with_capacity(tracks_max),
-            joined: Vec::with_capacity(tracks_max),
-            sizes: Vec::with_capacity(tracks_max),
+            rows: Vec::with_capacity(tracks_max),
             owner: Vec::with_capacity(plots_max),
             is_named: Vec::with_capacity(plots_max),
             is_echo: Vec::with_capacity(plots_max),
             clusters: Vec::with_capacity(tracks_max),
-            plots: Vec::with_capacity(plots_max),
+            plots: Vec::with_capacity(2 * (4 * tracks_max + PAIRS_MAX) + plots_max),
+            shared: Vec::with_capacity(2 * (4 * tracks_max + PAIRS_MAX) + plots_max),
             grid: Grid::new(CELL_M, plots_max),
             in_grid: 0,
             near: Vec::with_capacity(plots_max),
@@ -114,7 +114,6 @@ impl Gating {
             self.doubt_echoes(population, plots, replies);
             self.find_far(population, plots, replies, sensor, counts);
         }
-        self.sort();
     }
 
     /// The pairs of a track.
@@ -135,14 +134,8 @@ impl Gating {
         self.pairs.clear();
         self.pairs_begin.clear();
         self.log_misses.clear();
-        self.joined.clear();
-        self.joined.extend(0..population.clusters.len() as u32);
-        self.sizes.clear();
-        let sizes = population
-            .clusters
-            .iter()
-            .map(|cluster| (cluster.tracks.len() as u32, 0));
-        self.sizes.extend(sizes);
+        self.rows.clear();
+        self.rows.resize(population.clusters.len(), 0);
         self.is_named.clear();
         self.is_named.resize(plots.len(), false);
         self.is_echo.clear();
@@ -297,71 +290,22 @@ impl Gating {
             .any(|item| !self.is_named[item] && replies.log_ratio(identity, &plots[item].identity) < 0.0)
     }
 
-    /// Lets the detections of the pairs from `first` on belong to the cluster; drops pairs that would make it too
-    /// large.
+    /// Keeps the detections of the pairs from `first` on for the cluster; drops pairs that would give it too many.
     fn own(&mut self, cluster: u32, first: usize, counts: &mut TrackerCounts) {
         let mut kept = first;
         for place in first..self.pairs.len() {
             let pair = self.pairs[place];
-            if self.join(cluster, pair.plot) {
-                self.pairs[kept] = pair;
-                kept += 1;
-            } else {
+            let (owner, rows) = (&mut self.owner[pair.plot as usize], &mut self.rows[cluster as usize]);
+            if *owner != cluster && *rows as usize >= ROWS_MAX {
                 counts.dropped_pairs += 1;
+                continue;
             }
+            *rows += u32::from(*owner != cluster);
+            *owner = cluster;
+            self.pairs[kept] = pair;
+            kept += 1;
         }
         self.pairs.truncate(kept);
-    }
-
-    fn join(&mut self, cluster: u32, plot: u32) -> bool {
-        let one = self.representative(cluster);
-        let owner = self.owner[plot as usize];
-        if owner == NONE {
-            let room = (self.sizes[one as usize].1 as usize) < ROWS_MAX;
-            if room {
-                self.sizes[one as usize].1 += 1;
-                self.owner[plot as usize] = one;
-            }
-            return room;
-        }
-        let other = self.representative(owner);
-        if one == other {
-            return true;
-        }
-        let ((tracks, plots), (more_tracks, more_plots)) = (self.sizes[one as usize], self.sizes[other as usize]);
-        let sum = (tracks + more_tracks, plots + more_plots);
-        if sum.0 as usize > CLUSTER_TRACKS_MAX || sum.1 as usize > ROWS_MAX {
-            return false;
-        }
-        let (low, high) = (one.min(other), one.max(other));
-        self.joined[high as usize] = low;
-        self.sizes[low as usize] = sum;
-        true
-    }
-
-    /// Returns the representative of the joined clusters: the first of them.
-    fn representative(&mut self, cluster: u32) -> u32 {
-        representative(&mut self.joined, cluster)
-    }
-
-    fn sort(&mut self) {
-        self.clusters.clear();
-        for cluster in 0..self.joined.len() as u32 {
-            let first = self.representative(cluster);
-            self.clusters.push((first, cluster));
-        }
-        self.clusters.sort_unstable();
-        self.plots.clear();
-        for plot in 0..self.owner.len() {
-            let owner = self.owner[plot];
-            let first = if owner == NONE {
-                NONE
-            } else {
-                self.representative(owner)
-            };
-            self.plots.push((first, plot as u32));
-        }
-        self.plots.sort_unstable();
     }
 }
 

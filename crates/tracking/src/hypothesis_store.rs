@@ -14,8 +14,11 @@ use std::ops::Range;
 
 use crate::counts::TrackerCounts;
 use crate::log_sum::{log_add, log_sum};
-use crate::settings::Reduction;
+use crate::settings::{Confirmation, Reduction, Splitting};
 use crate::track::{TENTATIVE, Track};
+
+/// Least share of detections in confirmed tracks' gates of a track that may have split off.
+const COMPANY_MIN: f64 = 0.5;
 
 /// A child hypothesis.
 #[derive(Clone, Debug)]
@@ -165,27 +168,48 @@ impl HypothesisStore {
         self.children.truncate(kept);
     }
 
-    /// Confirms the tracks that may be confirmed (HT-10), with all branches of the same root. Numbers count up from
-    /// `next_number`.
-    pub(crate) fn confirm(
+    /// Confirms the trees that may be confirmed (HT-10): as likely as all their branches together, of which no
+    /// hypothesis has two, as they share the first detection.
+    pub(crate) fn confirm_trees(
         &mut self,
-        may_be: impl Fn(&Track) -> bool,
+        confirmation: &Confirmation,
+        splitting: &Splitting,
         next_number: &mut u32,
         counts: &mut TrackerCounts,
     ) {
         self.sum_reliabilities();
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];
-            if track.is_confirmed() || !may_be(track) {
+            if track.is_confirmed() || !confirmation.is_seen_enough(track) {
                 continue;
             }
             let root = track.root;
-            for branch in self.tracks.iter_mut().filter(|track| track.root == root) {
-                branch.number = *next_number;
+            let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
+            let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
+            // A second detection of one target begins a tree beside it, in which either has the next one: so for a split a
+            // single branch must be as likely.
+            let (together, with_company) = counted.fold((0.0, 0.0_f64), |(all, with_company), branch| {
+                let company = if branch.company() >= COMPANY_MIN {
+                    branch.reliability
+                } else {
+                    0.0
+                };
+                (all + branch.reliability, with_company.max(company))
+            });
+            let of_split = splitting.reliability_min;
+            if confirmation.is_beyond_doubt(together) || of_split.is_some_and(|least| with_company >= least) {
+                self.give_number(root, next_number, counts);
             }
-            *next_number = next_number.wrapping_add(1).max(1);
-            counts.confirmed += 1;
         }
+    }
+
+    /// Confirms all branches of a root.
+    fn give_number(&mut self, root: u32, next_number: &mut u32, counts: &mut TrackerCounts) {
+        for branch in self.tracks.iter_mut().filter(|track| track.root == root) {
+            branch.number = *next_number;
+        }
+        *next_number = next_number.wrapping_add(1).max(1);
+        counts.confirmed += 1;
     }
 
     /// Reliabilities of the children, most reliable first, with their tracks.
@@ -197,7 +221,8 @@ impl HypothesisStore {
         })
     }
 
-    fn sum_reliabilities(&mut self) {
+    /// Sums up the reliability of each track over the hypotheses that contain the track.
+    pub(crate) fn sum_reliabilities(&mut self) {
         self.tracks.iter_mut().for_each(|track| track.reliability = 0.0);
         for child in &self.children {
             let reliability = child.log_reliability.exp();
@@ -223,4 +248,48 @@ fn mixed(value: u64) -> u64 {
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     value ^ (value >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::initiation::Initiation;
+    use crate::measurement::DetectionMeasurement;
+    use crate::motion::TargetMotion;
+    use crate::testing::{position, settings};
+
+    /// Numbers after the confirmation of a tree with two branches, each in one hypothesis, and of a track beside it.
+    fn numbers(reliabilities: [f64; 3], in_company: u32) -> [u32; 3] {
+        let measurement = DetectionMeasurement::of(&position(0, 0.0, 0.0), None).unwrap();
+        let chosen = settings();
+        let motion = TargetMotion::first(&measurement, &Initiation::default(), &chosen.motion).unwrap();
+        let mut store = HypothesisStore::new(8, 8, 8);
+        for (place, root) in [(0, 1), (1, 1), (2, 2)] {
+            let track = Track {
+                detections: 3,
+                in_company,
+                ..Track::begun(motion, 0, place + 1, root)
+            };
+            store.add_track(track).unwrap();
+            store.add_member(place);
+            assert!(store.finish_child(reliabilities[place as usize].ln()));
+        }
+        let mut next_number = 1;
+        let mut counts = TrackerCounts::default();
+        store.confirm_trees(&chosen.confirmation, &chosen.splitting, &mut next_number, &mut counts);
+        assert_eq!(u64::from(next_number), counts.confirmed + 1);
+        [0, 1, 2].map(|place: usize| store.tracks[place].number)
+    }
+
+    #[test]
+    fn a_tree_is_as_likely_as_its_branches_together() {
+        assert_eq!(numbers([0.6, 0.399, 0.001], 0), [1, 1, 0]);
+        assert_eq!(numbers([0.6, 0.3, 0.1], 0), [0; 3]);
+    }
+
+    #[test]
+    fn a_tree_that_kept_company_needs_less() {
+        let between = [0.986, 0.006, 0.008];
+        assert_eq!((numbers(between, 1), numbers(between, 2)), ([0; 3], [1, 1, 0]));
+    }
 }

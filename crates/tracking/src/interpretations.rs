@@ -19,6 +19,7 @@ use crate::joined::JoinedClusters;
 use crate::limits::{CLUSTER_TRACKS_MAX, PAIRS_MAX};
 use crate::parents::Parents;
 use crate::ranked::{Alternative, COLUMNS_MAX, OWN, PROBLEMS_MAX, Ranked, Solution};
+use crate::unresolved::{PAIRS_OF_HYPOTHESIS_MAX, SHARED};
 
 /// Most ways to begin the tracks that a parent lacks.
 const WAYS_MAX: u64 = 64;
@@ -34,6 +35,8 @@ pub(crate) struct Interpretations {
     problems: Vec<InterpretationProblem>,
     /// (row, column, pair) of one hypothesis.
     entries: Vec<(u32, u32, u32)>,
+    /// Pairs of one hypothesis that the sensor may not resolve.
+    pairs: Vec<u32>,
 }
 
 /// A ranked problem: some of the children of a parent.
@@ -71,6 +74,7 @@ impl Interpretations {
             ranked: Ranked::new(),
             problems: Vec::with_capacity(PROBLEMS_MAX),
             entries: Vec::with_capacity(CLUSTER_TRACKS_MAX * PAIRS_MAX),
+            pairs: Vec::with_capacity(PAIRS_OF_HYPOTHESIS_MAX),
         }
     }
 
@@ -80,15 +84,20 @@ impl Interpretations {
         self.ranked.clear();
         self.problems.clear();
         for parent in 0..parents.list.len() {
-            self.find_entries(joined, parents, parent, counts);
-            let posed = self.pose_problem(joined, parents, parent, |_| TrackStart::May, counts);
-            counts.hypotheses_dropped += u64::from(posed.is_none());
+            self.find_pairs(joined, parents, parent);
+            for unresolved in 0..1 << self.pairs.len() {
+                self.find_entries(joined, parents, parent, unresolved, counts);
+                let base = self.base_cost(joined, parents, parent, unresolved);
+                let posed = self.pose_problem(joined, parents, (parent, base), |_| TrackStart::May, counts);
+                counts.hypotheses_dropped += u64::from(posed.is_none());
+            }
         }
         for plain in 0..self.problems.len() {
             let parent = self.problems[plain].parent;
             let lacking = parents.list[parent].lacking_due;
             if lacking > 0 {
-                self.find_entries(joined, parents, parent, counts);
+                self.pairs.clear();
+                self.find_entries(joined, parents, parent, 0, counts);
                 self.pose_enough(joined, parents, plain, lacking, counts);
             }
         }
@@ -166,7 +175,8 @@ impl Interpretations {
                 _ if row < last => TrackStart::MayNot,
                 _ => TrackStart::May,
             };
-            self.pose_problem(joined, parents, parent, start, counts);
+            let base = self.base_cost(joined, parents, parent, 0);
+            self.pose_problem(joined, parents, (parent, base), start, counts);
             starts = next_of_as_many_bits(starts);
         }
         let best = (first..self.problems.len()).filter_map(|problem| self.ranked.best_cost(problem));
@@ -188,14 +198,11 @@ impl Interpretations {
         &mut self,
         joined: &JoinedClusters<'_>,
         parents: &Parents,
-        parent: usize,
+        (parent, base): (usize, f64),
         start: impl Fn(usize) -> TrackStart,
         counts: &mut TrackerCounts,
     ) -> Option<()> {
         let (scan, sensor) = (joined.scan, joined.scan.sensor);
-        let members = parents.members(parent).iter();
-        let misses: f64 = members.map(|track| scan.gating.log_misses[*track as usize]).sum();
-        let base = -parents.list[parent].log_reliability - misses;
         self.ranked.begin_problem(base).then_some(())?;
         self.problems.push(InterpretationProblem {
             parent,
@@ -205,7 +212,8 @@ impl Interpretations {
         let lacking = parents.list[parent].lacking;
         let mut entry = 0;
         for (row, (_, plot)) in joined.plots.iter().enumerate() {
-            let log_clutter = scan.log_clutter[*plot as usize];
+            let log_others = joined.shared[row].log_others;
+            let log_clutter = scan.log_clutter[*plot as usize] + log_others;
             let log_weight = scan.log_weight + scan.plots[*plot as usize].log_weight;
             let log_share = log_share_of_new(joined, lacking, row);
             self.ranked.begin_row();
@@ -219,20 +227,63 @@ impl Interpretations {
                 add(OWN, FALSE, 0.0);
             }
             if let Some(log_share) = log_share.filter(|_| start != TrackStart::MayNot && is_usable) {
-                add(OWN, NEW, -log_share - log_weight);
+                add(OWN, NEW, log_others - log_share - log_weight);
             }
             while let Some(&(_, column, pair)) = self.entries.get(entry).filter(|(of, _, _)| *of == row as u32) {
                 entry += 1;
                 if start == TrackStart::Must || !is_usable {
                     continue;
                 }
-                let found = scan.gating.pairs[pair as usize];
-                let log_miss = scan.gating.log_misses[found.track as usize];
-                let gain = sensor.log_detection + found.log_likelihood - log_clutter - log_miss;
+                let (log_likelihood, log_miss) = if pair & SHARED == 0 {
+                    let found = scan.gating.pairs[pair as usize];
+                    (found.log_likelihood, scan.gating.log_misses[found.track as usize])
+                } else {
+                    let found = scan.unresolved.detections[(pair & !SHARED) as usize];
+                    let two = &scan.unresolved.pairs[found.pair as usize];
+                    (found.log_likelihood, two.log_miss)
+                };
+                let gain = sensor.log_detection + log_likelihood - log_clutter - log_miss;
                 add(column as u16, pair, -gain - log_weight);
             }
         }
         Some(())
+    }
+
+    /// Finds the pairs of a parent's tracks that the sensor may not resolve: the likeliest, no track twice.
+    fn find_pairs(&mut self, joined: &JoinedClusters<'_>, parents: &Parents, parent: usize) {
+        self.pairs.clear();
+        let all = &joined.scan.unresolved.pairs;
+        if all.is_empty() || parents.list[parent].lacking_due > 0 {
+            return;
+        }
+        let members = parents.members(parent);
+        let of = |pair: u32| &all[pair as usize];
+        while self.pairs.len() < PAIRS_OF_HYPOTHESIS_MAX {
+            let is_free = |track: &u32| {
+                members.contains(track) && !self.pairs.iter().any(|pair| of(*pair).tracks.contains(track))
+            };
+            let free = (0..all.len() as u32).filter(|pair| of(*pair).tracks.iter().all(is_free));
+            let best = free.max_by(|one, other| of(*one).log_unresolved.total_cmp(&of(*other).log_unresolved));
+            let Some(best) = best else { break };
+            self.pairs.push(best);
+        }
+    }
+
+    /// Cost of a parent whose pairs in `unresolved` are, with all tracks missed.
+    fn base_cost(&self, joined: &JoinedClusters<'_>, parents: &Parents, parent: usize, unresolved: u32) -> f64 {
+        let scan = joined.scan;
+        let log_miss = |track: &u32| scan.gating.log_misses[*track as usize];
+        let misses: f64 = parents.members(parent).iter().map(log_miss).sum();
+        let mut base = -parents.list[parent].log_reliability - misses;
+        for (place, pair) in self.pairs.iter().enumerate() {
+            let pair = &scan.unresolved.pairs[*pair as usize];
+            base -= if unresolved >> place & 1 == 0 {
+                pair.log_resolved
+            } else {
+                pair.log_unresolved + pair.log_miss - pair.tracks.iter().map(log_miss).sum::<f64>()
+            };
+        }
+        base
     }
 
     /// The pairs of a parent by rows, with columns numbered in the order of its tracks.
@@ -241,13 +292,25 @@ impl Interpretations {
         joined: &JoinedClusters<'_>,
         parents: &Parents,
         parent: usize,
+        unresolved: u32,
         counts: &mut TrackerCounts,
     ) {
         self.entries.clear();
         let mut column = 0;
+        let all = &joined.scan.unresolved;
+        for &pair in bits(&self.pairs, unresolved) {
+            for place in all.pairs[pair as usize].detections.clone() {
+                if let Some(row) = joined.known_row_of(all.detections[place as usize].plot) {
+                    self.entries.push((row, column, SHARED | place));
+                }
+            }
+            column += 1;
+        }
         for &track in parents.members(parent) {
             let pairs = joined.pairs(track);
-            if pairs.is_empty() {
+            let is_in_pair =
+                || bits(&self.pairs, unresolved).any(|pair| all.pairs[*pair as usize].tracks.contains(&track));
+            if pairs.is_empty() || unresolved > 0 && is_in_pair() {
                 continue;
             }
             if column as usize >= COLUMNS_MAX {
@@ -282,6 +345,15 @@ fn log_share_of_new(joined: &JoinedClusters<'_>, lacking: usize, row: usize) -> 
     } else {
         share.ln()
     })
+}
+
+/// The pairs whose bits are set.
+fn bits(pairs: &[u32], set: u32) -> impl Iterator<Item = &u32> {
+    pairs
+        .iter()
+        .enumerate()
+        .filter(move |(place, _)| set >> place & 1 == 1)
+        .map(|(_, pair)| pair)
 }
 
 /// In how many ways `chosen` of `all` can be chosen, or more than are ever wanted.

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::counts::TrackerCounts;
+use crate::coupling::SharedPlot;
 use crate::gating::NONE;
 use crate::population::Cluster;
 use crate::ranked::ROWS_MAX;
@@ -40,6 +41,8 @@ pub(crate) struct JoinedClusters<'a> {
     clusters: &'a [(u32, u32)],
     /// (cluster that represents all, detection).
     pub(crate) plots: &'a [(u32, u32)],
+    /// By detection of theirs.
+    pub(crate) shared: &'a [SharedPlot],
     rows: &'a DetectionRows,
     pub(crate) detections: DetectionCounts,
     /// Number of confirmed tracks, branches not counted.
@@ -52,7 +55,7 @@ impl<'a> JoinedClusters<'a> {
     pub(crate) fn of(
         scan: &'a ScanContext<'a>,
         clusters: &'a [(u32, u32)],
-        plots: &'a [(u32, u32)],
+        (plots, shared): (&'a [(u32, u32)], &'a [SharedPlot]),
         rows: &'a mut DetectionRows,
         counts: &mut TrackerCounts,
     ) -> Self {
@@ -87,6 +90,7 @@ impl<'a> JoinedClusters<'a> {
             scan,
             clusters,
             plots,
+            shared,
             rows,
             detections,
             confirmed,
@@ -117,6 +121,13 @@ impl<'a> JoinedClusters<'a> {
         self.rows.row_of[plot as usize]
     }
 
+    /// Row of a detection of the scan, if it is in these clusters.
+    pub(crate) fn known_row_of(&self, plot: u32) -> Option<u32> {
+        let row = self.row_of(plot);
+        let found = self.plots.get(row as usize).is_some_and(|(_, of_row)| *of_row == plot);
+        found.then_some(row)
+    }
+
     /// Whether a row's detection lies in a confirmed track's gate.
     pub(crate) fn is_in_confirmed_gate(&self, row: usize) -> bool {
         self.rows.in_confirmed_gate[row]
@@ -124,6 +135,9 @@ impl<'a> JoinedClusters<'a> {
 
     /// Returns whether SP-1 forbids new tracks at a row's detection.
     pub(crate) fn is_start_forbidden(&self, row: usize) -> bool {
-        self.confirmed > 0 && self.scan.settings.splitting.start_in_confirmed_gates && !self.is_in_confirmed_gate(row)
+        !self.shared[row].may_start
+            || self.confirmed > 0
+                && self.scan.settings.splitting.start_in_confirmed_gates
+                && !self.is_in_confirmed_gate(row)
     }
 }

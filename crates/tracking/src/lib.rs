@@ -50,7 +50,11 @@ mod clutter;
 #[cfg(test)]
 mod correlation_tests;
 mod counts;
+mod coupling;
+#[cfg(test)]
+mod crowd_tests;
 pub mod cutting;
+mod detection_rate;
 mod directions;
 #[cfg(test)]
 mod enumeration_tests;
@@ -94,6 +98,7 @@ mod tracker;
 mod tracker_tests;
 mod turn;
 pub mod turn_time;
+mod unresolved;
 pub mod wide_area;
 #[cfg(test)]
 mod wide_area_identity_tests;
@@ -109,3 +114,4 @@ pub use resumption::{LeftTracks, TrackerMemory};
 pub use settings::Settings;
 pub use track_report::TrackReport;
 pub use tracker::{ScanRejection, Tracker};
+pub use unresolved::ResolutionCell;

@@ -14,7 +14,7 @@ settings::settings! {
     pub struct Confirmation {
         /// Least total reliability of the hypotheses with the track. 1: the track is in all remaining hypotheses, the
         /// rule of the source.
-        reliability_min: f64 = 0.99, in [0.501, 1];
+        reliability_min: f64 = 0.995, in [0.501, 1];
         /// Least number of detections of the track.
         detections_min: u32 = 2, in [1, 1000];
         /// Least log-likelihood ratio: logarithm of the likelihood of the track's detections if caused by a target,
@@ -43,12 +43,21 @@ settings::settings! {
 impl Confirmation {
     /// Whether a track may be confirmed.
     pub(crate) fn is_met(&self, track: &Track) -> bool {
-        let beyond_doubt = track.reliability >= self.reliability_min - 1e-9;
-        let seen_enough = track.detections >= self.detections_min;
+        self.is_beyond_doubt(track.reliability) && self.is_seen_enough(track)
+    }
+
+    /// Whether hypotheses of so much reliability together suffice.
+    pub(crate) fn is_beyond_doubt(&self, reliability: f64) -> bool {
+        reliability >= self.reliability_min - 1e-9
+    }
+
+    /// Whether a track's detections suffice.
+    pub(crate) fn is_seen_enough(&self, track: &Track) -> bool {
+        let often = track.detections >= self.detections_min;
         let likely = self
             .log_likelihood_ratio_min
             .is_none_or(|least| track.log_likelihood_ratio >= least);
-        beyond_doubt && seen_enough && likely
+        often && likely
     }
 }
 

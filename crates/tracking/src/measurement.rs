@@ -138,6 +138,24 @@ impl DetectionMeasurement {
         Some(innovation)
     }
 
+    /// Updates a predicted state as one of two targets whose detection lies between them; `other` is the state of the
+    /// other one. `None`, and no change, if that cannot be done in numbers.
+    pub(crate) fn update_half(&self, state: &mut Gaussian, other: &Gaussian) -> Option<MeasurementInnovation> {
+        let mut tangents = Tangents::of(self, &middle(state, other))?;
+        for tangent in &mut tangents.each[..tangents.count] {
+            tangent.derivative.iter_mut().for_each(|element| *element *= 0.5);
+            for (row, of_row) in tangent.derivative.iter().enumerate() {
+                for (column, of_column) in tangent.derivative.iter().enumerate() {
+                    tangent.variance += of_row * of_column * other.covariance.get(row, column);
+                }
+            }
+        }
+        tangents.factorise(state)?;
+        let innovation = tangents.innovation()?;
+        tangents.apply(state);
+        Some(innovation)
+    }
+
     /// Updates by the range rate alone, if there is one.
     pub(crate) fn update_range_rate(&self, state: &mut Gaussian) {
         let Some(sight) = LineOfSight::of(self, state) else {
@@ -352,6 +370,19 @@ impl Tangents {
             }
         }
     }
+}
+
+/// Half of the sum of two independent states.
+pub(crate) fn middle(one: &Gaussian, other: &Gaussian) -> Gaussian {
+    let mut middle = *one;
+    for (value, other) in middle.mean.iter_mut().zip(other.mean) {
+        *value = 0.5 * (*value + other);
+    }
+    let elements = middle.covariance.upper.iter_mut();
+    for (element, other) in elements.zip(other.covariance.upper) {
+        *element = 0.25 * (*element + other);
+    }
+    middle
 }
 
 fn dot(a: &[f64; STATE_LEN], b: &[f64; STATE_LEN]) -> f64 {

@@ -14,13 +14,15 @@
 
 use estimation::{AxisNoise, Gaussian};
 use kept::{Get, Kept, Put, kept};
-use messages::STATE_LEN;
+use messages::{AXES, STATE_LEN};
 
 use crate::initiation::{Initiation, first_state};
 use crate::log_sum::log_add;
-use crate::measurement::{DetectionMeasurement, MeasurementInnovation};
+use crate::measurement::{DetectionMeasurement, MeasurementInnovation, middle};
 use crate::turn::{TurnRate, TurnSettings};
 
+/// Least part of the accelerations that slow targets have.
+const SLOW_SHARE_MIN: f64 = 0.1;
 /// Smallest probability of a model: it must be able to come back.
 const PROBABILITY_MIN: f64 = 1e-3;
 
@@ -30,6 +32,9 @@ settings::settings! {
     pub struct MotionSettings {
         /// Spectral density of the accelerations in steady flight: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
+        /// Speed below which the horizontal accelerations in steady flight are weaker, with the square of the speed and at
+        /// least a tenth in spectral density: boats do not accelerate like aircraft. Uncertain speeds count as fast.
+        slow_mps: Option<f64> = Some(10.0), in [1e-3, 1e3];
         /// Second model, of manoeuvring targets.
         manoeuvres: ManoeuvreSettings = ManoeuvreSettings::default();
     }
@@ -50,6 +55,17 @@ settings::settings! {
 }
 
 impl MotionSettings {
+    /// Spectral density of the accelerations of a target in steady flight: horizontal, vertical.
+    fn steady_noise(&self, state: &Gaussian) -> [f64; 2] {
+        let [horizontal, vertical] = self.process_noise_m2ps3;
+        let Some(slow_mps) = self.slow_mps else {
+            return [horizontal, vertical];
+        };
+        let speed2 = [AXES, AXES + 1].map(|row| state.mean[row].powi(2) + state.covariance.get(row, row));
+        let share = (speed2[0] + speed2[1]) / (slow_mps * slow_mps);
+        [horizontal * share.clamp(SLOW_SHARE_MIN, 1.0), vertical]
+    }
+
     /// The model of targets that manoeuvre; `None` if there is none.
     pub(crate) fn manoeuvres(&self) -> Option<&ManoeuvreSettings> {
         Some(&self.manoeuvres).filter(|manoeuvres| manoeuvres.enabled)
@@ -140,7 +156,9 @@ impl TargetMotion {
     /// `seconds` later, or earlier.
     pub(crate) fn moved(&self, seconds: f64, settings: &MotionSettings) -> Self {
         let Some(manoeuvres) = settings.manoeuvres() else {
-            let steady = self.steady.moved(seconds, noise(settings.process_noise_m2ps3, seconds));
+            let steady = self
+                .steady
+                .moved(seconds, noise(settings.steady_noise(&self.steady), seconds));
             return Self { steady, ..*self };
         };
         match self.speed {
@@ -172,7 +190,7 @@ impl TargetMotion {
             Some(turn) => self.turned(mixed(still), still, seconds, manoeuvres, turn),
         };
         Self {
-            steady: straight.moved(seconds, noise(settings.process_noise_m2ps3, seconds)),
+            steady: straight.moved(seconds, noise(settings.steady_noise(&straight), seconds)),
             turning: turned,
             turn,
             turning_probability: turning,
@@ -230,6 +248,47 @@ impl TargetMotion {
         };
         *self = updated;
         Some(innovation)
+    }
+
+    /// The motion of a target that leaves one of this motion: as likely as not it manoeuvres, and has done so for the
+    /// mean duration of a manoeuvre.
+    pub(crate) fn leaving(mut self, settings: &MotionSettings) -> Self {
+        let Some(manoeuvres) = settings.manoeuvres() else {
+            return self;
+        };
+        let [horizontal, vertical] = manoeuvres.process_noise_m2ps3;
+        for (axis, density) in [horizontal, horizontal, vertical].into_iter().enumerate() {
+            let row = AXES + axis;
+            let variance = self.turning.covariance.get(row, row) + density * manoeuvres.durations_s[1];
+            self.turning.covariance.set(row, row, variance);
+        }
+        self.turning_probability = self.turning_probability.max(0.5);
+        self
+    }
+
+    /// The place between two targets, model by model.
+    pub(crate) fn middle(one: &Self, other: &Self) -> Self {
+        Self {
+            steady: middle(&one.steady, &other.steady),
+            turning: middle(&one.turning, &other.turning),
+            turning_probability: 0.5 * (one.turning_probability + other.turning_probability),
+            ..*one
+        }
+    }
+
+    /// Updates with a detection between this target and another one; `None`, and no change, if that cannot be done in
+    /// numbers.
+    pub(crate) fn update_half(&mut self, other: &Self, measurement: &DetectionMeasurement) -> Option<()> {
+        let (mut updated, other) = (*self, other.estimate());
+        let steady = measurement.update_half(&mut updated.steady, &other)?;
+        if self.turning_probability > 0.0 {
+            let turning = measurement.update_half(&mut updated.turning, &other)?;
+            let innovation = both(steady, turning, self.turning_probability)?;
+            let share = self.turning_probability.ln() + turning.log_likelihood - innovation.log_likelihood;
+            updated.turning_probability = share.exp().clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN);
+        }
+        *self = updated;
+        Some(())
     }
 
     /// Lets all standard deviations be larger by a factor.
@@ -320,6 +379,7 @@ mod tests {
     use crate::testing::position;
 
     const TWO_MODELS: MotionSettings = MotionSettings {
+        slow_mps: None,
         process_noise_m2ps3: [0.1, 0.1],
         manoeuvres: ManoeuvreSettings {
             enabled: true,

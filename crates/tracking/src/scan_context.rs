@@ -7,6 +7,7 @@ use crate::population::Population;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
 use crate::track::Track;
+use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
 /// A scan and the inputs of its update.
@@ -17,6 +18,7 @@ pub(crate) struct ScanContext<'a> {
     /// By detection: logarithm of the density of false ones there.
     pub(crate) log_clutter: &'a [f64],
     pub(crate) gating: &'a Gating,
+    pub(crate) unresolved: &'a Unresolved,
     pub(crate) settings: &'a Settings,
     pub(crate) sensor: &'a Sensor,
     pub(crate) support: &'a Support,

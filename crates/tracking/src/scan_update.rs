@@ -4,17 +4,19 @@ use crate::branching;
 use crate::cluster_update::ClusterUpdate;
 use crate::clutter::log_density;
 use crate::counts::TrackerCounts;
+use crate::coupling::Coupling;
 use crate::directions::{Claims, Directions};
 use crate::explanation::{Explanation, Observer, TrackEvent};
 use crate::gate::gates;
 use crate::gating::Gating;
 use crate::identity::ScanReplies;
-use crate::limits::DETECTION_COUNTS;
+use crate::limits::{DETECTION_COUNTS, PAIRS_MAX};
 use crate::plot::Scan;
 use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
+use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
 /// Working memory for one scan after the other.
@@ -23,6 +25,8 @@ pub(crate) struct ScanUpdate {
     /// By sensor.
     sensors: Vec<Sensor>,
     gating: Gating,
+    coupling: Coupling,
+    unresolved: Unresolved,
     replies: ScanReplies,
     clusters: ClusterUpdate,
     log_clutter: Vec<f64>,
@@ -39,6 +43,14 @@ impl ScanUpdate {
         Self {
             sensors: sensors.map(|sensor| Sensor::new(sensor, settings, gates)).collect(),
             gating: Gating::new(tracks, detections),
+            unresolved: Unresolved::new(
+                tracks,
+                settings
+                    .sensors
+                    .iter()
+                    .any(|sensor| sensor.model.resolution_cell.is_some()),
+            ),
+            coupling: Coupling::new(tracks, 4 * tracks + PAIRS_MAX, detections),
             replies: ScanReplies::new(detections, settings.identity, settings.initiation.height_sigma_m),
             clusters: ClusterUpdate::new(tracks, detections),
             log_clutter: Vec::with_capacity(detections),
@@ -87,12 +99,17 @@ impl ScanUpdate {
             self.replies.read(plots.iter().map(|plot| &plot.identity));
             self.gating
                 .run(before, plots, (*time_ns, &self.replies), &looking, counts);
+            self.unresolved.find(before, plots, *time_ns, &looking);
+            let seen = (&plots[..], &self.log_clutter[..]);
+            self.coupling
+                .run((&mut self.gating, &self.unresolved), before, seen, &looking, settings);
         }
         let scan = ScanContext {
             before,
             plots,
             log_clutter: &self.log_clutter,
             gating: &self.gating,
+            unresolved: &self.unresolved,
             settings,
             sensor: &looking,
             support,
@@ -105,6 +122,9 @@ impl ScanUpdate {
             run_directions(&scan, &mut self.clusters, &mut self.claims, next, counts)
         } else {
             run_clusters(&scan, &mut self.clusters, next, counts);
+            if looking.learns {
+                next.sensors[*sensor].rate.count(&next.tracks, &looking);
+            }
             outside(before, &self.gating, &mut self.is_inside[..plots.len()])
         };
         next.sensors[*sensor].clutter.count(outside);
@@ -119,11 +139,14 @@ fn run_clusters(
     counts: &mut TrackerCounts,
 ) {
     let mut of_none = &scan.gating.plots[..];
+    let mut shared = &scan.gating.shared[..];
     for joined in scan.gating.clusters.chunk_by(|one, other| one.0 == other.0) {
         let of_joined = of_none.iter().take_while(|(first, _)| *first == joined[0].0);
         let (plots, rest) = of_none.split_at(of_joined.count());
         of_none = rest;
-        clusters.run(scan, joined, plots, next, counts);
+        let (of_joined, rest) = shared.split_at(plots.len());
+        shared = rest;
+        clusters.run(scan, joined, (plots, of_joined), next, counts);
     }
     for &(_, plot) in of_none {
         begin_cluster(scan, plot, next, counts);

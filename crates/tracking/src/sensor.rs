@@ -20,12 +20,14 @@ use estimation::Gaussian;
 use messages::NS_PER_S;
 
 use crate::clutter::{ClutterEstimate, SensorArea};
+use crate::detection_rate::{DetectionRate, PRIOR};
 use crate::field_of_view::FieldOfView;
 use crate::identity::FAR;
 use crate::measurement::{DIMENSIONS_MAX, MeasurementInnovation};
 use crate::motion::MotionSettings;
 use crate::plot::Plot;
 use crate::settings::{SensorFacts, Settings};
+use crate::unresolved::ResolutionCell;
 
 /// Smallest weight of a scan: several scans at one time must keep some weight.
 const WEIGHT_MIN: f64 = 1e-3;
@@ -39,18 +41,22 @@ pub(crate) struct Sensor {
     /// Logarithm of that probability.
     pub(crate) log_detection: f64,
     gate_probability: f64,
+    /// Whether the probability is learned.
+    pub(crate) learns: bool,
     pub(crate) field_of_view: Option<FieldOfView>,
     coherence_s: f64,
     /// Weight of the scan at hand relative to an independent scan, above 0, at most 1.
     pub(crate) scan_weight: f64,
     /// Position of the sensor at the scan at hand, east and north, metres; `None` if it is not known.
-    platform_m: Option<[f64; 2]>,
+    pub(crate) platform_m: Option<[f64; 2]>,
+    pub(crate) cell: Option<ResolutionCell>,
 }
 
 /// State of a sensor that is carried from scan to scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SensorMemory {
     pub(crate) clutter: ClutterEstimate,
+    pub(crate) rate: DetectionRate,
     /// Time of the previous scan, nanoseconds.
     time_ns: Option<i64>,
     /// Position of the sensor at its latest detection, east and north, metres.
@@ -62,6 +68,7 @@ pub(crate) struct SensorMemory {
 impl SensorMemory {
     pub(crate) const NONE: Self = Self {
         clutter: ClutterEstimate::NONE,
+        rate: DetectionRate::NONE,
         time_ns: None,
         platform_m: None,
         directions_only: false,
@@ -78,13 +85,15 @@ impl Sensor {
         Self {
             gates,
             motion: settings.motion,
-            detection_probability: sensor.model.detection_probability,
-            log_detection: sensor.model.detection_probability.ln(),
+            detection_probability: sensor.model.detection_probability.unwrap_or(PRIOR),
+            log_detection: sensor.model.detection_probability.unwrap_or(PRIOR).ln(),
+            learns: sensor.model.detection_probability.is_none(),
             gate_probability: settings.gate.probability,
             field_of_view: sensor.model.field_of_view,
             coherence_s: settings.deletion.coherence_s,
             scan_weight: 1.0,
             platform_m: None,
+            cell: sensor.model.resolution_cell,
         }
     }
 
@@ -100,8 +109,16 @@ impl Sensor {
             memory.directions_only = plots.iter().all(|plot| plot.measurement.place().is_none());
         }
         let scan_weight = since_s.map_or(1.0, |since_s| (since_s / self.coherence_s).clamp(WEIGHT_MIN, 1.0));
+        let learned = self.learns && !memory.directions_only;
+        let detection_probability = if learned {
+            memory.rate.probability()
+        } else {
+            self.detection_probability
+        };
         Self {
             scan_weight,
+            detection_probability,
+            log_detection: detection_probability.ln(),
             platform_m: memory.platform_m,
             ..*self
         }

@@ -15,6 +15,7 @@ use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX, OPEN_SCANS_
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};
 use crate::selection::Selection;
 pub use crate::turn::TurnSettings;
+use crate::unresolved::ResolutionCell;
 use crate::wide_area::settings::SupportSettings;
 
 /// Tracks, and detections in a scan, for which there is room where nobody says more.
@@ -69,8 +70,9 @@ settings::settings! {
     /// Model of what a sensor detects.
     #[derive(Copy)]
     pub struct SensorModel {
-        /// Probability that a target in the field of view is detected in a scan.
-        detection_probability: f64 = 0.9, in [0.01, 0.9999];
+        /// Probability that a target in the field of view is detected in a scan. Without the key, 0.9 at first, and then
+        /// learned from confirmed tracks, at most 0.9.
+        detection_probability: Option<f64> = None, in [0.01, 0.9999], usually "learned";
         /// Expected false detections per scan: per m² for a sensor of positions or ranges, per radian of bearing for
         /// a sensor of directions only. Without the key, learned from detections outside the gates of confirmed
         /// tracks.
@@ -80,6 +82,8 @@ settings::settings! {
         /// Smallest distance between detections of different targets in a scan; without the key, a target gives at
         /// most one detection.
         resolution_m: Option<f64> = None, in [1e-3, 1e5];
+        /// Two targets that differ by less in range and bearing give one detection between them.
+        resolution_cell: Option<ResolutionCell> = None, usually "targets are resolved";
     }
 
     /// Gates around predicted measurements (HT-2).
@@ -97,6 +101,13 @@ settings::settings! {
         merge_scans: usize = 2, in [0, HISTORY_MAX];
         /// Least reliability of a hypothesis; less reliable hypotheses are dropped.
         reliability_min: f64 = 1e-3, in [0, 0.49];
+        /// Clusters are joined if both have the same detection with at least this probability; 0: every detection in
+        /// gates of both joins them (HT-4).
+        join_probability_min: f64 = 0.02, in [0, 1];
+        /// Most tracks of joined clusters that every detection in gates of both joins, if they have few detections, too.
+        join_tracks: usize = 64, in [0, CLUSTER_TRACKS_MAX];
+        /// Most detections of joined clusters that every detection in gates of both joins, if they have few tracks, too.
+        join_detections: usize = 16, in [0, 64];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];
     }
@@ -109,6 +120,9 @@ settings::settings! {
         new_target_share: Option<f64> = Some(1.0), in [1e-6, 1e3];
         /// In a cluster with a confirmed track, new tracks start only in the gate of a confirmed track (SP-1).
         start_in_confirmed_gates: bool = false;
+        /// Least reliability of a single branch with half of its detections in confirmed tracks' gates, for its
+        /// confirmation; off: only `[confirmation]`.
+        reliability_min: Option<f64> = Some(0.985), in [0.501, 1];
         /// Number of the confirmed track's best branches whose motion new tracks start with (SP-2).
         parents_motion: Option<usize> = Some(4), in [1, CLUSTER_TRACKS_MAX];
         /// Most new tracks per interpretation (SP-3, SP-4).

@@ -31,6 +31,7 @@ pub(crate) fn settings() -> Settings {
             sensor_id: 1,
             model: SensorModel {
                 clutter_density: Some(1e-6),
+                detection_probability: Some(0.9),
                 ..SensorModel::default()
             },
             ..SensorFacts::default()

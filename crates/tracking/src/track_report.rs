@@ -7,7 +7,7 @@ use crate::identity::ReportedIdentity;
 use crate::motion::noise;
 use crate::population::{Cluster, Population};
 use crate::settings::Settings;
-use crate::track::Track;
+use crate::track::{NO_DETECTION, Track};
 use crate::wide_area::group::Group;
 
 /// A confirmed track after the latest scan: the most reliable branch of its ancestor (HT-10).
@@ -147,5 +147,45 @@ pub(crate) fn find_best(population: &Population, best: &mut Vec<BestBranch>) {
             }
         }
     }
+    for of_cluster in best.chunk_by_mut(|one, other| one.cluster == other.cluster) {
+        let cluster = &population.clusters[of_cluster[0].cluster as usize];
+        keep_apart(population, cluster, of_cluster);
+    }
     best.sort_unstable();
+}
+
+/// Takes the next best branch of an ancestor whose best branch has the same latest detection as a more reliable one of
+/// another ancestor, unless a hypothesis contains both: two targets are not shown as one.
+fn keep_apart(population: &Population, cluster: &Cluster, best: &mut [BestBranch]) {
+    let of = |track: u32| &population.tracks[track as usize];
+    let hypotheses = &population.hypotheses[cluster.hypotheses.start as usize..cluster.hypotheses.end as usize];
+    let are_together = |one: u32, other: u32| {
+        hypotheses.iter().any(|hypothesis| {
+            let members = population.members_of(hypothesis);
+            members.contains(&one) && members.contains(&other)
+        })
+    };
+    let is_double = |one: u32, other: u32| {
+        let latest = of(one).history[0];
+        latest != NO_DETECTION && latest == of(other).history[0] && !are_together(one, other)
+    };
+    for place in 0..best.len() {
+        let BestBranch { track, number, .. } = best[place];
+        let is_less = |other: &&BestBranch| other.number != number && of(other.track).is_preferred_to(of(track));
+        let Some(other) = best.iter().filter(is_less).find(|other| is_double(track, other.track)) else {
+            continue;
+        };
+        let other = other.track;
+        let branches = cluster.tracks.clone().filter(|branch| of(*branch).number == number);
+        let next = branches
+            .filter(|branch| are_together(*branch, other))
+            .reduce(|best, branch| {
+                if of(branch).is_preferred_to(of(best)) {
+                    branch
+                } else {
+                    best
+                }
+            });
+        best[place].track = next.unwrap_or(track);
+    }
 }

@@ -18,6 +18,20 @@ fn noise(step: u64) -> f64 {
     (mixed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
+/// Settings under which every detection in gates of two clusters joins them.
+fn of_the_source() -> Settings {
+    let mut chosen = settings();
+    chosen.reduction.join_probability_min = 0.0;
+    chosen
+}
+
+/// Settings under which new tracks stay tentative for so long that the options find something to reject.
+fn slow() -> Settings {
+    let mut chosen = of_the_source();
+    chosen.confirmation.detections_min = 6;
+    chosen
+}
+
 /// A target that flies east at 15 m/s, 8 m of noise.
 fn flying(second: i64, north: f64) -> Detection {
     let step = second as u64 * 7 + (north.abs() as u64) * 131;
@@ -178,7 +192,7 @@ fn every_splitting_option_and_all_together_find_both_targets() {
     for (name, chosen) in singly.into_iter().chain([("together", together)]) {
         let mut tracker = Tracker::new(Settings {
             splitting: chosen,
-            ..settings()
+            ..slow()
         })
         .unwrap();
         for second in 0..40 {
@@ -234,7 +248,7 @@ fn counts_with(choose: impl Fn(&mut Splitting)) -> TrackerCounts {
     choose(&mut chosen);
     let mut tracker = Tracker::new(Settings {
         splitting: chosen,
-        ..settings()
+        ..slow()
     })
     .unwrap();
     for second in 0..40 {
@@ -401,7 +415,7 @@ fn with_a_quick_sensor(
 #[test]
 fn a_quick_sensor_that_sees_nothing_does_not_end_what_a_slow_one_sees() {
     let quick = modelled(SensorModel {
-        detection_probability: 0.6,
+        detection_probability: Some(0.6),
         ..SensorModel::default()
     });
     let blind = |_| Vec::new();
@@ -450,7 +464,7 @@ fn outside_the_field_of_view_nothing_is_missed() {
             position_m: Some([east, 0.0]),
         });
         modelled(SensorModel {
-            detection_probability: 0.99,
+            detection_probability: Some(0.99),
             field_of_view,
             ..SensorModel::default()
         })
@@ -512,7 +526,7 @@ fn bearings(tenth: i64, offsets: &[f64]) -> Vec<Detection> {
 fn directions_improve_a_track_and_do_no_harm() {
     let camera = || {
         modelled(SensorModel {
-            detection_probability: 0.6,
+            detection_probability: Some(0.6),
             clutter_density: Some(0.5),
             ..SensorModel::default()
         })
@@ -692,7 +706,7 @@ fn settings_are_checked() {
     assert_eq!(settings::check(&Settings::default()), Ok(()));
     let wrong: [fn(&mut Settings); 8] = [
         |settings| settings.gate.probability = 1.0,
-        |settings| settings.sensors[0].model.detection_probability = 1.0,
+        |settings| settings.sensors[0].model.detection_probability = Some(1.0),
         |settings| settings.sensors[0].model.clutter_density = Some(0.0),
         |settings| settings.reduction.hypotheses_max = 65,
         |settings| settings.deletion.coherence_s = 0.0,
@@ -713,7 +727,7 @@ proptest! {
     fn each_cluster_sums_to_one_and_shares_nothing_with_others(
         scans in prop::collection::vec(prop::collection::vec((-150.0..150.0f64, -150.0..150.0f64), 0..6), 1..8),
     ) {
-        let mut tracker = Tracker::new(settings()).unwrap();
+        let mut tracker = Tracker::new(of_the_source()).unwrap();
         for (second, places) in (0..).zip(&scans) {
             let scan: Vec<_> = places.iter().map(|(east, north)| position(second * S, *east, *north)).collect();
             tracker.scan(1, second * S, &scan).unwrap();

@@ -92,7 +92,6 @@ pub(super) fn number(store: &mut HypothesisStore, place: usize, number: u32, roo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counts::TrackerCounts;
     use crate::measurement::DetectionMeasurement;
     use crate::motion::TargetMotion;
     use crate::testing::{position, settings};
@@ -118,8 +117,7 @@ mod tests {
             assert!(members.iter().all(|member| store.add_member(*member)));
             store.finish_child(reliability.ln());
         }
-        // Sums up the reliabilities.
-        store.confirm(|_| false, &mut 50, &mut TrackerCounts::default());
+        store.sum_reliabilities();
         store
     }
 

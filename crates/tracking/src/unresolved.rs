@@ -1,0 +1,259 @@
+//! Detections of two established tracks together: targets that a sensor does not resolve.
+//!
+//! Targets within one resolution cell of a sensor give a single detection between them. A tracker with at most one
+//! track per detection gives it to one of them, which is drawn aside; the other is missed until it is deleted. A
+//! second sensor, or the time before and after, knows both of them better.
+//!
+//! So, for each pair of confirmed tracks of a hypothesis that may lie within a cell of the sensor (difference of range
+//! and of bearing), the scan has two explanations, weighed by that probability U: resolved, where each track has its own
+//! detection or none; and unresolved, where the pair has one detection z between them, or is missed as one. The second
+//! has the measurement z = h((a + b) / 2), so each of both states a and b is updated with half the derivative and the
+//! other's covariance as a part of the measurement's. Both tracks keep the detection in their memory, so they stay in
+//! one cluster.
+//!
+//! Two tracks of one target would share its detections for ever. A detection of two does not count as a sign of life of
+//! either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
+//!
+//! Limits: pairs, not larger groups; a track is in one pair of a hypothesis at a time, the likeliest, and a hypothesis
+//! has at most [`PAIRS_OF_HYPOTHESIS_MAX`] of them. The correlation of both states after the update is not kept.
+//!
+//! Source: W. Koch, G. van Keuk, *Multiple hypothesis track maintenance with possibly unresolved measurements*, IEEE
+//! Transactions on Aerospace and Electronic Systems 33 (1997).
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use association::distance::largest_sigma2;
+use estimation::Gaussian;
+use settings::{Degrees, SettingsError};
+
+use crate::field_of_view::between;
+use crate::motion::TargetMotion;
+use crate::plot::Plot;
+use crate::population::Population;
+use crate::sensor::Sensor;
+
+/// Most pairs of a hypothesis that a scan may leave unresolved.
+pub(crate) const PAIRS_OF_HYPOTHESIS_MAX: usize = 2;
+/// Least probability that a pair is unresolved for it to be considered.
+const PROBABILITY_MIN: f64 = 0.01;
+/// Largest one: the cell is never known so well.
+const PROBABILITY_MAX: f64 = 0.99;
+/// Standard deviations within which detections of a pair are looked for.
+const REACH: f64 = 4.0;
+
+/// Set in the number of a pair of a detection and two tracks, to tell it from a pair with one track.
+pub(crate) const SHARED: u32 = 1 << 31;
+
+/// Two confirmed tracks that a sensor may not resolve.
+#[derive(Clone, Debug)]
+pub(crate) struct UnresolvedPair {
+    pub(crate) tracks: [u32; 2],
+    /// Logarithms of the probabilities of one detection for both, and of separate ones.
+    pub(crate) log_unresolved: f64,
+    pub(crate) log_resolved: f64,
+    /// Logarithm of the probability that both are missed as one.
+    pub(crate) log_miss: f64,
+    /// Places of its detections.
+    pub(crate) detections: Range<u32>,
+}
+
+/// A detection that may be of both tracks of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SharedDetection {
+    pub(crate) pair: u32,
+    pub(crate) plot: u32,
+    /// Density of the detection if it is of both.
+    pub(crate) log_likelihood: f64,
+}
+
+settings::settings! {
+    /// Resolution cell of a sensor: two targets that differ by less give one detection between them.
+    #[derive(Copy)]
+    pub struct ResolutionCell {
+        check ResolutionCell::check;
+        /// Difference of range from the sensor.
+        range_m: f64;
+        /// Difference of bearing from the sensor.
+        bearing_deg: Degrees;
+    }
+}
+
+impl ResolutionCell {
+    fn check(&self) -> Result<(), SettingsError> {
+        // Written so that NaN is rejected.
+        if self.range_m > 0.0 && self.bearing_deg.rad() > 0.0 && self.bearing_deg.rad() <= PI {
+            return Ok(());
+        }
+        let what = "write a range above 0 m and a bearing above 0, at most 180 degrees";
+        Err(SettingsError::new("range_m", what))
+    }
+
+    /// Probability that two targets lie within one cell, seen from `sensor_m`.
+    fn holds(&self, one: &Gaussian, other: &Gaussian, sensor_m: [f64; 2]) -> f64 {
+        let middle = [0, 1].map(|axis| 0.5 * (one.mean[axis] + other.mean[axis]) - sensor_m[axis]);
+        let range = middle[0].hypot(middle[1]);
+        let (sin, cos) = if range > 0.0 {
+            (middle[0] / range, middle[1] / range)
+        } else {
+            (0.0, 1.0)
+        };
+        let [east, north] = [0, 1].map(|axis| other.mean[axis] - one.mean[axis]);
+        let (a, b) = (one.position_covariance(), other.position_covariance());
+        let [xx, xy, yy] = [0, 1, 3].map(|place| a[place] + b[place]);
+        let along = (sin * sin * xx + 2.0 * sin * cos * xy + cos * cos * yy).max(0.0).sqrt();
+        let across = (cos * cos * xx - 2.0 * sin * cos * xy + sin * sin * yy).max(0.0).sqrt();
+        let within = |half: f64, difference: f64, sigma: f64| between(-half - difference, half - difference, sigma);
+        let in_range = within(self.range_m, sin * east + cos * north, along);
+        in_range * within(self.bearing_deg.rad() * range, cos * east - sin * north, across)
+    }
+
+    /// Largest distance of two targets in one cell at a range, metres.
+    fn widest_m(&self, range_m: f64) -> f64 {
+        self.range_m.hypot(self.bearing_deg.rad() * range_m)
+    }
+}
+
+/// A confirmed track at the time of the scan.
+#[derive(Clone, Copy, Debug)]
+struct Predicted {
+    track: u32,
+    motion: TargetMotion,
+    estimate: Gaussian,
+    /// Distance east within which others may be in one cell with it, metres.
+    reach_m: f64,
+}
+
+/// Pairs of a scan; working memory for one scan after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Unresolved {
+    pub(crate) pairs: Vec<UnresolvedPair>,
+    pub(crate) detections: Vec<SharedDetection>,
+    predicted: Vec<Predicted>,
+    /// (east, place in that list), sorted.
+    places: Vec<(f64, u32)>,
+}
+
+impl Unresolved {
+    /// Room for some of the tracks and detections; a tracker of sensors that resolve everything needs none.
+    pub(crate) fn new(tracks_max: usize, is_needed: bool) -> Self {
+        let room = if is_needed { tracks_max } else { 0 };
+        Self {
+            pairs: Vec::with_capacity(room),
+            detections: Vec::with_capacity(4 * room),
+            predicted: Vec::with_capacity(room),
+            places: Vec::with_capacity(room),
+        }
+    }
+
+    /// The tracks of a detection's pair, given as [`SHARED`] and its place.
+    pub(crate) fn tracks_of(&self, shared: u32) -> [u32; 2] {
+        let found = self.detections[(shared & !SHARED) as usize];
+        self.pairs[found.pair as usize].tracks
+    }
+
+    /// Finds the pairs of tracks that the sensor may not resolve in a scan, and their detections.
+    pub(crate) fn find(&mut self, population: &Population, plots: &[Plot], time_ns: i64, sensor: &Sensor) {
+        self.pairs.clear();
+        self.detections.clear();
+        let (Some(cell), Some(sensor_m)) = (sensor.cell, sensor.platform_m) else {
+            return;
+        };
+        self.predict(population, time_ns, sensor, (&cell, sensor_m));
+        for first in 0..self.places.len() {
+            let (east, place) = self.places[first];
+            let one = self.predicted[place as usize];
+            let near = self.places[first + 1..]
+                .iter()
+                .take_while(|(other, _)| other - east <= one.reach_m);
+            for &(_, place) in near {
+                let other = &self.predicted[place as usize];
+                let tracks = [one.track, other.track];
+                let [a, b] = tracks.map(|track| &population.tracks[track as usize]);
+                if a.number == b.number || self.pairs.len() == self.pairs.capacity() {
+                    continue;
+                }
+                let probability = cell.holds(&one.estimate, &other.estimate, sensor_m);
+                if probability < PROBABILITY_MIN || probability.is_nan() {
+                    continue;
+                }
+                let probability = probability.min(PROBABILITY_MAX);
+                let middle = TargetMotion::middle(&one.motion, &other.motion);
+                let begin = self.detections.len() as u32;
+                let pair = self.pairs.len() as u32;
+                find_detections(&middle, pair, plots, sensor, &mut self.detections);
+                self.pairs.push(UnresolvedPair {
+                    tracks,
+                    log_unresolved: probability.ln(),
+                    log_resolved: (-probability).ln_1p(),
+                    log_miss: sensor.log_miss(sensor.probability_in_view(&middle.estimate())),
+                    detections: begin..self.detections.len() as u32,
+                });
+            }
+        }
+    }
+
+    /// Predicts the confirmed tracks, from west to east.
+    fn predict(
+        &mut self,
+        population: &Population,
+        time_ns: i64,
+        sensor: &Sensor,
+        (cell, [east, north]): (&ResolutionCell, [f64; 2]),
+    ) {
+        self.predicted.clear();
+        self.places.clear();
+        for (number, track) in (0..).zip(&population.tracks) {
+            if !track.is_confirmed() || self.predicted.len() == self.predicted.capacity() {
+                continue;
+            }
+            let motion = track.motion_at(time_ns, &sensor.motion);
+            let estimate = motion.estimate();
+            let range = (estimate.mean[0] - east).hypot(estimate.mean[1] - north);
+            let [xx, xy, _, yy, ..] = estimate.position_covariance();
+            let sigma = largest_sigma2([xx, xy, yy]);
+            self.places.push((estimate.mean[0], self.predicted.len() as u32));
+            self.predicted.push(Predicted {
+                track: number,
+                motion,
+                estimate,
+                reach_m: cell.widest_m(range) + REACH * sigma,
+            });
+        }
+        self.places
+            .sort_unstable_by(|one, other| one.0.total_cmp(&other.0).then(one.1.cmp(&other.1)));
+    }
+}
+
+/// Adds the detections in the gate of the middle of a pair.
+fn find_detections(
+    middle: &TargetMotion,
+    pair: u32,
+    plots: &[Plot],
+    sensor: &Sensor,
+    found: &mut Vec<SharedDetection>,
+) {
+    let widest = middle.widest();
+    let [xx, xy, _, yy, ..] = widest.position_covariance();
+    let sigma = largest_sigma2([xx, xy, yy]);
+    let [east, north, ..] = widest.mean;
+    for (number, plot) in (0..).zip(plots) {
+        let Some((place, sigma_m)) = plot.measurement.place() else {
+            continue;
+        };
+        let apart = (place[0] - east).hypot(place[1] - north);
+        if apart > REACH * sigma.hypot(sigma_m) || found.len() == found.capacity() {
+            continue;
+        }
+        let Some(innovation) = middle.innovation(&plot.measurement) else {
+            continue;
+        };
+        if innovation.squared_distance <= sensor.gates[innovation.dimension - 1] {
+            found.push(SharedDetection {
+                pair,
+                plot: number,
+                log_likelihood: innovation.log_likelihood,
+            });
+        }
+    }
+}
