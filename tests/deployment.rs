@@ -172,6 +172,7 @@ fn every_example_is_sound() {
         let path = entry.unwrap().path();
         let data = match path.file_stem().and_then(|name| name.to_str()) {
             Some("barcelona") => recordings("lebl2016"),
+            Some("ferry") => recordings("autoferry"),
             _ => Some(home.path("no recordings")),
         };
         let Some(data) = data else { continue };

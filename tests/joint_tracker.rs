@@ -262,14 +262,14 @@ fn detections_of_several_live_sensors_become_tracks_and_their_recording_gives_th
     assert_eq!(ended.code(), Some(0), "{said}");
     let (summary, tracks) = tracked_again(&site.home, "ship");
     assert_equal(&tracks);
-    assert!(tracks[0].len() > 150, "{} rows", tracks[0].len());
+    assert!(tracks[0].len() > 150, "{} rows: {summary}", tracks[0].len());
     let numbers: std::collections::BTreeSet<&String> = tracks[0].iter().map(|row| &row[1]).collect();
     assert_eq!(numbers.len(), TARGETS, "{numbers:?}");
-    // The same detections are late.
+    // The same detections are late: those of every eleventh scan of the lidar, not those that the wait covers.
     let refused = summary["refused"].as_object().unwrap();
     let late: u64 = refused.values().map(|count| count.as_u64().unwrap()).sum();
     assert!(
-        late > 0 && refused.keys().all(|reason| reason.starts_with("late: ")),
+        (1..=20).contains(&late) && refused.keys().all(|reason| reason.starts_with("late: ")),
         "{summary}"
     );
     let report = fs::read_to_string(site.home.path("out/latest/report.json")).unwrap();
@@ -346,7 +346,9 @@ fn a_killed_tracker_process_resumes_its_numbers() {
 #[test]
 #[ignore = "takes minutes: a campaign"]
 fn a_tracker_process_killed_fifty_times_renumbers_nothing() {
-    killed(50);
+    // A kill takes thirteen seconds here, a quarter of that in other campaigns.
+    let count = std::env::var("KOSEKI_KILLS").ok().and_then(|times| times.parse().ok());
+    killed(count.map_or(50, |kills: usize| (kills / 4).max(1)));
 }
 
 /// The scenarios of the ferry through one tracker process: its pictures are those that `koseki track` makes of the

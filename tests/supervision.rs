@@ -218,7 +218,7 @@ fn a_housekeeping_thread_that_stands_still_takes_its_process_with_it() {
     };
     let thread = fs::read_dir(tasks).unwrap().flatten().find(is_housekeeper).unwrap();
     let mut strace = Command::new("strace")
-        .args(["-e", "inject=clock_nanosleep:delay_enter=5000000", "-p"])
+        .args(["-e", "inject=clock_nanosleep,futex:delay_enter=5000000", "-p"])
         .arg(thread.file_name())
         .stderr(Stdio::piped())
         .spawn()

@@ -204,7 +204,7 @@ alarms! {
          positions of these addresses from this source until the positions agree again.";
     PlatformSilent = 40, "platform-silent", Major, raise 0 s, clear 2 s,
         "The platform of {process} has sent no state for {silence}.",
-        "Check the navigation receiver and its line. Detections of the sensors on board wait, and then are not used.";
+        "Check the navigation receiver and its line. States of this time are missing in the recording.";
     PlatformJumped = 41, "platform-jumped", Major, raise 0 s, clear 30 s,
         "The position, course or attitude of the platform of {process} jumped: {count}.",
         "Check the navigation receiver and the compass: detections of the sensors on board are displaced together. \

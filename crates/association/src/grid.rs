@@ -21,7 +21,8 @@ struct CellLink {
 }
 
 /// Returns the largest whole number that is not above `value`, as an index of cells. Far-away places share the
-/// outermost cells instead of wrapping round. `f64::floor` is a call where the processor need not have an instruction for it.
+/// outermost cells instead of wrapping round. `f64::floor` is a call where the processor need not have an instruction
+/// for it.
 #[inline]
 pub fn floor(value: f64) -> i32 {
     let whole = value as i32;

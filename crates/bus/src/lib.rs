@@ -78,6 +78,7 @@ mod quality;
 mod remains;
 mod root;
 mod seal;
+mod sends;
 mod service;
 mod space;
 mod subscriber;

@@ -15,9 +15,10 @@ use std::sync::atomic::{AtomicU64, fence};
 use messages::{BatchHeader, Topic};
 
 use crate::error::BusError;
-use crate::hint::{Hint, Word as _};
+use crate::hint::Hint;
 use crate::line::OwnLine;
 use crate::ports::{DropGuard, Sending, Transport};
+use crate::sends::Word as _;
 use crate::service::{PublisherPort, WakeUps};
 use crate::transport::Payload;
 

@@ -31,10 +31,11 @@ use iceoryx2::port::ReceiveError;
 use messages::{BatchHeader, Epochs, Topic};
 
 use crate::error::BusError;
-use crate::hint::{Hint, ReceivedSends, Word as _};
+use crate::hint::Hint;
 use crate::line::{Ends, PublisherLine, fold};
 use crate::ports::{DropGuard, Receiving, Transport};
 use crate::quality::BORROWED_MAX;
+use crate::sends::{ReceivedSends, Word as _};
 use crate::service::{SubscriberPort, TakenSlice};
 use crate::transport::Payload;
 
@@ -237,9 +238,9 @@ impl<S: Transport, T: Payload> Subscriber<S, T> {
         Ok(slice)
     }
 
-    /// Returns whether a slice may wait: `false` if everything sent by publishers of this crate has been received. Costs
-    /// one load. Publishers in other languages, and those killed during a send, give no hint: look fully at times all the
-    /// same, and after each wake-up, until [`receive`](Self::receive) finds nothing.
+    /// Returns whether a slice may wait: `false` if everything sent by publishers of this crate has been received.
+    /// Costs one load. Publishers in other languages, and those killed during a send, give no hint: look fully at times
+    /// all the same, and after each wake-up, until [`receive`](Self::receive) finds nothing.
     #[inline]
     pub fn may_have_slices(&self) -> bool {
         !self.received.are_all(self.hint.word())

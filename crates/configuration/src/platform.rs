@@ -39,10 +39,9 @@ pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
             );
             return Err(SettingsError::new(key, what));
         }
-        let input = match (&each.live, &each.recorded) {
-            (Some(live), _) => PlatformInput::Live(feed(&format!("platform[{index}].live"), live)?),
-            (_, Some(recorded)) => PlatformInput::Recorded(PathBuf::from(&recorded.file)),
-            _ => PlatformInput::External,
+        let input = match &each.live {
+            Some(live) => PlatformInput::Live(feed(&format!("platform[{index}].live"), live)?),
+            None => PlatformInput::External,
         };
         platforms.push(Platform {
             number: index as u16,

@@ -28,7 +28,6 @@ fn each_kind_of_input_is_read() {
         "[[platform]]\nname = \"ship\"\nheading_sigma_deg = 0.3\nlive = { udp = { listen = \"127.0.0.1:10110\" } }\n\
          [[platform]]\nname = \"boat\"\nlive = { tcp = \"127.0.0.1:4000\" }\n\
          [[platform]]\nname = \"van\"\nlive = { device = \"/dev/ttyUSB0\" }\n\
-         [[platform]]\nname = \"tape\"\nrecorded = { file = \"ship.csv\" }\n\
          [[platform]]\nname = \"own\"\n[platform.external]\n",
     )
     .unwrap();
@@ -38,15 +37,11 @@ fn each_kind_of_input_is_read() {
             PlatformInput::Live(PlatformFeed::Udp(udp)),
             PlatformInput::Live(PlatformFeed::Tcp(tcp)),
             PlatformInput::Live(PlatformFeed::Device(device)),
-            PlatformInput::Recorded(file),
             PlatformInput::External,
         ] => {
             assert_eq!((udp.address, udp.port), (IpAddr::V4(Ipv4Addr::LOCALHOST), 10110));
             assert_eq!(tcp.port(), 4000);
-            assert_eq!(
-                (device.as_path(), file.as_path()),
-                (Path::new("/dev/ttyUSB0"), Path::new("ship.csv"))
-            );
+            assert_eq!(device.as_path(), Path::new("/dev/ttyUSB0"));
         }
         other => panic!("{other:?}"),
     }
@@ -60,10 +55,10 @@ fn what_cannot_be_meant_is_refused_with_key_and_remedy() {
     for (platforms, expected) in [
         (
             "[[platform]]\nname = \"ship\"\n",
-            "exactly one of [platform.live], [platform.recorded] and [platform.external]",
+            "exactly one of [platform.live] and [platform.external]",
         ),
         (
-            "[[platform]]\nname = \"ship\"\nexternal = {}\nrecorded = { file = \"x\" }\n",
+            "[[platform]]\nname = \"ship\"\nexternal = {}\nlive = { tcp = \"127.0.0.1:4000\" }\n",
             "platform[0].name: \"ship\" needs exactly one of",
         ),
         ("[[platform]]\nname = \"ship\"\nlive = {}\n", "give exactly one of udp"),

@@ -357,15 +357,13 @@ settings::settings! {
         simulated: Option<scenario::WideAreaSettings> = None;
     }
 
-    /// A platform that carries sensors: exactly one of `live`, `recorded` and `external`.
+    /// A platform that carries sensors: either `live` or `external`.
     pub struct PlatformTable with assumed: Assumed {
         check PlatformTable::check;
         /// Name, which is also part of its topic's name, and that of its process.
         name: String;
         /// Sentences of NMEA 0183, or rows of states, received by a process of its own.
         live: Option<PlatformLiveTable> = None;
-        /// Sentences or rows in a file.
-        recorded: Option<RecordedRowsTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
         /// Standard deviation of the delay of sentences that state no time (HDT, THS).
@@ -580,11 +578,7 @@ impl WideAreaSensorTable {
 
 impl PlatformTable {
     fn check(&self) -> Result<(), SettingsError> {
-        let inputs = [
-            ("live", self.live.is_some()),
-            ("recorded", self.recorded.is_some()),
-            ("external", self.external.is_some()),
-        ];
+        let inputs = [("live", self.live.is_some()), ("external", self.external.is_some())];
         exactly_one("platform", &self.name, &inputs)
     }
 }

@@ -84,7 +84,10 @@ pub(super) fn check_trackers(
             return Err(SettingsError::new(format!("{key}.name"), what));
         }
         if tracker.sensors.len() > SENSORS_MAX {
-            let what = format!("{} are more than {SENSORS_MAX}", tracker.sensors.len());
+            let what = format!(
+                "{} sensors are more than {SENSORS_MAX}; split them among trackers",
+                tracker.sensors.len()
+            );
             return Err(SettingsError::new(format!("{key}.sensor"), what));
         }
         let begin = all.sensors.len();
@@ -198,7 +201,7 @@ fn check_tracker(
     let key = |part: &str| format!("source[{number}].{part}");
     let recorded = sensors.iter().filter(|sensor| sensor.input.is_recorded()).count();
     if recorded > 0 && recorded < sensors.len() {
-        let what = "some sensors are recordings and some are not: their times are of different days";
+        let what = "some sensors are recordings and some are not: their times are of different days; make all sensors recordings, or none";
         return Err(SettingsError::new(key("name"), what));
     }
     if recorded > 0 && raw.cues {

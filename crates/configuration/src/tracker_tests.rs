@@ -127,7 +127,11 @@ fn mistakes_are_named_with_line_value_and_remedy() {
         ("[motion.manoeuvres]\ndurations_s = [1.0, nan]", 2, "must lie between"),
         ("[reduction]\nhypotheses_max = 65", 2, "between 1 and 64"),
         ("[capacity]\ntracks = 0", 2, "between 1 and"),
-        ("[fusion]\n", 1, "fusion: unknown key; there are: sensor, gate"),
+        (
+            "[fusion]\n",
+            1,
+            "fusion: unknown key; there are: platform, sensor, gate",
+        ),
     ] {
         let message = settings(text).unwrap_err();
         assert!(message.starts_with(&format!("track.toml:{line}: ")), "{message}");

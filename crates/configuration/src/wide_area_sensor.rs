@@ -38,7 +38,7 @@ use settings::SettingsError;
 
 use super::check_network::{Network, asterix};
 use super::checked::{Checked, place};
-use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, ReceiverTable, SourceTable, WideAreaSensorTable};
+use super::tables::{CountedTracksTable, DeploymentTable, PlaceTable, WideAreaSensorTable};
 use deployment::{CountedTracks, Source, TrackFeed, WideAreaInput, WideAreaSensor, check_name};
 
 /// Most wide-area sensors of a deployment.
@@ -70,7 +70,7 @@ pub(super) fn check_wide_area_sensors(
             return Err(SettingsError::new(key, what));
         }
         let sensor = check_sensor(index, each, (system, &raw.frame), network)?;
-        check_process_name(&sensor, &raw.sources, &raw.receivers)?;
+        check_process_name(&sensor, raw)?;
         sensors.push(sensor);
     }
     Ok(sensors)
@@ -196,15 +196,16 @@ pub(super) fn check_company(sources: &[Source], sensors: &[WideAreaSensor]) -> C
 }
 
 /// No two adapter processes have one name; those behind receivers have the receivers'.
-fn check_process_name(sensor: &WideAreaSensor, sources: &[SourceTable], receivers: &[ReceiverTable]) -> Checked<()> {
-    let mut names = sources
-        .iter()
-        .map(|source| &source.name)
-        .chain(receivers.iter().map(|receiver| &receiver.name));
+fn check_process_name(sensor: &WideAreaSensor, raw: &DeploymentTable) -> Checked<()> {
+    let of_sources = raw.sources.iter().map(|source| &source.name);
+    let of_receivers = raw.receivers.iter().map(|receiver| &receiver.name);
+    let mut names = of_sources
+        .chain(of_receivers)
+        .chain(raw.trackers.iter().map(|tracker| &tracker.name));
     let is_named_so = sensor.receiver().is_none() || sensor.simulated.is_some();
     if is_named_so && names.any(|name| *name == sensor.name) {
         let what = format!(
-            "\"{}\" is also the name of an adapter process, that of a source or receiver; give the sensor another",
+            "\"{}\" is also the name of an adapter process, that of a source, tracker or receiver; give the sensor another",
             sensor.name
         );
         return Err(SettingsError::new(

@@ -1,9 +1,9 @@
 //! Digits of numbers, by integer arithmetic.
 //!
-//! A row of tracks has some forty numbers with fixed decimals. `core::fmt` writes each correctly, but works with numbers
-//! of any length, and its traits cost more than the digits. A finite `f64` is `m * 2^-s` with a whole `m` below 2^53.
-//! Below 2^53, its decimals are therefore the rounded quotient of the fraction's bits times a power of ten, and 2^s:
-//! one product of 128 bits and a shift. Halves go to the even neighbour, as `core::fmt` does.
+//! A row of tracks has some forty numbers with fixed decimals. `core::fmt` writes each correctly, but works with
+//! numbers of any length, and its traits cost more than the digits. A finite `f64` is `m * 2^-s` with a whole `m` below
+//! 2^53. Below 2^52, its decimals are therefore the rounded quotient of the fraction's bits times a power of ten, and
+//! 2^s: one product of 128 bits and a shift. Halves go to the even neighbour, as `core::fmt` does.
 
 use std::io::{self, Write};
 
@@ -146,7 +146,7 @@ pub fn write_time(out: &mut impl Write, ns: i64) -> io::Result<()> {
 }
 
 /// Returns the whole part of the rounded value, without its sign, and the decimals as a whole number. `None` for
-/// numbers beyond 2^53, others than numbers, and more decimals than 17.
+/// numbers from 2^52 on, others than numbers, and more decimals than 17.
 fn rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
     let ten = *TENS.get(decimals)?;
     let bits = value.to_bits() & !(1 << 63);
@@ -155,7 +155,8 @@ fn rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
     if exponent >= bias + FRACTION_BITS {
         return None;
     }
-    // A subnormal number has the exponent 1 and no hidden bit. The formula below takes it for a larger one; both are zero.
+    // A subnormal number has the exponent 1 and no hidden bit. The formula below takes it for a larger one; both are
+    // zero.
     let digits = bits & ((1 << FRACTION_BITS) - 1) | 1 << FRACTION_BITS;
     // 1 to 1,075: the value is digits / 2^shift.
     let shift = bias + FRACTION_BITS - exponent;

@@ -1,7 +1,7 @@
 //! Numbers of few digits, from bytes.
 //!
-//! A whole number up to 2^53 and a power of ten up to 10^22 are exact as `f64`, and their quotient is rounded once. It is
-//! therefore the same as that of `str::parse`, which must also accept exponents, and numbers of any length.
+//! A whole number up to 2^53 and a power of ten up to 10^22 are exact as `f64`, and their quotient is rounded once. It
+//! is therefore the same as that of `str::parse`, which must also accept exponents, and numbers of any length.
 
 /// Most octets after the sign: 18 digits fit into 64 bits, and a point.
 const OCTETS_MAX: usize = 19;

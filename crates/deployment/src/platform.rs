@@ -31,8 +31,6 @@ pub struct Platform {
 pub enum PlatformInput {
     /// Sentences of NMEA 0183, or rows of states, received by a process of its own.
     Live(PlatformFeed),
-    /// A file of sentences or rows, relative to the data folder unless absolute. Its readers read it themselves.
-    Recorded(PathBuf),
     /// A process that is no part of the deployment publishes the topic.
     External,
 }

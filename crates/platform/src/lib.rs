@@ -14,7 +14,7 @@
 //!    system's terms, with standard deviations enlarged by the errors of position, heading and attitude (chain rule).
 //! 3. [`WaitingRoom`] holds detections until the platform's states have reached their time.
 //!
-//! Live processes and `koseki track --platform` use these three alike.
+//! `koseki track --platform` uses these three.
 //!
 //! # What correlation is lost
 //!

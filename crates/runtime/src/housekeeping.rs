@@ -50,7 +50,8 @@ const BUFFERS: usize = 2;
 /// Number of slices of a snapshot published at a time. A slow reader loses none of the slices, for a snapshot of any
 /// size.
 const RESTORED_SLICES: usize = 4;
-/// Pauses of the housekeeper: while there is work other than health, and while there is none.
+/// Pauses of the housekeeper: while there is work other than health, or there may be decisions, and while there is
+/// none.
 const PAUSE: Duration = Duration::from_millis(10);
 const IDLE_PAUSE: Duration = Duration::from_millis(80);
 
@@ -268,7 +269,13 @@ fn keep_house(
     mut decisions: Option<Publisher<SharedMemory, Decision>>,
     mut whole: WholeSaid<'_>,
 ) -> anyhow::Result<()> {
-    let mut pause = LookPause::between(PAUSE, IDLE_PAUSE);
+    // The loop wakes nobody: its decisions of a whole pause have to fit into their topic.
+    let longest = if desk.queues.decisions.is_some() {
+        PAUSE
+    } else {
+        IDLE_PAUSE
+    };
+    let mut pause = LookPause::between(PAUSE, longest);
     loop {
         // Read before the queue is emptied: entries queued before the close are published.
         let closing = desk.closing.load(Ordering::Acquire);
@@ -293,6 +300,7 @@ fn keep_house(
         worked |= whole.go_on(&desk.queues.restored)?;
         while let Some(report) = desk.queues.quarantined.pop() {
             write_quarantined(whole.bus.root(), &report);
+            worked = true;
         }
         worked |= order_desk.turn(&desk.queues, Now::read())?;
         if closing {

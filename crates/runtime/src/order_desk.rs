@@ -52,8 +52,8 @@ impl OrderDesk {
         })
     }
 
-    /// Passes orders to the loop, takes states from the loop, and publishes the list. Returns whether an order or a state
-    /// came.
+    /// Passes orders to the loop, takes states from the loop, and publishes the list. Returns whether an order or a
+    /// state came.
     ///
     /// # Errors
     /// If shared memory fails.

@@ -10,7 +10,7 @@ use messages::{Decision, Order, OrderState, RESTORED_WORDS, Restored, SensorTrac
 const ORDERS_MAX: usize = 16;
 /// Maximum number of states of orders that wait for publication: a start publishes all orders in force.
 const ORDER_STATES_MAX: usize = 256;
-/// Maximum number of decisions that wait for publication: more than a loop makes in many pauses of the housekeeper.
+/// Maximum number of decisions that wait for publication; further ones are counted as dropped.
 const DECISIONS_MAX: usize = 8192;
 /// Maximum number of changes of role that wait for publication.
 const NAMES_MAX: usize = 4;

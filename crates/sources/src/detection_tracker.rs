@@ -209,6 +209,10 @@ impl DetectionTracker {
     /// pictures that no longer wait for data are made (WA-11). Without a configured output period, or before the first
     /// scan, nothing happens.
     pub fn elapsed(&mut self, time_ns: i64, samples: &mut Samples) {
+        // The pictures of several sensors wait for the data of any of them.
+        if self.events {
+            return;
+        }
         let Some(patience_ns) = self.joiner.patience_ns() else {
             return;
         };

@@ -197,23 +197,23 @@ impl ScanJoiner {
         }
     }
 
-    /// Scans until this time wait for no other sensor.
+    /// Scans before this time wait for no other sensor: all scans of others until then are complete.
     fn horizon_ns(&self) -> i64 {
         self.running_ns.saturating_sub(self.wait_ns)
     }
 
-    /// Time to which every sensor counts as having come, nanoseconds. The longest scan that ends there is complete when
-    /// the wait for its first detection ends.
-    fn cut_ns(&self) -> i64 {
-        let spans = self.sensors.iter().map(|sensor| sensor.scans.span_ns());
-        let rest_ns = self.wait_ns.saturating_sub(spans.max().unwrap_or(0)).max(0);
+    /// Time to which the sensor in this place counts as having come, nanoseconds. Its longest scan that ends there is
+    /// complete when the wait for the scan's first detection ends.
+    fn cut_ns(&self, place: usize) -> i64 {
+        let rest_ns = self.wait_ns.saturating_sub(self.sensors[place].scans.span_ns()).max(0);
         self.running_ns.saturating_sub(rest_ns)
     }
 
     fn come_to(&mut self, time_ns: i64) {
         self.running_ns = self.running_ns.max(time_ns);
-        let (cut_ns, is_alone) = (self.cut_ns(), self.sensors.len() == 1);
+        let is_alone = self.sensors.len() == 1;
         for place in 0..self.sensors.len() {
+            let cut_ns = self.cut_ns(place);
             if !is_alone {
                 self.sensors[place].scans.passed(cut_ns);
             }
@@ -277,7 +277,7 @@ impl ScanJoiner {
         let Some(first) = self.waiting.first() else {
             return false;
         };
-        let is_due = self.has_ended || first.time_ns <= self.horizon_ns() || self.waiting.len() >= WAITING_MAX;
+        let is_due = self.has_ended || first.time_ns < self.horizon_ns() || self.waiting.len() >= WAITING_MAX;
         let order = (first.time_ns, first.sensor);
         let mut others = (0..self.sensors.len()).filter(|place| *place != first.sensor);
         is_due || others.all(|place| (self.sensors[place].scans.earliest_ns(), place) > order)
@@ -348,7 +348,7 @@ impl SensorScans {
     fn span_ns(&self) -> i64 {
         match self {
             Self::Cut(cutter) => cutter.span_ns(),
-            Self::Stated(_) => 0,
+            Self::Stated(scans) => scans.wait_ns(),
         }
     }
 

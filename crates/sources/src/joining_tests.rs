@@ -65,8 +65,9 @@ fn a_scan_waits_for_the_other_sensor_and_not_longer_than_stated() {
     // The second sensor falls silent: after ten seconds the first is not kept waiting.
     assert_eq!(take(0, 3, 5), [(1, 2, 3 * S)]);
     assert_eq!(take(0, 4, 14), []);
-    assert_eq!(take(0, 5, 15), [(2, 2, 4 * S), (1, 3, 5 * S)]);
-    assert_eq!(take(0, 6, 16), []);
+    assert_eq!(take(0, 5, 15), [(2, 2, 4 * S)]);
+    // A scan of the second sensor at the same time is complete by now.
+    assert_eq!(take(0, 6, 16), [(1, 3, 5 * S)]);
     // A scan that comes too late is complete and released at once; the tracker decides about it.
     assert_eq!(take(1, 3, 4), [(2, 3, 4 * S)]);
     assert_eq!(take(1, 4, 7), []);
@@ -206,4 +207,23 @@ proptest! {
             prop_assert_eq!(joined, expected);
         }
     }
+}
+
+/// A scan of a long turn must not end the images of another sensor: their rows may be late by the wait.
+#[test]
+fn rows_of_an_image_within_the_wait_form_one_scan_beside_a_slow_radar() {
+    let rules = settings(vec![cutter(Boundaries::Turn, 4 * S), cutter(Boundaries::Stated, S)], S);
+    let mut joiner = ScanJoiner::new(&[1, 2], &rules, 0).unwrap();
+    joiner.take(0, &detection(1, 0, S + S / 20), 0);
+    for _ in 0..3 {
+        let taken = joiner.take(1, &detection(2, 7, S), 0);
+        assert_eq!(taken, DetectionTreatment::Waits);
+        joiner.take(0, &detection(1, 0, S + S / 5), 0);
+    }
+    joiner.take(0, &SensorEvent::Passed(9 * S), 0);
+    let mut found = Vec::new();
+    while let Some(scan) = joiner.next_scan() {
+        found.push((scan.sensor_id, scan.detections.len()));
+    }
+    assert!(found.contains(&(2, 3)), "{found:?}");
 }

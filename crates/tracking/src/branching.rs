@@ -234,8 +234,8 @@ fn updated_track(joined: &JoinedClusters<'_>, number: u32, pair: u32, counts: &m
     Some(track)
 }
 
-/// The track `number` with a detection between it and another track. `None` if it is the later one of the two and has had
-/// none of its own for too long: both may be of one target.
+/// The track `number` with a detection between it and another track. `None` if it is the later one of the two and has
+/// had none of its own for too long: both may be of one target.
 fn shared_track(joined: &JoinedClusters<'_>, number: u32, other_number: u32, shared: u32) -> Option<Track> {
     let scan = joined.scan;
     let found = scan.unresolved.detections[(shared & !SHARED) as usize];

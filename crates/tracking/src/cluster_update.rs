@@ -8,7 +8,6 @@
 use crate::branching::{Branches, REMOVED, UNMADE, explain_end};
 use crate::cluster_explanation::{explain_cluster, explain_confirmations, explain_ends, explain_hypotheses};
 use crate::counts::TrackerCounts;
-use crate::coupling::SharedPlot;
 use crate::directions::{Claims, Directions};
 use crate::explanation::TrackEvent;
 use crate::gating::NONE;
@@ -17,6 +16,7 @@ use crate::interpretations::{Interpretation, Interpretations};
 use crate::joined::{DetectionRows, JoinedClusters};
 use crate::limits::{CLUSTER_TRACKS_MAX, HYPOTHESES_MAX, PAIRS_MAX};
 use crate::parents::Parents;
+use crate::plot::SharedPlot;
 use crate::population::{Cluster, Population};
 use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;

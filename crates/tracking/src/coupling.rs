@@ -13,10 +13,10 @@
 //!
 //! with the reliability r of the track, the likelihood w of the pair relative to a false detection and the probability
 //! m of a miss. Two clusters are joined where both may have the detection: the product of the claims' shares in the sum
-//! with 1, for false, reaches `reduction.join_probability_min`. Elsewhere each cluster is updated alone, and the others'
-//! claims add to the likelihood of a false detection. These are the messages of a single round of belief propagation
-//! (J. Williams, R. Lau, *Approximate evaluation of marginal association probabilities with belief propagation*, IEEE
-//! Transactions on Aerospace and Electronic Systems 50 (2014)); joining stays exact.
+//! with 1, for false, reaches `reduction.join_probability_min`. Elsewhere each cluster is updated alone, and the
+//! others' claims add to the likelihood of a false detection. These are the messages of a single round of belief
+//! propagation (J. Williams, R. Lau, *Approximate evaluation of marginal association probabilities with belief
+//! propagation*, IEEE Transactions on Aerospace and Electronic Systems 50 (2014)); joining stays exact.
 //!
 //! Limit: two clusters that are not joined may both take the detection, with at most that probability. If they are
 //! joined later, their hypotheses with a common detection are left out ([`crate::parents`]).
@@ -25,7 +25,7 @@ use association::components::representative;
 
 use crate::gating::{Gating, NONE};
 use crate::limits::CLUSTER_TRACKS_MAX;
-use crate::plot::Plot;
+use crate::plot::{Plot, SharedPlot};
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;
@@ -35,22 +35,6 @@ use crate::unresolved::Unresolved;
 
 /// Largest logarithm of a likelihood ratio: more is certain, and must not overflow.
 const LOG_MAX: f64 = 30.0;
-
-/// What a cluster does with a detection that others may have, too.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SharedPlot {
-    /// Logarithm of the likelihood that it is false or of another cluster, relative to false.
-    pub(crate) log_others: f64,
-    /// Whether a new track may start at it: in one cluster alone.
-    pub(crate) may_start: bool,
-}
-
-impl SharedPlot {
-    const OWN: Self = Self {
-        log_others: 0.0,
-        may_start: true,
-    };
-}
 
 /// A cluster's claim to a detection.
 #[derive(Clone, Copy, Debug)]

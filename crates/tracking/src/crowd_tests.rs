@@ -88,8 +88,8 @@ proptest! {
     }
 }
 
-/// Two targets that fly north side by side, from 20 s to 60 s 40 m apart, before and after 100 m. Within the cell they give
-/// one detection between them in seven of eight scans.
+/// Two targets that fly north side by side, from 20 s to 60 s 40 m apart, before and after 100 m. Within the cell they
+/// give one detection between them in seven of eight scans.
 fn abreast(second: i64) -> Vec<Detection> {
     let time_s = second as f64;
     let apart = 40.0 + 60.0 * ((20.0 - time_s).max(time_s - 60.0) / 20.0).clamp(0.0, 1.0);

@@ -7,7 +7,6 @@
 //!
 //! Limit: a target that has left is missed, too. After [`MISSES_MAX`] misses in a row a track is not counted.
 
-use crate::sensor::Sensor;
 use crate::track::Track;
 
 /// Detection probability before anything is known.
@@ -36,14 +35,14 @@ impl DetectionRate {
         looks: PRIOR_LOOKS,
     };
 
-    /// Learns from the tracks after a scan of the sensor.
-    pub(crate) fn count(&mut self, tracks: &[Track], sensor: &Sensor) {
+    /// Learns from the tracks after a scan of the sensor, of which `in_view` is the probability to be in its view.
+    pub(crate) fn count(&mut self, tracks: &[Track], in_view: impl Fn(&Track) -> f64) {
         for track in tracks {
             let counts = track.is_confirmed() && track.detections >= DETECTIONS_MIN && track.missed <= MISSES_MAX;
             if !counts {
                 continue;
             }
-            let look = track.reliability * sensor.probability_in_view(track.motion.widest());
+            let look = track.reliability * in_view(track);
             self.looks += look;
             if track.missed == 0 {
                 self.hits += look;

@@ -10,11 +10,10 @@
 use association::{Grid, distance};
 
 use crate::counts::TrackerCounts;
-use crate::coupling::SharedPlot;
 use crate::identity::{LOG_NAMED, ScanReplies, TrackIdentity};
 use crate::limits::{COMPARISONS_MAX, PAIRS_MAX};
 use crate::motion::TargetMotion;
-use crate::plot::Plot;
+use crate::plot::{Plot, SharedPlot};
 use crate::population::Population;
 use crate::ranked::ROWS_MAX;
 use crate::sensor::Sensor;

@@ -186,8 +186,8 @@ impl HypothesisStore {
             let root = track.root;
             let branches = self.tracks[place..].iter().filter(|branch| branch.root == root);
             let counted = branches.filter(|branch| confirmation.is_seen_enough(branch));
-            // A second detection of one target begins a tree beside it, in which either has the next one: so for a split a
-            // single branch must be as likely.
+            // A second detection of one target begins a tree beside it, in which either has the next one: so for a
+            // split a single branch must be as likely.
             let (together, with_company) = counted.fold((0.0, 0.0_f64), |(all, with_company), branch| {
                 let company = if branch.company() >= COMPANY_MIN {
                     branch.reliability

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::counts::TrackerCounts;
-use crate::coupling::SharedPlot;
 use crate::gating::NONE;
+use crate::plot::SharedPlot;
 use crate::population::Cluster;
 use crate::ranked::ROWS_MAX;
 use crate::scan_context::ScanContext;

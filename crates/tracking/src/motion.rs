@@ -32,8 +32,8 @@ settings::settings! {
     pub struct MotionSettings {
         /// Spectral density of the accelerations in steady flight: horizontal, vertical.
         process_noise_m2ps3: [f64; 2] = [5.0, 1.0], in [1e-9, 1e6];
-        /// Speed below which the horizontal accelerations in steady flight are weaker, with the square of the speed and at
-        /// least a tenth in spectral density: boats do not accelerate like aircraft. Uncertain speeds count as fast.
+        /// Speed below which the horizontal accelerations in steady flight are weaker, with the square of the speed and
+        /// at least a tenth in spectral density: boats do not accelerate like aircraft. Uncertain speeds count as fast.
         slow_mps: Option<f64> = Some(10.0), in [1e-3, 1e3];
         /// Second model, of manoeuvring targets.
         manoeuvres: ManoeuvreSettings = ManoeuvreSettings::default();

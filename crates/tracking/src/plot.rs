@@ -22,6 +22,22 @@ pub(crate) struct Plot {
     pub(crate) identity: PlotIdentity,
 }
 
+/// What a cluster does with a detection that others may have, too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SharedPlot {
+    /// Logarithm of the likelihood that it is false or of another cluster, relative to false.
+    pub(crate) log_others: f64,
+    /// Whether a new track may start at it: in one cluster alone.
+    pub(crate) may_start: bool,
+}
+
+impl SharedPlot {
+    pub(crate) const OWN: Self = Self {
+        log_others: 0.0,
+        may_start: true,
+    };
+}
+
 /// A scan as the tracker keeps it.
 #[derive(Clone, Debug)]
 pub(crate) struct Scan {

@@ -16,6 +16,7 @@ use crate::population::{Cluster, Hypothesis, Population};
 use crate::scan_context::ScanContext;
 use crate::sensor::Sensor;
 use crate::settings::Settings;
+use crate::track::Track;
 use crate::unresolved::Unresolved;
 use crate::wide_area::support::Support;
 
@@ -123,7 +124,8 @@ impl ScanUpdate {
         } else {
             run_clusters(&scan, &mut self.clusters, next, counts);
             if looking.learns {
-                next.sensors[*sensor].rate.count(&next.tracks, &looking);
+                let in_view = |track: &Track| looking.probability_in_view(track.motion.widest());
+                next.sensors[*sensor].rate.count(&next.tracks, in_view);
             }
             outside(before, &self.gating, &mut self.is_inside[..plots.len()])
         };

@@ -26,8 +26,8 @@ use crate::identity::FAR;
 use crate::measurement::{DIMENSIONS_MAX, MeasurementInnovation};
 use crate::motion::MotionSettings;
 use crate::plot::Plot;
+use crate::resolution_cell::ResolutionCell;
 use crate::settings::{SensorFacts, Settings};
-use crate::unresolved::ResolutionCell;
 
 /// Smallest weight of a scan: several scans at one time must keep some weight.
 const WEIGHT_MIN: f64 = 1e-3;

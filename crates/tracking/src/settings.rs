@@ -13,9 +13,9 @@ use crate::initiation::Initiation;
 pub use crate::life::{Confirmation, Deletion, DeletionSettings};
 use crate::limits::{CLUSTER_TRACKS_MAX, HISTORY_MAX, HYPOTHESES_MAX, OPEN_SCANS_MAX};
 pub use crate::motion::{ManoeuvreSettings, MotionSettings};
+use crate::resolution_cell::ResolutionCell;
 use crate::selection::Selection;
 pub use crate::turn::TurnSettings;
-use crate::unresolved::ResolutionCell;
 use crate::wide_area::settings::SupportSettings;
 
 /// Tracks, and detections in a scan, for which there is room where nobody says more.
@@ -70,8 +70,8 @@ settings::settings! {
     /// Model of what a sensor detects.
     #[derive(Copy)]
     pub struct SensorModel {
-        /// Probability that a target in the field of view is detected in a scan. Without the key, 0.9 at first, and then
-        /// learned from confirmed tracks, at most 0.9.
+        /// Probability that a target in the field of view is detected in a scan. Without the key, 0.9 at first, and
+        /// then learned from confirmed tracks, at most 0.9.
         detection_probability: Option<f64> = None, in [0.01, 0.9999], usually "learned";
         /// Expected false detections per scan: per m² for a sensor of positions or ranges, per radian of bearing for
         /// a sensor of directions only. Without the key, learned from detections outside the gates of confirmed
@@ -104,9 +104,11 @@ settings::settings! {
         /// Clusters are joined if both have the same detection with at least this probability; 0: every detection in
         /// gates of both joins them (HT-4).
         join_probability_min: f64 = 0.02, in [0, 1];
-        /// Most tracks of joined clusters that every detection in gates of both joins, if they have few detections, too.
+        /// Most tracks of joined clusters that every detection in gates of both joins, if they have few detections,
+        /// too.
         join_tracks: usize = 64, in [0, CLUSTER_TRACKS_MAX];
-        /// Most detections of joined clusters that every detection in gates of both joins, if they have few tracks, too.
+        /// Most detections of joined clusters that every detection in gates of both joins, if they have few tracks,
+        /// too.
         join_detections: usize = 16, in [0, 64];
         /// Most hypotheses that are kept per cluster.
         hypotheses_max: usize = 30, in [1, HYPOTHESES_MAX];

@@ -76,10 +76,18 @@ impl<T: Copy> StatedScans<T> {
         self.running_ns = self.running_ns.max(time_ns);
     }
 
+    /// Time for which detections may come later than newer ones, nanoseconds.
+    pub fn wait_ns(&self) -> i64 {
+        self.wait_ns
+    }
+
     /// No scan that is complete later is earlier than this time, nanoseconds.
     pub fn earliest_ns(&self) -> i64 {
-        let open = self.open.first().or(self.closed.as_ref());
-        open.map_or(i64::MIN, |scan| scan.time_ns)
+        let closed_ns = self.closed.map_or(i64::MIN, |scan| scan.time_ns);
+        let come_ns = self.running_ns.saturating_sub(self.wait_ns);
+        self.open
+            .first()
+            .map_or(closed_ns, |open| open.time_ns.min(come_ns).max(closed_ns))
     }
 
     /// The next complete scan: its detections are in [`Self::detections`] until the next call.

@@ -5,11 +5,11 @@
 //! second sensor, or the time before and after, knows both of them better.
 //!
 //! So, for each pair of confirmed tracks of a hypothesis that may lie within a cell of the sensor (difference of range
-//! and of bearing), the scan has two explanations, weighed by that probability U: resolved, where each track has its own
-//! detection or none; and unresolved, where the pair has one detection z between them, or is missed as one. The second
-//! has the measurement z = h((a + b) / 2), so each of both states a and b is updated with half the derivative and the
-//! other's covariance as a part of the measurement's. Both tracks keep the detection in their memory, so they stay in
-//! one cluster.
+//! and of bearing), the scan has two explanations, weighed by that probability U: resolved, where each track has its
+//! own detection or none; and unresolved, where the pair has one detection z between them, or is missed as one. The
+//! second has the measurement z = h((a + b) / 2), so each of both states a and b is updated with half the derivative
+//! and the other's covariance as a part of the measurement's. Both tracks keep the detection in their memory, so they
+//! stay in one cluster.
 //!
 //! Two tracks of one target would share its detections for ever. A detection of two does not count as a sign of life of
 //! either: of two tracks that have only had such detections for `deletion.silent_s`, the later one is deleted.
@@ -20,17 +20,15 @@
 //! Source: W. Koch, G. van Keuk, *Multiple hypothesis track maintenance with possibly unresolved measurements*, IEEE
 //! Transactions on Aerospace and Electronic Systems 33 (1997).
 
-use std::f64::consts::PI;
 use std::ops::Range;
 
 use association::distance::largest_sigma2;
 use estimation::Gaussian;
-use settings::{Degrees, SettingsError};
 
-use crate::field_of_view::between;
 use crate::motion::TargetMotion;
 use crate::plot::Plot;
 use crate::population::Population;
+use crate::resolution_cell::ResolutionCell;
 use crate::sensor::Sensor;
 
 /// Most pairs of a hypothesis that a scan may leave unresolved.
@@ -65,53 +63,6 @@ pub(crate) struct SharedDetection {
     pub(crate) plot: u32,
     /// Density of the detection if it is of both.
     pub(crate) log_likelihood: f64,
-}
-
-settings::settings! {
-    /// Resolution cell of a sensor: two targets that differ by less give one detection between them.
-    #[derive(Copy)]
-    pub struct ResolutionCell {
-        check ResolutionCell::check;
-        /// Difference of range from the sensor.
-        range_m: f64;
-        /// Difference of bearing from the sensor.
-        bearing_deg: Degrees;
-    }
-}
-
-impl ResolutionCell {
-    fn check(&self) -> Result<(), SettingsError> {
-        // Written so that NaN is rejected.
-        if self.range_m > 0.0 && self.bearing_deg.rad() > 0.0 && self.bearing_deg.rad() <= PI {
-            return Ok(());
-        }
-        let what = "write a range above 0 m and a bearing above 0, at most 180 degrees";
-        Err(SettingsError::new("range_m", what))
-    }
-
-    /// Probability that two targets lie within one cell, seen from `sensor_m`.
-    fn holds(&self, one: &Gaussian, other: &Gaussian, sensor_m: [f64; 2]) -> f64 {
-        let middle = [0, 1].map(|axis| 0.5 * (one.mean[axis] + other.mean[axis]) - sensor_m[axis]);
-        let range = middle[0].hypot(middle[1]);
-        let (sin, cos) = if range > 0.0 {
-            (middle[0] / range, middle[1] / range)
-        } else {
-            (0.0, 1.0)
-        };
-        let [east, north] = [0, 1].map(|axis| other.mean[axis] - one.mean[axis]);
-        let (a, b) = (one.position_covariance(), other.position_covariance());
-        let [xx, xy, yy] = [0, 1, 3].map(|place| a[place] + b[place]);
-        let along = (sin * sin * xx + 2.0 * sin * cos * xy + cos * cos * yy).max(0.0).sqrt();
-        let across = (cos * cos * xx - 2.0 * sin * cos * xy + sin * sin * yy).max(0.0).sqrt();
-        let within = |half: f64, difference: f64, sigma: f64| between(-half - difference, half - difference, sigma);
-        let in_range = within(self.range_m, sin * east + cos * north, along);
-        in_range * within(self.bearing_deg.rad() * range, cos * east - sin * north, across)
-    }
-
-    /// Largest distance of two targets in one cell at a range, metres.
-    fn widest_m(&self, range_m: f64) -> f64 {
-        self.range_m.hypot(self.bearing_deg.rad() * range_m)
-    }
 }
 
 /// A confirmed track at the time of the scan.

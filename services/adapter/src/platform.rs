@@ -6,7 +6,7 @@
 
 use std::fs::File;
 use std::io::Read as _;
-use std::os::unix::fs::OpenOptionsExt as _;
+use std::os::unix::fs::{MetadataExt as _, OpenOptionsExt as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -63,7 +63,7 @@ pub(crate) fn agent(process: &Process, platform: &Platform) -> anyhow::Result<Bo
             what: path.display().to_string(),
             states,
         }),
-        PlatformInput::Recorded(_) | PlatformInput::External => {
+        PlatformInput::External => {
             anyhow::bail!("platform {} is received by no process", platform.name)
         }
     })
@@ -262,6 +262,13 @@ impl Device {
         }
         let Some(file) = &mut self.file else { return 0 };
         match file.read(buffer) {
+            // A file may grow, but a device that was unplugged reads as an end for ever.
+            Ok(0) => {
+                if self.is_gone() {
+                    self.file = None;
+                }
+                0
+            }
             Ok(length) => length,
             Err(error)
                 if matches!(
@@ -276,6 +283,15 @@ impl Device {
                 0
             }
         }
+    }
+}
+
+impl Device {
+    /// Whether the path is no longer that of the open file.
+    fn is_gone(&self) -> bool {
+        let id = |found: std::fs::Metadata| (found.dev(), found.ino());
+        let open = self.file.as_ref().and_then(|file| file.metadata().ok()).map(id);
+        open != std::fs::metadata(&self.path).ok().map(id)
     }
 }
 

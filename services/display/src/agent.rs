@@ -23,7 +23,7 @@ const SLICES_PER_TURN: usize = 256;
 /// Time between two polls: at the highest rates, a queue holds the slices of several polls. Longer while no stream has
 /// anything.
 const LOOK_EVERY: Duration = Duration::from_millis(5);
-const LOOK_EVERY_IDLE: Duration = Duration::from_millis(40);
+const LOOK_EVERY_IDLE: Duration = Duration::from_millis(10);
 
 /// Display agent; generic over the transport, so that tests drive it in process.
 pub(crate) struct DisplayAgent<S: Transport> {

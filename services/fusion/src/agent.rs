@@ -31,8 +31,8 @@ const REPORTS_PER_TURN: usize = 256;
 const LOOKS_PER_ROUND: usize = 2;
 /// Order `arrival`: maximum number of states published together while a slice of several reports is processed.
 const SENT_TOGETHER: usize = 16;
-/// Order `arrival`: longest time between two full looks at all sources, nanoseconds: if the loop spins, and if it sleeps.
-/// A full look finds the slices of publishers that give no hint.
+/// Order `arrival`: longest time between two full looks at all sources, nanoseconds: if the loop spins, and if it
+/// sleeps. A full look finds the slices of publishers that give no hint.
 const FULL_LOOK_SPINNING_NS: i64 = 1_000_000;
 const FULL_LOOK_SLEEPING_NS: i64 = 200_000_000;
 /// Order `time`: slices taken from one source before the turn of the next source.
@@ -534,7 +534,7 @@ impl<S: Transport> Agent for FusionAgent<S> {
                 }
             }
             // A source that waits for this progress leaves the loop without work.
-            reached.say_at_times(now, !worked)?;
+            reached.say_at_times(now, !worked || self.end_sent)?;
         }
         if self.end_sent && self.output.all_received()? {
             return Ok(Turn::Finished);

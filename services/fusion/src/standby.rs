@@ -46,7 +46,7 @@ pub(crate) const LOOK: Duration = Duration::from_millis(5);
 /// Longest time between two looks while none come: also limited by a part of the time after which a leader counts as
 /// hung, so that several looks fit into it.
 const LOOK_IDLE: Duration = Duration::from_millis(40);
-const LOOKS_PER_TAKEOVER: u32 = 2;
+const LOOKS_PER_TAKEOVER: u32 = 4;
 /// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
@@ -191,7 +191,8 @@ impl StandbyFusion {
     }
 
     fn follow(&mut self, process: &Process, now: Now) -> anyhow::Result<()> {
-        let elapsed_ns = (now.mono_ns - self.looked_ns).min(2 * self.pause.present().as_nanos() as i64);
+        // A pause of the whole machine is none of the leader.
+        let elapsed_ns = (now.mono_ns - self.looked_ns).min((self.pause() + LOOK).as_nanos() as i64);
         self.looked_ns = now.mono_ns;
         if self.leader.as_ref().is_none_or(Leader::is_gone) {
             self.find(process);
@@ -210,7 +211,8 @@ impl StandbyFusion {
         let clock = clock_of(leader.memory.words(), &self.layout).unwrap_or(leader.clock);
         self.still_ns = match clock == leader.clock {
             true => self.still_ns.saturating_add(elapsed_ns),
-            false => 0,
+            // The leader may have stopped at once after that sign of life.
+            false => now.mono_ns.saturating_sub(clock.turn_ns).clamp(0, elapsed_ns),
         };
         leader.clock = clock;
         let begins = now.mono_ns.saturating_sub(leader.since_ns) < COURTESY.as_nanos() as i64;
@@ -254,14 +256,18 @@ impl StandbyFusion {
         }
     }
 
-    /// Time until the next look.
+    /// Time until the next look: no longer than a leader that stands still is waited for.
     pub(crate) fn pause(&self) -> Duration {
-        self.pause.present()
+        let left_ns = self
+            .takeover_ns
+            .saturating_sub(self.still_ns)
+            .max(LOOK.as_nanos() as i64);
+        self.pause.present().min(Duration::from_nanos(left_ns.unsigned_abs()))
     }
 
     /// Waits for the end of the leader's process, at most for `at_most`.
     pub(crate) fn wait(&self, at_most: Duration) {
-        let time = at_most.min(self.pause.present());
+        let time = at_most.min(self.pause());
         match &self.leader {
             Some(leader) if !self.killed => {
                 leader.wait(time);

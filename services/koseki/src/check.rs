@@ -261,7 +261,6 @@ fn describe_platform(platform: &Platform) -> String {
         PlatformInput::Live(PlatformFeed::Udp(udp)) => format!("live, datagrams to {}:{}", udp.address, udp.port),
         PlatformInput::Live(PlatformFeed::Tcp(server)) => format!("live, sentences from {server}"),
         PlatformInput::Live(PlatformFeed::Device(device)) => format!("live, sentences from {}", device.display()),
-        PlatformInput::Recorded(file) => file.display().to_string(),
         PlatformInput::External => "external, published by a separate process".to_owned(),
     };
     format!(

@@ -172,6 +172,11 @@ impl NmeaReader {
         let time_ns = match date {
             Some(days) => {
                 let time_ns = days * NS_PER_DAY + time_of_day;
+                // A receiver whose count of weeks has wrapped states a date of 20 years ago.
+                let is_near = |now_ns: i64| time_ns.abs_diff(now_ns) <= NS_PER_DAY.unsigned_abs();
+                if !received_ns.is_none_or(is_near) {
+                    return Err(NmeaFault::NoDate);
+                }
                 self.note(time_of_day, time_ns);
                 time_ns
             }

@@ -15,7 +15,6 @@ use runtime::{Agent, HealthEntry, Now, Turn};
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
-use super::placed;
 use crate::Processed;
 use crate::channel::SourceChannel;
 
@@ -130,9 +129,7 @@ impl Agent for TrackerAgent {
         self.take(now)?;
         self.channel.listen()?;
         for (came_ns, place, event) in &self.taken {
-            if let Some(event) = placed(*place, *event) {
-                self.channel.event(*place, &event, *came_ns)?;
-            }
+            self.channel.event(*place, event, *came_ns)?;
         }
         self.channel.publish()?;
         Ok(match self.taken.is_empty() {
@@ -142,7 +139,9 @@ impl Agent for TrackerAgent {
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        self.waiter.wait(at_most, || false)?;
+        let sensors = &self.sensors;
+        self.waiter
+            .wait(at_most, || sensors.iter().any(|sensor| sensor.events.has_slices()))?;
         Ok(())
     }
 

@@ -10,7 +10,6 @@ mod live;
 mod recorded;
 
 use deployment::Process;
-use observations::SensorEvent;
 use runtime::Agent;
 
 use crate::Processed;
@@ -25,10 +24,4 @@ pub(crate) fn agent(process: &Process, tracker: Processed<'_>) -> anyhow::Result
         true => Box::new(recorded::replay(process, tracker)?),
         false => Box::new(TrackerAgent::open(process, tracker)?),
     })
-}
-
-/// Event of the sensor in this place as the tracker uses it: in the system frame. The only place between a sensor and
-/// the tracker; a platform that moves is taken into account here.
-fn placed(_sensor: usize, event: SensorEvent) -> Option<SensorEvent> {
-    Some(event)
 }

@@ -16,7 +16,6 @@ use observations::{Sampled, SensorEvent};
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
-use super::placed;
 use crate::Processed;
 use crate::content::RecordedContent;
 use crate::intake::Intake;
@@ -158,6 +157,12 @@ impl RecordedTracker {
                     events.extend(intake.detections().filter_map(|sample| SensorEvent::of_sample(&sample)));
                 }
                 content.count(&mut self.read);
+                // What the converter refused; the tracker counts what it took.
+                let mut converted = intake.counters();
+                for counter in [Counter::Reports, Counter::Detections] {
+                    converted[counter] = 0;
+                }
+                self.read += &converted;
             }
         }
         Ok(events)
@@ -167,11 +172,7 @@ impl RecordedTracker {
     fn track_ahead(&mut self) {
         while self.ready.len() < AHEAD && !self.has_ended {
             match self.events.pop_front() {
-                Some((place, event)) => {
-                    if let Some(event) = placed(place, event) {
-                        self.pipeline.event(place, &event, 0, &mut self.samples);
-                    }
-                }
+                Some((place, event)) => self.pipeline.event(place, &event, 0, &mut self.samples),
                 None => {
                     self.pipeline.end(&mut self.samples);
                     self.has_ended = true;

@@ -35,6 +35,10 @@ impl KeptFile {
         if self.rows.len() == self.rows_max {
             return None;
         }
+        if self.rows.len() == self.rows.capacity() {
+            let more = self.rows.len().max(1024).min(self.rows_max - self.rows.len());
+            self.rows.reserve_exact(more);
+        }
         self.rows.push(*row);
         Some(self)
     }

@@ -65,7 +65,7 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     let config = configuration(track, host)?;
     let (source, settings) = tracker(track, &config)?;
     let recorded = RecordedEvents::read(track, host, &config, source)?;
-    let first_day_ns = match config.first_day_ns {
+    let first_day_ns = match config.first_day_ns.or(recorded_day(track, host)?) {
         Some(first_day_ns) => first_day_ns,
         None => recorded.first_ns().div_euclid(NS_PER_DAY) * NS_PER_DAY,
     };
@@ -149,6 +149,13 @@ fn configuration(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<Config> {
     let text = facts.and_then(|facts| facts.get(CONFIGURATION).cloned());
     let text = text.ok_or_else(|| InputError::new(path, "does not state its configuration; give it by --config"))?;
     Ok(Config::parse_whole(path, &text)?)
+}
+
+/// Day on which the deployment of the recording began, from which its tracker counts scans; UTC, nanoseconds.
+fn recorded_day(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<Option<i64>> {
+    let path = &track.detections[0];
+    let facts = recording::facts(&mut host.open(path)?).with_context(|| format!("reading {}", path.display()))?;
+    Ok(facts.and_then(|facts| facts.get("first_day_ns")?.parse().ok()))
 }
 
 /// The tracker process to repeat: the only one, or that of `--tracker`.
