@@ -215,7 +215,7 @@ impl Site {
         let time_s = since_s(step);
         let time = time_of_day(begun_ns, time_s);
         let rows: Vec<String> = (0..TARGETS)
-            .filter(|number| (step as usize + number) % 3 != 0 && step % 8 != 7)
+            .filter(|number| !(step as usize + number).is_multiple_of(3) && step % 8 != 7)
             .map(|number| {
                 let [east, north] = Self::target(number, time_s);
                 let bearing = east.atan2(north) + 0.005 * self.noise();

@@ -18,7 +18,8 @@ pub(crate) const PERIOD: Duration = Duration::from_millis(200);
 pub(crate) const SPEED_MPS: f64 = 100.0;
 pub(crate) const NS: f64 = 1e9;
 pub(crate) const HEADER: &str = "time_s,arrival_s,x,y,z,vx,vy,vz,count\n";
-pub(crate) const TRACKER: &str = "scans = \"turn\"\ndetection_probability = 0.9\nclutter_density = 1e-9\n[source.tracker.motion]\n\
+pub(crate) const TRACKER: &str = "scans = \"turn\"\ndetection_probability = 0.9\nclutter_density = 1e-9\n\
+                       splitting = { reliability_min = \"off\" }\n[source.tracker.motion]\n\
                        process_noise_m2ps3 = [20.0, 5.0]\n";
 
 pub(crate) struct Site {

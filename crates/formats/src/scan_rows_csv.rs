@@ -21,6 +21,7 @@ pub type ScanRowReader<R> = RowReader<R, ScanRowColumns>;
 
 /// A row of a table of detections.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all rows are detections")]
 pub enum ScanRow {
     /// A detection.
     Detection(Detection),

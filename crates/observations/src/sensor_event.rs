@@ -10,6 +10,7 @@ use crate::{Detection, Sampled};
 
 /// Event of a sensor with detections. Times are UTC, nanoseconds since 1970.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "nearly all events are detections")]
 pub enum SensorEvent {
     /// A detection.
     Detection(Detection),
