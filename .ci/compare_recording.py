@@ -135,8 +135,20 @@ def detection(message, _):
     values.append(where(message.valid & K.SENSOR_DETECTION_RANGE_RATE, message.range_rate_mps))
     has_sigmas = message.valid & K.SENSOR_DETECTION_SIGMAS
     sigmas = [where(has_sigmas and value is not None, sigma) for value, sigma in zip(values, message.sigmas)]
-    return [Time(message.time_of_measurement_ns), message.source + 1, message.scan, message.detection_id,
-            word('DETECTION_KIND', message.kind), *values, *sigmas, *message.platform_m, None]
+    ages = message.identity_ages
+
+    def age(ms):
+        return where(ms, Rounded(ms / 1e3))
+
+    is_ship = message.identity.kind == K.IDENTITY_KIND_SHIP
+    return {'time_s': Time(message.time_of_measurement_ns), 'sensor_id': message.source + 1, 'scan': message.scan,
+            'detection_id': message.detection_id, 'kind': word('DETECTION_KIND', message.kind),
+            **dict(zip(('m0', 'm1', 'm2', 'm3'), values)), **dict(zip(('s0', 's1', 's2', 's3'), sigmas)),
+            **dict(zip(('px', 'py', 'pz'), message.platform_m)), 'truth_id': None, **identity(message),
+            'mmsi': where(is_ship, message.identity.address),
+            'level': where(message.valid & K.SENSOR_DETECTION_LEVEL, Rounded(message.level / 4)),
+            'address_age_s': age(ages.address_ms), 'mode_3a_age_s': age(ages.mode_3a_ms),
+            'callsign_age_s': age(ages.callsign_ms), 'level_age_s': age(message.level_age_ms)}
 
 
 def bearing(message, _):
