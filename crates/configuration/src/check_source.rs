@@ -99,7 +99,7 @@ pub(super) fn check_source(
         weighed.place_m = Some(place_m);
     }
     if source.is_taken_as_it_is() {
-        // What comes through an adapter has been looked at there.
+        // The adapter has checked everything that it publishes.
         weighed.limits = limits(&source.model.limits, place_m);
     }
     if source.has_bearings() {

@@ -43,7 +43,7 @@ use super::tracker_links::numbers_of;
 /// Most sensors of a tracker.
 const SENSORS_MAX: usize = 32;
 
-/// What the tracker processes add to a deployment.
+/// Additions of the tracker processes to a deployment.
 #[derive(Debug, Default)]
 pub(super) struct TrackerProcesses {
     pub(super) sources: Vec<(Source, Processing, SourceSettings)>,

@@ -295,7 +295,7 @@ mod tests {
             prop_assert_eq!(String::from_utf8(text).unwrap(), number.to_string());
         }
 
-        /// What earlier versions wrote.
+        /// Text of earlier versions.
         #[test]
         fn plain_numbers_are_those_of_the_standard_library(value in values(), count in 0_usize..10) {
             let half = 0.5 * 10_f64.powi(-(count as i32));

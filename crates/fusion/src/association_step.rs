@@ -163,40 +163,57 @@ impl Search<'_> {
         {
             return false;
         }
-        let entry = self.tracks.systems.get(own);
-        let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
-        let reach_m = self.settings.identity.reach_m;
+        let state = self.state(own, now_ns);
+        let gate = self.settings.association.join_gate();
         let mut is_shown = false;
-        let [x, y, _] = state.position_m();
-        self.tracks
-            .systems
-            .grid
-            .near(x, y, reach_m, SEARCH_CELLS_MAX, |system| {
-                let other = self.tracks.systems.get(system);
-                is_shown |= system != own
-                    && matches!(other.life, TrackState::Confirmed | TrackState::Coasted)
-                    && self.tracks.sources_of(system, now_ns) & sources == 0
-                    && {
-                        let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
-                        let heights = entry.filter.has_height && other.filter.has_height;
-                        move_alike(&state, &theirs)
-                            && !(heights && height_distance(&state, &theirs) > self.settings.association.join_gate())
-                    };
-            });
+        self.others(
+            own,
+            now_ns,
+            (&state, self.settings.identity.reach_m),
+            |system, theirs, heights| {
+                let life = self.tracks.systems.get(system).life;
+                is_shown |= matches!(life, TrackState::Confirmed | TrackState::Coasted)
+                    && move_alike(&state, theirs)
+                    && !(heights && height_distance(&state, theirs) > gate);
+            },
+        );
         is_shown
     }
 
     /// Calls `visit` with every system track without a common source that agrees with `own`, and with d²; detection
     /// points on a target are spread by `spread_m2` per axis.
     fn alike(&self, own: SystemSlot, now_ns: i64, spread_m2: f64, mut visit: impl FnMut(SystemSlot, f64)) {
+        let state = self.state(own, now_ns);
+        let reach_m = self.reach(&state, spread_m2);
+        self.others(own, now_ns, (&state, reach_m), |system, theirs, heights| {
+            if let Some(d2) = self.compare(&state, theirs, heights, spread_m2) {
+                visit(system, d2);
+            }
+        });
+    }
+
+    /// State of a system track at `now_ns`.
+    fn state(&self, system: SystemSlot, now_ns: i64) -> Gaussian {
+        let filter = &self.tracks.systems.get(system).filter;
+        filter.at(now_ns, self.sources.motion_of(filter))
+    }
+
+    /// Calls `visit` with every system track within `reach_m` of the `state` of `own` that neither a common source, an
+    /// order nor a name shows to be of another target, with its state, and with whether both have a height.
+    fn others(
+        &self,
+        own: SystemSlot,
+        now_ns: i64,
+        (state, reach_m): (&Gaussian, f64),
+        mut visit: impl FnMut(SystemSlot, &Gaussian, bool),
+    ) {
         let entry = self.tracks.systems.get(own);
-        let state = entry.filter.at(now_ns, self.sources.motion_of(&entry.filter));
         let sources = self.tracks.sources_of(own, now_ns);
-        let reach = self.reach(&state, spread_m2);
+        let [x, y, _] = state.position_m();
         self.tracks
             .systems
             .grid
-            .near(state.mean[0], state.mean[1], reach, SEARCH_CELLS_MAX, |system| {
+            .near(x, y, reach_m, SEARCH_CELLS_MAX, |system| {
                 if system == own || self.tracks.sources_of(system, now_ns) & sources != 0 {
                     return;
                 }
@@ -209,11 +226,8 @@ impl Search<'_> {
                 {
                     return;
                 }
-                let theirs = other.filter.at(now_ns, self.sources.motion_of(&other.filter));
                 let heights = entry.filter.has_height && other.filter.has_height;
-                if let Some(d2) = self.compare(&state, &theirs, heights, spread_m2) {
-                    visit(system, d2);
-                }
+                visit(system, &self.state(system, now_ns), heights);
             });
     }
 

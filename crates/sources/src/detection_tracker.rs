@@ -14,9 +14,10 @@
 //! the data have reached that time. If no scan came since the previous picture, the tracks are marked as coasted:
 //! they are the tracker's own extrapolation without an observation, and fusion treats them as such.
 //!
-//! A picture does not wait for a silent sensor ([`DetectionTracker::elapsed`]). It goes out without further data once
-//! the clock, in the sensor's time, is later than the picture's time by a period and the wait. The scan at hand is
-//! completed likewise. The clock decides *when*, never *what*: a picture is the state after the scans published before
+//! The picture of a single sensor does not wait while the sensor is silent ([`DetectionTracker::elapsed`]). The picture
+//! goes out without further data once the clock, in the sensor's time, is later than the picture's time by a period
+//! and the wait. The scan at hand is completed likewise. Pictures of several sensors wait for the data of any of them.
+//! The clock decides *when*, never *what*: a picture is the state after the scans published before
 //! it, moved to its own time. Each picture is published before the next scan. So a recording holds the order of scans
 //! and pictures, and the recorded detections give the same pictures.
 //!

@@ -193,7 +193,8 @@ impl ScanJoiner {
     pub fn shown_ns(&self) -> i64 {
         match (self.sensors.len(), self.has_ended) {
             (1, _) | (_, true) => self.running_ns,
-            _ => self.horizon_ns(),
+            // A scan at the horizon may still come.
+            _ => self.horizon_ns().saturating_sub(1),
         }
     }
 

@@ -345,3 +345,35 @@ impl Agent for StreamAgent {
         entries.push(whole);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_was_unplugged_is_opened_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("line");
+        std::fs::write(&path, "first").unwrap();
+        let mut device = Device {
+            path: path.clone(),
+            file: None,
+            tried_ns: i64::MIN,
+            opened: 0,
+        };
+        let mut read_at = |second: i64| {
+            let mut buffer = [0; 64];
+            let now = Now {
+                utc_ns: 0,
+                mono_ns: second * REOPEN_NS,
+            };
+            let length = device.read(&mut buffer, now);
+            String::from_utf8_lossy(&buffer[..length]).into_owned()
+        };
+        assert_eq!([read_at(1), read_at(2)], ["first", ""]);
+        std::fs::remove_file(&path).unwrap();
+        assert_eq!([read_at(3), read_at(4)], ["", ""]);
+        std::fs::write(&path, "again").unwrap();
+        assert_eq!(read_at(6), "again");
+    }
+}

@@ -101,8 +101,9 @@ impl CueOutletSettings {
             ));
         };
         if !source.has_cues() {
-            let what =
-                format!("\"{name}\" makes no cues; they need a live source with cues = true in its [source.tracker]");
+            let what = format!(
+                "\"{name}\" makes no cues; they need a live source with cues = true in its [source.tracker] or [[tracker]]"
+            );
             return Err(SettingsError::new("source", what));
         }
         Ok(NetworkOutput {

@@ -228,7 +228,7 @@ impl Parts for Keys {
         for (key, name) in self.names() {
             check_name(&key, name)?;
             if !names.insert(name) {
-                let what = format!("\"{name}\" is the name of an earlier gateway; give each its own");
+                let what = format!("\"{name}\" is the name of an earlier gateway or cue outlet; give each its own");
                 return Err(SettingsError::new(key, what));
             }
             let of_sources = deployment.sources.iter().map(|source| &source.adapter);
@@ -239,7 +239,7 @@ impl Parts for Keys {
                 .chain(of_platforms)
                 .any(|adapter| adapter == name)
             {
-                let what = format!("\"{name}\" is the name of an adapter process; give the gateway another");
+                let what = format!("\"{name}\" is the name of an adapter process; give this one another");
                 return Err(SettingsError::new(key, what));
             }
         }

@@ -26,7 +26,7 @@ pub enum NmeaFault {
     Field,
     /// The receiver states that it has no fix, or the instrument that its value is invalid.
     NoFix,
-    /// The day of the time is not known.
+    /// The day of the time is not known, or more than a day from the time of receipt.
     NoDate,
 }
 

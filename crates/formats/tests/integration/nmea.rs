@@ -252,6 +252,14 @@ fn faults_are_counted_by_reason() {
             },
         ),
         (
+            // The count of weeks has wrapped: the date is of another year than the receipt.
+            &sentence("GPRMC,123519,A,4807.038,N,01131.000,E,022.4,084.4,230374,003.1,W"),
+            NmeaCounts {
+                no_date: 1,
+                ..NmeaCounts::default()
+            },
+        ),
+        (
             &format!("${}\r\n", "A".repeat(300)),
             NmeaCounts {
                 too_long: 1,
@@ -262,7 +270,7 @@ fn faults_are_counted_by_reason() {
         let mut reader = NmeaReader::new(SETTINGS);
         assert!(read(&mut reader, text, Some(DAY_NS)).is_empty(), "{text}");
         assert_eq!(reader.counts(), expected, "{text}");
-        // What follows is read.
+        // The next sentence is read.
         assert_eq!(read(&mut reader, &whole, Some(DAY_NS)).len(), 1, "{text}");
     }
 }
