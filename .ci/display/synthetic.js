@@ -28,6 +28,7 @@ const sources = kinds.map((kind, number) => ({
   clockOffset: 0.012,
   east: -20000 * number,
   north: 9000 * number,
+  offset: /** @type {[number, number]} */ ([12 * number, -5]),
 }));
 app.learn({ sources });
 

@@ -319,5 +319,6 @@ function sourceOf(source) {
     clockOffset: source.clock_offset_s ?? NaN,
     east: source.site_m?.[0] ?? NaN,
     north: source.site_m?.[1] ?? NaN,
+    offset: source.registration?.offset_m ?? [0, 0],
   };
 }

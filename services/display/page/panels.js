@@ -16,6 +16,7 @@ import { CHOICES } from "./settings.js";
  * @property {number} lost @property {[string, number][]} rejected Count by reason, those that are not 0.
  * @property {string} errors Sentence on the learned errors. @property {number} clockOffset Seconds; NaN: unknown.
  * @property {number} east @property {number} north Its site, metres; NaN: unknown.
+ * @property {[number, number]} offset Learned offset, east and north, metres.
  */
 
 /**
