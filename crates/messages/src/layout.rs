@@ -349,6 +349,24 @@ pub struct CodeGroup {
     pub constants: Vec<Constant>,
 }
 
+impl SampleField {
+    /// Returns the codes or bits that the field holds, as its documentation states them: "a `TrackState` code", "see
+    /// `alert_bits`".
+    pub fn codes(&self, groups: &[CodeGroup]) -> Option<CodeGroup> {
+        let mut quoted = self.doc.split('`').skip(1).step_by(2);
+        let is_meant = |group: &&CodeGroup, word: &str| match group.is_flags {
+            true => snake_case(group.name) == word,
+            false => group.name == word && self.doc.contains(&format!("`{word}` code")),
+        };
+        quoted.find_map(|word| groups.iter().find(|group| is_meant(group, word)).cloned())
+    }
+}
+
+/// Returns `track_state` for `TrackState`.
+fn snake_case(type_name: &str) -> String {
+    constant_name(type_name).to_lowercase()
+}
+
 /// Returns all codes and bits of the samples.
 pub fn code_groups() -> Vec<CodeGroup> {
     let bits = |name, prefix, constants: &[Constant]| CodeGroup {
