@@ -29,7 +29,18 @@ fn states_are_lines_of_json_or_csv() {
         );
         let contributions = state["contributions"].as_array().unwrap();
         assert!(contributions.len() as u64 <= state["contribution_count"].as_u64().unwrap());
+        assert!(state["state"].is_string() && state["latitude"].is_f64(), "{line}");
+        for contribution in contributions {
+            assert!(contribution["source"].is_string(), "{line}");
+        }
     }
+    for line in tapped(&["--raw"]).lines() {
+        let state: serde_json::Value = serde_json::from_str(line).unwrap();
+        assert!(state["state"].is_u64() && state["latitude"].is_null(), "{line}");
+    }
+    let only = home.run(&["tap", "--topic", "system/tracks", "--csv", "--count", "20"]);
+    let table = String::from_utf8(only.stdout).unwrap();
+    assert_eq!(table.lines().count(), 21, "the only instance that runs");
     let table = tapped(&["--format", "csv"]);
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     assert!(reader.headers().unwrap().iter().any(|name| name == "stages.fused_ns"));

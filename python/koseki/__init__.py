@@ -13,8 +13,9 @@ from __future__ import annotations
 
 import asyncio
 import os
-import re
+import time
 from collections.abc import AsyncIterator, Iterator
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -23,46 +24,24 @@ from . import _koseki
 from . import offline
 from .offline import Table, compare, decode, decode_columns, fuse, locate, score, simulate, smooth, track
 from ._errors import BorrowLimit, Ended, KosekiError, NoPlaceLeft, NoSuchTopic, NotRunning, SchemaMismatch
+from ._samples import CODES, DTYPES, covariance, describe, table, upper
 
 if TYPE_CHECKING:
     import pandas
 
 __all__ = [
-    "BorrowLimit", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
-    "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "decode", "decode_columns",
-    "describe", "fuse", "locate", "offline", "order", "publish", "read", "score", "simulate", "smooth", "subscribe", "track",
+    "BorrowLimit", "CODES", "Counts", "DTYPES", "Ended", "KosekiError", "NoPlaceLeft", "NoSuchTopic", "NotRunning",
+    "Publisher", "SchemaMismatch", "Subscription", "Table", "Tracks", "compare", "covariance", "decode", "decode_columns",
+    "describe", "fuse", "instances", "locate", "offline", "order", "origin", "publish", "read", "score", "simulate",
+    "smooth", "sources", "subscribe", "table", "topics", "track", "upper", *CODES,
 ]
 
-_NUMBERS = {"f64": "<f8", "f32": "<f4"} | {f"{s}{8 * n}": f"<{s}{n}" for s in "ui" for n in (1, 2, 4, 8)}
-_DOCS: dict[str, dict[str, str]] = {}
+__version__: str = version("koseki")
+globals().update(CODES)
 
 
-def _dtypes() -> dict[str, np.dtype]:
-    """Memory maps of all samples, those that others contain first."""
-    dtypes: dict[str, np.dtype] = {}
-    for name, (fields, size) in _koseki.layouts():
-        kinds = []
-        for _, kind, _, octets, _ in fields:
-            element = re.match(r"\[?\s*(\w+)", kind).group(1)
-            base = np.dtype(_NUMBERS[element]) if element in _NUMBERS else dtypes[element]
-            kinds.append(np.dtype((base, (octets // base.itemsize,))) if kind.startswith("[") else base)
-        dtypes[name] = np.dtype({
-            "names": [field[0] for field in fields],
-            "formats": kinds,
-            "offsets": [field[2] for field in fields],
-            "itemsize": size,
-        })
-        _DOCS[name] = {field[0]: field[4] for field in fields}
-    return dtypes
-
-
-#: Types of the samples by name, such as `DTYPES["SystemTrack"]`.
-DTYPES: dict[str, np.dtype] = _dtypes()
-
-
-def describe(sample: str) -> dict[str, str]:
-    """Unit and meaning of each field of a sample, such as "SystemTrack"."""
-    return dict(_DOCS[sample])
+#: Seconds between two looks for a deployment that does not run yet.
+_PAUSE = 0.2
 
 
 class Tracks(np.ndarray):
@@ -89,10 +68,24 @@ class Counts(NamedTuple):
 class Subscription:
     """Reader of one topic: see `subscribe`. Iterating over it ends when the deployment ends."""
 
-    def __init__(self, instance: str, topic: str = "system/tracks", *, borrow: bool = False) -> None:
-        self._inner = _koseki.Subscription(instance, topic)
+    def __init__(
+        self, instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False,
+        reconnect: bool = False,
+    ) -> None:
+        self._names, self._borrow, self._reconnect = (instance, topic), borrow, reconnect
+        self._inner = self._open(float("inf") if wait is True else float(wait))
         self._dtype = DTYPES[self._inner.sample()]
-        self._borrow = borrow
+
+    def _open(self, patience: float) -> _koseki.Subscription:
+        """Opens the topic, and waits so many seconds for a deployment that does not run yet."""
+        end = time.monotonic() + patience
+        while True:
+            try:
+                return _koseki.Subscription(*self._names)
+            except (NotRunning, NoSuchTopic):
+                if time.monotonic() >= end:
+                    raise
+            time.sleep(_PAUSE)
 
     @property
     def dtype(self) -> np.dtype:
@@ -107,9 +100,24 @@ class Subscription:
     def receive(self, timeout: float | None = None) -> Tracks | None:
         """The next slice; None if none comes within `timeout` seconds. 0 does not wait; None waits as long as it takes.
 
-        Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already.
+        Raises Ended, SchemaMismatch, and BorrowLimit where two borrowed slices are held already. With `reconnect` it
+        waits for the next run of the deployment instead of raising Ended: its first slice has `starts_epoch`.
         """
-        piece = self._inner.receive(timeout)
+        end = None if timeout is None else time.monotonic() + timeout
+        left = timeout
+        while True:
+            try:
+                piece = self._inner.receive(left)
+                break
+            except Ended:
+                if not self._reconnect:
+                    raise
+            left = None if end is None else max(end - time.monotonic(), 0.0)
+            self._inner.close()
+            try:
+                self._inner = self._open(float("inf") if left is None else left)
+            except (NotRunning, NoSuchTopic):
+                return None
         if piece is None:
             return None
         array = np.frombuffer(piece, dtype=self._dtype)
@@ -151,20 +159,21 @@ class Subscription:
         finally:
             loop.remove_reader(self.fileno())
 
-    def to_dataframe(self, seconds: float) -> "pandas.DataFrame":
-        """What comes within so many seconds, as a pandas data frame: a row a sample, a column a number.
+    def to_dataframe(self, seconds: float, *, raw: bool = False) -> "pandas.DataFrame":
+        """What comes within so many seconds, as a pandas data frame: a row a sample.
 
-        Arrays become columns such as `position_m_0`; samples within samples such as `stages.fused_ns`.
+        Columns are those of `table`, with latitude and longitude; the offline commands take them. With `raw` each
+        number has a column: arrays become columns such as `position_m_0`, samples within samples such as
+        `stages.fused_ns`.
         """
-        import time
-
         import pandas
 
         pieces, end = [np.zeros(0, self._dtype)], time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             if (tracks := self.receive(left)) is not None:
                 pieces.append(np.asarray(tracks).copy())
-        return pandas.DataFrame(dict(_columns(np.concatenate(pieces))))
+        samples = np.concatenate(pieces)
+        return pandas.DataFrame(dict(_columns(samples)) if raw else table(samples, origin=origin(self._names[0])))
 
     def fileno(self) -> int:
         """A descriptor that is readable when there is something to receive, for select and the like.
@@ -201,14 +210,42 @@ def _columns(array: np.ndarray, prefix: str = "") -> Iterator[tuple[str, np.ndar
                 yield f"{path}_{index}", column[:, index]
 
 
-def subscribe(instance: str, topic: str = "system/tracks", *, borrow: bool = False) -> Subscription:
+def instances() -> list[str]:
+    """Names of the instances that run on this machine, below KOSEKI_ROOT if that is set."""
+    return _koseki.instances()
+
+
+def topics(instance: str) -> list[str]:
+    """Names of the topics of a running instance."""
+    return _koseki.topics(instance)
+
+
+def sources(instance: str) -> list[str]:
+    """Names of the sources of a running instance, by their numbers in samples; empty if it does not run."""
+    return _koseki.sources(instance)
+
+
+def origin(instance: str, timeout: float = 2.0) -> tuple[float, float, float] | None:
+    """Latitude and longitude (degrees) and height (m) of the origin of the system frame; None if it is not published."""
+    with Subscription(instance, "system/frame-origin") as frame:
+        piece = frame.receive(timeout)
+        if piece is None or not len(piece):
+            return None
+        last = piece[-1]
+        return float(last["latitude_deg"]), float(last["longitude_deg"]), float(last["height_m"])
+
+
+def subscribe(
+    instance: str, topic: str = "system/tracks", *, borrow: bool = False, wait: bool | float = False, reconnect: bool = False
+) -> Subscription:
     """Reads a topic of the deployment called `instance` (of `koseki up --instance`, or its configuration's name).
 
     Iterating yields record arrays, of system tracks if nothing else is said; other topics are `system/alarms`,
     `sensor/NAME/tracks`, `sensor/NAME/detections`, `wide-area/NAME/reports`, `platform/NAME/state`, `health`. They are
     copies; with `borrow` they lie in shared memory, can only be read, and no more than two may be held at a time.
+    `wait` waits for the deployment, for ever or so many seconds; `reconnect` goes on with its next run when it ends.
     """
-    return Subscription(instance, topic, borrow=borrow)
+    return Subscription(instance, topic, borrow=borrow, wait=wait, reconnect=reconnect)
 
 
 def read(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:

@@ -16,8 +16,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use koseki_client::by_name::{self, AnyPublisher, AnySlice, AnySubscription};
+use koseki_client::messages::Constant;
 use koseki_client::messages::OrderState;
-use koseki_client::messages::layout::{ALL, Layout, Sample as _};
+use koseki_client::messages::layout::{ALL, CodeGroup, Layout, Sample as _, code_groups};
 use koseki_client::{Error, ErrorKind, Orders, Root};
 use pyo3::exceptions::{PyBufferError, PyValueError};
 use pyo3::ffi;
@@ -71,6 +72,46 @@ fn fields(layout: &Layout) -> (Vec<FieldRow>, usize) {
 #[pyfunction]
 fn layouts() -> Vec<(&'static str, (Vec<FieldRow>, usize))> {
     ALL.iter().map(|layout| (layout.name, fields(layout))).collect()
+}
+
+type CodeRow = (String, u64, &'static str);
+
+/// Codes and bits of the samples: the name of each group as a type, whether its values are bits, and name, value and
+/// documentation of each value.
+#[pyfunction]
+fn codes() -> Vec<(&'static str, bool, Vec<CodeRow>)> {
+    let row = |constant: Constant| {
+        let name = constant.word.replace('-', "_").to_uppercase();
+        (name, constant.value, constant.doc)
+    };
+    let group = |group: CodeGroup| {
+        (
+            group.name,
+            group.is_flags,
+            group.constants.into_iter().map(row).collect(),
+        )
+    };
+    code_groups().into_iter().map(group).collect()
+}
+
+/// Names of the running instances.
+#[pyfunction]
+fn instances(py: Python<'_>) -> PyResult<Vec<String>> {
+    py.detach(koseki_client::instances).map_err(failed)
+}
+
+/// Names of the topics of an instance.
+#[pyfunction]
+fn topics(py: Python<'_>, instance: &str) -> PyResult<Vec<String>> {
+    py.detach(|| koseki_client::topics(&Root::new(instance)?))
+        .map_err(failed)
+}
+
+/// Names of the sources of an instance, by number.
+#[pyfunction]
+fn sources(instance: &str) -> PyResult<Vec<String>> {
+    let root = Root::new(instance).map_err(|error| failed(error.into()))?;
+    Ok(koseki_client::sources(&root))
 }
 
 /// Samples of a recording of all topics: the layout's name and all bytes of each topic.
@@ -304,6 +345,11 @@ fn _koseki(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(decoding::records, module)?)?;
     module.add_function(wrap_pyfunction!(decoding::columns, module)?)?;
     module.add_function(wrap_pyfunction!(tables::run, module)?)?;
+    module.add_function(wrap_pyfunction!(tables::of_samples, module)?)?;
+    module.add_function(wrap_pyfunction!(codes, module)?)?;
+    module.add_function(wrap_pyfunction!(instances, module)?)?;
+    module.add_function(wrap_pyfunction!(topics, module)?)?;
+    module.add_function(wrap_pyfunction!(sources, module)?)?;
     module.add_function(wrap_pyfunction!(order, module)?)?;
     module.add_function(wrap_pyfunction!(layouts, module)?)?;
     module.add_function(wrap_pyfunction!(read, module)?)

@@ -14,6 +14,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use frames::{Geodetic, SystemFrame};
 use offline::{Host, InputError, TableCommand, TableInput, TableOutput};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
@@ -361,6 +362,36 @@ pub(super) fn run<'py>(
         Ok((path.clone(), columns.collect::<PyResult<_>>()?))
     });
     Ok((handed_out.collect::<PyResult<_>>()?, answer, said))
+}
+
+/// Columns that state a place on the earth, which needs the origin of the system frame.
+const PLACES: [&str; 3] = ["latitude", "longitude", "flight_level"];
+
+type HandedOut<'py> = Vec<(String, (&'static str, Bound<'py, PyAny>))>;
+
+/// Samples called `sample` as the columns of the recorder's tables. Times count from `first_day_ns`; `origin` is the
+/// latitude and longitude (degrees) and the height (m) of the system frame's origin.
+#[pyfunction]
+pub(super) fn of_samples<'py>(
+    py: Python<'py>,
+    sample: &str,
+    octets: &[u8],
+    origin: Option<(f64, f64, f64)>,
+    first_day_ns: i64,
+) -> PyResult<HandedOut<'py>> {
+    let (latitude, longitude, height_m) = origin.unwrap_or_default();
+    let origin_place = Geodetic::from_degrees(latitude, longitude, height_m)
+        .map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let columns = py.detach(|| {
+        let text = recorder::table(sample, octets, &SystemFrame::at(origin_place), first_day_ns)?;
+        Some(as_columns(&text))
+    });
+    let columns = columns.ok_or_else(|| PyValueError::new_err(format!("{sample} has no table")))?;
+    let is_known = |(name, _): &&(String, Values)| origin.is_some() || !PLACES.contains(&name.as_str());
+    let handed_out = columns.iter().filter(is_known);
+    handed_out
+        .map(|(name, values)| Ok((name.clone(), values.handed_out(py)?)))
+        .collect()
 }
 
 /// Converts an error: a rejected input or option becomes a `ValueError`, other errors a failure of the engine.

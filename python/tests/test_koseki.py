@@ -156,10 +156,52 @@ def test_loops_of_events_are_woken(demo):
     assert min(asyncio.run(some())) > 0
 
 
-def test_a_data_frame_has_a_column_a_number(demo):
-    frame = koseki.subscribe(demo).to_dataframe(2.0)
+def test_a_data_frame_has_named_columns_or_a_column_a_number(demo):
+    named = koseki.subscribe(demo).to_dataframe(2.0)
+    assert len(named) > 0 and {"time_s", "system_track_id", "x", "latitude", "longitude"} <= set(named.columns)
+    latitude, longitude, _ = koseki.origin(demo)
+    assert np.all(np.abs(named["latitude"] - latitude) < 5) and np.all(np.abs(named["longitude"] - longitude) < 5)
+    frame = koseki.subscribe(demo).to_dataframe(2.0, raw=True)
     assert len(frame) > 0 and frame["position_m_0"].dtype == np.float64
     assert {"stages.fused_ns", "identity.callsign", "contributions_0.weight"} <= set(frame.columns)
+
+
+def test_codes_have_names_and_covariances_are_matrices(demo):
+    assert koseki.TrackState.CONFIRMED in set(koseki.TrackState) and koseki.TrackState(1).name.isupper()
+    both = koseki.SensorTrackBits.VELOCITY | koseki.SensorTrackBits.HEIGHT
+    assert koseki.SensorTrackBits.HEIGHT in both and isinstance(both, int)
+    assert set(koseki.describe("TrackState")) == {state.name for state in koseki.TrackState}
+    tracks = koseki.subscribe(demo).receive(PATIENCE)
+    matrices = koseki.covariance(tracks)
+    assert matrices.shape == (len(tracks), 6, 6) and np.all(matrices == matrices.transpose(0, 2, 1))
+    assert np.all(np.diagonal(matrices, axis1=1, axis2=2)[:, :2] > 0)
+    assert np.all(koseki.upper(matrices) == tracks["covariance"]["upper"])
+    assert koseki.covariance(tracks[0]).shape == (6, 6)
+
+
+def test_instances_topics_and_sources_are_listed(demo):
+    assert demo in koseki.instances()
+    topics = koseki.topics(demo)
+    assert {"system/tracks", "system/alarms", "health"} <= set(topics) and topics == sorted(topics)
+    for source in koseki.sources(demo):
+        assert f"sensor/{source}/tracks" in topics
+    with pytest.raises(koseki.NotRunning, match=os.environ["KOSEKI_ROOT"]):
+        koseki.topics("nosuch")
+    assert koseki.__version__
+
+
+def test_samples_are_tables_for_the_offline_commands(demo):
+    source = koseki.sources(demo)[0]
+    pieces, reader = [], koseki.subscribe(demo, f"sensor/{source}/tracks")
+    while sum(map(len, pieces)) < 300:
+        pieces.append(np.asarray(reader.receive(PATIENCE)))
+    samples = np.concatenate(pieces)
+    table = koseki.table(samples)
+    # Rows state millimetres.
+    assert len(table["time_s"]) == len(samples) and np.allclose(table["x"], samples["position_m"][:, 0], rtol=0, atol=6e-4)
+    _assert_same(koseki.fuse(samples), koseki.fuse(table))
+    with pytest.raises(ValueError, match="no samples of a topic"):
+        koseki.fuse(np.zeros(3, [("a", "<f8")]))
 
 
 def test_orders_are_given_and_listed(demo):

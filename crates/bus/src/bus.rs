@@ -70,6 +70,7 @@ impl<S: Transport> Bus<S> {
         let (membership, prefix) = if S::CROSSES_PROCESSES {
             let joined = Membership::begin(root)?.ok_or_else(|| BusError::NotRunning {
                 instance: root.instance().to_owned(),
+                base: root.base().to_owned(),
             })?;
             (Some(joined.0), joined.1)
         } else {
@@ -112,6 +113,14 @@ impl<S: Transport> Bus<S> {
     pub fn goes_on(&self) -> Result<bool, BusError> {
         let is_same = || Ok(self.root.prefix()?.as_ref() == Some(&self.prefix));
         Ok(!S::CROSSES_PROCESSES || (self.root.holder()?.is_some() && is_same()?))
+    }
+
+    /// Returns the names of the instance's topics, in their order.
+    ///
+    /// # Errors
+    /// If the instance's files cannot be read.
+    pub fn topics(&self) -> Result<Vec<String>, BusError> {
+        S::topics(&self.node)
     }
 
     /// Creates `topic`, or opens an existing topic, and keeps the topic in existence during the life of the result.

@@ -88,10 +88,16 @@ pub enum BusError {
     },
 
     /// The instance does not run.
-    #[error("instance {instance} is not running: start it with `koseki up`, or name the instance that runs")]
+    #[error(
+        "instance {instance} is not running: start it with `koseki up`, or name the instance that runs (its folder is \
+         sought in {}, which KOSEKI_ROOT sets)",
+        base.display()
+    )]
     NotRunning {
         /// The instance.
         instance: String,
+        /// The folder that contains the instances.
+        base: PathBuf,
     },
 
     /// A file operation failed.

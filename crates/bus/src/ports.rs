@@ -42,6 +42,8 @@ pub trait Ports: Medium + Sized + 'static {
     #[doc(hidden)]
     fn remove_dead(node: &Node<Self>) -> DeadProcesses;
     #[doc(hidden)]
+    fn topics(node: &Node<Self>) -> Result<Vec<String>, BusError>;
+    #[doc(hidden)]
     fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<TopicHold, BusError>;
     #[doc(hidden)]
     fn publish(node: &Node<Self>, service: &Service<'_>) -> Result<Sending<Self>, BusError>;
@@ -154,6 +156,10 @@ macro_rules! transport {
 
             fn remove_dead(node: &Node<Self>) -> DeadProcesses {
                 service::remove_dead(node)
+            }
+
+            fn topics(node: &Node<Self>) -> Result<Vec<String>, BusError> {
+                service::topics(node)
             }
 
             fn hold(node: &Node<Self>, service: &Service<'_>) -> Result<TopicHold, BusError> {

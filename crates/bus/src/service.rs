@@ -16,7 +16,9 @@ use iceoryx2::port::notifier::{Notifier, NotifierCreateError};
 use iceoryx2::port::publisher::PublisherCreateError;
 use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::port::{DegradationAction, LoanError, ReceiveError, SendError};
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, NodeName, PortFactory as _, SignalHandlingMode};
+use iceoryx2::prelude::{
+    AllocationStrategy, BackpressureStrategy, CallbackProgression, NodeName, PortFactory as _, SignalHandlingMode,
+};
 use iceoryx2::sample_mut_uninit::SampleMutUninit;
 use iceoryx2::service::Service as Medium;
 use iceoryx2::service::builder::event::{EventCreateError, EventOpenError, EventOpenOrCreateError};
@@ -74,6 +76,27 @@ pub(crate) fn join<S: Medium>(root: &Root, process: &str, prefix: &str, leavers:
         .config(&root.config(prefix, leavers)?)
         .create::<S>()
         .map_err(|error| refused(error.to_string()))
+}
+
+/// Names of the topics that exist, in their order.
+///
+/// # Errors
+/// If the instance's files cannot be read.
+pub(crate) fn topics<S: Medium>(node: &Node<S>) -> Result<Vec<String>, BusError> {
+    let mut names = Vec::new();
+    let listed = S::list(node.config(), |service| {
+        names.push(service.static_details.name().to_string());
+        CallbackProgression::Continue
+    });
+    listed.map_err(|error| BusError::Topic {
+        topic: "*".into(),
+        action: "list the topics",
+        reason: format!("{error:?}"),
+    })?;
+    // A topic is a service of slices and one of wake-ups.
+    names.sort_unstable();
+    names.dedup();
+    Ok(names)
 }
 
 /// Takes back the memory and the places of processes that died without leaving.

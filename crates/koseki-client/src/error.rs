@@ -1,10 +1,13 @@
 //! Errors, each with a kind for the program and a text with the remedy.
 
+use std::fmt;
+
 use bus::BusError;
 use thiserror::Error;
 
-/// An operation on a deployment failed.
-#[derive(Debug, Error)]
+/// An operation on a deployment failed. `{:?}` shows the same sentence as `{}`, since it is what a `main` prints that
+/// returns an error.
+#[derive(Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The deployment has ended, or another run has taken its place.
@@ -65,6 +68,12 @@ pub enum Error {
     /// Shared memory has refused.
     #[error(transparent)]
     Bus(#[from] BusError),
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, formatter)
+    }
 }
 
 /// Kind of an error, by the program's possible reaction. The numbers are those of the C interface.

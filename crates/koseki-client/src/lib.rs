@@ -35,6 +35,7 @@
 pub mod by_name;
 mod clock;
 mod connection;
+mod directory;
 mod error;
 mod orders;
 mod publisher;
@@ -43,6 +44,7 @@ mod subscription;
 pub use messages;
 
 pub use bus::{BORROWED_MAX, Root};
+pub use directory::{instances, sources, topics};
 pub use error::{Error, ErrorKind};
 pub use orders::Orders;
 pub use publisher::Publisher;

@@ -1,6 +1,5 @@
 //! Orders to the fusion of a deployment.
 
-use std::fs;
 use std::thread;
 use std::time::Duration;
 
@@ -9,10 +8,9 @@ use messages::{Order, OrderState};
 
 use crate::clock::{mono_ns, utc_ns};
 use crate::connection::{Connection, Medium};
+use crate::directory;
 use crate::error::Error;
 
-/// File in the folder of a running instance that lists the names of its sources, a line each.
-const SOURCES: &str = "sources";
 /// Pause between two looks for the answer.
 const PAUSE: Duration = Duration::from_millis(5);
 
@@ -53,11 +51,10 @@ impl Orders {
     /// As [`Orders::open`].
     pub fn at(root: &Root, operator: &str) -> Result<Self, Error> {
         let connection = Connection::open(root)?;
-        let sources = fs::read_to_string(root.path().join(SOURCES)).unwrap_or_default();
         Ok(Self {
             port: OrderPort::open(&connection.bus, mono_ns())?,
             operator: operator.to_owned(),
-            sources: sources.lines().map(str::to_owned).collect(),
+            sources: directory::sources(root),
             connection,
         })
     }

@@ -336,6 +336,107 @@ fn size_of_name(name: &str) -> Option<usize> {
     }
 }
 
+/// Codes or bits that belong together, for other languages.
+#[derive(Clone, Debug)]
+pub struct CodeGroup {
+    /// Name as a type, such as `TrackState` or `ContributionBits`.
+    pub name: &'static str,
+    /// First part of the names of its constants in C.
+    pub prefix: &'static str,
+    /// Whether the values are bits that can be combined.
+    pub is_flags: bool,
+    /// The values.
+    pub constants: Vec<Constant>,
+}
+
+impl SampleField {
+    /// Returns the codes or bits that the field holds, as its documentation states them: "a `TrackState` code", "see
+    /// `alert_bits`".
+    pub fn codes(&self, groups: &[CodeGroup]) -> Option<CodeGroup> {
+        let mut quoted = self.doc.split('`').skip(1).step_by(2);
+        let is_meant = |group: &&CodeGroup, word: &str| match group.is_flags {
+            true => snake_case(group.name) == word,
+            false => group.name == word && self.doc.contains(&format!("`{word}` code")),
+        };
+        quoted.find_map(|word| groups.iter().find(|group| is_meant(group, word)).cloned())
+    }
+}
+
+/// Returns `track_state` for `TrackState`.
+fn snake_case(type_name: &str) -> String {
+    constant_name(type_name).to_lowercase()
+}
+
+/// Returns all codes and bits of the samples.
+pub fn code_groups() -> Vec<CodeGroup> {
+    let bits = |name, prefix, constants: &[Constant]| CodeGroup {
+        name,
+        prefix,
+        is_flags: true,
+        constants: constants.to_vec(),
+    };
+    let codes = |name, prefix, constants| CodeGroup {
+        name,
+        prefix,
+        is_flags: false,
+        constants,
+    };
+    vec![
+        bits("IdentityBits", "IDENTITY", crate::identity_bits::CONSTANTS),
+        bits("MovementBits", "MOVEMENT", crate::movement_bits::CONSTANTS),
+        bits("SensorTrackBits", "SENSOR_TRACK", crate::sensor_track_bits::CONSTANTS),
+        bits(
+            "SensorDetectionBits",
+            "SENSOR_DETECTION",
+            crate::sensor_detection_bits::CONSTANTS,
+        ),
+        bits(
+            "SensorBearingBits",
+            "SENSOR_BEARING",
+            crate::sensor_bearing_bits::CONSTANTS,
+        ),
+        bits(
+            "PlatformStateBits",
+            "PLATFORM_STATE",
+            crate::platform_state_bits::CONSTANTS,
+        ),
+        bits("WideAreaBits", "WIDE_AREA", crate::wide_area_bits::CONSTANTS),
+        bits("ContributionBits", "CONTRIBUTION", crate::contribution_bits::CONSTANTS),
+        bits("AlertBits", "ALERT", crate::alert_bits::CONSTANTS),
+        bits("RegistrationBits", "REGISTRATION", crate::registration_bits::CONSTANTS),
+        bits("WorkStepBits", "WORK_STEP", crate::work_step_bits::CONSTANTS),
+        codes("TrackState", "STATE", crate::TrackState::constants()),
+        codes("TrackKind", "KIND", crate::TrackKind::constants()),
+        codes("MotionMode", "MODE", crate::MotionMode::constants()),
+        codes("ErrorModel", "ERROR_MODEL", crate::ErrorModel::constants()),
+        codes("FusionRule", "RULE", crate::FusionRule::constants()),
+        codes("IdentityKind", "IDENTITY_KIND", crate::IdentityKind::constants()),
+        codes(
+            "HorizontalMovement",
+            "HORIZONTAL",
+            crate::HorizontalMovement::constants(),
+        ),
+        codes("VerticalMovement", "VERTICAL", crate::VerticalMovement::constants()),
+        codes(
+            "LongitudinalMovement",
+            "LONGITUDINAL",
+            crate::LongitudinalMovement::constants(),
+        ),
+        codes("DetectionKind", "DETECTION_KIND", crate::DetectionKind::constants()),
+        codes("DetectionMark", "DETECTION_MARK", crate::DetectionMark::constants()),
+        codes("Stream", "STREAM", crate::Stream::constants()),
+        codes("StepKind", "STEP", crate::StepKind::constants()),
+        codes("ProcessKind", "PROCESS", crate::ProcessKind::constants()),
+        codes("LifeState", "LIFE", crate::LifeState::constants()),
+        codes("AlarmSeverity", "ALARM_SEVERITY", crate::AlarmSeverity::constants()),
+        codes("AlarmEvent", "ALARM_EVENT", crate::AlarmEvent::constants()),
+        codes("DecisionKind", "DECISION_KIND", crate::DecisionKind::constants()),
+        codes("OrderKind", "ORDER", crate::OrderKind::constants()),
+        codes("OrderStatus", "ORDER_STATUS", crate::OrderStatus::constants()),
+        codes("Refusal", "REFUSAL", crate::Refusal::constants()),
+    ]
+}
+
 /// Returns the constants for a reader in another language, by name.
 fn constants() -> Vec<(String, u64, &'static str)> {
     let lengths = [
@@ -345,42 +446,6 @@ fn constants() -> Vec<(String, u64, &'static str)> {
             "Length of SystemTrack.contributions.",
         ),
         ("COUNTERS_MAX", crate::COUNTERS_MAX, "Length of Counters.values."),
-    ];
-    let bits: [(&str, &[Constant]); 11] = [
-        ("IDENTITY", crate::identity_bits::CONSTANTS),
-        ("MOVEMENT", crate::movement_bits::CONSTANTS),
-        ("SENSOR_TRACK", crate::sensor_track_bits::CONSTANTS),
-        ("SENSOR_DETECTION", crate::sensor_detection_bits::CONSTANTS),
-        ("SENSOR_BEARING", crate::sensor_bearing_bits::CONSTANTS),
-        ("PLATFORM_STATE", crate::platform_state_bits::CONSTANTS),
-        ("WIDE_AREA", crate::wide_area_bits::CONSTANTS),
-        ("CONTRIBUTION", crate::contribution_bits::CONSTANTS),
-        ("ALERT", crate::alert_bits::CONSTANTS),
-        ("REGISTRATION", crate::registration_bits::CONSTANTS),
-        ("WORK_STEP", crate::work_step_bits::CONSTANTS),
-    ];
-    let codes = [
-        ("STATE", crate::TrackState::constants()),
-        ("KIND", crate::TrackKind::constants()),
-        ("MODE", crate::MotionMode::constants()),
-        ("ERROR_MODEL", crate::ErrorModel::constants()),
-        ("RULE", crate::FusionRule::constants()),
-        ("IDENTITY_KIND", crate::IdentityKind::constants()),
-        ("HORIZONTAL", crate::HorizontalMovement::constants()),
-        ("VERTICAL", crate::VerticalMovement::constants()),
-        ("LONGITUDINAL", crate::LongitudinalMovement::constants()),
-        ("DETECTION_KIND", crate::DetectionKind::constants()),
-        ("DETECTION_MARK", crate::DetectionMark::constants()),
-        ("STREAM", crate::Stream::constants()),
-        ("STEP", crate::StepKind::constants()),
-        ("PROCESS", crate::ProcessKind::constants()),
-        ("LIFE", crate::LifeState::constants()),
-        ("ALARM_SEVERITY", crate::AlarmSeverity::constants()),
-        ("ALARM_EVENT", crate::AlarmEvent::constants()),
-        ("DECISION_KIND", crate::DecisionKind::constants()),
-        ("ORDER", crate::OrderKind::constants()),
-        ("ORDER_STATUS", crate::OrderStatus::constants()),
-        ("REFUSAL", crate::Refusal::constants()),
     ];
     let schema = |layout: &Layout| {
         (
@@ -396,11 +461,10 @@ fn constants() -> Vec<(String, u64, &'static str)> {
     };
     let mut list: Vec<_> = ALL.iter().filter(travels).map(schema).collect();
     list.extend(lengths.map(|(name, length, doc)| (name.to_owned(), length as u64, doc)));
-    let codes = codes.iter().map(|(group, constants)| (*group, &constants[..]));
-    for (group, constants) in bits.into_iter().chain(codes) {
-        for constant in constants {
+    for group in code_groups() {
+        for constant in group.constants {
             let word = constant.word.replace('-', "_").to_uppercase();
-            list.push((format!("{group}_{word}"), constant.value, constant.doc));
+            list.push((format!("{}_{word}", group.prefix), constant.value, constant.doc));
         }
     }
     list

@@ -24,6 +24,28 @@ pub(crate) fn running(name: &str) -> anyhow::Result<Root> {
     Ok(root)
 }
 
+/// The running instance called `name`, or the only one that runs.
+///
+/// # Errors
+/// As [`running`]; also if there is no name, and none or several run.
+pub(crate) fn running_or_only(name: Option<&str>) -> anyhow::Result<Root> {
+    if let Some(name) = name {
+        return running(name);
+    }
+    let listed = Root::list(bus::base::find())?;
+    let mut running = listed.into_iter().filter(|instance| instance.runs);
+    match (running.next(), running.next()) {
+        (Some(only), None) => Ok(only.root),
+        (None, _) => Err(Usage("no instance runs: start one with `koseki up`".to_owned()).into()),
+        (Some(first), Some(second)) => Err(Usage(format!(
+            "several instances run, such as {} and {}: choose one with --instance",
+            first.root.instance(),
+            second.root.instance()
+        ))
+        .into()),
+    }
+}
+
 /// Refusal of a name that no instance has.
 pub(crate) fn nothing_runs_as(name: &str) -> Usage {
     Usage(format!(

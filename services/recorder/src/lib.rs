@@ -42,6 +42,7 @@ mod start;
 mod tables;
 
 pub use agent::RecorderAgent;
+pub use recorded::table;
 pub use settings::{Format, Keys, Settings};
 pub use start::Start;
 pub use tables::Tables;

@@ -4,13 +4,14 @@
 //! source stated in a sample may be wrong.
 
 use std::fmt::Debug;
+use std::io;
 
 use alarms::AlarmKind;
 use bus::Payload;
 use formats::alarms_csv::AlarmRow;
 use formats::cues_csv::CueRow;
 use formats::detections_csv::RepliedDetection;
-use formats::rows::Row;
+use formats::rows::{Row, RowWriter};
 use formats::tracks_csv::PlacedTrack;
 use frames::SystemFrame;
 use messages::{
@@ -26,6 +27,11 @@ pub(crate) trait RecordedSample: Streamed + Payload {
     /// Returns the row of a sample of the source or sensor `number`, with positions in `frame`; `None` for a code
     /// of another schema.
     fn row(&self, number: u16, frame: &SystemFrame) -> Option<Self::Row>;
+
+    /// Returns the number of the source or sensor as the sample states it; 0 for samples of fusion.
+    fn stated_number(&self) -> u16 {
+        0
+    }
 }
 
 /// Task applicable to the samples of every stream.
@@ -52,11 +58,67 @@ pub(crate) fn for_samples<F: ForSamples>(stream: Stream, task: F) -> F::Done {
     }
 }
 
+/// Returns samples as the text of a table, with the columns of the recorder's tables; `None` if `sample` is not the name
+/// of a recorded sample, or `octets` are no whole number of samples. Times count from `first_day_ns` (UTC,
+/// nanoseconds).
+pub fn table(sample: &str, octets: &[u8], frame: &SystemFrame, first_day_ns: i64) -> Option<String> {
+    let named = |stream: &Stream| for_samples(*stream, NameOfSamples) == sample;
+    let stream = Stream::ALL.into_iter().find(named)?;
+    let task = TextOfSamples {
+        octets,
+        frame,
+        first_day_ns,
+    };
+    for_samples(stream, task)
+}
+
+struct NameOfSamples;
+
+impl ForSamples for NameOfSamples {
+    type Done = &'static str;
+
+    fn of<T: RecordedSample>(self, _: &str) -> &'static str {
+        T::LAYOUT.name
+    }
+}
+
+struct TextOfSamples<'a> {
+    octets: &'a [u8],
+    frame: &'a SystemFrame,
+    first_day_ns: i64,
+}
+
+impl ForSamples for TextOfSamples<'_> {
+    type Done = Option<String>;
+
+    fn of<T: RecordedSample>(self, _: &str) -> Option<String> {
+        let samples: Vec<T> = self
+            .octets
+            .chunks(T::LAYOUT.size)
+            .map(T::of_octets)
+            .collect::<Option<_>>()?;
+        let write = || -> io::Result<Vec<u8>> {
+            let mut writer = RowWriter::begin(Vec::new(), self.first_day_ns)?;
+            for sample in &samples {
+                if let Some(row) = sample.row(sample.stated_number(), self.frame) {
+                    writer.write(&row)?;
+                }
+            }
+            Ok(writer.into_inner())
+        };
+        String::from_utf8(write().ok()?).ok()
+    }
+}
+
 impl RecordedSample for SensorTrack {
     type Row = Self;
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
         Some(Self { source, ..*self })
+    }
+
+    fn stated_number(&self) -> u16 {
+        self.source
     }
 }
 
@@ -68,6 +130,10 @@ impl RecordedSample for SensorDetection {
         let source = source.max(self.source);
         Detection::of_sample(&Self { source, ..*self }).map(RepliedDetection)
     }
+
+    fn stated_number(&self) -> u16 {
+        self.source
+    }
 }
 
 impl RecordedSample for SensorBearing {
@@ -76,6 +142,10 @@ impl RecordedSample for SensorBearing {
     fn row(&self, _: u16, _: &SystemFrame) -> Option<Bearing> {
         Bearing::of_sample(self)
     }
+
+    fn stated_number(&self) -> u16 {
+        self.source
+    }
 }
 
 impl RecordedSample for PlatformState {
@@ -83,6 +153,10 @@ impl RecordedSample for PlatformState {
 
     fn row(&self, source: u16, _: &SystemFrame) -> Option<Self> {
         Some(Self { source, ..*self })
+    }
+
+    fn stated_number(&self) -> u16 {
+        self.source
     }
 }
 
@@ -95,6 +169,10 @@ impl RecordedSample for Cue {
             sensor_id: sensor_id(self.source),
             cue: *self,
         })
+    }
+
+    fn stated_number(&self) -> u16 {
+        self.source
     }
 }
 

@@ -38,7 +38,7 @@ pub(crate) use replay::ReplayArgs;
 use send::SEND_EXAMPLES;
 pub(crate) use send::{Retime, Send};
 use tap::TAP_EXAMPLES;
-pub(crate) use tap::{Tap, TapFormat};
+pub(crate) use tap::{Tap, TapFormat, TapSocket};
 use torture::Torture;
 pub(crate) use usage::usage_line;
 use values::{interval, speed};

@@ -9,16 +9,16 @@ use outgoing::HeightReference;
 pub(super) const TAP_EXAMPLES: &str = "\
 Examples:
   koseki tap --instance demo | jq -c '[.track_number, .position_m]'
-  koseki tap --instance demo --format csv --count 1000 > tracks.csv
-  koseki tap --instance demo --format cat062 --sac 1 --sic 2 > tracks.ast
+  koseki tap --csv --count 1000 > tracks.csv
+  koseki tap --instance demo --asterix --sac 1 --sic 2 > tracks.ast
   koseki tap system/alarms --instance demo
   koseki tap --instance demo --unix /run/tracks.sock --mode 660 --group 1001 &
   socat - UNIX-CONNECT:/run/tracks.sock
   koseki tap --instance demo --tcp 127.0.0.1:9000 &
   curl -sN telnet://127.0.0.1:9000
 
-Each sample is a line with its fields by name, in the units of docs/integrate.md. An unknown value is null in JSON and
-empty in CSV. Nested samples are JSON objects; in CSV they are columns such as stages.fused_ns, and lists are omitted.
+Each sample is a line with its fields by name, in the units of docs/integrate.md; codes, bits and sources are words, and
+positions are also written as latitude, longitude (WGS-84) and height. An unknown value is null in JSON and empty in CSV. Nested samples are JSON objects; in CSV they are columns such as stages.fused_ns, and lists are omitted.
 CAT062 has the items of a gateway, except the kinds of contributing sensors. A socket's reader that is too slow is
 disconnected, and may connect again; samples lost by this program are reported on standard error.";
 
@@ -27,13 +27,28 @@ disconnected, and may connect again; samples lost by this program are reported o
 pub(crate) struct Tap {
     /// The topic: also system/alarms, system/decisions, sensor/NAME/tracks, health, …
     #[arg(value_name = "TOPIC", default_value = "system/tracks")]
-    pub(crate) topic: String,
-    /// The instance that is read
+    topic: String,
+    /// The topic, as an option
+    #[arg(long = "topic", value_name = "TOPIC", conflicts_with = "topic")]
+    topic_option: Option<String>,
+    /// The instance that is read [default: the only one that runs]
     #[arg(long, value_name = "NAME")]
-    pub(crate) instance: String,
+    pub(crate) instance: Option<String>,
     /// Form of the samples
     #[arg(long, value_name = "FORM", default_value = "json")]
-    pub(crate) format: TapFormat,
+    format: TapFormat,
+    /// The same as --format json
+    #[arg(long, conflicts_with_all = ["format", "csv", "asterix"])]
+    json: bool,
+    /// The same as --format csv
+    #[arg(long, conflicts_with_all = ["format", "asterix"])]
+    csv: bool,
+    /// The same as --format cat062
+    #[arg(long, conflicts_with = "format")]
+    asterix: bool,
+    /// Numbers for codes, bits and sources, and no latitude and longitude
+    #[arg(long)]
+    pub(crate) raw: bool,
     /// System area code of the sender, in CAT062
     #[arg(long, value_name = "SAC", default_value_t = 0)]
     pub(crate) sac: u8,
@@ -48,16 +63,55 @@ pub(crate) struct Tap {
     pub(crate) count: Option<u64>,
     /// Serve the lines at this address instead of printing them
     #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "unix")]
-    pub(crate) tcp: Option<SocketAddr>,
+    tcp: Option<SocketAddr>,
     /// Serve the lines at a Unix socket instead of printing them
     #[arg(long, value_name = "FILE")]
-    pub(crate) unix: Option<PathBuf>,
+    unix: Option<PathBuf>,
+    /// Serve the lines at this address or Unix socket
+    #[arg(long, value_name = "ADDRESS:PORT|FILE", conflicts_with_all = ["tcp", "unix"])]
+    serve: Option<String>,
     /// File mode of the Unix socket, octal
-    #[arg(long, value_name = "MODE", default_value = "600", value_parser = mode, requires = "unix")]
+    #[arg(long, value_name = "MODE", default_value = "600", value_parser = mode)]
     pub(crate) mode: u32,
     /// Number of the Unix socket's group [default: that of this process]
-    #[arg(long, value_name = "GROUP", requires = "unix")]
+    #[arg(long, value_name = "GROUP")]
     pub(crate) group: Option<u32>,
+}
+
+/// Where the lines are served.
+#[derive(Clone, Debug)]
+pub(crate) enum TapSocket {
+    /// At an address.
+    Tcp(SocketAddr),
+    /// At a Unix socket.
+    Unix(PathBuf),
+}
+
+impl Tap {
+    /// The topic that is read.
+    pub(crate) fn topic(&self) -> &str {
+        self.topic_option.as_ref().unwrap_or(&self.topic)
+    }
+
+    /// Form of the samples.
+    pub(crate) fn format(&self) -> TapFormat {
+        match (self.csv, self.asterix) {
+            (true, _) => TapFormat::Csv,
+            (_, true) => TapFormat::Cat062,
+            _ if self.json => TapFormat::Json,
+            _ => self.format,
+        }
+    }
+
+    /// Where the lines are served; `None`: they are printed.
+    pub(crate) fn socket(&self) -> Option<TapSocket> {
+        let served = self.serve.as_ref().map(|place| match place.parse() {
+            Ok(address) => TapSocket::Tcp(address),
+            Err(_) => TapSocket::Unix(place.into()),
+        });
+        let unix = self.unix.clone().map(TapSocket::Unix);
+        served.or(unix).or(self.tcp.map(TapSocket::Tcp))
+    }
 }
 
 /// Form of the samples.

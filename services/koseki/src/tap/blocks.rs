@@ -31,8 +31,8 @@ impl TapBlocks {
     /// # Errors
     /// If the topic that is tapped is another, or cannot be read.
     pub(super) fn open(tap: &Tap, bus: &Bus<SharedMemory>, stop: &Stop) -> anyhow::Result<Option<Self>> {
-        if tap.topic != messages::system_tracks().name.as_str() {
-            return Err(Usage(format!("CAT062 is for system tracks: {} has none", tap.topic)).into());
+        if tap.topic() != messages::system_tracks().name.as_str() {
+            return Err(Usage(format!("CAT062 is for system tracks: {} has none", tap.topic())).into());
         }
         let Some(frame) = frame(bus, stop)? else {
             return Ok(None);

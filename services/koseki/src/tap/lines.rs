@@ -2,7 +2,10 @@
 
 use std::io::Write as _;
 
-use messages::layout::{ALL, Layout, SampleField};
+use messages::SystemTrack;
+use messages::layout::{ALL, Layout, Sample as _, SampleField};
+
+use super::names::{Names, Word};
 
 /// Form of a line.
 #[derive(Clone, Copy, Debug)]
@@ -13,15 +16,39 @@ pub(super) enum LineFormat {
     Csv,
 }
 
+/// Columns of a position on the earth; the flight level of system tracks is that of the transponder.
+const PLACES: [&str; 4] = ["latitude", "longitude", "height_m", "flight_level"];
+
 /// Writes samples of one layout.
 pub(super) struct LineWriter {
     layout: &'static Layout,
     format: LineFormat,
+    /// Words for codes, bits and sources; `None`: all numbers stay numbers.
+    names: Option<Names>,
 }
 
 impl LineWriter {
-    pub(super) fn new(layout: &'static Layout, format: LineFormat) -> Self {
-        Self { layout, format }
+    pub(super) fn new(layout: &'static Layout, format: LineFormat, names: Option<Names>) -> Self {
+        Self { layout, format, names }
+    }
+
+    /// Latitude, longitude, height and flight level of a sample that has a position, where the frame is known.
+    fn place(&self, sample: &[u8]) -> Option<[f64; 4]> {
+        let field = self.layout.fields.iter().find(|field| field.name == "position_m")?;
+        let mut octets = sample.get(field.offset..field.offset + field.size)?.chunks_exact(8);
+        let mut next = || octets.next()?.try_into().map(f64::from_le_bytes).ok();
+        let [latitude, longitude, height_m] = self.names.as_ref()?.place([next()?, next()?, next()?]);
+        let track = Some(sample).filter(|_| self.layout.name == SystemTrack::LAYOUT.name);
+        let track = track
+            .and_then(SystemTrack::of_octets)
+            .filter(|track| track.level_valid != 0);
+        let level = track.map_or(f64::NAN, |track| f64::from(track.level) / 4.0);
+        Some([latitude, longitude, height_m, level])
+    }
+
+    /// Whether samples are written with their places.
+    fn has_place(&self) -> bool {
+        self.place(&vec![0; self.layout.size]).is_some()
     }
 
     /// Head before the lines.
@@ -31,6 +58,9 @@ impl LineWriter {
             LineFormat::Csv => {
                 let mut names = Vec::new();
                 columns(self.layout, "", &mut |name, _, _| names.push(name), None);
+                if self.has_place() {
+                    names.extend(PLACES.map(str::to_owned));
+                }
                 (names.join(",") + "\n").into_bytes()
             }
         }
@@ -39,22 +69,96 @@ impl LineWriter {
     /// Appends the line of a sample.
     pub(super) fn write(&self, sample: &[u8], text: &mut Vec<u8>) {
         match self.format {
-            LineFormat::Json => object(self.layout, sample, text),
+            LineFormat::Json => {
+                self.object(self.layout, sample, text);
+                if let Some(place) = self.place(sample) {
+                    // Before the closing brace.
+                    text.pop();
+                    for (name, value) in PLACES.into_iter().zip(place) {
+                        let _ = write!(text, ",\"{name}\":");
+                        number("f64", &value.to_le_bytes(), "null", text);
+                    }
+                    text.push(b'}');
+                }
+            }
             LineFormat::Csv => {
-                let start = text.len();
-                let mut value = |_, kind: &str, octets: &[u8]| {
-                    if text.len() > start {
+                let mut is_first = true;
+                let mut value = |_, (sample, field, kind): (_, _, &str), octets: &[u8]| {
+                    if !std::mem::take(&mut is_first) {
                         text.push(b',');
                     }
-                    match kind {
-                        "text" => csv_text(octets, text),
+                    match (kind, self.word((sample, field, kind), octets)) {
+                        ("text", _) => csv_text(octets, text),
+                        (_, Some(Word::One(word))) => text.extend_from_slice(word.as_bytes()),
+                        (_, Some(Word::Bits(set))) => text.extend_from_slice(set.join("|").as_bytes()),
+                        (_, Some(Word::Nothing)) => {}
                         _ => number(kind, octets, "", text),
                     }
                 };
                 columns(self.layout, "", &mut value, Some(sample));
+                for value in self.place(sample).into_iter().flatten() {
+                    text.push(b',');
+                    number("f64", &value.to_le_bytes(), "", text);
+                }
             }
         }
         text.push(b'\n');
+    }
+
+    fn word(&self, (sample, field, kind): (&'static str, &'static str, &str), octets: &[u8]) -> Option<Word<'_>> {
+        let value = unsigned(kind, octets)?;
+        self.names.as_ref()?.word(sample, field, value)
+    }
+
+    fn object(&self, layout: &'static Layout, sample: &[u8], text: &mut Vec<u8>) {
+        let mut separator = b'{';
+        for field in fields(layout) {
+            text.push(separator);
+            separator = b',';
+            let _ = write!(text, "\"{}\":", field.name);
+            let octets = &sample[field.offset..field.offset + field.size];
+            match field.element() {
+                ("u8", Some(_)) => {
+                    // A text can always be written.
+                    let _ = serde_json::to_writer(&mut *text, &characters(octets));
+                }
+                (kind, Some(count)) => {
+                    let all = octets.chunks(field.size / count);
+                    // Elements behind the last used element have no content.
+                    let held = match layout_of(kind) {
+                        Some(_) => all
+                            .clone()
+                            .rposition(|one| one.iter().any(|octet| *octet != 0))
+                            .map_or(0, |last| last + 1),
+                        None => count,
+                    };
+                    text.push(b'[');
+                    for (index, one) in all.take(held).enumerate() {
+                        if index > 0 {
+                            text.push(b',');
+                        }
+                        self.value((layout.name, field.name, kind), one, text);
+                    }
+                    text.push(b']');
+                }
+                (kind, None) => self.value((layout.name, field.name, kind), octets, text),
+            }
+        }
+        text.push(b'}');
+    }
+
+    fn value(&self, field: (&'static str, &'static str, &'static str), octets: &[u8], text: &mut Vec<u8>) {
+        if let Some(layout) = layout_of(field.2) {
+            return self.object(layout, octets, text);
+        }
+        match self.word(field, octets) {
+            // A text can always be written.
+            Some(Word::One(word)) => _ = serde_json::to_writer(&mut *text, word),
+            Some(Word::Bits(set)) if set.is_empty() => text.extend_from_slice(b"[]"),
+            Some(Word::Bits(set)) => _ = write!(text, "[\"{}\"]", set.join("\",\"")),
+            Some(Word::Nothing) => text.extend_from_slice(b"null"),
+            None => number(field.2, octets, "null", text),
+        }
     }
 }
 
@@ -73,8 +177,14 @@ fn characters(octets: &[u8]) -> String {
     String::from_utf8_lossy(octets).trim_end_matches(['\0', ' ']).to_owned()
 }
 
-/// Visits each column with its name, kind and bytes (empty where there is no sample).
-fn columns(layout: &Layout, prefix: &str, visit: &mut impl FnMut(String, &str, &[u8]), sample: Option<&[u8]>) {
+/// Visits each column with its name, the sample, the field and the kind of its value, and its bytes (empty where there
+/// is no sample).
+fn columns(
+    layout: &'static Layout,
+    prefix: &str,
+    visit: &mut impl FnMut(String, (&'static str, &'static str, &'static str), &[u8]),
+    sample: Option<&[u8]>,
+) {
     for field in fields(layout) {
         let octets = sample.map_or(&[][..], |sample| &sample[field.offset..field.offset + field.size]);
         let name = format!("{prefix}{}", field.name);
@@ -82,7 +192,7 @@ fn columns(layout: &Layout, prefix: &str, visit: &mut impl FnMut(String, &str, &
             ((_, None), Some(inner)) => columns(inner, &format!("{name}."), visit, sample.map(|_| octets)),
             // Lists of samples have no place in a table.
             ((_, Some(_)), Some(_)) => {}
-            (("u8", Some(_)), None) => visit(name, "text", octets),
+            (("u8", Some(_)), None) => visit(name, (layout.name, field.name, "text"), octets),
             ((kind, Some(count)), None) => {
                 for index in 0..count {
                     let size = field.size / count;
@@ -91,55 +201,22 @@ fn columns(layout: &Layout, prefix: &str, visit: &mut impl FnMut(String, &str, &
                     } else {
                         &octets[index * size..(index + 1) * size]
                     };
-                    visit(format!("{name}_{index}"), kind, one);
+                    visit(format!("{name}_{index}"), (layout.name, field.name, kind), one);
                 }
             }
-            ((kind, None), None) => visit(name, kind, octets),
+            ((kind, None), None) => visit(name, (layout.name, field.name, kind), octets),
         }
     }
 }
 
-fn object(layout: &Layout, sample: &[u8], text: &mut Vec<u8>) {
-    let mut separator = b'{';
-    for field in fields(layout) {
-        text.push(separator);
-        separator = b',';
-        let _ = write!(text, "\"{}\":", field.name);
-        let octets = &sample[field.offset..field.offset + field.size];
-        match field.element() {
-            ("u8", Some(_)) => {
-                // A text can always be written.
-                let _ = serde_json::to_writer(&mut *text, &characters(octets));
-            }
-            (kind, Some(count)) => {
-                let all = octets.chunks(field.size / count);
-                // Elements behind the last used element have no content.
-                let held = match layout_of(kind) {
-                    Some(_) => all
-                        .clone()
-                        .rposition(|one| one.iter().any(|octet| *octet != 0))
-                        .map_or(0, |last| last + 1),
-                    None => count,
-                };
-                text.push(b'[');
-                for (index, one) in all.take(held).enumerate() {
-                    if index > 0 {
-                        text.push(b',');
-                    }
-                    value(kind, one, text);
-                }
-                text.push(b']');
-            }
-            (kind, None) => value(kind, octets, text),
-        }
-    }
-    text.push(b'}');
-}
-
-fn value(kind: &str, octets: &[u8], text: &mut Vec<u8>) {
-    match layout_of(kind) {
-        Some(layout) => object(layout, octets, text),
-        None => number(kind, octets, "null", text),
+/// Returns an unsigned number: codes and bits are of this kind.
+fn unsigned(kind: &str, octets: &[u8]) -> Option<u64> {
+    match kind {
+        "u8" => octets.first().copied().map(u64::from),
+        "u16" => octets.try_into().map(u16::from_le_bytes).ok().map(u64::from),
+        "u32" => octets.try_into().map(u32::from_le_bytes).ok().map(u64::from),
+        "u64" => octets.try_into().map(u64::from_le_bytes).ok(),
+        _ => None,
     }
 }
 
@@ -181,14 +258,14 @@ fn csv_text(octets: &[u8], text: &mut Vec<u8>) {
 
 #[cfg(test)]
 mod tests {
-    use messages::layout::Sample as _;
-    use messages::{Contribution, SystemTrack};
+    use frames::{Geodetic, SystemFrame};
+    use messages::{Contribution, NO_SOURCE, TrackState, contribution_bits};
 
     use super::*;
 
-    fn line(format: LineFormat, track: SystemTrack) -> String {
+    fn line(format: LineFormat, track: SystemTrack, names: Option<Names>) -> String {
         let mut text = Vec::new();
-        LineWriter::new(&SystemTrack::LAYOUT, format).write(SystemTrack::octets(&[track]), &mut text);
+        LineWriter::new(&SystemTrack::LAYOUT, format, names).write(SystemTrack::octets(&[track]), &mut text);
         String::from_utf8(text).unwrap()
     }
 
@@ -208,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_json_line_has_every_field_and_unknown_numbers_are_null() {
-        let json: serde_json::Value = serde_json::from_str(&line(LineFormat::Json, track())).unwrap();
+        let json: serde_json::Value = serde_json::from_str(&line(LineFormat::Json, track(), None)).unwrap();
         assert_eq!(json["track_number"], 7);
         assert_eq!(json["position_m"], serde_json::json!([1.5, null, -1e-300]));
         assert_eq!(json["identity"]["callsign"], "A\"B,C");
@@ -223,10 +300,78 @@ mod tests {
         assert_eq!(json.as_object().map(serde_json::Map::len), Some(named.count()));
     }
 
+    fn names() -> Names {
+        let origin = Geodetic::from_degrees(45.0, 9.0, 0.0).unwrap();
+        Names::new(
+            ["north", "south", "west", "wam"].map(str::to_owned).to_vec(),
+            SystemFrame::at(origin),
+        )
+    }
+
+    #[test]
+    fn codes_bits_and_sources_are_words_and_positions_are_on_the_earth() {
+        let mut track = SystemTrack {
+            state: TrackState::Confirmed as u8,
+            selected_source: NO_SOURCE,
+            trigger_source: 9,
+            position_m: [0.0, 1000.0, 50.0],
+            level: 1401,
+            level_valid: 1,
+            ..track()
+        };
+        track.contributions[1].flags = contribution_bits::CENTRE;
+        let json: serde_json::Value = serde_json::from_str(&line(LineFormat::Json, track, Some(names()))).unwrap();
+        assert_eq!(json["state"], "confirmed");
+        assert_eq!(
+            (&json["selected_source"], &json["trigger_source"]),
+            (&serde_json::Value::Null, &9.into())
+        );
+        assert_eq!(json["contributions"][1]["source"], "wam");
+        assert_eq!(json["contributions"][1]["flags"], serde_json::json!(["CENTRE"]));
+        assert_eq!(json["alerts"], serde_json::json!([]));
+        // A kilometre to the north is 1/111.1 of a degree.
+        assert!((json["latitude"].as_f64().unwrap() - 45.0 - 1.0 / 111.13).abs() < 1e-4);
+        assert!((json["height_m"].as_f64().unwrap() - 50.0).abs() < 0.1);
+        assert_eq!(
+            (&json["longitude"], &json["flight_level"]),
+            (&9.0.into(), &350.25.into())
+        );
+        let lines = LineWriter::new(&SystemTrack::LAYOUT, LineFormat::Csv, Some(names()));
+        let table = [lines.head(), line(LineFormat::Csv, track, Some(names())).into_bytes()].concat();
+        let mut reader = csv::Reader::from_reader(&table[..]);
+        let head = reader.headers().unwrap().clone();
+        let row = reader.records().next().unwrap().unwrap();
+        let at = |name: &str| &row[head.iter().position(|column| column == name).unwrap()];
+        assert_eq!(
+            (at("state"), at("selected_source"), at("flight_level")),
+            ("confirmed", "", "350.25")
+        );
+    }
+
+    #[test]
+    fn every_documented_code_of_a_field_is_found() {
+        let groups = messages::layout::code_groups();
+        let layouts = messages::layout::ALL.iter();
+        let fields = layouts.flat_map(|layout| layout.fields.iter().map(|field| (layout.name, field)));
+        let mut found = 0;
+        for (sample, field) in fields {
+            let mentions = field.doc.contains("` code") || field.doc.contains("_bits`");
+            assert_eq!(
+                mentions,
+                field.codes(&groups).is_some(),
+                "{sample}.{}: {}",
+                field.name,
+                field.doc
+            );
+            found += usize::from(mentions);
+        }
+        assert!(found > 30, "{found}");
+    }
+
     #[test]
     fn every_csv_line_has_the_columns_of_the_head() {
-        let lines = LineWriter::new(&SystemTrack::LAYOUT, LineFormat::Csv);
-        let table = [lines.head(), line(LineFormat::Csv, track()).into_bytes()].concat();
+        let lines = LineWriter::new(&SystemTrack::LAYOUT, LineFormat::Csv, None);
+        let table = [lines.head(), line(LineFormat::Csv, track(), None).into_bytes()].concat();
         let mut reader = csv::Reader::from_reader(&table[..]);
         let head = reader.headers().unwrap().clone();
         let row = reader.records().next().unwrap().unwrap();

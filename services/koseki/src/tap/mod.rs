@@ -4,6 +4,7 @@
 
 mod blocks;
 mod lines;
+mod names;
 
 use std::io::{self, Write};
 use std::time::Duration;
@@ -16,10 +17,11 @@ use offline::Usage;
 use runtime::clock::{instant, mono_ns};
 use runtime::signals::Stop;
 
-use crate::args::{Tap, TapFormat};
+use crate::args::{Tap, TapFormat, TapSocket};
 use crate::instances;
 use blocks::TapBlocks;
 use lines::{LineFormat, LineWriter};
+use names::Names;
 
 /// Longest wait between two checks for connections or the deployment's end.
 const LOOK: Duration = Duration::from_millis(100);
@@ -31,8 +33,8 @@ const BLOCK: usize = 1 << 16;
 /// # Errors
 /// If the instance does not run, has no such topic, or the lines cannot be handed on.
 pub(crate) fn run(tap: &Tap) -> anyhow::Result<()> {
-    let unknown = || Usage(format!("\"{}\" is no topic: see koseki tap --help", tap.topic));
-    messages::visit(&tap.topic, TapReader { tap }).ok_or_else(unknown)?
+    let unknown = || Usage(format!("\"{}\" is no topic: see koseki tap --help", tap.topic()));
+    messages::visit(tap.topic(), TapReader { tap }).ok_or_else(unknown)?
 }
 
 /// Output form of samples.
@@ -72,10 +74,10 @@ enum LineDestination {
 
 impl LineDestination {
     fn open(tap: &Tap) -> anyhow::Result<Self> {
-        Ok(match (&tap.unix, tap.tcp) {
-            (Some(path), _) => Self::Server(LineServer::open_unix(path, tap.mode, tap.group)?),
-            (None, Some(address)) => Self::Server(LineServer::open(address)?),
-            (None, None) => Self::Out(io::stdout().lock()),
+        Ok(match tap.socket() {
+            Some(TapSocket::Unix(path)) => Self::Server(LineServer::open_unix(&path, tap.mode, tap.group)?),
+            Some(TapSocket::Tcp(address)) => Self::Server(LineServer::open(address)?),
+            None => Self::Out(io::stdout().lock()),
         })
     }
 
@@ -101,12 +103,18 @@ impl Visitor for TapReader<'_> {
     type Output = anyhow::Result<()>;
 
     fn visit<T: Payload>(self, topic: Topic<T>) -> anyhow::Result<()> {
-        let root = instances::running(&self.tap.instance)?;
+        let root = instances::running_or_only(self.tap.instance.as_deref())?;
         let stop = Stop::on_signals()?;
         let bus = Bus::<SharedMemory>::open(&root, "tap")?;
-        let mut form = match self.tap.format {
-            TapFormat::Json => SampleForm::Lines(LineWriter::new(&T::LAYOUT, LineFormat::Json)),
-            TapFormat::Csv => SampleForm::Lines(LineWriter::new(&T::LAYOUT, LineFormat::Csv)),
+        let mut form = match self.tap.format() {
+            TapFormat::Json | TapFormat::Csv => {
+                let format = match self.tap.format() {
+                    TapFormat::Csv => LineFormat::Csv,
+                    _ => LineFormat::Json,
+                };
+                let names = (!self.tap.raw).then(|| Names::of_running(&root)).transpose()?;
+                SampleForm::Lines(LineWriter::new(&T::LAYOUT, format, names))
+            }
             TapFormat::Cat062 => match TapBlocks::open(self.tap, &bus, &stop)? {
                 Some(blocks) => SampleForm::Blocks(Box::new(blocks)),
                 None => return Ok(()),
