@@ -50,8 +50,8 @@ impl SoundCovariances {
         pairs.fold(0, |all, (one, other)| all | (one.to_bits() ^ other.to_bits())) == 0
     }
 
-    /// Returns whether the covariance of a report [is usable](is_usable), and remembers it. A correction may have turned
-    /// the covariance, so it `is_known` only where the report is as it was given.
+    /// Returns whether the covariance of a report [is usable](is_usable), and remembers it. A correction may have
+    /// turned the covariance: then what is known of it does not count.
     #[inline]
     pub(crate) fn judge(&mut self, report: &SensorTrack, is_as_given: bool, is_known: bool) -> bool {
         if is_as_given && is_known {

@@ -11,8 +11,8 @@
 //!
 //! Measurements of all system tracks share a table of fixed size. If the table is full, a system track gives up its
 //! oldest measurements; without any to give up, the chain begins anew. A report from before the chain cannot be used
-//! this way. Both tables are reserved at the start, and grow into that room: their memory is used as far as measurements
-//! are kept.
+//! this way. Both tables are reserved at the start, and grow into that room: their memory is used as far as
+//! measurements are kept.
 //!
 //! Source: Y. Bar-Shalom, *Update with out-of-sequence measurements in tracking: exact solution*, IEEE Transactions on
 //! Aerospace and Electronic Systems 38 (2002), which names going back and using the measurements again as the exact

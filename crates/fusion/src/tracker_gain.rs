@@ -15,8 +15,8 @@
 //! A source is treated so only if its covariances show no filter, and if M foretells the next change of velocity. A
 //! source that measures its velocity, or that reports plots, does not pass this test.
 //!
-//! A source that fails this test by far is given up: only one of its tracks in eight is tested further, a minute at a time,
-//! since its tracker may change.
+//! A source that fails this test by far is given up: only one of its tracks in eight is tested further, a minute at a
+//! time, since its tracker may change.
 //!
 //! Limits: a tracker that changes its gain often is recovered badly, and the test refuses it; the variances contain
 //! what targets deviate from straight flight in one period.
@@ -69,8 +69,8 @@ const FORETOLD_GAIN: f64 = 1.0 / 512.0;
 /// Changes of velocity after which a source can be given up, and share of the foretold ones below which it is.
 const HOPELESS_SAMPLES: u32 = 64;
 const HOPELESS: f64 = 0.3;
-/// Of the tracks of a source that was given up, one in so many teaches; each does so in turn, for a minute, as a power of
-/// two in nanoseconds.
+/// Of the tracks of a source that was given up, one in so many teaches; each does so in turn, for a minute, as a power
+/// of two in nanoseconds.
 const TEACHES_OF: i64 = 8;
 const TEACHES_FOR: u32 = 36;
 /// Measurements of a track after the first one, from which on its gains change little.

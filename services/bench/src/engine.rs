@@ -107,12 +107,12 @@ fn shown(report: &BenchReport, runs: &[EngineTimes]) -> String {
     let engine = &report.engine;
     text.push_str(&format!(
         "\n{table}Percentiles are of single updates, less {} for reading the clock; means are less {} for building the report.\n\
-         paced: reports at their rate, at most 5,000 a second, other memory read between them: {:.1} times the time back to back.\n\
+         paced: reports at their rate, at most 5,000 a second, other memory read between them; p50 {:.1} times that back to back.\n\
          Memory of the engine: {:.1} kB for each target, with its tables.\n\
          odd: updates that did not yield exactly one confirmed state. Warm-up: {} reports in {:.1} s{}.\n",
         duration(engine.reading_ns as f64),
         duration(engine.report_ns),
-        engine.paced.p50_ns as f64 / engine.ns_per_update.max(1.0),
+        engine.paced.p50_ns as f64 / (engine.single.p50_ns as f64).max(1.0),
         engine.octets_per_target * 1e-3,
         count(engine.warm_up.reports),
         engine.warm_up.seconds,

@@ -135,7 +135,7 @@ fn shown(report: &BenchReport) -> String {
         "\n{table}Of the {} that fusion adds to the bus, the engine takes {} back to back and {} paced, with cold caches; the\n\
          rest is the loop.\n",
         signed(whole_ns),
-        duration(engine.ns_per_update),
+        duration(engine.single.p50_ns as f64),
         duration(engine.paced.p50_ns as f64),
     ));
     text.push_str(&text::footnotes(report));

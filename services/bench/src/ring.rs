@@ -1,7 +1,7 @@
 //! A pair of rings between two threads of one process: the least that passing a report on can take.
 //!
-//! The other thread takes the reports from one ring and puts a state for each into the other, with the sizes of the real
-//! messages. There is no process border, no discovery and no header.
+//! The other thread takes the reports from one ring and puts a state for each into the other, with the sizes of the
+//! real messages. There is no process border, no discovery and no header.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,9 +1,9 @@
 //! Reports sent by the bench: targets on a grid, all moving, each observed by every source in turn.
 //!
-//! The grid is wide (3 km; 2 km for a million targets) and the targets fly nearly in parallel. Each report therefore belongs to one system
-//! track without ambiguity, and yields one state. The measurement covers the processing itself, not a traffic
-//! situation. Every second source reports the targets' addresses; reports of the other sources are associated by
-//! position.
+//! The grid is wide (3 km; 2 km for a million targets) and the targets fly nearly in parallel. Each report therefore
+//! belongs to one system track without ambiguity, and yields one state. The measurement covers the processing itself,
+//! not a traffic situation. Every second source reports the targets' addresses; reports of the other sources are
+//! associated by position.
 //!
 //! The parts of a report that do not change are built in advance; time and position are set before sending.
 
