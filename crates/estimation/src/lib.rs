@@ -35,6 +35,7 @@ mod inverse;
 mod mixture;
 mod motion;
 mod plane;
+mod plane_pair;
 mod recovery;
 mod smoother;
 #[cfg(test)]
@@ -56,7 +57,8 @@ pub use gaussian::{Gaussian, Matrix3, Matrix6, Symmetric3, Vector6, packed, unpa
 pub use initiation::FirstVelocity;
 pub use inverse::inverse3;
 pub use motion::{AxisNoise, NearlyConstantVelocity};
-pub use plane::{Moments, Plane, Residual, Rotation};
+pub use plane::{Plane, Residual, Rotation};
+pub use plane_pair::{Moments, PlanePair, Residuals, Two};
 pub use recovery::{Recovered, implied_noise, recovered};
 pub use smoother::{LinearModel, Moment, Smoothed, Smoother, Switching};
 pub use update::Innovation;

@@ -9,9 +9,9 @@
 //! rise beyond. The matrix is a rotation in any case.
 
 /// Number of components: (x, y, vx, vy).
-const COMPONENTS: usize = 4;
+pub(crate) const COMPONENTS: usize = 4;
 /// Number of elements of the covariance's upper triangle.
-const ELEMENTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
+pub(crate) const ELEMENTS: usize = COMPONENTS * (COMPONENTS + 1) / 2;
 /// Largest half angle of a rotation, rad.
 const HALF_ANGLE_MAX: f64 = 1.0;
 
@@ -75,6 +75,12 @@ impl Rotation {
     pub fn transition(&self) -> [[f64; COMPONENTS]; COMPONENTS] {
         let (c, s, g, h) = (self.cosine, self.sine, self.along_s, self.left_s);
         [[1.0, 0.0, g, -h], [0.0, 1.0, h, g], [0.0, 0.0, c, -s], [0.0, 0.0, s, c]]
+    }
+
+    /// Cosine and sine of the angle, and the way flown per unit of velocity, along and to the left, s.
+    #[inline]
+    pub(crate) fn parts(&self) -> [f64; 4] {
+        [self.cosine, self.sine, self.along_s, self.left_s]
     }
 
     /// The same turn to the other side.
@@ -253,20 +259,20 @@ impl Plane {
     }
 }
 
-/// Sum of weighted states, for mixtures of many: each state's mean and second moment about a common point, times its
-/// weight (Bar-Shalom et al. 2001, section 1.4.16). The common point should be near all, so that no figure is lost.
+/// [`crate::Moments`] of one state after the other, for comparison.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug)]
-pub struct Moments {
+pub(crate) struct Moments {
     weight: f64,
     first: [f64; COMPONENTS],
     second: [f64; ELEMENTS],
 }
 
+#[cfg(test)]
 impl Moments {
     /// Those of one state with a weight.
-    #[inline]
     #[allow(clippy::needless_range_loop)] // As above.
-    pub fn of(state: &Plane, weight: f64, about: &[f64; COMPONENTS]) -> Self {
+    pub(crate) fn of(state: &Plane, weight: f64, about: &[f64; COMPONENTS]) -> Self {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| state.mean[row] - about[row]);
         let first: [f64; COMPONENTS] = std::array::from_fn(|row| weight * d[row]);
         let mut second = [0.0; ELEMENTS];
@@ -281,9 +287,8 @@ impl Moments {
     }
 
     /// Adds a state with a weight.
-    #[inline]
     #[allow(clippy::needless_range_loop)] // As above.
-    pub fn include(&mut self, state: &Plane, weight: f64, about: &[f64; COMPONENTS]) {
+    pub(crate) fn include(&mut self, state: &Plane, weight: f64, about: &[f64; COMPONENTS]) {
         let d: [f64; COMPONENTS] = std::array::from_fn(|row| state.mean[row] - about[row]);
         let weighted = d.map(|value| weight * value);
         self.weight += weight;
@@ -298,9 +303,8 @@ impl Moments {
     }
 
     /// The state that has these moments; the weight must not be 0.
-    #[inline]
     #[allow(clippy::needless_range_loop)] // As above.
-    pub fn state(&self, about: &[f64; COMPONENTS]) -> Plane {
+    pub(crate) fn state(&self, about: &[f64; COMPONENTS]) -> Plane {
         let inverse = 1.0 / self.weight;
         let mean = self.first.map(|value| value * inverse);
         let mut element = 0;

@@ -23,7 +23,7 @@ use crate::engine_counters::EngineCounters;
 use crate::explanation::Sink;
 use crate::history::Histories;
 use crate::host_clock::HostClock;
-use crate::inlet;
+use crate::inlet::{self, SoundCovariances};
 use crate::kept_measurements::KeptMeasurements;
 use crate::life::{self, Life};
 use crate::lifetimes::Lifetimes;
@@ -48,9 +48,6 @@ const AHEAD_MAX_NS: i64 = 86_400_000_000_000;
 /// Lead of a filter over all reports, nanoseconds, from which a wrong clock is taken as the cause.
 const AHEAD_OF_CLOCKS_NS: i64 = 500_000_000;
 
-/// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
-const OWN_SHARE: f64 = 0.3;
-
 /// Fusion of sensor tracks into system tracks.
 #[derive(Debug)]
 pub struct Engine {
@@ -65,6 +62,7 @@ pub struct Engine {
     pub(crate) host_clock: HostClock,
     pub(crate) orders: OrderTable,
     pub(crate) outbox: EngineOutbox,
+    pub(crate) sound_covariances: SoundCovariances,
 }
 
 impl Engine {
@@ -111,6 +109,7 @@ impl Engine {
             host_clock: HostClock::default(),
             orders: OrderTable::new(Configured::of(&settings)),
             outbox: EngineOutbox::new(sources),
+            sound_covariances: SoundCovariances::new(sources),
             settings,
         })
     }
@@ -167,7 +166,8 @@ impl Engine {
             let event_ns = self.schedule.next_event(|| self.tracks.systems.is_empty());
             let scan_ns = self.scans.due_ns();
             let other_ns = scan_ns.min(event_ns);
-            if self.run_timer_before(now_ns.min(other_ns), sink) {
+            let until_ns = now_ns.min(other_ns);
+            if self.tracks.systems.has_due_before(until_ns) && self.run_timer_before(until_ns, sink) {
                 continue;
             }
             if other_ns >= now_ns {
@@ -223,7 +223,8 @@ impl Engine {
         let report = inward.as_ref().unwrap_or(report);
         let completed = inlet::completed(report, &self.settings.sources);
         let report = completed.as_ref().unwrap_or(report);
-        if !inlet::is_valid(report, &self.settings.sources) {
+        let has_sound_covariance = self.sound_covariances.have(report);
+        if !inlet::is_valid(report, &self.settings.sources, has_sound_covariance) {
             let counter = inlet::rejection(report, &self.settings.sources);
             self.outbox.counts.add(report.source, counter);
             return;
@@ -259,7 +260,8 @@ impl Engine {
         // Early look-up: the cache miss overlaps with the checks below.
         let known = self.tracks.sensors.find(report.source, report.track_number);
         let known = self.without_outdated(report, known, sink);
-        let is_usable = inlet::is_usable(&report.covariance);
+        let is_as_given = corrected.is_none() && aligned.is_none();
+        let is_usable = self.sound_covariances.judge(report, is_as_given, has_sound_covariance);
         let repaired = if is_usable { None } else { inlet::repaired(report) };
         if !is_usable {
             let counter = match &repaired {
@@ -482,25 +484,6 @@ impl Engine {
         let out = &mut self.outbox.to(sink);
         self.publisher
             .refresh(&self.settings, &mut self.tracks, &self.sources, cause, out);
-    }
-
-    /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
-    /// this report of the sensor track.
-    #[inline]
-    fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
-        let entry = self.tracks.sensors.get_mut(sensor);
-        let claimed_too_much = std::mem::replace(&mut entry.claimed_too_much, 1.0);
-        if claimed_too_much > 1.0 && entry.share > OWN_SHARE {
-            self.restart(sensor, sink);
-            return true;
-        } else if claimed_too_much > 1.0 {
-            let factor = 1.0 + entry.share * (claimed_too_much - 1.0);
-            let system = entry.system;
-            self.tracks.systems.get_mut(system).filter.inflate(factor);
-            // Kept states of the filter are as much too sure.
-            self.tracks.kept.forget(system);
-        }
-        false
     }
 
     /// Returns whether the filter of the system track lies ahead of all reports, led there by a clock that has since

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measurement::{Measurement, gaussian_of};
 use crate::motion::Motion;
-use crate::plane_filter::{Course, PlaneFilter};
+use crate::plane_filter::{AGILE, Course, PlaneFilter, STEADY};
 use crate::state::State;
 use crate::vertical_filter::VerticalFilter;
 
@@ -469,15 +469,14 @@ impl TargetFilter {
 
     /// How well the model that surely holds foretells a measurement.
     fn fit(&self, z: [f64; 2], r: [f64; 3]) -> Fit {
-        let of = |model: &Plane| {
-            let [xx, xy, _, _, yy, ..] = model.covariance;
-            let residual = [z[0] - model.mean[0], z[1] - model.mean[1]];
+        let of = |model: usize| {
+            let (mean, [xx, xy, yy]) = self.plane.position_of(model);
+            let residual = [z[0] - mean[0], z[1] - mean[1]];
             association::distance::squared2(residual, [xx + r[0], xy + r[1], yy + r[2]])
         };
-        let (steady, agile) = self.plane.straight();
         match self.plane.probabilities() {
-            [_, probability, ..] if probability > SURELY_TURNING => Fit::Turning(of(agile)),
-            [probability, ..] if probability > 1.0 - SURELY_STRAIGHT => Fit::Straight(of(steady)),
+            [_, probability, ..] if probability > SURELY_TURNING => Fit::Turning(of(AGILE)),
+            [probability, ..] if probability > 1.0 - SURELY_STRAIGHT => Fit::Straight(of(STEADY)),
             _ => Fit::Undecided,
         }
     }

@@ -13,7 +13,7 @@ use crate::order_table::OrderTable;
 
 /// Version of the parts of an image. It rises with every change of a serialised type, the samples in it included:
 /// the fingerprint of the checkpoint covers other types.
-const FORMAT: u64 = 12;
+const FORMAT: u64 = 13;
 
 impl Engine {
     /// Returns the fingerprint of images of this build with these settings.
@@ -35,6 +35,7 @@ impl Engine {
             host_clock,
             orders,
             outbox: _,
+            sound_covariances: _,
         } = self;
         let periods: Vec<_> = settings
             .sources

@@ -30,8 +30,50 @@ fn is_in_reach([east, north]: [f64; 2], limit: f64) -> bool {
     east * east + north * north <= limit * limit
 }
 
-/// Returns whether a report belongs to these sources, no order excludes its source, and its source's limits hold.
-pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool {
+/// The covariance of each source's latest report that passed all checks: many sources state the same one always.
+#[derive(Debug)]
+pub(crate) struct SoundCovariances(Vec<Option<Covariance>>);
+
+impl SoundCovariances {
+    pub(crate) fn new(sources: usize) -> Self {
+        Self(vec![None; sources])
+    }
+
+    /// Whether the covariance of a report is that of its source's latest sound report.
+    #[inline]
+    pub(crate) fn have(&self, report: &SensorTrack) -> bool {
+        let Some(Some(sound)) = self.0.get(usize::from(report.source)) else {
+            return false;
+        };
+        // The bits that differ, without a branch for each element.
+        let pairs = sound.upper.iter().zip(&report.covariance.upper);
+        pairs.fold(0, |all, (one, other)| all | (one.to_bits() ^ other.to_bits())) == 0
+    }
+
+    /// Returns whether the covariance of a report [is usable](is_usable), and remembers it. A correction may have
+    /// turned the covariance: then what is known of it does not count.
+    #[inline]
+    pub(crate) fn judge(&mut self, report: &SensorTrack, is_as_given: bool, is_known: bool) -> bool {
+        if is_as_given && is_known {
+            return true;
+        }
+        let is_usable = is_usable(&report.covariance);
+        if is_usable && is_as_given {
+            self.remember(report);
+        }
+        is_usable
+    }
+
+    /// Remembers the covariance of a report that passed all checks.
+    fn remember(&mut self, report: &SensorTrack) {
+        self.0[usize::from(report.source)] = Some(report.covariance);
+    }
+}
+
+/// Returns whether a report belongs to these sources, no order excludes its source, and its source's limits hold. Its
+/// covariance may be known to be sound.
+#[inline]
+pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings], has_sound_covariance: bool) -> bool {
     let Some(source) = sources.get(usize::from(report.source)) else {
         return false;
     };
@@ -39,7 +81,8 @@ pub(crate) fn is_valid(report: &SensorTrack, sources: &[SourceSettings]) -> bool
         && is_near(report, &source.limits)
         && is_slow_enough(report, &source.limits)
         && TrackState::from_code(report.state).is_some()
-        && is_possible(report)
+        && has_possible_state(report)
+        && (has_sound_covariance || has_possible_covariance(&report.covariance))
 }
 
 /// Whether the report lies within its sensor's range.
@@ -54,16 +97,30 @@ fn is_slow_enough(report: &SensorTrack, limits: &ReportLimits) -> bool {
     is_in_reach([vx, vy], limits.speed_mps)
 }
 
-/// Whether the report's numbers are possible on this planet.
-fn is_possible(report: &SensorTrack) -> bool {
-    // Not a number is within no limit. All are looked at, without a branch for each.
-    let within = |values: &[f64], limit: f64| values.iter().fold(true, |all, value| all & (value.abs() <= limit));
+/// Whether all values are within a limit. Not a number is within none. All are looked at, without a branch for each.
+#[inline]
+fn within(values: &[f64], limit: f64) -> bool {
+    values.iter().fold(true, |all, value| all & (value.abs() <= limit))
+}
+
+/// Whether the report's time, position and velocity are possible on this planet.
+#[inline]
+fn has_possible_state(report: &SensorTrack) -> bool {
     (-TIME_MAX_NS..TIME_MAX_NS).contains(&report.time_of_measurement_ns)
         && within(&report.position_m, POSITION_MAX_M)
         && within(&report.velocity_mps, SPEED_MAX_MPS)
-        && within(&report.covariance.upper, COVARIANCE_MAX)
-        && (0..STATE_LEN).all(|index| report.covariance.get(index, index) >= 0.0)
-        && (0..2).all(|index| report.covariance.get(index, index) > 0.0)
+}
+
+/// Whether the report's covariance is possible on this planet.
+fn has_possible_covariance(covariance: &Covariance) -> bool {
+    within(&covariance.upper, COVARIANCE_MAX)
+        && (0..STATE_LEN).all(|index| covariance.get(index, index) >= 0.0)
+        && (0..2).all(|index| covariance.get(index, index) > 0.0)
+}
+
+/// Whether the report's numbers are possible on this planet.
+fn is_possible(report: &SensorTrack) -> bool {
+    has_possible_state(report) && has_possible_covariance(&report.covariance)
 }
 
 /// Counter of a report that is not valid. A limit of the configuration is named only where nothing else is wrong.
@@ -176,4 +233,29 @@ pub(crate) fn believed_identity(report: &SensorTrack, systems: &SystemTracks) ->
         return (identity, None);
     }
     (identity.without_unique_number(), Some(Counter::IdentityConflicts))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_covariance_that_is_equal_in_all_elements_is_known() {
+        let mut sound = SoundCovariances::new(2);
+        let report = SensorTrack {
+            source: 1,
+            covariance: Covariance::diagonal([10.0, 20.0, 30.0], [1.0; 3]),
+            ..SensorTrack::default()
+        };
+        assert!(!sound.have(&report));
+        sound.remember(&report);
+        assert!(sound.have(&report));
+        for element in 0..report.covariance.upper.len() {
+            let mut other = report;
+            other.covariance.upper[element] += 1.0;
+            assert!(!sound.have(&other), "{element}");
+        }
+        let of_others = [0, 9].map(|source| SensorTrack { source, ..report });
+        assert_eq!(of_others.map(|report| sound.have(&report)), [false; 2]);
+    }
 }

@@ -1,7 +1,7 @@
 //! A measurement as the filter of a system track used it, so that it can be used again.
 
 use estimation::Gaussian;
-use messages::{AXES, SensorTrack, sensor_track_bits};
+use messages::{AXES, COVARIANCE_LEN, Covariance, STATE_LEN, SensorTrack, sensor_track_bits};
 use serde::{Deserialize, Serialize};
 
 use crate::filter::{FilterInnovation, TargetFilter};
@@ -83,6 +83,24 @@ impl UsedMeasurement<'_> {
 }
 
 impl KeptMeasurement {
+    /// In place of one.
+    pub(crate) const NONE: Self = Self {
+        time_ns: 0,
+        track: (0, 0),
+        measurement: Measurement::NONE,
+        is_used: false,
+        state: Gaussian {
+            mean: [0.0; STATE_LEN],
+            covariance: Covariance {
+                upper: [0.0; COVARIANCE_LEN],
+            },
+        },
+        has_height: false,
+        correction: Correction::NONE,
+        point_m: [0.0; 2],
+        point_m2: 0.0,
+    };
+
     /// As input of the filter of a system track, without corrections.
     pub(crate) fn input(&self, system_track: u32, assumed: Assumed) -> FilterInput {
         let (mut raw, state) = (self.measurement, self.correction.undone(self.state));

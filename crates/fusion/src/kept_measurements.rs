@@ -11,19 +11,18 @@
 //!
 //! Measurements of all system tracks share a table of fixed size. If the table is full, a system track gives up its
 //! oldest measurements; without any to give up, the chain begins anew. A report from before the chain cannot be used
-//! this way.
+//! this way. Both tables are reserved at the start, and grow into that room: their memory is used as far as
+//! measurements are kept.
 //!
 //! Source: Y. Bar-Shalom, *Update with out-of-sequence measurements in tracking: exact solution*, IEEE Transactions on
 //! Aerospace and Electronic Systems 38 (2002), which names going back and using the measurements again as the exact
 //! method for any filter; its own shorter ways hold for a single linear model only.
 
-use estimation::Gaussian;
-use messages::{AXES, Covariance};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::filter::{FilterInnovation, TargetFilter};
 use crate::kept_measurement::{KeptMeasurement, UsedMeasurement};
-use crate::measurement::{Correction, Measurement};
+use crate::measurement::Measurement;
 use crate::motion::Motion;
 use crate::system_tracks::SystemSlot;
 
@@ -48,6 +47,15 @@ struct Link {
     next: Place,
 }
 
+impl Link {
+    /// Without a measurement.
+    const FREE: Self = Self {
+        kept: KeptMeasurement::NONE,
+        at_ns: 0,
+        next: NOWHERE,
+    };
+}
+
 /// State of a filter, and the number of measurements from there to the next base.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Base {
@@ -64,9 +72,10 @@ struct Chain {
     first: Place,
     last: Place,
     length: u32,
-    /// Bases, oldest first, and their places among those of the system track; the others are free.
+    /// Number of bases, and their places in the table of bases, oldest first; the others are of free places that the
+    /// chain keeps, or nowhere.
     bases: usize,
-    order: [u8; BASES_MAX],
+    order: [Place; BASES_MAX],
     /// Number of bases that made room for others.
     replaced: u32,
 }
@@ -77,7 +86,7 @@ impl Chain {
         last: NOWHERE,
         length: 0,
         bases: 0,
-        order: [0, 1, 2, 3, 4, 5],
+        order: [NOWHERE; BASES_MAX],
         replaced: 0,
     };
 }
@@ -88,12 +97,15 @@ pub(crate) struct KeptMeasurements {
     /// Greatest age of a report relative to the filter, nanoseconds; 0: nothing is kept.
     window_ns: i64,
     links: Vec<Link>,
-    /// First of the free places, which are linked, and their number.
+    /// Most measurements.
+    capacity: usize,
+    /// First of the places that have become free, which are linked.
     free: Place,
+    /// Number of places that a measurement can take.
     room: usize,
     /// By place of the system track.
     chains: Vec<Chain>,
-    /// `BASES_MAX` of each system track.
+    /// Of all chains, at most `BASES_MAX` of each.
     bases: Vec<Base>,
 }
 
@@ -114,39 +126,14 @@ impl KeptMeasurements {
     /// For reports up to `window_ns` late; `capacity` measurements of so many system tracks.
     pub(crate) fn new(window_ns: i64, capacity: usize, systems: usize) -> Self {
         let (capacity, systems) = if window_ns > 0 { (capacity, systems) } else { (0, 0) };
-        let nowhere = Gaussian::new([0.0; AXES], [0.0; AXES], &Covariance::default());
-        let free = KeptMeasurement {
-            time_ns: 0,
-            track: (0, 0),
-            measurement: Measurement::NONE,
-            is_used: false,
-            state: nowhere,
-            has_height: false,
-            correction: Correction::NONE,
-            point_m: [0.0; 2],
-            point_m2: 0.0,
-        };
-        let link = |place: usize| Link {
-            kept: free,
-            at_ns: 0,
-            next: if place + 1 < capacity {
-                place as Place + 1
-            } else {
-                NOWHERE
-            },
-        };
-        let base = Base {
-            filter: TargetFilter::new(0, nowhere, false),
-            after: NOWHERE,
-            length: 0,
-        };
         Self {
             window_ns,
-            links: (0..capacity).map(link).collect(),
-            free: if capacity > 0 { 0 } else { NOWHERE },
+            links: Vec::with_capacity(capacity),
+            capacity,
+            free: NOWHERE,
             room: capacity,
             chains: vec![Chain::EMPTY; systems],
-            bases: vec![base; BASES_MAX * systems],
+            bases: Vec::with_capacity(BASES_MAX * systems),
         }
     }
 
@@ -182,7 +169,7 @@ impl KeptMeasurements {
     /// Place of the base number `index` of a system track.
     #[inline]
     fn base_place(&self, system: SystemSlot, index: usize) -> usize {
-        BASES_MAX * system as usize + usize::from(self.chains[system as usize].order[index])
+        self.chains[system as usize].order[index] as usize
     }
 
     #[inline]
@@ -225,10 +212,6 @@ impl KeptMeasurements {
         if self.is_on() {
             self.forget(into);
             self.chains.swap(from as usize, into as usize);
-            for base in 0..BASES_MAX {
-                let [from, into] = [from, into].map(|system| BASES_MAX * system as usize + base);
-                self.bases.swap(from, into);
-            }
         }
     }
 
@@ -307,15 +290,30 @@ impl KeptMeasurements {
     /// A free place of the table; if need be, one of the oldest measurements of the system track.
     #[inline]
     fn take_place(&mut self, system: SystemSlot) -> Option<Place> {
-        let is_full = self.chains[system as usize].length >= CHAIN_MAX || self.free == NOWHERE;
+        let is_full = self.chains[system as usize].length >= CHAIN_MAX || self.room == 0;
         if is_full && !self.drop_oldest(system) {
             return None;
         }
-        let place = self.free;
-        let link = self.links.get(place as usize)?;
-        self.free = link.next;
+        self.free_place()
+    }
+
+    /// A free place: one that was used before, if there is one.
+    #[inline]
+    fn free_place(&mut self) -> Option<Place> {
+        let place = match self.links.get(self.free as usize) {
+            Some(link) => std::mem::replace(&mut self.free, link.next),
+            None => self.new_place()?,
+        };
         self.room -= 1;
         Some(place)
+    }
+
+    /// A place that was never used.
+    #[cold]
+    fn new_place(&mut self) -> Option<Place> {
+        let place = self.links.len();
+        (place < self.capacity).then(|| self.links.push(Link::FREE))?;
+        Some(place as Place)
     }
 
     /// Drops what is older than the second base, which becomes the first; `false` without a second base.
@@ -342,6 +340,15 @@ impl KeptMeasurements {
         let chain = &mut self.chains[system as usize];
         let (index, after) = (chain.bases, chain.last);
         chain.bases += 1;
+        if chain.order[index] == NOWHERE {
+            chain.order[index] = self.bases.len() as Place;
+            self.bases.push(Base {
+                filter: *filter,
+                after,
+                length: 0,
+            });
+            return;
+        }
         let base = self.base_mut(system, index);
         base.filter = *filter;
         (base.after, base.length) = (after, 0);
@@ -490,7 +497,7 @@ impl KeptMeasurements {
     /// Number of measurements kept.
     #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
-        self.links.len() - self.room
+        self.capacity - self.room
     }
 }
 
@@ -506,7 +513,7 @@ impl Serialize for KeptMeasurements {
             (bases.collect(), links.collect(), self.chains[system as usize].replaced)
         };
         let chains: Vec<ChainContent> = (0..self.chains.len()).map(content).collect();
-        (self.window_ns, self.links.len(), chains).serialize(serializer)
+        (self.window_ns, self.capacity, chains).serialize(serializer)
     }
 }
 
@@ -530,13 +537,10 @@ impl KeptMeasurements {
     /// Appends measurements from elsewhere to the newest base of a chain.
     fn restore(&mut self, system: SystemSlot, length: u32, from: &mut impl Iterator<Item = (KeptMeasurement, i64)>) {
         for (kept, at_ns) in from.take(length as usize) {
-            let place = self.free;
-            let Some(link) = self.links.get_mut(place as usize) else {
+            let Some(place) = self.free_place() else {
                 return;
             };
-            self.free = link.next;
-            self.room -= 1;
-            *link = Link {
+            self.links[place as usize] = Link {
                 kept,
                 at_ns,
                 next: NOWHERE,

@@ -1,11 +1,13 @@
 //! Tests of the measurements that are kept for late reports.
 
-use messages::NS_PER_S;
+use estimation::Gaussian;
+use messages::{AXES, Covariance, NS_PER_S};
 use proptest::prelude::*;
 use test_support::{Random, S};
 
 use super::*;
 use crate::manoeuvres::Manoeuvres;
+use crate::measurement::Correction;
 
 const WINDOW_NS: i64 = 10 * S;
 const SYSTEM: SystemSlot = 1;
@@ -145,8 +147,23 @@ proptest! {
         let next = |place: &Place| late.kept.links.get(*place as usize).map(|link| link.next);
         let mut free: Vec<Place> = std::iter::successors(Some(late.kept.free), next).collect();
         free.sort_unstable();
-        prop_assert!(free.into_iter().eq((0..capacity as Place).chain([NOWHERE])));
+        let used = late.kept.links.len();
+        prop_assert!(used <= capacity && free.into_iter().eq((0..used as Place).chain([NOWHERE])));
+        prop_assert!(late.kept.bases.len() <= BASES_MAX);
     }
+}
+
+#[test]
+fn memory_is_used_as_far_as_measurements_are_kept() {
+    let mut late = Late::new(WINDOW_NS, 1000);
+    let (links, bases) = (late.kept.links.capacity(), late.kept.bases.capacity());
+    assert_eq!((late.kept.links.len(), late.kept.bases.len()), (0, 0));
+    for measurement in &arriving(7, 30, 0.0) {
+        late.take(measurement);
+    }
+    assert_eq!(late.kept.links.len(), 30);
+    assert!((2..=BASES_MAX).contains(&late.kept.bases.len()));
+    assert_eq!((late.kept.links.capacity(), late.kept.bases.capacity()), (links, bases));
 }
 
 #[test]

@@ -71,6 +71,7 @@ mod outlet;
 mod places;
 mod plane_filter;
 mod pressure;
+mod principal;
 mod publishing;
 mod purity;
 pub mod qnh;

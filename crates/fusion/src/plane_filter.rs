@@ -21,13 +21,15 @@
 //! coefficients*, IEEE Transactions on Automatic Control 33 (1988); X. R. Li, Y. Bar-Shalom, *Multiple-model estimation
 //! with variable structure*, IEEE Transactions on Automatic Control 41 (1996), for models that join and leave.
 
-use estimation::{Moments, Plane, Rotation};
+use estimation::{Moments, Plane, PlanePair, Rotation, Two};
 use serde::{Deserialize, Serialize};
 
 use crate::motion::{LEVELS, Motion};
 
 /// Number of models: steady, agile, and turns of each hardness to the left and to the right.
 pub(crate) const MODELS: usize = 2 + 2 * LEVELS;
+/// Models stand in pairs: steady and agile, and both turns of each hardness.
+const PAIRS: usize = MODELS / 2;
 /// Number of models that always run: without the turns of unusual hardness.
 const USUAL: usize = 4;
 pub(crate) const STEADY: usize = 0;
@@ -52,7 +54,7 @@ const EXPONENT_MAX: f64 = 100.0;
 /// All models of one target.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct PlaneFilter {
-    models: [Plane; MODELS],
+    pairs: [PlanePair; PAIRS],
     probability: [f64; MODELS],
     is_wide: bool,
 }
@@ -72,7 +74,7 @@ impl PlaneFilter {
         let mut probability = [0.0; MODELS];
         probability[..USUAL].copy_from_slice(&PRIOR);
         Self {
-            models: [estimate; MODELS],
+            pairs: [PlanePair::both(&estimate); PAIRS],
             probability,
             is_wide: false,
         }
@@ -119,16 +121,20 @@ impl PlaneFilter {
         })
     }
 
-    /// The models and probabilities of the steady motion and of the agile one.
-    pub(crate) fn straight(&self) -> (&Plane, &Plane) {
-        (&self.models[STEADY], &self.models[AGILE])
+    /// Position that the steady model or the agile one expects, and its covariance (xx, xy, yy).
+    #[inline]
+    pub(crate) fn position_of(&self, model: usize) -> ([f64; 2], [f64; 3]) {
+        self.pairs[model / 2].position(model % 2)
+    }
+
+    /// Probabilities of a pair of models.
+    #[inline]
+    fn weights(&self, pair: usize) -> Two {
+        Two([self.probability[2 * pair], self.probability[2 * pair + 1]])
     }
 
     pub(crate) fn shift(&mut self, by_m: [f64; 2]) {
-        for model in &mut self.models {
-            model.mean[0] += by_m[0];
-            model.mean[1] += by_m[1];
-        }
+        self.pairs.iter_mut().for_each(|pair| pair.shift(by_m));
     }
 
     /// What the target is expected to do.
@@ -153,9 +159,7 @@ impl PlaneFilter {
 
     /// Multiplies the covariances of all models by a factor.
     pub(crate) fn inflate(&mut self, factor: f64) {
-        for model in &mut self.models {
-            model.covariance.iter_mut().for_each(|value| *value *= factor);
-        }
+        self.pairs.iter_mut().for_each(|pair| pair.inflate(factor));
     }
 
     /// Brings the models forward by `seconds` > 0. `estimate` is all models together.
@@ -165,28 +169,21 @@ impl PlaneFilter {
         let running = self.running();
         let [vx, vy] = [estimate.mean[2], estimate.mean[3]];
         let square = vx * vx + vy * vy;
-        let steady = &mut self.models[STEADY];
-        steady.advance(seconds);
-        steady.disturb_evenly(motion.steady_m2ps3(), seconds);
-        let agile = &mut self.models[AGILE];
-        agile.advance(seconds);
+        let straight = &mut self.pairs[0];
+        straight.advance(seconds);
+        straight.disturb_one_evenly(STEADY, motion.steady_m2ps3(), seconds);
         let [along, across] = motion.agile_m2ps3(seconds);
         if square > motion.slow_mps * motion.slow_mps {
             let (excess, inverse) = (along - across, 1.0 / square);
             let noise = [vx * vx, vx * vy, vy * vy].map(|value| excess * value * inverse);
-            agile.disturb([across + noise[0], noise[1], across + noise[2]], seconds);
+            straight.disturb_one(AGILE, [across + noise[0], noise[1], across + noise[2]], seconds);
         } else {
-            agile.disturb_evenly(along, seconds);
+            straight.disturb_one_evenly(AGILE, along, seconds);
         }
         let speed_mps = square.sqrt().max(motion.slow_mps);
-        let pairs = self.models[AGILE + 1..running].chunks_exact_mut(2);
-        for (pair, lateral_mps2) in pairs.zip(motion.lateral_mps2) {
-            let left = Rotation::new(lateral_mps2 / speed_mps, seconds);
-            let noise = Motion::turn_m2ps3(lateral_mps2, seconds);
-            pair[0].turn(&left);
-            pair[0].disturb_evenly(noise, seconds);
-            pair[1].turn(&left.mirrored());
-            pair[1].disturb_evenly(noise, seconds);
+        for (pair, lateral_mps2) in self.pairs[1..running / 2].iter_mut().zip(motion.lateral_mps2) {
+            pair.turn_apart(&Rotation::new(lateral_mps2 / speed_mps, seconds));
+            pair.disturb_evenly(Motion::turn_m2ps3(lateral_mps2, seconds), seconds);
         }
     }
 
@@ -196,42 +193,39 @@ impl PlaneFilter {
         let [begins, ends] = [motion.steady_s, MANOEUVRE_S].map(|duration| seconds / (seconds + duration));
         let steady = self.probability[STEADY];
         let manoeuvre = 1.0 - steady;
-        let rest = estimate.without(&self.models[STEADY], manoeuvre);
+        let mut begun = self.pairs[0].state(STEADY);
+        let rest = estimate.without(&begun, manoeuvre);
         // Those that begin a manoeuvre, after straight flight or after another manoeuvre.
         let (after_steady, after_other) = (steady * begins, manoeuvre * ends * (1.0 - HOME));
         let begin = after_steady + after_other;
-        let mut begun = self.models[STEADY];
         begun.blend(&rest, after_other / begin);
         let (stays, returns) = (steady * (1.0 - begins), manoeuvre * ends * HOME);
-        self.models[STEADY].blend(&rest, returns / (stays + returns));
-        self.probability[STEADY] = stays + returns;
         let turns = if self.is_wide { 0.5 } else { 0.5 / HARDNESS[0] } * (1.0 - motion.agile_share);
-        for index in AGILE..running {
-            let share = if index == AGILE {
-                motion.agile_share
-            } else {
-                turns * HARDNESS[index / 2 - 1]
-            };
-            let (own, new) = (self.probability[index] * (1.0 - ends), begin * share);
-            self.models[index].blend(&begun, new / (own + new));
-            self.probability[index] = own + new;
+        let left = 1.0 - ends;
+        let (own, new) = (self.probability[AGILE] * left, begin * motion.agile_share);
+        let weight = Two([returns / (stays + returns), new / (own + new)]);
+        self.pairs[0].blend(&PlanePair::of(&rest, &begun), weight);
+        (self.probability[STEADY], self.probability[AGILE]) = (stays + returns, own + new);
+        let begun = PlanePair::both(&begun);
+        for pair in 1..running / 2 {
+            let own = self.weights(pair) * Two::both(left);
+            let new = Two::both(begin * (turns * HARDNESS[pair - 1]));
+            let sum = own + new;
+            self.pairs[pair].blend(&begun, new / sum);
+            [self.probability[2 * pair], self.probability[2 * pair + 1]] = sum.0;
         }
     }
 
     /// Expected position, and its covariance (xx, xy, yy).
     #[inline]
     pub(crate) fn position(&self) -> ([f64; 2], [f64; 3]) {
-        let (steady, weight) = (&self.models[STEADY], self.probability[STEADY]);
-        let about = [steady.mean[0], steady.mean[1]];
-        let [xx, xy, _, _, yy, ..] = steady.covariance;
+        let (about, [xx, xy, yy]) = self.position_of(STEADY);
+        let weight = self.probability[STEADY];
         let (mut first, mut second) = ([0.0; 2], [weight * xx, weight * xy, weight * yy]);
-        let manoeuvres = AGILE..self.running();
-        for (model, weight) in self.models[manoeuvres.clone()]
-            .iter()
-            .zip(&self.probability[manoeuvres])
-        {
-            let [dx, dy] = [model.mean[0] - about[0], model.mean[1] - about[1]];
-            let [xx, xy, _, _, yy, ..] = model.covariance;
+        for model in AGILE..self.running() {
+            let (place, [xx, xy, yy]) = self.position_of(model);
+            let weight = self.probability[model];
+            let [dx, dy] = [place[0] - about[0], place[1] - about[1]];
             first[0] += weight * dx;
             first[1] += weight * dy;
             second[0] += weight * (xx + dx * dx);
@@ -248,13 +242,9 @@ impl PlaneFilter {
     /// All models together; `about` is near all of them.
     #[inline]
     pub(crate) fn combined(&self, about: &[f64; 4]) -> Plane {
-        let mut sum = Moments::of(&self.models[STEADY], self.probability[STEADY], about);
-        let manoeuvres = AGILE..self.running();
-        for (model, weight) in self.models[manoeuvres.clone()]
-            .iter()
-            .zip(&self.probability[manoeuvres])
-        {
-            sum.include(model, *weight, about);
+        let mut sum = Moments::of(&self.pairs[0], self.weights(0), about);
+        for pair in 1..self.running() / 2 {
+            sum.include(&self.pairs[pair], self.weights(pair), about);
         }
         sum.state(about)
     }
@@ -263,15 +253,23 @@ impl PlaneFilter {
     #[inline]
     pub(crate) fn update(&mut self, measured_m: [f64; 2], r: [f64; 3]) -> Option<()> {
         let running = self.running();
-        let steady = self.models[STEADY].update(measured_m, r)?;
-        self.probability[STEADY] /= steady.determinant.sqrt();
-        let mut sum = self.probability[STEADY];
-        for index in AGILE..running {
-            let residual = self.models[index].update(measured_m, r)?;
-            // Only the ratio to the steady model matters, and a huge one must not become infinite.
-            let exponent = (0.5 * (steady.squared - residual.squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
-            self.probability[index] *= exponent.exp() / residual.determinant.sqrt();
-            sum += self.probability[index];
+        let (mut sum, mut steady) = (0.0, f64::NAN);
+        for pair in 0..running / 2 {
+            let residuals = self.pairs[pair].update(measured_m, r)?;
+            let deviation = residuals.determinant.sqrt();
+            for (which, model) in [2 * pair, 2 * pair + 1].into_iter().enumerate() {
+                let (squared, probability) = (residuals.squared.0[which], &mut self.probability[model]);
+                if model == STEADY {
+                    steady = squared;
+                    *probability /= deviation.0[which];
+                    sum = *probability;
+                } else {
+                    // Only the ratio to the steady model matters, and a huge one must not become infinite.
+                    let exponent = (0.5 * (steady - squared)).clamp(-EXPONENT_MAX, EXPONENT_MAX);
+                    *probability *= exponent.exp() / deviation.0[which];
+                    sum += *probability;
+                }
+            }
         }
         let inverse = 1.0 / sum;
         self.probability[..running]

@@ -24,7 +24,7 @@ use crate::sensor_tracks::{SensorEntry, SensorSlot};
 use crate::settings::{AccuracyBase, AssociationSettings, SOURCES_MAX, Settings, SourceSettings};
 use crate::source_model::{MEAN_GAIN, MEAN_VARIANCE, SourceModel};
 use crate::step_memory::StepMemory;
-use crate::tracker_gain::{Change, GainEvidence};
+use crate::tracker_gain::{self, Change, GainEvidence};
 use crate::tracks::Tracks;
 
 /// Offset of a clock, seconds, that is no error beside the others.
@@ -293,6 +293,10 @@ impl Sources {
             }
         }
         content.measurement = Some(as_reported(report));
+        let is_hopeless = model.gain().is_hopeless();
+        if is_hopeless && !tracker_gain::teaches(report.track_number, report.time_of_measurement_ns) {
+            return;
+        }
         if !repaired && !shows_filter(&report.covariance) {
             self.read_unfiltered(report, known, content);
         }
@@ -301,7 +305,12 @@ impl Sources {
     /// The content of a report whose covariance shows no filter.
     #[inline(never)]
     fn read_unfiltered(&mut self, report: &SensorTrack, earlier: Option<(&SensorEntry, f64)>, content: &mut Content) {
-        let evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        let mut evidence = earlier.map_or(GainEvidence::NONE, |(entry, _)| entry.evidence);
+        if let Some((entry, _)) = earlier
+            && self.models[usize::from(report.source)].gain().is_hopeless()
+        {
+            evidence.grow_to(entry.reports);
+        }
         let measurement = &mut content.measurement;
         let unfiltered = content.unfiltered.insert(UnfilteredContent::stated(evidence));
         match earlier {

@@ -538,6 +538,14 @@ impl SystemTracks {
         }
     }
 
+    /// Whether a deadline lies before `time_ns`.
+    #[inline]
+    pub(crate) fn has_due_before(&self, time_ns: i64) -> bool {
+        self.deadlines
+            .peek()
+            .is_some_and(|Reverse((deadline_ns, ..))| *deadline_ns < time_ns)
+    }
+
     /// The entry whose deadline lies before `time_ns`, earliest first, with that deadline.
     pub(crate) fn due_before(&mut self, time_ns: i64) -> Option<(i64, SystemSlot)> {
         let Reverse((deadline_ns, _, slot)) = *self.deadlines.peek()?;

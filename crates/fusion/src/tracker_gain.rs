@@ -15,6 +15,9 @@
 //! A source is treated so only if its covariances show no filter, and if M foretells the next change of velocity. A
 //! source that measures its velocity, or that reports plots, does not pass this test.
 //!
+//! A source that fails this test by far is given up: only one of its tracks in eight is tested further, a minute at a
+//! time, since its tracker may change.
+//!
 //! Limits: a tracker that changes its gain often is recovered badly, and the test refuses it; the variances contain
 //! what targets deviate from straight flight in one period.
 //!
@@ -26,6 +29,8 @@ use estimation::Symmetric3;
 use kept::kept;
 use messages::{AXES, Covariance};
 use serde::{Deserialize, Serialize};
+
+use crate::principal::Principal;
 
 /// Weight of what earlier reports of a track showed, relative to the latest one.
 const MEMORY: f64 = 0.3;
@@ -61,6 +66,13 @@ const FORETOLD: f64 = 0.05;
 const FORETOLD_FROM: f64 = 0.8;
 const FORETOLD_UNTIL: f64 = 0.6;
 const FORETOLD_GAIN: f64 = 1.0 / 512.0;
+/// Changes of velocity after which a source can be given up, and share of the foretold ones below which it is.
+const HOPELESS_SAMPLES: u32 = 64;
+const HOPELESS: f64 = 0.3;
+/// Of the tracks of a source that was given up, one in so many teaches; each does so in turn, for a minute, as a power
+/// of two in nanoseconds.
+const TEACHES_OF: i64 = 8;
+const TEACHES_FOR: u32 = 36;
 /// Measurements of a track after the first one, from which on its gains change little.
 const OLD_UPDATES: u32 = 5;
 /// Reports of a track from which on its innovations teach variances, from which on its axes are known, and from which
@@ -194,6 +206,12 @@ struct Gains {
     updates: f64,
 }
 
+/// Returns whether the track with this number is one of those of a hopeless source that teach at this time.
+#[inline]
+pub(crate) fn teaches(track_number: u32, time_ns: i64) -> bool {
+    (i64::from(track_number) + (time_ns >> TEACHES_FOR)) % TEACHES_OF == 0
+}
+
 /// Returns the gain of the position where the gain of the velocity is `ratio` times as large, in the steady state of
 /// a filter of nearly constant velocity with white acceleration.
 fn steady_gain(ratio: f64) -> f64 {
@@ -260,67 +278,6 @@ impl Gains {
     }
 }
 
-/// A symmetric matrix in the plane by its axes.
-#[derive(Clone, Copy, Debug)]
-struct Principal {
-    /// Direction of the first axis.
-    axis: [f64; 2],
-    /// Values along the first axis, the smaller one, and along the second.
-    values: [f64; 2],
-}
-
-impl Principal {
-    fn of([xx, xy, yy]: [f64; 3]) -> Self {
-        let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let radius = half.hypot(xy);
-        // The direction of the larger value has the doubled angle (half, xy).
-        let (cos, sin) = if radius > 0.0 {
-            (half / radius, xy / radius)
-        } else {
-            (1.0, 0.0)
-        };
-        let large = if cos >= 0.0 {
-            let c = (0.5 * (1.0 + cos)).sqrt();
-            [c, 0.5 * sin / c]
-        } else {
-            let s = (0.5 * (1.0 - cos)).sqrt();
-            [0.5 * sin / s, s]
-        };
-        Self {
-            axis: [-large[1], large[0]],
-            values: [middle - radius, middle + radius],
-        }
-    }
-
-    /// Returns the difference of the values relative to their sum.
-    fn contrast(&self) -> f64 {
-        let [small, large] = self.values;
-        (large - small) / (large + small).max(f64::MIN_POSITIVE)
-    }
-
-    /// Returns the components of a vector along both axes.
-    fn along(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let [a, b] = self.axis;
-        [a * x + b * y, a * y - b * x]
-    }
-
-    /// Returns the vector with these components along the axes.
-    fn vector(&self, [first, second]: [f64; 2]) -> [f64; 2] {
-        let [a, b] = self.axis;
-        [a * first - b * second, b * first + a * second]
-    }
-
-    /// Returns the matrix (xx, xy, yy) with these values along the axes.
-    fn matrix(&self, [first, second]: [f64; 2]) -> [f64; 3] {
-        let [a, b] = self.axis;
-        [
-            first * a * a + second * b * b,
-            (first - second) * a * b,
-            first * b * b + second * a * a,
-        ]
-    }
-}
-
 impl GainEvidence {
     pub(crate) const NONE: Self = Self {
         square: [0.0; 3],
@@ -342,6 +299,11 @@ impl GainEvidence {
         let (p, r) = (p + weight * ratio, r + weight * ratio);
         let cross = (q - xy * (p / a + r / c)) / (d - xy * xy * (1.0 / a + 1.0 / c));
         [(p - xy * cross) / a, cross, (r - xy * cross) / c]
+    }
+
+    /// Makes a track as old as its number of `reports`: those that taught nothing had measurements, too.
+    pub(crate) fn grow_to(&mut self, reports: u32) {
+        self.updates = self.updates.max(reports.saturating_sub(1));
     }
 
     /// Weight of what earlier reports showed: the gains of a young track change from report to report.
@@ -408,6 +370,12 @@ impl TrackerGain {
     /// Whether too little is known to decide.
     pub(crate) fn is_open(&self) -> bool {
         !self.is_undone && (self.fit.samples < FITS_MIN || (self.fit.is_good(false) && !self.both_m2.is_known()))
+    }
+
+    /// Returns whether the source foretells so little that few of its tracks teach.
+    #[inline]
+    pub(crate) fn is_hopeless(&self) -> bool {
+        !self.is_undone && self.fit.samples >= HOPELESS_SAMPLES && self.fit.share < HOPELESS
     }
 
     /// Decides whether enough is known to undo the source's tracker.

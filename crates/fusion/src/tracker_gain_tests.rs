@@ -235,3 +235,41 @@ fn a_report_that_repeats_a_prediction_holds_no_measurement() {
     assert_eq!(undone.measurement, None);
     assert!(undone.covariance.upper.iter().all(|value| value.is_finite()));
 }
+
+#[test]
+fn a_source_that_measures_its_velocity_is_given_up_but_each_track_teaches_in_turn() {
+    let mut random = Random::new(5);
+    let (mut gain, mut evidence) = (TrackerGain::default(), GainEvidence::default());
+    let stated = Covariance::diagonal(STATED, [1.0; AXES]);
+    for _ in 0..2 * HOPELESS_SAMPLES {
+        let mut around = |spread: f64| random.between(-spread, spread);
+        let change = Change {
+            position_m: [around(40.0), around(40.0), 0.0],
+            velocity_mps: [around(1.0), around(1.0), 0.0],
+            seconds: PERIOD_S,
+            has_height: false,
+        };
+        assert!(gain.take(&mut evidence, &change, &stated).is_none());
+    }
+    assert!(gain.is_hopeless());
+    let mut smoothing = TrackerGain::default();
+    let mut tracker = Tracker {
+        random: Random::new(6),
+        sigma_m: [40.0, 40.0, 60.0],
+        angle: 0.0,
+    };
+    for _ in 0..10 {
+        tracker.follow(&mut smoothing, 30);
+        assert!(!smoothing.is_hopeless());
+    }
+    let minute_ns = 1 << TEACHES_FOR;
+    for track in 100..120 {
+        let minutes = (0..TEACHES_OF).filter(|minute| teaches(track, minute * minute_ns + 7));
+        assert_eq!(minutes.count(), 1, "{track}");
+    }
+    // What taught nothing has made the track older all the same.
+    let mut young = GainEvidence::default();
+    young.grow_to(31);
+    young.grow_to(4);
+    assert_eq!(young.updates, 30);
+}

@@ -238,17 +238,22 @@ impl Weigher<'_> {
             }
             weighed.contributing += 1;
             if len == CONTRIBUTIONS_MAX {
-                keys.sort_unstable();
                 if source_of(keys[CONTRIBUTIONS_MAX - 1]) < entry.source {
                     continue;
                 }
                 len -= 1;
             }
-            keys[len] = u64::from(entry.source) << 48 | u64::from(weighed.contributing) << 32 | u64::from(member);
+            let key = u64::from(entry.source) << 48 | u64::from(weighed.contributing) << 32 | u64::from(member);
+            // Few, and mostly in the order of their sources or against it: each goes to its place at once.
+            let mut place = len;
+            while place > 0 && keys[place - 1] > key {
+                keys[place] = keys[place - 1];
+                place -= 1;
+            }
+            keys[place] = key;
             len += 1;
         }
-        let keys = &mut keys[..len];
-        keys.sort_unstable();
+        let keys = &keys[..len];
         weighed.len = len;
         weighed.stated = Stated::default();
         let places = weighed.members.iter_mut().zip(&mut weighed.candidates);

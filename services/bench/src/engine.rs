@@ -76,6 +76,7 @@ fn together(runs: &[EngineTimes]) -> EngineTimes {
         single: Figures::median(&runs.iter().map(|run| run.single).collect::<Vec<_>>()),
         report_ns: middle(|run| run.report_ns),
         chunks: runs.iter().map(|run| run.chunks).sum(),
+        paced: Figures::median(&runs.iter().map(|run| run.paced).collect::<Vec<_>>()),
         ..first
     }
 }
@@ -99,12 +100,20 @@ fn shown(report: &BenchReport, runs: &[EngineTimes]) -> String {
         row(format!("run {}", number + 1), run);
     }
     row("median over runs".to_owned(), &report.engine);
+    let mut cells = vec!["paced".to_owned(), String::new()];
+    cells.extend(report.engine.paced.values().map(|value| duration(value as f64)));
+    cells.push(count(report.engine.paced.lost));
+    table.row(cells);
     let engine = &report.engine;
     text.push_str(&format!(
         "\n{table}Percentiles are of single updates, less {} for reading the clock; means are less {} for building the report.\n\
+         paced: reports at their rate, at most 5,000 a second, other memory read between them; p50 {:.1} times that back to back.\n\
+         Memory of the engine: {:.1} kB for each target, with its tables.\n\
          odd: updates that did not yield exactly one confirmed state. Warm-up: {} reports in {:.1} s{}.\n",
         duration(engine.reading_ns as f64),
         duration(engine.report_ns),
+        engine.paced.p50_ns as f64 / (engine.single.p50_ns as f64).max(1.0),
+        engine.octets_per_target * 1e-3,
         count(engine.warm_up.reports),
         engine.warm_up.seconds,
         if engine.warm_up.settled {

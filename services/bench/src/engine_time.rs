@@ -6,13 +6,20 @@
 //! Both cover the engine only: the cost of building the reports is measured separately and subtracted from the
 //! first.
 //!
-//! Limits: the engine runs at full speed here, with tables in warm caches. At a low rate in its own process, other
-//! work evicts these tables between updates.
+//! Both run the engine at full speed, with tables in warm caches. At a low rate in its own process, other work evicts
+//! these tables between updates. A third pass is therefore *paced*: reports are due at their rate, the thread waits for
+//! them as fusion's loop does, and reads other memory before, twice as much as the nearest caches hold. Each update is
+//! timed.
+//!
+//! The memory of the engine is that of this process after the warm-up, less that before the engine was made, and less
+//! the templates of the reports.
+//!
+//! Limits: the code of the engine is evicted as far as reading data evicts it, from the caches for both.
 
 use std::hint::black_box;
 use std::sync::atomic::Ordering;
 
-use messages::{SystemTrack, TrackState};
+use messages::{SensorTrack, SystemTrack, TrackState};
 use runtime::Now;
 use runtime::cores::Placement;
 use serde::{Deserialize, Serialize};
@@ -21,6 +28,7 @@ use crate::drive::{Clock as _, MachineClock};
 use crate::figures::{Figures, median, range};
 use crate::jitter::reading_ns;
 use crate::measure::WarmUp;
+use crate::memory::resident_octets;
 use crate::pinned;
 use crate::product::{Engine, Product};
 use crate::recorder::histogram;
@@ -32,6 +40,11 @@ use crate::traffic::Traffic;
 const CHUNK: u64 = 1000;
 /// Minimum and maximum number of warm-up rounds.
 const WARM_UP_ROUNDS: std::ops::Range<u32> = 5..40;
+/// Highest rate of the paced pass, reports per second, and octets of other memory that are read before each report.
+const PACED_RATE_MAX: f64 = 5_000.0;
+const OTHER_MEMORY: usize = 1 << 20;
+/// Length of a line of a cache, octets.
+const CACHE_LINE: usize = 64;
 /// Interval and length of the rests of a real-time thread, nanoseconds.
 const REST_EVERY_NS: i64 = 40_000_000;
 const REST_NS: i64 = 4_000_000;
@@ -53,6 +66,12 @@ pub struct EngineTimes {
     pub warm_up: WarmUp,
     /// Means of a thousand updates.
     pub chunks: usize,
+    /// Single updates at a rate, with other work between them, less the cost of a clock reading.
+    #[serde(default)]
+    pub paced: Figures,
+    /// Memory of the engine for each target, octets.
+    #[serde(default)]
+    pub octets_per_target: f64,
 }
 
 /// Measures the engine of `product` at a rate of reports, for some seconds; polls `stop` for a request to end.
@@ -68,8 +87,11 @@ pub(crate) fn measure(
     };
     let config = config_text(settings, rate_per_s);
     pinned::run(place, watch, |abort| {
+        let before = resident_octets()?;
         let mut run = EngineRun::new(product.engine(&config)?, settings, rate_per_s);
         let warm_up = run.warm_up();
+        let templates = size_of::<SensorTrack>() as f64 * f64::from(settings.targets);
+        let grown = resident_octets()? - before - templates;
         let clock = MachineClock;
         let reading_ns = reading_ns(&clock);
         let report_ns = run.report_ns();
@@ -79,9 +101,9 @@ pub(crate) fn measure(
         };
 
         let mut chunks = Vec::new();
-        let half_ns = (seconds * 0.5e9) as i64;
+        let part_ns = (seconds * 1e9 / 3.0) as i64;
         let mut rest = PeriodicRest::new(settings.realtime_priority.is_some());
-        let end_ns = clock.now_ns() + half_ns;
+        let end_ns = clock.now_ns() + part_ns;
         while chunks.is_empty() || clock.now_ns() < end_ns {
             let start_ns = clock.now_ns();
             for _ in 0..CHUNK {
@@ -95,7 +117,7 @@ pub(crate) fn measure(
 
         let mut single = histogram();
         let odd_before = run.odd;
-        let end_ns = clock.now_ns() + half_ns;
+        let end_ns = clock.now_ns() + part_ns;
         while single.is_empty() || clock.now_ns() < end_ns {
             for _ in 0..CHUNK {
                 let report = run.next_report();
@@ -107,6 +129,7 @@ pub(crate) fn measure(
             rest.now_and_then();
             ended()?;
         }
+        let paced = run.paced((rate_per_s.min(PACED_RATE_MAX), part_ns), reading_ns, &mut rest, ended)?;
         let (low, high) = range(&chunks);
         let times = EngineTimes {
             ns_per_update: median(&chunks),
@@ -116,6 +139,8 @@ pub(crate) fn measure(
             report_ns,
             warm_up,
             chunks: chunks.len(),
+            paced,
+            octets_per_target: grown / f64::from(settings.targets),
         };
         Ok((times, single))
     })
@@ -201,6 +226,37 @@ impl EngineRun {
         }
     }
 
+    /// Times single updates of reports that are due at a rate, for a duration in nanoseconds, with cold caches.
+    fn paced(
+        &mut self,
+        (rate_per_s, duration_ns): (f64, i64),
+        reading_ns: u64,
+        rest: &mut PeriodicRest,
+        ended: impl Fn() -> anyhow::Result<()>,
+    ) -> anyhow::Result<Figures> {
+        let (clock, mut single, odd_before) = (MachineClock, histogram(), self.odd);
+        let mut other = vec![1u8; OTHER_MEMORY];
+        let start_ns = clock.now_ns();
+        while single.is_empty() || clock.now_ns() - start_ns < duration_ns {
+            let report = self.next_report();
+            for octet in other.iter_mut().step_by(CACHE_LINE) {
+                *octet = black_box(octet.wrapping_add(1));
+            }
+            // After a rest or a stall the next due time counts.
+            let due_ns = next_due_ns(clock.now_ns() - start_ns, rate_per_s) + start_ns;
+            while clock.now_ns() < due_ns {
+                std::hint::spin_loop();
+            }
+            let began_ns = clock.now_ns();
+            self.take(&report);
+            let took_ns = clock.now_ns() - began_ns;
+            single.saturating_record((took_ns - reading_ns as i64).max(1) as u64);
+            rest.now_and_then();
+            ended()?;
+        }
+        Ok(Figures::of(&single, self.odd - odd_before))
+    }
+
     /// Returns the cost of building a report, nanoseconds.
     fn report_ns(&self) -> f64 {
         let means = (0..51).map(|_| {
@@ -212,6 +268,12 @@ impl EngineRun {
         });
         median(&means.collect::<Vec<_>>())
     }
+}
+
+/// Returns the first due time after `passed_ns` at a rate, both from the start.
+fn next_due_ns(passed_ns: i64, rate_per_s: f64) -> i64 {
+    let interval_ns = (1e9 / rate_per_s) as i64;
+    (passed_ns / interval_ns + 1) * interval_ns
 }
 
 /// Regular rests that release the core to other threads, needed at real-time priority.
@@ -233,5 +295,16 @@ impl PeriodicRest {
             MachineClock.sleep(REST_NS);
             self.last_ns = MachineClock.now_ns();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paced_reports_are_due_at_whole_intervals() {
+        let due = [0, 1, 199_999, 200_000, 1_000_001].map(|passed_ns| next_due_ns(passed_ns, 5_000.0));
+        assert_eq!(due, [200_000, 200_000, 200_000, 400_000, 1_200_000]);
     }
 }

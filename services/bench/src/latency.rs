@@ -148,6 +148,7 @@ fn assemble(
         engine,
         points,
         throughput: None,
+        layers: Vec::new(),
         notes,
     }
 }

@@ -8,6 +8,7 @@
 //! |---|---|---|
 //! | machine | a thread that only reads the clock | `jitter` |
 //! | floor | a process that only passes the payload on, over bare shared memory | `relay` |
+//! | layers | rings between threads, the bare relay, the relay over the bus, fusion | `floor`, `ring` |
 //! | engine | the fusion of the same reports without any process around it | `engine_time` |
 //! | pipeline | the fusion process as in any deployment | `site`, `measure` |
 //!
@@ -29,6 +30,7 @@ mod engine;
 mod engine_time;
 mod exchange;
 mod figures;
+mod floor;
 mod jitter;
 mod latency;
 mod link;
@@ -45,6 +47,7 @@ mod progress;
 mod recorder;
 pub mod relay;
 mod report;
+mod ring;
 mod search;
 mod settings;
 mod site;
@@ -57,6 +60,7 @@ mod watch;
 
 pub use compare::run as compare;
 pub use engine::run as engine;
+pub use floor::run as floor;
 pub use latency::run as latency;
 pub use outputs::OutputFiles;
 pub use product::{Engine, Product};

@@ -12,9 +12,6 @@ use crate::settings::Settings;
 /// Services of the relay.
 pub(crate) const RELAY_IN: &str = "bench/relay/in";
 pub(crate) const RELAY_OUT: &str = "bench/relay/out";
-/// Number of waiting slices before the oldest is dropped: the same as in the real topics.
-const RELAY_DEPTH: usize = 256;
-
 /// Name of source number `number`.
 pub(crate) fn source_name(number: u16) -> String {
     format!("source-{number}")
@@ -26,10 +23,11 @@ pub(crate) fn queues(settings: &Settings) -> usize {
     usize::from(settings.sources) * depth * settings.batch
 }
 
-/// Returns the common settings of both ends of the relay's services.
-pub(crate) fn relay_settings(slice_len: usize, events: bool) -> BareSettings {
+/// Returns the common settings of both ends of the relay's services. As many slices wait there as in the topics of all
+/// `sources` together: with the depth of one topic, the relay would lose reports that fusion still takes.
+pub(crate) fn relay_settings(slice_len: usize, events: bool, sources: u16) -> BareSettings {
     BareSettings {
-        depth: RELAY_DEPTH,
+        depth: usize::from(sources) * messages::sensor_tracks(&source_name(0)).capacity.depth,
         slice_len,
         events,
     }
@@ -154,5 +152,21 @@ impl StateReceiver for FromRelay {
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
         Ok(self.0.wait(at_most)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::test_settings;
+
+    #[test]
+    fn the_relay_has_the_queues_of_all_sources() {
+        let settings = Settings {
+            sources: 4,
+            batch: 1,
+            ..test_settings()
+        };
+        assert_eq!(relay_settings(16, false, 4).depth, queues(&settings));
     }
 }

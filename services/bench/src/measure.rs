@@ -21,8 +21,9 @@ use crate::memory::ProcessMemory;
 use crate::pace::Pace;
 use crate::pinned;
 use crate::recorder::{Recorder, StateCounts};
+use crate::ring;
 use crate::settings::{Settings, Wait};
-use crate::site::{BenchSite, FusionProcess};
+use crate::site::{BenchSite, FusionProcess, Running};
 use crate::subscribers::Subscribers;
 use crate::traffic::Traffic;
 
@@ -106,14 +107,20 @@ impl MeasurementResult {
     }
 }
 
-/// Measures the relay.
-pub(crate) fn relay(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
+/// Starts the relay; `over_bus` in fusion's place, with its topics.
+fn start_relay<'a>(
+    site: &'a BenchSite,
+    settings: &Settings,
+    plan: LoadPlan,
+    over_bus: bool,
+) -> anyhow::Result<Running<'a>> {
     let mut arguments: Vec<OsString> = vec!["bench-relay".into()];
     let mut option = |name: &str, value: String| arguments.extend([name.into(), value.into()]);
     option("--wait", settings.wait.word().to_owned());
     option("--core", settings.fusion_core.to_string());
-    let slice_len = settings.batch.max(WARM_UP_BATCH);
+    let slice_len = slice_len(settings);
     option("--slice", slice_len.to_string());
+    option("--sources", settings.sources.to_string());
     if let Some(priority) = settings.realtime_priority {
         option("--realtime-priority", priority.to_string());
     }
@@ -125,9 +132,60 @@ pub(crate) fn relay(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> an
     if settings.lock_memory {
         arguments.push("--lock-memory".into());
     }
-    let mut running = site.start("the relay", arguments)?;
+    if over_bus {
+        arguments.push("--over-bus".into());
+    }
+    site.start("the relay", arguments)
+}
+
+/// Most reports in a slice, also while warming up.
+fn slice_len(settings: &Settings) -> usize {
+    settings.batch.max(WARM_UP_BATCH)
+}
+
+/// Measures the relay over the topics of fusion, in fusion's place; both ends spin.
+pub(crate) fn over_bus(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
+    let mut running = start_relay(site, settings, plan, true)?;
+    let (pid, root) = (running.pid(), site.root());
+    pinned::run(
+        settings.bench_place(),
+        || running.check(),
+        |abort| {
+            let bus = Bus::<SharedMemory>::open_for_few(root, "bench")?;
+            let mut exchange = OneThread {
+                sender: ToFusion::open(&bus, settings)?,
+                receiver: FromFusion::open(&bus, Wait::Spin.mode())?,
+                abort: Arc::clone(abort),
+            };
+            carry_out(&mut exchange, settings, plan, pid, false)
+        },
+    )
+}
+
+/// Measures a pair of rings between two threads of this process, the least that passing a report on can take.
+pub(crate) fn ring(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
+    let watch = || match site.stop_requested() {
+        true => anyhow::bail!("stopped before the end; no figures are shown"),
+        false => Ok(()),
+    };
+    let pace = Pace::new(0, plan.rate_per_s / settings.batch as f64, rests(settings));
+    let echo = ring::Echo::start(settings, pace.idle_rest_ns());
+    pinned::run(settings.bench_place(), watch, |abort| {
+        let mut exchange = OneThread {
+            sender: echo.sender(),
+            receiver: echo.receiver(),
+            abort: Arc::clone(abort),
+        };
+        carry_out(&mut exchange, settings, plan, std::process::id(), false)
+    })
+}
+
+/// Measures the relay.
+pub(crate) fn relay(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> anyhow::Result<MeasurementResult> {
+    let slice_len = slice_len(settings);
+    let mut running = start_relay(site, settings, plan, false)?;
     let pid = running.pid();
-    let bare = relay_settings(slice_len, settings.wait != Wait::Spin);
+    let bare = relay_settings(slice_len, settings.wait != Wait::Spin, settings.sources);
     let root = site.root();
     pinned::run(
         settings.bench_place(),
@@ -142,7 +200,7 @@ pub(crate) fn relay(site: &BenchSite, settings: &Settings, plan: LoadPlan) -> an
                     Box::new(TwoThreads::new(sender, receiver, Arc::clone(abort))?)
                 }
                 Wait::Spin | Wait::Hybrid => {
-                    let receiver = FromRelay::open(&bus, relay_settings(slice_len, false))?;
+                    let receiver = FromRelay::open(&bus, relay_settings(slice_len, false, settings.sources))?;
                     Box::new(OneThread {
                         sender,
                         receiver,

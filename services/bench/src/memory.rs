@@ -39,9 +39,32 @@ impl ProcessMemory {
     }
 }
 
+/// Returns the memory of this process that is in use, octets.
+pub(crate) fn resident_octets() -> anyhow::Result<f64> {
+    let status = fs::read_to_string("/proc/self/status")?;
+    parse_resident(&status).context("/proc/self/status: unknown form")
+}
+
+fn parse_resident(status: &str) -> Option<f64> {
+    let mut lines = status.lines();
+    let kilobytes = lines.find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB"))?;
+    kilobytes.trim().parse::<f64>().ok().map(|kilobytes| 1024.0 * kilobytes)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn memory_in_use_is_that_of_the_status() {
+        let status = "Name:\ta b\nVmPeak:\t  9000 kB\nVmRSS:\t    1234 kB\nThreads:\t1\n";
+        assert_eq!(parse_resident(status), Some(1234.0 * 1024.0));
+        assert_eq!(parse_resident("Name:\ta\n"), None);
+        let before = resident_octets().unwrap();
+        let used = std::hint::black_box(vec![1u8; 32 << 20]);
+        let grown = resident_octets().unwrap() - before;
+        assert!(grown > 16e6 && used.len() == 32 << 20, "{grown}");
+    }
 
     #[test]
     fn read_as_the_kernel_writes_it() {

@@ -18,7 +18,7 @@ use crate::verdict::FigureVerdict;
 /// Contents of the file. The top-level figures are those of the first rate; `points` has all rates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BenchReport {
-    /// Command of the measurement: latency, throughput, engine.
+    /// Command of the measurement: latency, throughput, engine, floor.
     pub command: String,
     /// Measuring machine.
     pub machine: MachineFacts,
@@ -36,6 +36,9 @@ pub struct BenchReport {
     pub engine_ns_per_update: f64,
     /// Detailed figures of the engine alone.
     pub engine: EngineTimes,
+    /// Round trips through more and more layers; empty unless measured.
+    #[serde(default)]
+    pub layers: Vec<LayerFigures>,
     /// Jitter of the machine.
     pub jitter: JitterFigures,
     /// Figures at each rate.
@@ -194,6 +197,21 @@ pub struct MeasurementOutcome {
     pub text: String,
     /// Reason why the figures are unreliable, if any.
     pub failure: Option<String>,
+}
+
+/// Round trips through one layer and all below it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct LayerFigures {
+    /// Name of the layer.
+    pub name: String,
+    /// Least median of a round, nanoseconds.
+    pub best_p50_ns: u64,
+    /// Medians over the rounds of the median and of the 99th percentile, nanoseconds.
+    pub p50_ns: u64,
+    /// See above.
+    pub p99_ns: u64,
+    /// Reports without an answer, of all rounds.
+    pub unanswered: u64,
 }
 
 impl BenchReport {

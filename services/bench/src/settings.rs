@@ -4,8 +4,10 @@ use bus::WaitMode;
 use runtime::cores::{self, Placement};
 use serde::{Deserialize, Serialize};
 
-/// Maximum numbers of targets and sources.
-const TARGETS_MAX: u32 = 100_000;
+/// Maximum numbers of targets of the engine alone and of processes, of targets times sources, and of sources.
+const TARGETS_MAX: u32 = 1_000_000;
+const PROCESS_TARGETS_MAX: u32 = 100_000;
+const SENSOR_TRACKS_MAX: u64 = 8_000_000;
 const SOURCES_MAX: u16 = 64;
 /// Maximum number of reports in a slice of a sensor's topic.
 const BATCH_MAX: usize = 64;
@@ -105,6 +107,12 @@ impl Settings {
     /// With option, value, limit and remedy.
     pub fn check(&self) -> Result<(), MeasurementRefusal> {
         self.check_without_cores()?;
+        if self.targets > PROCESS_TARGETS_MAX {
+            return Err(MeasurementRefusal(format!(
+                "--targets {}: there can be 1 to {PROCESS_TARGETS_MAX}; only `koseki bench engine` takes more",
+                self.targets
+            )));
+        }
         self.check_cores(&cores::available())
     }
 
@@ -123,6 +131,14 @@ impl Settings {
         }
         if !(1..=SOURCES_MAX).contains(&self.sources) {
             return refuse(format!("--sources {}: there can be 1 to {SOURCES_MAX}", self.sources));
+        }
+        let sensor_tracks = u64::from(self.targets) * u64::from(self.sources);
+        if sensor_tracks > SENSOR_TRACKS_MAX {
+            return refuse(format!(
+                "--targets {} --sources {}: these are {sensor_tracks} sensor tracks, and there can be {SENSOR_TRACKS_MAX}; \
+                 take fewer sources",
+                self.targets, self.sources
+            ));
         }
         if !(1..=BATCH_MAX).contains(&self.batch) || self.batch > self.targets as usize {
             return refuse(format!(
@@ -237,7 +253,16 @@ mod tests {
         refused(|s| s.rates_per_s.push(0.5), "--rate 0.5");
         refused(|s| s.rates_per_s = vec![f64::NAN], "--rate NaN");
         refused(|s| s.targets = 0, "--targets 0");
+        refused(|s| s.targets = 100_001, "--targets 100001");
+        refused(|s| s.targets = 1_000_001, "--targets 1000001");
         refused(|s| s.sources = 65, "--sources 65");
+        refused(|s| (s.targets, s.sources) = (1_000_000, 9), "9000000 sensor tracks");
+        let many = Settings {
+            targets: 1_000_000,
+            sources: 8,
+            ..test_settings()
+        };
+        assert_eq!(many.check_without_cores(), Ok(()));
         refused(|s| s.batch = 65, "--batch 65");
         refused(
             |s| {

@@ -24,6 +24,7 @@ use crate::link::source_name;
 use crate::product::Product;
 use crate::progress;
 use crate::settings::Settings;
+use crate::traffic::RANGE_M;
 
 /// Time limits of a process to report that it runs, to report its next health, and to stop.
 pub(crate) const START_PATIENCE: Duration = Duration::from_secs(30);
@@ -35,6 +36,8 @@ const INSTANCES: &str = "bench-";
 pub(crate) const PAUSE: Duration = Duration::from_millis(20);
 /// Number of processes with health reports: fusion, a monitor, and spare places.
 const PROCESSES: usize = 4;
+/// Most system tracks that a configuration permits.
+const SYSTEM_TRACKS_MAX: usize = 1_000_000;
 /// Limits of a source's period in a configuration, seconds.
 const PERIOD_MIN_S: f64 = 0.01;
 const PERIOD_MAX_S: f64 = 600.0;
@@ -340,6 +343,8 @@ fn write_config(folder: &Path, settings: &Settings, rate_per_s: f64) -> anyhow::
 pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
     let period_s = settings.period_s(rate_per_s).clamp(PERIOD_MIN_S, PERIOD_MAX_S);
     let (targets, sources) = (settings.targets as usize, usize::from(settings.sources));
+    // With spare places, as far as there can be.
+    let systems = (targets + targets / 4 + 100).min(SYSTEM_TRACKS_MAX);
     let mut text = format!(
         "name = \"bench\"\n\
          [frame]\nlatitude_deg = 0.0\nlongitude_deg = 0.0\n\
@@ -358,8 +363,8 @@ pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
         "[fusion.capacity]\nsystem_tracks = {}\nsensor_tracks = {}\n\
          [fusion.association]\ncell_m = 1000.0\n\
          [fusion.life]\nterminate_s = {}\n",
-        targets + targets / 4 + 100,
-        sources * (targets + targets / 4 + 100),
+        systems,
+        sources * systems,
         (10.0 * period_s).max(30.0)
     );
     if let Some(rule) = &settings.rule {
@@ -369,6 +374,7 @@ pub(crate) fn config_text(settings: &Settings, rate_per_s: f64) -> String {
         let _ = write!(
             text,
             "[[source]]\nname = \"{}\"\nperiod_s = {period_s}\n[source.external]\n\
+             [source.limits]\nrange_m = {RANGE_M:.1}\n\
              [source.accuracy]\nmodel = \"constant\"\nsigma_m = 10.0\n",
             source_name(number)
         );
@@ -386,7 +392,13 @@ mod tests {
     #[test]
     fn its_configurations_are_sound() {
         let cores = runtime::cores::available();
-        for (targets, sources, rate) in [(1, 1, 1.0), (100, 2, 20e3), (100_000, 4, 1e6), (100, 64, 1e5)] {
+        for (targets, sources, rate) in [
+            (1, 1, 1.0),
+            (100, 2, 20e3),
+            (100_000, 4, 1e6),
+            (100, 64, 1e5),
+            (1_000_000, 1, 1e6),
+        ] {
             let settings = Settings {
                 targets,
                 sources,
@@ -399,7 +411,10 @@ mod tests {
             let config = Config::parse(Path::new("bench.toml"), &config_text(&settings, rate), &[]).unwrap();
             assert_eq!(config.sources.len(), usize::from(sources));
             assert!(config.adapters().is_empty() && !config.is_recorded());
-            fusion::Engine::new(config.engine.clone()).unwrap();
+            // A million places take a while to fill.
+            if targets < 1_000_000 {
+                fusion::Engine::new(config.engine.clone()).unwrap();
+            }
         }
     }
 }

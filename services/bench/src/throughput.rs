@@ -125,6 +125,7 @@ pub fn run(
         }),
         points: vec![point],
         verdicts: Vec::new(),
+        layers: Vec::new(),
         stamps: stamps(engine.reading_ns),
         engine,
         notes,

@@ -1,15 +1,19 @@
 //! Reports sent by the bench: targets on a grid, all moving, each observed by every source in turn.
 //!
-//! The grid is wide (3 km) and the targets fly nearly in parallel. Each report therefore belongs to one system
-//! track without ambiguity, and yields one state. The measurement covers the processing itself, not a traffic
-//! situation. Every second source reports the targets' addresses; reports of the other sources are associated by
-//! position.
+//! The grid is wide (3 km; 2 km for a million targets) and the targets fly nearly in parallel. Each report therefore
+//! belongs to one system track without ambiguity, and yields one state. The measurement covers the processing itself,
+//! not a traffic situation. Every second source reports the targets' addresses; reports of the other sources are
+//! associated by position.
 //!
 //! The parts of a report that do not change are built in advance; time and position are set before sending.
 
 use messages::{Covariance, Identity, SensorTrack, StageTimes, TrackState, sensor_track_bits as bits};
 
 const SPACING_M: f64 = 3_000.0;
+/// Greatest length of a side of the grid, metres: its corners, and the ways flown, lie within [`RANGE_M`].
+const SIDE_MAX_M: f64 = 2_000_000.0;
+/// Range of the sources, metres.
+pub(crate) const RANGE_M: f64 = 2_000_000.0;
 /// Eastward offset of each source's positions relative to the previous source, metres.
 const SOURCE_SHIFT_M: f64 = 8.0;
 
@@ -34,11 +38,12 @@ impl Traffic {
         let target = |number: u32| {
             let (column, row) = (f64::from(number % side), f64::from(number / side));
             let middle = f64::from(side) / 2.0;
+            let spacing_m = SPACING_M.min(SIDE_MAX_M / f64::from(side));
             SensorTrack {
                 track_number: number + 1,
                 valid: bits::VELOCITY | bits::HEIGHT,
                 identity: Identity::default().with_address(number + 1),
-                position_m: [SPACING_M * (column - middle), SPACING_M * (row - middle), 5_000.0],
+                position_m: [spacing_m * (column - middle), spacing_m * (row - middle), 5_000.0],
                 velocity_mps: [100.0 + column % 7.0, row % 11.0 - 5.0, 0.0],
                 covariance: Covariance::diagonal([15.0, 15.0, 30.0], [3.0; 3]),
                 state: TrackState::Confirmed as u8,
@@ -129,6 +134,17 @@ mod tests {
                 }
             }
             assert_eq!(seen.len(), 28 * 4, "{batch}");
+        }
+    }
+
+    #[test]
+    fn all_targets_lie_within_the_range_of_the_sources() {
+        for targets in [1, 1000, 100_000, 1_000_000] {
+            let traffic = Traffic::new(targets, 4, 1, 0, 0);
+            let distance_m = |target: &SensorTrack| target.position_m[0].hypot(target.position_m[1]);
+            let farthest_m = traffic.targets.iter().map(distance_m).fold(0.0, f64::max);
+            // An hour of flight is left.
+            assert!(farthest_m + 106.0 * 3600.0 < RANGE_M, "{targets}: {farthest_m}");
         }
     }
 

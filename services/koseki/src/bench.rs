@@ -50,6 +50,10 @@ pub(crate) fn run(what: BenchCommand) -> anyhow::Result<()> {
             let (settings, outputs) = engine.orders();
             print(&bench_service::engine(&Itself, &settings, &outputs)?)
         }
+        BenchCommand::Floor(floor) => {
+            let (settings, outputs) = floor.orders();
+            print(&bench_service::floor(&Itself, &settings, &outputs)?)
+        }
         BenchCommand::Watch(watch) => {
             let (settings, with, json) = watch.orders();
             print(&bench_service::watch(&Itself, &settings, with, json.as_deref())?)

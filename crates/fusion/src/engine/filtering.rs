@@ -14,6 +14,9 @@ const COURSE_SPEED_MIN_MPS: f64 = 1.0;
 /// Distance between report and estimate, in combined standard deviations, beyond which either must be wrong.
 const ASTRAY_SIGMAS: f64 = 30.0;
 
+/// Share of a source in a filter from which the filter starts anew where its covariances were wrong.
+const OWN_SHARE: f64 = 0.3;
+
 impl Engine {
     /// Copies the state of another centre into the filter while no local source tracks the target. Otherwise the
     /// filter ignores other centres: information sent to them must not return from them.
@@ -106,6 +109,25 @@ impl Engine {
             (&innovation, measurement),
             is_misled,
         );
+    }
+
+    /// Enlarges the covariance of a filter that a source has made too small with covariances that turn out wrong with
+    /// this report of the sensor track.
+    #[inline]
+    pub(super) fn corrects_claims(&mut self, sensor: SensorSlot, sink: &mut impl Sink) -> bool {
+        let entry = self.tracks.sensors.get_mut(sensor);
+        let claimed_too_much = std::mem::replace(&mut entry.claimed_too_much, 1.0);
+        if claimed_too_much > 1.0 && entry.share > OWN_SHARE {
+            self.restart(sensor, sink);
+            return true;
+        } else if claimed_too_much > 1.0 {
+            let factor = 1.0 + entry.share * (claimed_too_much - 1.0);
+            let system = entry.system;
+            self.tracks.systems.get_mut(system).filter.inflate(factor);
+            // Kept states of the filter are as much too sure.
+            self.tracks.kept.forget(system);
+        }
+        false
     }
 
     /// Returns whether several reports in a row, from any source, lie so far from the estimate that the estimate is

@@ -10,9 +10,8 @@ use crate::settings::{Settings, SourceSettings};
 use crate::sources::{Sources, place_of};
 use crate::tracks::Tracks;
 
-/// Samples of a source's systematic errors after which only every few reports one is taken.
-const REGISTRATION_SETTLED: f64 = 500.0;
-const REGISTRATION_EVERY: u32 = 8;
+/// Samples of a source's systematic errors after which only every few reports one is taken, and how many are few.
+const REGISTRATION_SETTLED: [(f64, u32); 2] = [(1000.0, 16), (500.0, 8)];
 
 impl Sources {
     /// Compares the report of a sensor track with the latest one of another source: systematic errors show in the
@@ -26,13 +25,14 @@ impl Sources {
         let entry = tracks.sensors.get(sensor);
         let (report, system) = (&entry.latest, entry.system);
         let source = report.source;
-        let settled = self.registration.of(source).samples > REGISTRATION_SETTLED;
+        let samples = self.registration.of(source).samples;
+        let settled = REGISTRATION_SETTLED.iter().find(|(least, _)| samples > *least);
         if !settings.registration.enabled
             || report.state != TrackState::Confirmed as u8
             || entry.repaired
             || entry.is_foreign
             || tracks.systems.get(system).life != TrackState::Confirmed
-            || (settled && !entry.reports.is_multiple_of(REGISTRATION_EVERY))
+            || settled.is_some_and(|(_, every)| !entry.reports.is_multiple_of(*every))
         {
             return;
         }

@@ -39,8 +39,17 @@ const ENGINE_EXAMPLES: &str = "\
 Examples:
   koseki bench engine --targets 1000
   koseki bench engine --targets 100000 --sources 8 --rule covariance-intersection
+  koseki bench engine --targets 1000000 --sources 2 --runs 1
 
 The same reports as in the other measurements, without shared memory and processes: the cost of fusing a report.";
+
+const FLOOR_EXAMPLES: &str = "\
+Examples:
+  koseki bench floor
+  koseki bench floor --runs 9 --realtime-priority 40 --json floor.json
+
+Round trips of the same reports through two rings between threads, a relay with bare iceoryx2 ports, a relay over the bus,
+and fusion, in turns; all spin. The best round of each shows what the machine can do.";
 
 const THROUGHPUT_EXAMPLES: &str = "\
 Examples:
@@ -79,6 +88,9 @@ pub(crate) enum BenchCommand {
     /// Measure the cost of fusing a report, without processes
     #[command(after_help = ENGINE_EXAMPLES)]
     Engine(EngineArgs),
+    /// Measure what each layer adds to the way of a report: ring, iceoryx2, bus, fusion
+    #[command(after_help = FLOOR_EXAMPLES)]
+    Floor(FloorArgs),
     /// Measure the cost of a reader for fusion: pairs of runs with and without the reader
     #[command(after_help = WATCH_EXAMPLES)]
     Watch(WatchArgs),
@@ -269,6 +281,66 @@ impl EngineArgs {
     }
 }
 
+/// `koseki bench floor`.
+#[derive(Debug, Args)]
+pub(crate) struct FloorArgs {
+    /// Reports per second, of all sources together
+    #[arg(long, value_name = "R", default_value_t = RATE_SPIN, value_parser = above_zero)]
+    rate: f64,
+    /// Targets
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    targets: u32,
+    /// Sources; every source reports every target
+    #[arg(long, value_name = "K", default_value_t = 4)]
+    sources: u16,
+    /// Core of the bench's own threads
+    #[arg(long, value_name = "CORE", default_value_t = 0)]
+    bench_core: usize,
+    /// Core of fusion, and of the layers in its place
+    #[arg(long, value_name = "CORE", default_value_t = 1)]
+    fusion_core: usize,
+    /// SCHED_FIFO priority of all, 2 to 99 [default: normal scheduling]
+    #[arg(long, value_name = "PRIORITY")]
+    realtime_priority: Option<i32>,
+    /// Length of one measurement
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0, value_parser = above_zero)]
+    seconds: f64,
+    /// Rounds
+    #[arg(long, value_name = "N", default_value_t = 9)]
+    runs: usize,
+    /// Write all figures to this file
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl FloorArgs {
+    /// Returns the settings and the output files.
+    pub(crate) fn orders(self) -> (Settings, OutputFiles) {
+        let settings = Settings {
+            rates_per_s: vec![self.rate],
+            targets: self.targets,
+            sources: self.sources,
+            batch: 1,
+            wait: Wait::Spin,
+            seconds: self.seconds,
+            runs: self.runs,
+            bench_core: self.bench_core,
+            fusion_core: self.fusion_core,
+            realtime_priority: self.realtime_priority,
+            lock_memory: false,
+            rule: None,
+            flood: None,
+            subscribers: 0,
+        };
+        let outputs = OutputFiles {
+            json: self.json,
+            picture: None,
+            percentiles: None,
+        };
+        (settings, outputs)
+    }
+}
+
 /// `koseki bench watch`.
 #[derive(Debug, Args)]
 pub(crate) struct WatchArgs {
@@ -399,6 +471,10 @@ pub(crate) struct BenchRelay {
     lock_memory: bool,
     #[arg(long)]
     slice: usize,
+    #[arg(long)]
+    sources: u16,
+    #[arg(long)]
+    over_bus: bool,
     #[arg(long, requires = "rest_ns")]
     rest_after_ns: Option<i64>,
     #[arg(long)]
@@ -417,6 +493,8 @@ impl BenchRelay {
                 lock_memory: self.lock_memory,
             },
             slice_len: self.slice,
+            sources: self.sources,
+            over_bus: self.over_bus,
             rest_ns: self.rest_after_ns.zip(self.rest_ns),
         }
     }
