@@ -217,6 +217,7 @@ fn a_sensor_on_board_names_its_platform() {
     );
     let at_rest = &parse(&site()).unwrap().tracker_sensors[0];
     assert!(at_rest.on_board.is_none() && !at_rest.model.is_on_board);
+    let ashore = &ON_BOARD[..ON_BOARD.find("[tracker.sensor.on_board]").unwrap()];
     let line = ON_BOARD.replace(
         "live = { receiver = \"rows\", format = \"rows\" }\n",
         "[tracker.sensor.simulated]\n",
@@ -247,6 +248,12 @@ fn a_sensor_on_board_names_its_platform() {
         ),
         (
             ON_BOARD,
+            ", format = \"rows\"",
+            "",
+            "needs range_sigma_m and azimuth_sigma_deg for a radar on board",
+        ),
+        (
+            ashore,
             ", format = \"rows\"",
             "",
             "\"rows\" takes rows of detections only",

@@ -101,7 +101,8 @@ mod tests {
         /// What is written is read back: the parts of one time together are the state.
         #[test]
         fn sentences_read_back(
-            time_ns in 0i64..4_000_000_000_000_000_000,
+            // Dates of sentences have two digits of the year: 1980 to 2079.
+            time_ns in 315_532_800_000_000_000i64..3_471_292_800_000_000_000,
             (latitude, longitude, height_m) in (-89.0f64..89.0, -179.9f64..179.9, -100f64..9000.0),
             (east, north) in (-30f64..30.0, -30f64..30.0),
             (heading, pitch, roll) in (0f64..6.28, -1f64..1.0, -1f64..1.0),
