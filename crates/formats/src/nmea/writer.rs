@@ -105,7 +105,7 @@ mod tests {
             time_ns in 315_532_800_000_000_000i64..3_471_292_800_000_000_000,
             (latitude, longitude, height_m) in (-89.0f64..89.0, -179.9f64..179.9, -100f64..9000.0),
             (east, north) in (-30f64..30.0, -30f64..30.0),
-            (heading, pitch, roll) in (0f64..6.28, -1f64..1.0, -1f64..1.0),
+            (heading, pitch, roll) in (0f64..6.0, -1f64..1.0, -1f64..1.0),
             sigma in 1e-4f64..0.1,
         ) {
             let navigation = Navigation {
