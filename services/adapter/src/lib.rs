@@ -4,9 +4,9 @@
 //! (`tables`), or in lines over a connection (`lines`, `row_lines`). The source's pipeline converts observations to
 //! samples ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data
 //! are read as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's
-//! data as counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections
-//! of its sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`, the
-//! states of platforms that carry sensors in `platform`.
+//! data as counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the
+//! detections of its sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`,
+//! the states of platforms that carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 
