@@ -113,7 +113,9 @@ fn a_detection_that_has_waited_leaves_a_mark_of_its_refusal() {
     // The sensor's data may run ahead by the wait, and not by more.
     carrying.take(0, SensorEvent::Passed(3 * S), 2, &mut out);
     carrying.release(&mut out);
+    assert_eq!(carrying.counts().no_state, 0);
     carrying.take(0, SensorEvent::Passed(3 * S + 1), 3, &mut out);
+    assert_eq!(carrying.counts().no_state, 1);
     carrying.take(0, SensorEvent::Detection(detection(4 * S, 1)), 4, &mut out);
     carrying.states_end();
     carrying.release(&mut out);
