@@ -251,8 +251,13 @@ fn the_demonstration_raises_no_alarm() {
 
 #[test]
 fn the_examples_raise_no_alarm() {
-    for name in ["config/maritime.toml", "config/wide-area.toml"] {
+    for (name, seconds) in [
+        ("config/maritime.toml", "8"),
+        ("config/wide-area.toml", "8"),
+        // Its radar turns slowly, and tracks need some turns.
+        ("config/on-board.toml", "24"),
+    ] {
         let config = repository(name);
-        assert_no_alarm(&["up", config.to_str().unwrap(), "--for", "8"]);
+        assert_no_alarm(&["up", config.to_str().unwrap(), "--for", seconds]);
     }
 }

@@ -19,7 +19,7 @@ const TARGETS: usize = 3;
 
 /// Values of the columns that two tables of tracks have in common, row by row. Columns of one table only are those of
 /// the process (stages, sensor) or of the tracker (hypotheses, reliability).
-fn common_columns(one: &str, other: &str) -> [Vec<Vec<String>>; 2] {
+pub(crate) fn common_columns(one: &str, other: &str) -> [Vec<Vec<String>>; 2] {
     let header = |text: &str| -> Vec<String> {
         let line = text.lines().next().unwrap_or_default();
         line.split(',').map(str::to_owned).collect()
@@ -51,7 +51,7 @@ fn recording(home: &Home) -> String {
 }
 
 /// What `koseki track` makes of the recording: its summary, and its tracks beside the published tracks.
-fn tracked_again(home: &Home, tracker: &str) -> (serde_json::Value, [Vec<Vec<String>>; 2]) {
+pub(crate) fn tracked_again(home: &Home, tracker: &str) -> (serde_json::Value, [Vec<Vec<String>>; 2]) {
     let recording = recording(home);
     let output = home.run(&["track", "--detections", &recording, "--out", "again.csv", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -61,13 +61,19 @@ fn tracked_again(home: &Home, tracker: &str) -> (serde_json::Value, [Vec<Vec<Str
     (said, common_columns(&read("again.csv"), &published))
 }
 
-fn assert_equal([again, published]: &[Vec<Vec<String>>; 2]) {
+pub(crate) fn assert_equal([again, published]: &[Vec<Vec<String>>; 2]) {
     let differs = again
         .iter()
         .zip(published)
         .find(|(again, published)| again != published);
     assert!(differs.is_none(), "{differs:?}");
     assert_eq!(again.len(), published.len());
+}
+
+/// The rows without numbers, which are free, and without the mark of pictures that show no new scan.
+pub(crate) fn free(rows: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    let row = |row: Vec<String>| [&row[..1], &row[2..11]].concat();
+    rows.into_iter().map(row).collect()
 }
 
 struct Site {
@@ -403,11 +409,6 @@ fn a_ferry_is_tracked_live_as_its_files_are() {
         assert_eq!(output.status.code(), Some(0), "{output:?}");
         let offline = fs::read_to_string(home.path("offline.csv")).unwrap();
         let [offline, published] = common_columns(&offline, &published);
-        // Numbers are free, and a live tracker marks pictures that show no new scan.
-        let free = |rows: Vec<Vec<String>>| -> Vec<Vec<String>> {
-            let row = |row: Vec<String>| [&row[..1], &row[2..11]].concat();
-            rows.into_iter().map(row).collect()
-        };
         assert_equal(&[free(offline), free(published)]);
         home.assert_nothing_is_left("test");
     }

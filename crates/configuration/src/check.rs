@@ -14,7 +14,7 @@ use super::check_qnh::check_qnh;
 use super::check_region::check_regions;
 use super::check_source::check_source;
 use super::checked::{Checked, place};
-use super::platform::{check_platform_names, check_platforms};
+use super::platform::{check_platform_names, check_platforms, find_radars};
 use super::tables::{DeploymentTable, FusionTable};
 use super::tracker_links::check_links;
 use super::tracker_process::check_trackers;
@@ -64,7 +64,8 @@ pub(super) fn check(path: &Path, raw: DeploymentTable) -> Checked<(Deployment, E
     }
     let located = |error| trackers.located(error);
     check_company(&sources, &wide_area_sensors).map_err(located)?;
-    let platforms = check_platforms(&raw.platforms)?;
+    let mut platforms = check_platforms(&raw.platforms)?;
+    find_radars(&mut platforms, &raw, &trackers.sensors).map_err(|error| trackers.located(error))?;
     let behind: Vec<Source> = sources.iter().chain(&trackers.sensors).cloned().collect();
     let receivers = network.receivers(&behind, &wide_area_sensors).map_err(located)?;
     deployment::check_links(&raw.links, &sources, &wide_area_sensors)?;

@@ -23,6 +23,8 @@ use deployment::{
 const FIRST_SIMULATED_PORT: u16 = 30_001;
 /// Port of the first simulated wide-area sensor; the others follow.
 const FIRST_SIMULATED_WIDE_AREA_PORT: u16 = 31_001;
+/// Port of the radar of the first simulated platform; the others follow.
+const FIRST_SIMULATED_RADAR_PORT: u16 = 33_001;
 
 /// SAC and SIC of a simulated sensor: those of data that stay where they are, and its number from 1.
 pub(super) fn simulated_sac_sic(number: u16) -> (u8, u8) {
@@ -51,9 +53,12 @@ impl Network {
                 );
                 return Err(SettingsError::new(key("name"), what));
             }
-            let transport = match (&each.udp, &each.sbs) {
-                (Some(udp), _) => ReceiverTransport::Udp(check_udp(&key("udp"), udp)?),
-                (None, sbs) => {
+            let transport = match (&each.udp, &each.tcp, &each.sbs) {
+                (Some(udp), ..) => ReceiverTransport::Udp(check_udp(&key("udp"), udp)?),
+                (_, Some(tcp), _) => ReceiverTransport::Rows {
+                    server: server(&key("tcp.connect"), &tcp.connect)?,
+                },
+                (.., sbs) => {
                     let sbs = sbs.clone().unwrap_or_default();
                     ReceiverTransport::Sbs {
                         server: server(&key("sbs.connect"), &sbs.connect)?,
@@ -151,6 +156,18 @@ impl Network {
         self.loopback(name, FIRST_SIMULATED_WIDE_AREA_PORT + index as u16);
     }
 
+    /// The receiver of the radar on the simulated platform of this number.
+    pub(super) fn simulated_radar(&mut self, platform: u16, name: &str) -> Live {
+        self.loopback(name, FIRST_SIMULATED_RADAR_PORT + platform);
+        Live {
+            receiver: name.to_owned(),
+            asterix: Asterix {
+                tables: Vec::new(),
+                mode: Mode::Strict,
+            },
+        }
+    }
+
     fn loopback(&mut self, name: &str, port: u16) {
         self.receivers.push(Receiver {
             name: name.to_owned(),
@@ -186,6 +203,14 @@ impl Network {
                 let what = format!(
                     "\"{name}\" is also the name of the adapter process of source \"{}\"; give the receiver another",
                     other.name
+                );
+                return Err(SettingsError::new(key, what));
+            }
+            let has_rows_only = behind.iter().all(|source| source.has_rows()) && counting.is_empty();
+            if matches!(receiver.transport, ReceiverTransport::Rows { .. }) && !has_rows_only {
+                let what = format!(
+                    "\"{name}\" takes rows of detections only, for the sensors of trackers with live.format = \"rows\"; \
+                     give the others a [[receiver]] with [receiver.udp]"
                 );
                 return Err(SettingsError::new(key, what));
             }
@@ -237,9 +262,9 @@ fn check_plots(receiver: &Receiver, behind: &[&Source]) -> Result<(), String> {
     if !behind.iter().any(|source| plots(source).is_some()) {
         return Ok(());
     }
-    if !matches!(receiver.transport, ReceiverTransport::Udp(_)) {
+    if matches!(receiver.transport, ReceiverTransport::Sbs { .. }) {
         return Err(format!(
-            "\"{name}\" takes no datagrams, which the sensors of a tracker send; give it [receiver.udp]"
+            "\"{name}\" takes lines of SBS-1, which no sensor of a tracker sends; give it [receiver.udp] or [receiver.tcp]"
         ));
     }
     let with_rows: Vec<_> = behind.iter().filter(|source| source.has_rows()).collect();

@@ -11,15 +11,17 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use deployment::{Deployment, Platform, PlatformFeed, PlatformInput, check_name};
+use deployment::{Deployment, Platform, PlatformFeed, PlatformInput, Source, check_name};
 use settings::SettingsError;
 
 use super::check_network::{check_udp, server};
 use super::checked::Checked;
-use super::tables::{PlatformLiveTable, PlatformTable};
+use super::tables::{DeploymentTable, PlatformLiveTable, PlatformTable};
 
 /// Most platforms of a deployment.
 const PLATFORMS_MAX: usize = 16;
+/// Port of the first simulated platform on the deployment's loopback address; the others follow.
+const FIRST_SIMULATED_PORT: u16 = 32_001;
 
 /// The platforms of a file.
 pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
@@ -39,19 +41,26 @@ pub(super) fn check_platforms(raw: &[PlatformTable]) -> Checked<Vec<Platform>> {
             );
             return Err(SettingsError::new(key, what));
         }
-        let input = match &each.live {
-            Some(live) => PlatformInput::Live(feed(&format!("platform[{index}].live"), live)?),
-            None => PlatformInput::External,
+        let input = match (&each.live, &each.recorded) {
+            _ if each.simulated.is_some() => {
+                PlatformInput::Live(PlatformFeed::Loopback(FIRST_SIMULATED_PORT + index as u16))
+            }
+            (Some(live), _) => PlatformInput::Live(feed(&format!("platform[{index}].live"), live)?),
+            (_, Some(recorded)) => PlatformInput::Recorded(PathBuf::from(&recorded.file)),
+            _ => PlatformInput::External,
         };
         platforms.push(Platform {
             number: index as u16,
             name: each.name.clone(),
             input,
+            simulated: each.simulated.map(Box::new),
+            radar: None,
             assumed: each.assumed,
             jumps: each.jumps,
             range_m: each.range_m,
             receipt_sigma_s: each.receipt_sigma_s,
             silent_after_ns: each.silent_s.ns(),
+            wait_ns: each.wait_s.ns(),
         });
     }
     Ok(platforms)
@@ -63,6 +72,29 @@ fn feed(key: &str, raw: &PlatformLiveTable) -> Checked<PlatformFeed> {
         (_, Some(tcp), _) => PlatformFeed::Tcp(server(&format!("{key}.tcp"), tcp)?),
         (.., device) => PlatformFeed::Device(PathBuf::from(device.as_deref().unwrap_or_default())),
     })
+}
+
+/// Finds the sensors that are the radars of simulated platforms.
+pub(super) fn find_radars(platforms: &mut [Platform], raw: &DeploymentTable, sensors: &[Source]) -> Checked<()> {
+    let tables = raw.trackers.iter().flat_map(|tracker| &tracker.sensors);
+    for (sensor, _) in sensors
+        .iter()
+        .zip(tables)
+        .filter(|(_, table)| table.simulated.is_some())
+    {
+        let number = sensor.on_board.and_then(|on_board| on_board.platform);
+        let Some(platform) = number.and_then(|number| platforms.get_mut(usize::from(number))) else {
+            continue;
+        };
+        if platform.radar.replace(sensor.adapter.clone()).is_some() {
+            let what = format!(
+                "platform \"{}\" has one radar, which is another sensor's",
+                platform.name
+            );
+            return Err(SettingsError::new(format!("source[{}].simulated", sensor.number), what));
+        }
+    }
+    Ok(())
 }
 
 /// No two processes have one name.

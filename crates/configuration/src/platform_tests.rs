@@ -55,7 +55,7 @@ fn what_cannot_be_meant_is_refused_with_key_and_remedy() {
     for (platforms, expected) in [
         (
             "[[platform]]\nname = \"ship\"\n",
-            "exactly one of [platform.live] and [platform.external]",
+            "exactly one of [platform.live], [platform.recorded], [platform.external] and [platform.simulated]",
         ),
         (
             "[[platform]]\nname = \"ship\"\nexternal = {}\nlive = { tcp = \"127.0.0.1:4000\" }\n",

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use net::{AllowedSenders, Interface};
 use outgoing::Technology;
-use platform::{Assumed, JumpLimits};
+use platform::{Assumed, JumpLimits, Mount};
 use reception::{CovarianceModel, Method, PlausibilityLimits, PositionForm};
 use settings::{Degrees, Seconds, SettingsError, Unread};
 use tracking::cutting::Boundaries;
@@ -117,13 +117,15 @@ settings::settings! {
         date: Option<String> = None, usually "must be given with recordings";
     }
 
-    /// A network input: exactly one of `udp` and `sbs`.
+    /// A network input: exactly one of `udp`, `tcp` and `sbs`.
     pub struct ReceiverTable {
         check ReceiverTable::check;
         /// Name of the adapter process.
         name: String;
         /// ASTERIX, bearings or counts in datagrams.
         udp: Option<UdpTable> = None;
+        /// Rows of detections from a server, for the sensors of trackers.
+        tcp: Option<TcpTable> = None;
         /// Lines of SBS-1 (BaseStation) from a server.
         sbs: Option<SbsTable> = None;
     }
@@ -138,6 +140,12 @@ settings::settings! {
         senders: Vec<String> = Vec::new(), usually "all";
         /// Size of the kernel's receive buffer, which holds datagrams while the reader is busy, bytes.
         buffer_bytes: usize = 4 << 20, in [4 << 10, 1 << 30];
+    }
+
+    /// A server of rows: a header line, and rows as they come.
+    pub struct TcpTable {
+        /// Address and port of the server.
+        connect: String;
     }
 
     /// A server of SBS-1.
@@ -283,7 +291,7 @@ settings::settings! {
         silent_periods: f64 = 5.0, in [0, 1e6];
     }
 
-    /// A sensor of a tracker process: exactly one of `live`, `recorded` and `external`.
+    /// A sensor of a tracker process: exactly one of `live`, `recorded`, `external` and `simulated`.
     pub struct TrackerSensorTable with model: SensorModel {
         check TrackerSensorTable::check;
         /// Name: its detections are at `sensor/<tracker>.<name>/detections`.
@@ -294,6 +302,8 @@ settings::settings! {
         recorded: Option<RecordedPlotsTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
+        /// Radar of the simulated platform that `on_board` names.
+        simulated: Option<ExternalTable> = None;
         /// Boundaries of scans: `turn`, as stated by the sensor; `period`, at whole multiples of the period; `stated`,
         /// as numbered in its detections.
         scans: Option<Boundaries> = None, usually "turn for ASTERIX, else stated";
@@ -318,6 +328,14 @@ settings::settings! {
         covariance: CovarianceModel = CovarianceModel::default();
         /// Number of periods without a detection after which the sensor is silent, with an alarm; 0: never.
         silent_periods: f64 = 0.0, in [0, 1e6];
+        /// Mounting on a platform that moves.
+        on_board: Option<OnBoardTable> = None;
+    }
+
+    /// Mounting of a tracker's sensor on a platform.
+    pub struct OnBoardTable with mount: Mount {
+        /// Name of the platform whose states place the detections.
+        platform: Option<String> = None, usually "each row states its platform itself";
     }
 
     /// Detections behind a receiver.
@@ -357,15 +375,21 @@ settings::settings! {
         simulated: Option<scenario::WideAreaSettings> = None;
     }
 
-    /// A platform that carries sensors: either `live` or `external`.
+    /// A platform that carries sensors: exactly one of `live`, `recorded`, `external` and `simulated`.
     pub struct PlatformTable with assumed: Assumed {
         check PlatformTable::check;
         /// Name, which is also part of its topic's name, and that of its process.
         name: String;
         /// Sentences of NMEA 0183, or rows of states, received by a process of its own.
         live: Option<PlatformLiveTable> = None;
+        /// Rows of states in a file, for trackers of recorded sensors.
+        recorded: Option<RecordedRowsTable> = None;
         /// A process that is no part of the deployment publishes the topic.
         external: Option<ExternalTable> = None;
+        /// A simulated ship with a radar; the simulator sends its sentences.
+        simulated: Option<scenario::OnBoardSettings> = None;
+        /// Time by which a sensor's data may run ahead of the states, while a detection waits for a state.
+        wait_s: Seconds = Seconds::of(2.0), in [0, 60];
         /// Standard deviation of the delay of sentences that state no time (HDT, THS).
         receipt_sigma_s: f64 = 0.05, in [0, 10];
         /// Time without a state after which the alarm `platform-silent` is raised.
@@ -393,7 +417,7 @@ settings::settings! {
         receiver: String;
     }
 
-    /// Rows of counts in a file.
+    /// Rows in a file.
     pub struct RecordedRowsTable {
         /// File, relative to the data folder unless absolute.
         file: String;
@@ -436,7 +460,11 @@ impl ReceiverTable {
         exactly_one(
             "receiver",
             &self.name,
-            &[("udp", self.udp.is_some()), ("sbs", self.sbs.is_some())],
+            &[
+                ("udp", self.udp.is_some()),
+                ("tcp", self.tcp.is_some()),
+                ("sbs", self.sbs.is_some()),
+            ],
         )
     }
 }
@@ -538,6 +566,7 @@ impl TrackerSensorTable {
             ("live", self.live.is_some()),
             ("recorded", self.recorded.is_some()),
             ("external", self.external.is_some()),
+            ("simulated", self.simulated.is_some()),
         ];
         exactly_one("tracker.sensor", &self.name, &inputs)?;
         if self
@@ -578,7 +607,12 @@ impl WideAreaSensorTable {
 
 impl PlatformTable {
     fn check(&self) -> Result<(), SettingsError> {
-        let inputs = [("live", self.live.is_some()), ("external", self.external.is_some())];
+        let inputs = [
+            ("live", self.live.is_some()),
+            ("recorded", self.recorded.is_some()),
+            ("external", self.external.is_some()),
+            ("simulated", self.simulated.is_some()),
+        ];
         exactly_one("platform", &self.name, &inputs)
     }
 }

@@ -23,7 +23,9 @@
 use std::collections::BTreeSet;
 
 use ::fusion::settings::SourceSettings;
-use deployment::{Input, PlotFormat, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated, check_name};
+use deployment::{
+    Input, OnBoard, PlotFormat, RecordedFormat, SampleDelivery, Source, TrackerInput, Truncated, check_name,
+};
 use frames::SystemFrame;
 use settings::{Seconds, SettingsError};
 use sources::joining::JoiningSettings;
@@ -93,8 +95,10 @@ pub(super) fn check_trackers(
         let begin = all.sensors.len();
         for sensor in &tracker.sensors {
             let number = first + raw.trackers.len() + all.sensors.len();
-            let sensor = check_sensor(number, tracker, sensor, (frame, &raw.frame), network);
-            let sensor = sensor.map_err(|error| all.located(error))?;
+            let checked = check_sensor(number, tracker, sensor, (frame, &raw.frame), network);
+            let checked = checked.and_then(|checked| carried(number, checked, sensor, raw));
+            let checked = checked.and_then(|checked| simulated(number, checked, sensor, raw, network));
+            let sensor = checked.map_err(|error| all.located(error))?;
             all.sensors.push(sensor);
         }
         let source = check_tracker(
@@ -177,7 +181,11 @@ fn check_sensor(
             truncated: Truncated::Accept,
             sender: recorded.sender.clone(),
         }),
-        external: raw.external.as_ref().map(|_| ExternalTable {}),
+        external: raw
+            .external
+            .as_ref()
+            .or(raw.simulated.as_ref())
+            .map(|_| ExternalTable {}),
         ..SourceTable::default()
     };
     table.weighing.period_s = raw.period_s;
@@ -187,6 +195,74 @@ fn check_sensor(
         // The tracker process reads the file or the topic itself.
         source.adapter.clone_from(&tracker.name);
     }
+    Ok(source)
+}
+
+/// The sensor behind a receiver of its own, if it is a simulated radar.
+fn simulated(
+    number: usize,
+    mut source: Source,
+    raw: &TrackerSensorTable,
+    file: &DeploymentTable,
+    network: &mut Network,
+) -> Checked<Source> {
+    if raw.simulated.is_none() {
+        return Ok(source);
+    }
+    let platform = source.on_board.and_then(|on_board| on_board.platform);
+    let Some(platform) = platform.filter(|place| file.platforms[usize::from(*place)].simulated.is_some()) else {
+        let what = "is the radar of a simulated platform; name one by on_board.platform".to_owned();
+        return Err(SettingsError::new(format!("source[{number}].simulated"), what));
+    };
+    source.input = Input::Live(network.simulated_radar(platform, &source.name));
+    source.adapter.clone_from(&source.name);
+    Ok(source)
+}
+
+/// The sensor with its mounting on a platform, if it has one.
+fn carried(number: usize, mut source: Source, raw: &TrackerSensorTable, file: &DeploymentTable) -> Checked<Source> {
+    let Some(on_board) = &raw.on_board else {
+        return Ok(source);
+    };
+    let refused = |part: &str, what: String| Err(SettingsError::new(format!("source[{number}].{part}"), what));
+    let is_asterix = raw.format() == Some(PlotFormat::Asterix);
+    let Some(name) = &on_board.platform else {
+        if is_asterix {
+            return refused(
+                "on_board.platform",
+                "is missing: plots state no platform; name one".to_owned(),
+            );
+        }
+        source.on_board = Some(OnBoard {
+            platform: None,
+            mount: on_board.mount,
+        });
+        return Ok(source);
+    };
+    let Some(place) = file.platforms.iter().position(|platform| platform.name == *name) else {
+        let names: Vec<&str> = file.platforms.iter().map(|platform| platform.name.as_str()).collect();
+        let what = match names.is_empty() {
+            true => format!("\"{name}\": there is no [[platform]]"),
+            false => format!("\"{name}\" is no [[platform]]; there are: {}", names.join(", ")),
+        };
+        return refused("on_board.platform", what);
+    };
+    if file.platforms[place].recorded.is_some() != raw.recorded.is_some() {
+        let what = format!("\"{name}\": a recorded platform carries recorded sensors, and a live one live sensors");
+        return refused("on_board.platform", what);
+    }
+    if raw.place.is_some() {
+        return refused("place", "the platform's states give the place: leave it out".to_owned());
+    }
+    if is_asterix && source.model.covariance.polar().is_none() {
+        let what = "needs range_sigma_m and azimuth_sigma_deg for a radar on board".to_owned();
+        return refused("covariance", what);
+    }
+    source.model.is_on_board = true;
+    source.on_board = Some(OnBoard {
+        platform: Some(place as u16),
+        mount: on_board.mount,
+    });
     Ok(source)
 }
 

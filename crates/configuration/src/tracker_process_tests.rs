@@ -192,3 +192,87 @@ sensor_id = 1
             .contains("time.date")
     );
 }
+
+const ON_BOARD: &str = "name = \"t\"\n[frame]\nlatitude_deg = 41.0\nlongitude_deg = 2.0\n\
+    [[receiver]]\nname = \"rows\"\n[receiver.tcp]\nconnect = \"127.0.0.1:8601\"\n\
+    [[platform]]\nname = \"ship\"\nwait_s = 1.5\n[platform.live]\nudp = { listen = \"127.0.0.1:10110\" }\n\
+    [[platform]]\nname = \"boat\"\n[platform.recorded]\nfile = \"states.csv\"\n\
+    [[tracker]]\nname = \"sea\"\n[[tracker.sensor]]\nname = \"radar\"\n\
+    live = { receiver = \"rows\", format = \"rows\" }\n\
+    [tracker.sensor.on_board]\nplatform = \"ship\"\nlever_arm_m = [20.0, 2.0, 15.0]\nbearings = \"north\"\n";
+
+#[test]
+fn a_sensor_on_board_names_its_platform() {
+    let config = parse(ON_BOARD).unwrap();
+    let on_board = config.tracker_sensors[0].on_board.unwrap();
+    assert_eq!(on_board.platform, Some(0));
+    assert_eq!(on_board.mount.lever_arm_m, [20.0, 2.0, 15.0]);
+    assert_eq!(on_board.mount.bearings, platform::Bearings::North);
+    assert!(config.tracker_sensors[0].model.is_on_board);
+    assert_eq!(config.platforms[0].wait_ns, 1_500_000_000);
+    let without = ON_BOARD.replace("platform = \"ship\"\n", "");
+    assert_eq!(
+        parse(&without).unwrap().tracker_sensors[0].on_board.unwrap().platform,
+        None
+    );
+    let at_rest = &parse(&site()).unwrap().tracker_sensors[0];
+    assert!(at_rest.on_board.is_none() && !at_rest.model.is_on_board);
+    let ashore = &ON_BOARD[..ON_BOARD.find("[tracker.sensor.on_board]").unwrap()];
+    let line = ON_BOARD.replace(
+        "live = { receiver = \"rows\", format = \"rows\" }\n",
+        "[tracker.sensor.simulated]\n",
+    );
+    let ship = line.replace(
+        "live]\nudp = { listen = \"127.0.0.1:10110\" }",
+        "simulated]\nroll_deg = 5.0",
+    );
+    let ship = ship.replace(
+        "[[receiver]]\nname = \"rows\"\n[receiver.tcp]\nconnect = \"127.0.0.1:8601\"\n",
+        "",
+    );
+    let simulated = parse(&ship).unwrap();
+    assert!(simulated.is_simulated());
+    assert_eq!(simulated.platforms[0].radar.as_deref(), Some("sea.radar"));
+    for (text, from, to, expected) in [
+        (
+            ON_BOARD,
+            "\"ship\"\nlever",
+            "\"shop\"\nlever",
+            "on_board.platform: \"shop\" is no [[platform]]; there are: ship, boat",
+        ),
+        (
+            ON_BOARD,
+            "\"ship\"\nlever",
+            "\"boat\"\nlever",
+            "a recorded platform carries recorded sensors",
+        ),
+        (
+            ON_BOARD,
+            ", format = \"rows\"",
+            "",
+            "needs range_sigma_m and azimuth_sigma_deg for a radar on board",
+        ),
+        (
+            ashore,
+            ", format = \"rows\"",
+            "",
+            "\"rows\" takes rows of detections only",
+        ),
+        (ON_BOARD, "lever_arm_m", "leaver_arm_m", "unknown key"),
+        (
+            &line,
+            "127.0.0.1:8601",
+            "127.0.0.1:8602",
+            "is the radar of a simulated platform",
+        ),
+        (
+            &ship,
+            "platform = \"ship\"\n",
+            "",
+            "is the radar of a simulated platform",
+        ),
+    ] {
+        let refusal = parse(&text.replace(from, to)).map(|_| ()).unwrap_err();
+        assert!(refusal.contains(expected), "{expected}: {refusal}");
+    }
+}

@@ -145,6 +145,7 @@ fn check_tracks(
             qnh_hpa: messages::STANDARD_PRESSURE_HPA,
             limits: raw.limits,
             covariance: CovarianceModel::default(),
+            is_on_board: false,
         },
     })
 }

@@ -29,8 +29,8 @@ pub use network::{Asterix, Live, NetworkOutput, Receiver, ReceiverTransport, cat
 pub use parts::Parts;
 pub use processes::{ReportOrder, Secret, Segments, Services, SystemTracks};
 pub use source::{
-    Input, Instrument, Links, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Simulated, Source, TrackerInput,
-    Truncated,
+    Input, Instrument, Links, OnBoard, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Simulated, Source,
+    TrackerInput, Truncated,
 };
 pub use wide_area::{CountedTracks, TrackFeed, WideAreaInput, WideAreaSensor};
 
@@ -173,6 +173,7 @@ impl Deployment {
             .iter()
             .any(|source| matches!(source.input, Input::Simulated(_)))
             || sensors.iter().any(|sensor| sensor.simulated.is_some())
+            || self.platforms.iter().any(|platform| platform.simulated.is_some())
     }
 
     /// Whether all sources are recordings, some of them perhaps of other hosts: then producers wait for consumers, so

@@ -25,6 +25,11 @@ pub enum ReceiverTransport {
         /// The port.
         port: u16,
     },
+    /// Rows of detections from a server.
+    Rows {
+        /// The server.
+        server: SocketAddr,
+    },
     /// Lines of SBS-1 (BaseStation) from a server.
     Sbs {
         /// The server.

@@ -14,6 +14,10 @@ pub struct Platform {
     pub name: String,
     /// Where its states come from.
     pub input: PlatformInput,
+    /// Simulation, if it is simulated: then its sentences come over the loopback network.
+    pub simulated: Option<Box<scenario::OnBoardSettings>>,
+    /// Name of the receiver of rows from its simulated radar, if a sensor is that radar.
+    pub radar: Option<String>,
     /// Assumptions where its states give no value.
     pub assumed: Assumed,
     /// Differences that count as jumps.
@@ -24,6 +28,8 @@ pub struct Platform {
     pub receipt_sigma_s: f64,
     /// Time without a state after which the platform is silent, nanoseconds.
     pub silent_after_ns: i64,
+    /// Time by which a sensor's data may run ahead of the states, while a detection waits for a state, nanoseconds.
+    pub wait_ns: i64,
 }
 
 /// Where the states of a platform come from.
@@ -31,6 +37,8 @@ pub struct Platform {
 pub enum PlatformInput {
     /// Sentences of NMEA 0183, or rows of states, received by a process of its own.
     Live(PlatformFeed),
+    /// Rows of states in a file, relative to the data folder unless absolute; tracker processes read it themselves.
+    Recorded(PathBuf),
     /// A process that is no part of the deployment publishes the topic.
     External,
 }
@@ -40,6 +48,8 @@ pub enum PlatformInput {
 pub enum PlatformFeed {
     /// Datagrams.
     Udp(net::ReceiverSettings),
+    /// Datagrams to this port of the deployment's own loopback address: what the simulator sends.
+    Loopback(u16),
     /// Lines from a server.
     Tcp(SocketAddr),
     /// A serial device, or any other file that is read as it grows.

@@ -28,6 +28,9 @@ pub struct Source {
     pub delivers: SampleDelivery,
     /// Other sources that its tracker listens to.
     pub links: Links,
+    /// Mounting of a tracker's sensor on a platform that moves; `None` if it is at rest, or detections state their
+    /// places in the system frame.
+    pub on_board: Option<OnBoard>,
     /// Silence of its adapter's input that is an alarm, nanoseconds; `None` if none is. Nothing is expected of a
     /// recording.
     pub silent_after_ns: Option<i64>,
@@ -44,6 +47,15 @@ pub struct Links {
     pub wide_area_sensors: Vec<u16>,
     /// Numbers of the sources, direction finders, whose emissions it hears, ascending.
     pub emissions: Vec<u16>,
+}
+
+/// Mounting of a sensor on a platform that moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnBoard {
+    /// Number of the platform; `None` if each detection states the platform's state itself.
+    pub platform: Option<u16>,
+    /// Place and directions on the platform.
+    pub mount: platform::Mount,
 }
 
 impl Source {

@@ -132,6 +132,7 @@
 #define KOSEKI_DETECTION_MARK_PASSED UINT64_C(0x0) /* The sensor's time has come to the time of measurement. */
 #define KOSEKI_DETECTION_MARK_EMPTY_SCAN UINT64_C(0x1) /* The scan `scan` at the time of measurement has no detections. */
 #define KOSEKI_DETECTION_MARK_TURN_BEGINS UINT64_C(0x2) /* A turn of the sensor begins at the time of measurement. */
+#define KOSEKI_DETECTION_MARK_UNPLACED UINT64_C(0x3) /* A detection at the time of measurement was refused: no state of the sensor's platform belongs to its time. */
 #define KOSEKI_STREAM_SENSOR_TRACKS UINT64_C(0x1) /* Sensor tracks of a source. */
 #define KOSEKI_STREAM_DETECTIONS UINT64_C(0x2) /* Detections of a source. */
 #define KOSEKI_STREAM_BEARINGS UINT64_C(0x3) /* Bearings of a source. */

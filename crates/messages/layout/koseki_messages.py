@@ -134,6 +134,7 @@ DETECTION_KIND_BEARING_ELEVATION = 0x5  # Bearing and elevation from the sensor.
 DETECTION_MARK_PASSED = 0x0  # The sensor's time has come to the time of measurement.
 DETECTION_MARK_EMPTY_SCAN = 0x1  # The scan `scan` at the time of measurement has no detections.
 DETECTION_MARK_TURN_BEGINS = 0x2  # A turn of the sensor begins at the time of measurement.
+DETECTION_MARK_UNPLACED = 0x3  # A detection at the time of measurement was refused: no state of the sensor's platform belongs to its time.
 STREAM_SENSOR_TRACKS = 0x1  # Sensor tracks of a source.
 STREAM_DETECTIONS = 0x2  # Detections of a source.
 STREAM_BEARINGS = 0x3  # Bearings of a source.

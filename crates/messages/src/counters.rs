@@ -409,6 +409,8 @@ counters! {
         "Sentences of NMEA 0183 of kinds that are not read.";
     PlatformFarKm = "platform_far_km", Level by [],
         "Level: distance of a platform from the origin of the system frame where it is too far, kilometres.";
+    RejectedPlatform = "rejected_platform", Rejection by [Adapter],
+        "Detections rejected because no state of the sensor's platform belongs to their time.";
 }
 
 #[cfg(test)]

@@ -101,6 +101,8 @@ codes! {
         EmptyScan = 1, "empty_scan";
         /// A turn of the sensor begins at the time of measurement.
         TurnBegins = 2, "turn_begins";
+        /// A detection at the time of measurement was refused: no state of the sensor's platform belongs to its time.
+        Unplaced = 3, "unplaced";
     }
 }
 

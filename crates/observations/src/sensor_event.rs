@@ -25,6 +25,8 @@ pub enum SensorEvent {
     },
     /// A turn begins at this time.
     TurnBegins(i64),
+    /// A detection of this time was refused: no state of the sensor's platform belongs to it. No mark of time.
+    Unplaced(i64),
 }
 
 impl SensorEvent {
@@ -41,7 +43,8 @@ impl SensorEvent {
     pub fn time_ns(&self) -> i64 {
         match self {
             Self::Detection(detection) => detection.time_of_measurement_ns,
-            Self::Passed(time_ns) | Self::EmptyScan { time_ns, .. } | Self::TurnBegins(time_ns) => *time_ns,
+            Self::Passed(time_ns) | Self::EmptyScan { time_ns, .. } => *time_ns,
+            Self::TurnBegins(time_ns) | Self::Unplaced(time_ns) => *time_ns,
         }
     }
 }
@@ -64,6 +67,7 @@ impl Sampled for SensorEvent {
             Self::Passed(time_ns) => mark(DetectionMark::Passed, 0, time_ns),
             Self::EmptyScan { number, time_ns } => mark(DetectionMark::EmptyScan, number, time_ns),
             Self::TurnBegins(time_ns) => mark(DetectionMark::TurnBegins, 0, time_ns),
+            Self::Unplaced(time_ns) => mark(DetectionMark::Unplaced, 0, time_ns),
         }
     }
 
@@ -79,6 +83,7 @@ impl Sampled for SensorEvent {
                 time_ns,
             },
             DetectionMark::TurnBegins => Self::TurnBegins(time_ns),
+            DetectionMark::Unplaced => Self::Unplaced(time_ns),
         })
     }
 }
@@ -93,6 +98,7 @@ mod tests {
             SensorEvent::Passed(5),
             SensorEvent::EmptyScan { number: 7, time_ns: 6 },
             SensorEvent::TurnBegins(8),
+            SensorEvent::Unplaced(9),
         ];
         for mark in marks {
             let sample = mark.sample(3, StageTimes::default());

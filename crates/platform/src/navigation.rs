@@ -28,6 +28,29 @@ pub struct Navigation {
     pub tilt_sigmas_rad: Option<[f64; 2]>,
 }
 
+impl Navigation {
+    /// What instruments at the ship give of a state in the system frame, for simulations.
+    pub fn of(state: &State, frame: &SystemFrame) -> Self {
+        let place = state.position_m.map(|position| frame.to_geodetic(position));
+        let here = place.map_or(*frame, SystemFrame::at);
+        let axes = *FrameChange::between(frame, &here).rotation();
+        let [pitch, roll] = state.tilt_rad.unwrap_or_default();
+        let seen = Attitude::of([state.heading_rad.unwrap_or_default(), pitch, roll]).seen_from(&axes);
+        Self {
+            time_ns: state.time_ns,
+            place,
+            velocity_mps: state.velocity_mps.map(|velocity| {
+                let [east, north, _] = times(&axes, velocity);
+                [east, north]
+            }),
+            heading_rad: state.heading_rad.map(|_| seen.heading_rad),
+            tilt_rad: state.tilt_rad.map(|_| [seen.pitch_rad, seen.roll_rad]),
+            heading_sigma_rad: state.heading_sigma_rad,
+            tilt_sigmas_rad: state.tilt_sigmas_rad,
+        }
+    }
+}
+
 /// Converts states relative to the Earth to the system frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Navigator {
@@ -109,5 +132,13 @@ mod tests {
         };
         assert!((navigator.state(&compass).heading_rad.unwrap() - heading).abs() < 1e-3);
         assert_eq!(Navigator::new(frame).state(&compass).heading_rad, Some(0.0));
+        // What the instruments give of a state is the state again.
+        let again = navigator.state(&Navigation::of(&state, &frame));
+        let (position, expected) = (again.position_m.unwrap(), state.position_m.unwrap());
+        assert!((0..3).all(|axis| (position[axis] - expected[axis]).abs() < 1e-3));
+        let turned = (again.heading_rad.unwrap() - heading + 1.0).rem_euclid(std::f64::consts::TAU) - 1.0;
+        assert!(turned.abs() < 1e-9);
+        let [_, again_roll] = again.tilt_rad.unwrap();
+        assert!((again_roll - roll).abs() < 1e-9);
     }
 }

@@ -52,6 +52,9 @@ pub struct ConversionModel {
     pub limits: PlausibilityLimits,
     /// How accurate they are.
     pub covariance: CovarianceModel,
+    /// Whether the sensor is on a platform that moves: its plots stay slant range and bearing as measured, until the
+    /// platform's state at their time is known.
+    pub is_on_board: bool,
 }
 
 impl Method {

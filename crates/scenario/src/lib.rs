@@ -46,7 +46,7 @@ mod wide_area;
 
 pub use direction_finder::{DirectionFinderSettings, PlatformPose, SimulatedDirectionFinder};
 pub use formation_settings::FormationSettings;
-pub use on_board::{OnBoardSettings, SeaTarget, Voyage};
+pub use on_board::{OnBoardSettings, SeaTarget, SimulatedShip, Voyage};
 pub use plot::RadarPlot;
 pub use sensor::{FALSE_TARGETS_MAX, SimulatedSensor};
 pub use sensor_settings::{SensorIdentity, SensorKind, SensorSettings};

@@ -12,6 +12,7 @@ use messages::DetectionKind;
 use observations::{Detection, DetectionPlatform, DetectionTruth, TransponderReply};
 use platform::{Attitude, Mount, State};
 use rand::{Rng, RngExt as _};
+use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, Poisson, StandardNormal};
 use settings::Degrees;
 
@@ -22,13 +23,17 @@ const LOOKS_SHARE: f64 = 0.8;
 /// Number of the only sensor in detections.
 const SENSOR_ID: u32 = 1;
 const NS_PER_S: f64 = 1e9;
+/// Time after which each target turns back, seconds.
+const TURNS_BACK_S: f64 = 3600.0;
 
 settings::settings! {
     /// The ship, its radar and its targets.
     #[derive(Copy)]
     pub struct OnBoardSettings {
-        /// Targets that cross the sea with constant velocity.
+        /// Targets that cross the sea.
         targets: u32 = 12, in [1, 200];
+        /// Spectral density of the targets' accelerations, m²/s³; 0: they keep their velocity.
+        acceleration_m2ps3: f64 = 0.02, in [0, 10];
         /// Speed of the ship.
         speed_mps: f64 = 8.0, in [0, 100];
         /// Rate of its turn to the right, per second.
@@ -92,8 +97,53 @@ pub struct Voyage {
     pub truth: Vec<SeaTarget>,
 }
 
-/// Path of a target: position at the start, and velocity.
-type Path = ([f64; 2], [f64; 2]);
+/// A ship that sails as long as it is asked, for live simulations.
+#[derive(Debug)]
+pub struct SimulatedShip {
+    settings: OnBoardSettings,
+    seed: u64,
+    paths: Vec<Path>,
+    instruments: Instruments,
+    /// Number of the next scan.
+    scan: u32,
+    looked: Voyage,
+}
+
+/// The ship's navigation, state by state.
+#[derive(Debug)]
+struct Instruments {
+    random: ChaCha8Rng,
+    /// Errors of position, heading, pitch and roll in standard deviations.
+    errors: [f64; 6],
+    step_s: f64,
+    /// Part of the errors that remains from state to state.
+    kept: f64,
+    /// Number of the next state.
+    number: i64,
+}
+
+/// Path of a target: positions and velocities second by second, or the start alone of a target that keeps its course.
+#[derive(Clone, Debug)]
+struct Path(Vec<([f64; 2], [f64; 2])>);
+
+impl Path {
+    /// Position and velocity at a time.
+    fn at(&self, time_s: f64) -> ([f64; 2], [f64; 2]) {
+        // A target turns back before it has left the sea.
+        let turned = (time_s / TURNS_BACK_S) as i64 % 2 != 0;
+        let since_s = time_s % TURNS_BACK_S;
+        let (time_s, way) = if turned {
+            (TURNS_BACK_S - since_s, -1.0)
+        } else {
+            (since_s, 1.0)
+        };
+        let second = (time_s as usize).min(self.0.len() - 1);
+        let (start, velocity) = self.0[second];
+        let over_s = time_s - second as f64;
+        let position = [0, 1].map(|axis| start[axis] + velocity[axis] * over_s);
+        (position, velocity.map(|speed| way * speed))
+    }
+}
 
 impl OnBoardSettings {
     /// Mounting of the radar.
@@ -106,7 +156,7 @@ impl OnBoardSettings {
 
     /// Simulates the voyage from time 0 to `end_s`. The same seed gives the same numbers.
     pub fn voyage(&self, seed: u64, end_s: f64) -> Voyage {
-        let paths: Vec<Path> = (0..self.targets).map(|id| self.path(seed, id)).collect();
+        let paths = self.paths(seed, end_s + self.period_s);
         let mut voyage = Voyage {
             states: self.states(seed, end_s),
             ..Voyage::default()
@@ -118,25 +168,43 @@ impl OnBoardSettings {
         }
         for second in 0..=end_s as u32 {
             let time_s = f64::from(second);
-            let targets = paths.iter().zip(0..).map(|(path, id)| SeaTarget {
-                time_s,
-                id,
-                position_m: at(path, time_s),
-                velocity_mps: path.1,
+            let targets = paths.iter().zip(0..).map(|(path, id)| {
+                let (position_m, velocity_mps) = path.at(time_s);
+                SeaTarget {
+                    time_s,
+                    id,
+                    position_m,
+                    velocity_mps,
+                }
             });
             voyage.truth.extend(targets);
         }
         voyage
     }
 
-    fn path(&self, seed: u64, id: u32) -> Path {
+    /// Paths of the targets until a time.
+    fn paths(&self, seed: u64, end_s: f64) -> Vec<Path> {
+        let seconds = match self.acceleration_m2ps3 > 0.0 {
+            true => end_s.min(TURNS_BACK_S).ceil() as usize,
+            false => 0,
+        };
+        (0..self.targets).map(|id| self.path(seed, id, seconds)).collect()
+    }
+
+    fn path(&self, seed: u64, id: u32, seconds: usize) -> Path {
         let mut random = stream(seed, Purpose::Target, 0, u64::from(id), 0);
         let [bearing, course] = [random.random_range(0.0..TAU), random.random_range(0.0..TAU)];
         let (range_m, speed_mps) = (random.random_range(3e3..15e3), random.random_range(4.0..15.0));
-        (
-            [range_m * bearing.sin(), range_m * bearing.cos()],
-            [speed_mps * course.sin(), speed_mps * course.cos()],
-        )
+        let start = [range_m * bearing.sin(), range_m * bearing.cos()];
+        let mut states = vec![(start, [speed_mps * course.sin(), speed_mps * course.cos()])];
+        let mut random = stream(seed, Purpose::Target, 1, u64::from(id), 0);
+        let step_mps = self.acceleration_m2ps3.sqrt();
+        for _ in 0..seconds {
+            let (position, velocity) = states[states.len() - 1];
+            let position = [0, 1].map(|axis| position[axis] + velocity[axis]);
+            states.push((position, velocity.map(|speed| speed + step_mps * normal(&mut random))));
+        }
+        Path(states)
     }
 
     /// Position, velocity and attitude of the ship. The circle begins at the origin.
@@ -161,37 +229,10 @@ impl OnBoardSettings {
     }
 
     fn states(&self, seed: u64, end_s: f64) -> Vec<State> {
-        let mut random = stream(seed, Purpose::Navigation, 0, 0, 0);
-        let mut errors: [f64; 6] = std::array::from_fn(|_| normal(&mut random));
-        let step_s = 1.0 / self.states_per_s;
-        let kept = match self.error_time_s > 0.0 {
-            true => (-step_s / self.error_time_s).exp(),
-            false => 0.0,
-        };
-        let renewed = (1.0 - kept * kept).sqrt();
         // The first and the last state lie outside of the scans.
-        let count = ((end_s + self.period_s) * self.states_per_s).ceil() as i64 + 1;
-        let state = |number: i64| {
-            errors = errors.map(|error| kept * error + renewed * normal(&mut random));
-            let time_s = number as f64 * step_s;
-            let (position, velocity, attitude) = self.ship(time_s);
-            let (sigma_m, sigma_rad) = (self.position_sigma_m, self.attitude_sigma_deg.rad());
-            State {
-                time_ns: (time_s * NS_PER_S).round() as i64,
-                position_m: Some(std::array::from_fn(|axis| position[axis] + sigma_m * errors[axis])),
-                velocity_mps: Some(velocity),
-                heading_rad: Some((attitude.heading_rad + sigma_rad * errors[3]).rem_euclid(TAU)),
-                tilt_rad: Some([
-                    attitude.pitch_rad + sigma_rad * errors[4],
-                    attitude.roll_rad + sigma_rad * errors[5],
-                ]),
-                position_sigma_m: Some(sigma_m),
-                velocity_sigma_mps: Some(0.1),
-                heading_sigma_rad: Some(sigma_rad),
-                tilt_sigmas_rad: Some([sigma_rad; 2]),
-            }
-        };
-        (-1..count).map(state).collect()
+        let count = ((end_s + self.period_s) * self.states_per_s).ceil() as usize + 2;
+        let mut navigation = Instruments::new(self, seed);
+        (0..count).map(|_| navigation.next(self)).collect()
     }
 
     /// Looks at each target once, and draws false detections.
@@ -206,7 +247,7 @@ impl OnBoardSettings {
                 continue;
             }
             let time_s = begin_s + LOOKS_SHARE * self.period_s * f64::from(id) / paths.len() as f64;
-            let [east, north] = at(path, time_s);
+            let ([east, north], _) = path.at(time_s);
             let (position, _, attitude) = self.ship(time_s);
             let [forward, right, up] = self.lever_arm_m;
             let arm = attitude.to_world([right, forward, up]);
@@ -259,12 +300,106 @@ impl OnBoardSettings {
     }
 }
 
-fn normal(random: &mut impl Rng) -> f64 {
-    StandardNormal.sample(random)
+impl Instruments {
+    fn new(settings: &OnBoardSettings, seed: u64) -> Self {
+        let mut random = stream(seed, Purpose::Navigation, 0, 0, 0);
+        let errors = std::array::from_fn(|_| normal(&mut random));
+        let step_s = 1.0 / settings.states_per_s;
+        let kept = match settings.error_time_s > 0.0 {
+            true => (-step_s / settings.error_time_s).exp(),
+            false => 0.0,
+        };
+        Self {
+            random,
+            errors,
+            step_s,
+            kept,
+            number: -1,
+        }
+    }
+
+    fn next_s(&self) -> f64 {
+        self.number as f64 * self.step_s
+    }
+
+    fn next(&mut self, settings: &OnBoardSettings) -> State {
+        let time_s = self.next_s();
+        self.number += 1;
+        let renewed = (1.0 - self.kept * self.kept).sqrt();
+        let random = &mut self.random;
+        self.errors = self.errors.map(|error| self.kept * error + renewed * normal(random));
+        let errors = &self.errors;
+        let (position, velocity, attitude) = settings.ship(time_s);
+        let (sigma_m, sigma_rad) = (settings.position_sigma_m, settings.attitude_sigma_deg.rad());
+        State {
+            time_ns: (time_s * NS_PER_S).round() as i64,
+            position_m: Some(std::array::from_fn(|axis| position[axis] + sigma_m * errors[axis])),
+            velocity_mps: Some(velocity),
+            heading_rad: Some((attitude.heading_rad + sigma_rad * errors[3]).rem_euclid(TAU)),
+            tilt_rad: Some([
+                attitude.pitch_rad + sigma_rad * errors[4],
+                attitude.roll_rad + sigma_rad * errors[5],
+            ]),
+            position_sigma_m: Some(sigma_m),
+            velocity_sigma_mps: Some(0.1),
+            heading_sigma_rad: Some(sigma_rad),
+            tilt_sigmas_rad: Some([sigma_rad; 2]),
+        }
+    }
 }
 
-fn at((start, velocity): &Path, time_s: f64) -> [f64; 2] {
-    [0, 1].map(|axis| start[axis] + velocity[axis] * time_s)
+impl SimulatedShip {
+    /// The ship of these settings at time 0.
+    pub fn new(settings: OnBoardSettings, seed: u64) -> Self {
+        Self {
+            settings,
+            seed,
+            paths: settings.paths(seed, TURNS_BACK_S),
+            instruments: Instruments::new(&settings, seed),
+            scan: 0,
+            looked: Voyage::default(),
+        }
+    }
+
+    /// Continues at `time_s`.
+    pub fn restart_at(&mut self, time_s: f64) {
+        // Errors of the navigation that change slowly go on from where they would be.
+        while self.instruments.next_s() < time_s {
+            self.instruments.next(&self.settings);
+        }
+        self.scan = (time_s / self.settings.period_s).ceil().max(0.0) as u32;
+    }
+
+    /// Time of the next state or complete scan, seconds.
+    pub fn due_s(&self) -> f64 {
+        self.instruments.next_s().min(self.scan_done_s())
+    }
+
+    /// The state, if it is next.
+    pub fn next_state(&mut self) -> Option<State> {
+        let is_next = self.instruments.next_s() <= self.scan_done_s();
+        is_next.then(|| self.instruments.next(&self.settings))
+    }
+
+    /// Detections of the radar in its next scan, relative to the bow, in the order of their times.
+    pub fn next_scan(&mut self) -> &[Detection] {
+        self.looked.on_board.clear();
+        self.looked.at_rest.clear();
+        self.settings.scan(self.seed, self.scan, &self.paths, &mut self.looked);
+        self.scan += 1;
+        self.looked
+            .on_board
+            .sort_by_key(|detection| detection.time_of_measurement_ns);
+        &self.looked.on_board
+    }
+
+    fn scan_done_s(&self) -> f64 {
+        (f64::from(self.scan) + LOOKS_SHARE) * self.settings.period_s
+    }
+}
+
+fn normal(random: &mut impl Rng) -> f64 {
+    StandardNormal.sample(random)
 }
 
 fn detection(
@@ -296,6 +431,30 @@ mod tests {
 
     use super::*;
 
+    /// A ship that is asked step by step sends what the whole voyage has, also after a restart.
+    #[test]
+    fn a_ship_step_by_step_is_the_whole_voyage() {
+        let settings = OnBoardSettings::default();
+        let voyage = settings.voyage(5, 30.0);
+        let mut ship = SimulatedShip::new(settings, 5);
+        let (mut states, mut detections) = (Vec::new(), Vec::new());
+        while ship.due_s() < 30.0 {
+            match ship.next_state() {
+                Some(state) => states.push(state),
+                None => detections.extend_from_slice(ship.next_scan()),
+            }
+        }
+        assert_eq!(states[..], voyage.states[..states.len()]);
+        assert_eq!(states.len(), 301);
+        let mut expected = voyage.on_board;
+        expected.sort_by_key(|detection| (detection.scan, detection.time_of_measurement_ns));
+        assert_eq!(detections, expected);
+        let mut again = SimulatedShip::new(settings, 5);
+        again.restart_at(12.0);
+        assert_eq!(again.next_state(), Some(states[121]));
+        assert!(again.next_scan().iter().all(|detection| detection.scan == 6));
+    }
+
     /// Carried into the system's terms, the detections on board lie at the targets, with the stated errors.
     #[test]
     fn detections_on_board_lie_at_their_targets() {
@@ -307,13 +466,14 @@ mod tests {
         for state in &voyage.states {
             history.add(state);
         }
+        let paths = settings.paths(3, 122.0);
         let (mut sum, mut rest, mut count) = ([0.0; 2], [0.0; 2], 0.0);
         for (measured, still) in voyage.on_board.iter().zip(&voyage.at_rest) {
             let Some(DetectionTruth::Target(id)) = measured.truth else {
                 continue;
             };
             let time_s = measured.time_of_measurement_ns as f64 / NS_PER_S;
-            let target = at(&settings.path(3, id), time_s);
+            let (target, _) = paths[id as usize].at(time_s);
             let pose = history.at(measured.time_of_measurement_ns).unwrap();
             let carried = settings.mount().carry(measured, &pose, None, None).unwrap().detection;
             for (detection, sum) in [(&carried, &mut sum), (still, &mut rest)] {

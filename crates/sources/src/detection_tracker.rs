@@ -92,6 +92,8 @@ pub struct DetectionTracker {
     dropped: u64,
     /// Detections refused by their age.
     deselected: u64,
+    /// Detections refused for want of a state of the sensor's platform.
+    unplaced: u64,
     cues: u64,
     reports_late: u64,
     reports_dropped: u64,
@@ -126,6 +128,7 @@ impl DetectionTracker {
             late: 0,
             dropped: 0,
             deselected: 0,
+            unplaced: 0,
             cues: 0,
             reports_late: 0,
             reports_dropped: 0,
@@ -156,6 +159,11 @@ impl DetectionTracker {
                 .detections
                 .push(event.sample(sensor_id as u16 - 1, ingested(ingested_ns)));
             self.taken += u64::from(matches!(event, SensorEvent::Detection(_)));
+        }
+        if matches!(event, SensorEvent::Unplaced(_)) {
+            // Published all the same: the recording holds what was refused.
+            self.unplaced += 1;
+            return;
         }
         match self.joiner.take(sensor, &event, ingested_ns) {
             DetectionTreatment::Waits => self.come_to(samples),
@@ -289,6 +297,7 @@ impl DetectionTracker {
         let counts = self.tracker.tracker().counts();
         counters[Counter::Detections] = self.detections;
         counters[Counter::RejectedLate] += self.late;
+        counters[Counter::RejectedPlatform] += self.unplaced;
         let deselected = match self.tracker.tracker().settings().selection.kept_weight {
             Some(_) => 0,
             None => self.deselected + counts.deselected_detections,

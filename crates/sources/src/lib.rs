@@ -9,7 +9,8 @@
 //! and the cues of sensors. `koseki track` uses it too, so a live source and its recorded detections give the same
 //! tracks.
 //!
-//! [`joining`] joins the detections of several sensors into one order of scans.
+//! [`carrying`] turns detections of sensors on a moving platform into detections in the system frame; [`joining`] joins
+//! the detections of several sensors into one order of scans.
 //!
 //! This crate performs no I/O and reads no clock. The output depends on the data and their order, never on the time
 //! of reading.
@@ -17,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 mod bearing_locator;
+pub mod carrying;
 mod detection_tracker;
 pub mod joining;
 mod last_kept;

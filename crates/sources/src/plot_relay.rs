@@ -13,6 +13,9 @@ use reception::PlausibilityLimits;
 use crate::detection_tracker::ingested;
 use crate::samples::Samples;
 
+/// Largest distance of a sensor's stated place from the origin of the system frame, as of a platform's states, metres.
+const PLACE_MAX_M: f64 = 1e6;
+
 /// Relay of one sensor's detections.
 #[derive(Debug)]
 pub(crate) struct PlotRelay {
@@ -98,14 +101,52 @@ impl PlotRelay {
         }
     }
 
-    /// Whether the detected place may be that of a target; a direction names no place.
+    /// Whether the detected place may be that of a target, and the stated place that of a sensor; a direction names no
+    /// place of a target.
     fn is_near(&self, detection: &Detection) -> bool {
+        let [sensor_east, sensor_north, _] = detection.platform_m;
+        // Not a number is no place, either.
+        let is_placed = sensor_east.hypot(sensor_north) <= PLACE_MAX_M;
         let [east, north, _] = detection.values;
         let distance_m = match detection.kind.quantities() {
             [Quantity::East, ..] => (east - detection.platform_m[0]).hypot(north - detection.platform_m[1]),
             [Quantity::Range, ..] => detection.values[0],
             _ => 0.0,
         };
-        distance_m <= self.limits.range_m
+        is_placed && distance_m <= self.limits.range_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use messages::DetectionKind;
+    use observations::{DetectionPlatform, TransponderReply};
+
+    use super::*;
+
+    #[test]
+    fn a_sensor_beyond_a_thousand_kilometres_is_refused() {
+        let mut relay = PlotRelay::new(0, PlausibilityLimits::default());
+        let mut samples = Samples::default();
+        for (number, east) in [9e5, 1.1e6, f64::NAN].into_iter().enumerate() {
+            let detection = Detection {
+                time_of_measurement_ns: 1,
+                sensor_id: 1,
+                scan: 0,
+                detection_id: number as u32,
+                kind: DetectionKind::Bearing,
+                values: [0.1, 0.0, 0.0],
+                range_rate_mps: None,
+                sigmas: None,
+                platform_m: [east, 0.0, 0.0],
+                platform: DetectionPlatform::default(),
+                reply: TransponderReply::default(),
+                truth: None,
+            };
+            relay.row(&SensorEvent::Detection(detection), 0, &mut samples);
+        }
+        let mut counters = Counters::default();
+        relay.count(&mut counters);
+        assert_eq!((samples.detections.len(), counters[Counter::RejectedPosition]), (1, 2));
     }
 }

@@ -1,12 +1,12 @@
 //! Adapter process: one per sensor or network input, converts sensors' data to sensor tracks and publishes them.
 //!
 //! Live data arrive in datagrams (`receiver`), which contain ASTERIX (`blocks`), bearings, detections or counts
-//! (`tables`), or in lines over a connection (`lines`). The source's pipeline converts observations to samples
-//! ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data are read
-//! as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's data as
-//! counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the detections of its
-//! sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`, the
-//! states of platforms that carry sensors in `platform`.
+//! (`tables`), or in lines over a connection (`lines`, `row_lines`). The source's pipeline converts observations to
+//! samples ([`sources`]), and `channel` publishes them; `capture` stores the received bytes on request. Recorded data
+//! are read as a whole: a source's data are decoded piece by piece (`recorded_source`, `content`), a wide-area sensor's
+//! data as counts; `replay` publishes both, paced by their own times. A tracker process (`tracker`) takes the
+//! detections of its sensors from their topics, or reads their recordings. Sensors that only count are in `wide_area`,
+//! the states of platforms that carry sensors in `platform`.
 
 #![forbid(unsafe_code)]
 
@@ -26,6 +26,7 @@ mod plot_rows;
 mod receiver;
 pub mod recorded_source;
 mod replay;
+mod row_lines;
 mod tables;
 mod tracker;
 mod wide_area;
@@ -40,6 +41,7 @@ use crate::blocks::BlockSources;
 use crate::lines::LineAgent;
 use crate::plot_rows::PlotRows;
 use crate::receiver::DatagramAgent;
+use crate::row_lines::RowLineAgent;
 
 /// Source, and how its tracks come about.
 pub(crate) type Processed<'a> = (&'a Source, &'a Processing);
@@ -72,6 +74,9 @@ pub fn run(process: &Process, processing: &[Processing]) -> anyhow::Result<()> {
         let mut agent: Box<dyn Agent> = match &receiver.transport {
             ReceiverTransport::Sbs { server, settings } => {
                 Box::new(LineAgent::new(process, *server, *settings, &sources)?)
+            }
+            ReceiverTransport::Rows { server } => {
+                Box::new(RowLineAgent::new(*server, PlotRows::new(process, &sources)?)?)
             }
             transport if sources.iter().any(|(source, _)| source.has_rows()) => Box::new(DatagramAgent::open(
                 process,

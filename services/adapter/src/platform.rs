@@ -32,7 +32,7 @@ const DEVICE_OCTETS: usize = 4096;
 /// Time between two attempts to open a device, nanoseconds.
 const REOPEN_NS: i64 = 1_000_000_000;
 /// Distance from the origin of the system frame beyond which the plane of the frame distorts, metres.
-const FAR_M: f64 = 300e3;
+pub(crate) const FAR_M: f64 = 300e3;
 /// Most states of one turn; a further one begins the next slice.
 const STATES_MAX: usize = 1024;
 
@@ -46,6 +46,11 @@ pub(crate) fn agent(process: &Process, platform: &Platform) -> anyhow::Result<Bo
         PlatformInput::Live(PlatformFeed::Udp(settings)) => Box::new(DatagramAgent::open(
             process,
             &ReceiverTransport::Udp(settings.clone()),
+            states,
+        )?),
+        PlatformInput::Live(PlatformFeed::Loopback(port)) => Box::new(DatagramAgent::open(
+            process,
+            &ReceiverTransport::Loopback { port: *port },
             states,
         )?),
         PlatformInput::Live(PlatformFeed::Tcp(server)) => Box::new(StreamAgent {
@@ -63,7 +68,7 @@ pub(crate) fn agent(process: &Process, platform: &Platform) -> anyhow::Result<Bo
             what: path.display().to_string(),
             states,
         }),
-        PlatformInput::External => {
+        PlatformInput::Recorded(_) | PlatformInput::External => {
             anyhow::bail!("platform {} is received by no process", platform.name)
         }
     })

@@ -77,7 +77,9 @@ impl<D: DatagramReader> DatagramAgent<D> {
             ReceiverTransport::Loopback { port } => {
                 Cow::Owned(ReceiverSettings::new(IpAddr::V4(process.loopback), *port))
             }
-            ReceiverTransport::Sbs { server, .. } => anyhow::bail!("{server} sends lines and no datagrams"),
+            ReceiverTransport::Rows { server } | ReceiverTransport::Sbs { server, .. } => {
+                anyhow::bail!("{server} sends lines and no datagrams")
+            }
         };
         let socket = UdpReceiver::open(&settings)?;
         let capture = Capture::open(process, socket.local_address())?;

@@ -4,10 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use deployment::{
-    Input, Platform, PlatformFeed, PlatformInput, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput,
-    WideAreaSensor,
-};
+use deployment::{Input, ReportOrder, Source, TrackFeed, WaitWord, WideAreaInput, WideAreaSensor};
 use monitor::MonitorWait;
 use offline::Usage;
 use scenario::ScenarioSettings;
@@ -251,23 +248,14 @@ fn summary(path: &Path, config: &Config, found: &[RecordingFindings], free_bytes
         );
     }
     for platform in &config.platforms {
-        let _ = writeln!(text, "platform {}   {}", platform.number, describe_platform(platform));
+        let _ = writeln!(
+            text,
+            "platform {}   {}",
+            platform.number,
+            check_trackers::describe_platform(platform)
+        );
     }
     text
-}
-
-fn describe_platform(platform: &Platform) -> String {
-    let input = match &platform.input {
-        PlatformInput::Live(PlatformFeed::Udp(udp)) => format!("live, datagrams to {}:{}", udp.address, udp.port),
-        PlatformInput::Live(PlatformFeed::Tcp(server)) => format!("live, sentences from {server}"),
-        PlatformInput::Live(PlatformFeed::Device(device)) => format!("live, sentences from {}", device.display()),
-        PlatformInput::External => "external, published by a separate process".to_owned(),
-    };
-    format!(
-        "{}: {input}; states at most {} s apart",
-        platform.name,
-        platform.assumed.max_gap_s.s()
-    )
 }
 
 fn describe(source: &Source, config: &Config, found: Option<&RecordingFindings>) -> String {

@@ -1,6 +1,6 @@
-//! Tracker processes in the answer of `koseki check`: their sensors, and waits that contradict the sensors.
+//! Tracker processes in the answer of `koseki check`: sensors and platforms, and waits that contradict the sensors.
 
-use deployment::{Input, Source};
+use deployment::{Input, Platform, PlatformFeed, PlatformInput, Source};
 use tracking::cutting::{Boundaries, CutterSettings};
 
 use crate::config::Config;
@@ -26,6 +26,23 @@ pub(crate) fn describe(source: &Source, config: &Config) -> String {
     format!(
         "a tracker process joins the detections of {}; a scan waits at most {wait_s} s for others",
         sensors.join(", ")
+    )
+}
+
+/// Returns the input of a platform that carries sensors, in words.
+pub(crate) fn describe_platform(platform: &Platform) -> String {
+    let input = match &platform.input {
+        PlatformInput::Live(PlatformFeed::Udp(udp)) => format!("live, datagrams to {}:{}", udp.address, udp.port),
+        PlatformInput::Live(PlatformFeed::Loopback(_)) => "simulated".to_owned(),
+        PlatformInput::Live(PlatformFeed::Tcp(server)) => format!("live, sentences from {server}"),
+        PlatformInput::Live(PlatformFeed::Device(device)) => format!("live, sentences from {}", device.display()),
+        PlatformInput::Recorded(file) => format!("recorded, {}", file.display()),
+        PlatformInput::External => "external, published by a separate process".to_owned(),
+    };
+    format!(
+        "{}: {input}; states at most {} s apart",
+        platform.name,
+        platform.assumed.max_gap_s.s()
     )
 }
 

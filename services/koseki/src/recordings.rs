@@ -14,11 +14,13 @@ use std::path::{Path, PathBuf};
 use asterix::{Error as BlockError, blocks, registry};
 use csv_table::CsvError;
 use deployment::{
-    Input, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated, WideAreaInput, WideAreaSensor,
+    Input, Platform, PlatformInput, PlotFormat, Recorded, RecordedFormat, SampleDelivery, Source, Truncated,
+    WideAreaInput, WideAreaSensor,
 };
 use formats::autoferry;
 use formats::containers::{Container, TimeStamp, datagrams};
 use formats::foreign::Foreign;
+use formats::platform_states_csv::PlatformStateReader;
 use formats::sbs::{AircraftMerger, SbsLine, SbsSettings};
 use formats::scan_rows_csv::ScanRowReader;
 use formats::sensor_tracks_csv::SensorTrackReader;
@@ -136,7 +138,30 @@ pub(crate) fn inspect(config: &Config, data: &Path, depth: Depth) -> Result<Vec<
     for sensor in &config.tracker_sensors {
         inspect_plots(sensor, data, depth)?;
     }
+    config
+        .platforms
+        .iter()
+        .try_for_each(|platform| inspect_states(platform, data))?;
     Ok(found)
+}
+
+/// Checks the recording of a platform, if present.
+fn inspect_states(platform: &Platform, data: &Path) -> Result<(), UnusableRecording> {
+    let PlatformInput::Recorded(file) = &platform.input else {
+        return Ok(());
+    };
+    let key = RecordingOwner {
+        whose: format!("platform \"{}\"", platform.name).into(),
+        place: format!("platform[{}].recorded", platform.number).into(),
+    };
+    let file = data.join(file);
+    let looked = match fs::read(&file) {
+        Err(error) => Err(key.unreadable(&error)),
+        Ok(bytes) => PlatformStateReader::new(&bytes[..], 0)
+            .map(|_| ())
+            .map_err(|error| key.no_table(&error, "states")),
+    };
+    looked.map_err(|what| UnusableRecording { file, what })
 }
 
 /// Checks the recording of a tracker's sensor, if present. The tracker process counts unreadable rows.

@@ -3,7 +3,8 @@
 //!
 //! Each sensor uses the category of its kind: a radar CAT048 with CAT034, multilateration CAT020 with CAT019, ADS-B
 //! CAT021 with CAT023 (`feed`). A direction finder sends tables of bearings (`direction_finder`). A wide-area
-//! sensor sends tables of counts with the configured delay (`wide_area`). Both send rows in datagrams (`rows`). All
+//! sensor sends tables of counts with the configured delay (`wide_area`). Both send rows in datagrams (`rows`). A ship
+//! sends sentences of NMEA 0183, and its radar rows of detections (`ship`). All
 //! datagrams go to the adapter of their source at the deployment's own loopback address. A demonstration thus runs
 //! through the same sockets, decoders and checks as a deployment with real sensors. Values that a category cannot
 //! express (a radar's report has no covariance) are missing as in reality. A radar configured for plots sends plots
@@ -18,6 +19,7 @@ mod direction_finder;
 mod feed;
 mod rows;
 mod sensor;
+mod ship;
 mod wide_area;
 
 pub use feed::SensorFeed;
@@ -31,10 +33,11 @@ use deployment::{Input, Instrument, Process, ReceiverTransport};
 use messages::NS_PER_S;
 use net::{SenderSettings, UdpSender};
 use runtime::{Agent, HealthEntry, Now, Turn};
-use scenario::Truth;
+use scenario::{ScenarioSettings, Truth};
 
 use crate::direction_finder::DirectionFinder;
 use crate::sensor::AsterixSensor;
+use crate::ship::Ship;
 use crate::wide_area::SimulatedWideArea;
 
 /// Maximum size of a datagram, bytes: the payload of one Ethernet frame.
@@ -71,7 +74,13 @@ struct Simulator {
 impl Simulator {
     fn new(process: &Process) -> anyhow::Result<Self> {
         let config = &process.config;
-        let world = config.scenario.as_ref().context("there is no [scenario]")?;
+        let ships = config.platforms.iter().filter(|platform| platform.simulated.is_some());
+        // Ships bring their targets along, so nothing observes this world.
+        let world = match &config.scenario {
+            Some(world) => world.clone(),
+            None if ships.clone().count() > 0 => ScenarioSettings::default(),
+            None => anyhow::bail!("there is no [scenario]"),
+        };
         let mut observers: Vec<Box<dyn WorldObserver>> = Vec::new();
         for source in &config.sources {
             let Input::Simulated(simulated) = &source.input else {
@@ -95,8 +104,15 @@ impl Simulator {
                 ));
             }
         }
+        for platform in ships {
+            if let Some(settings) = &platform.simulated {
+                let ship = Ship::new(process, platform, settings);
+                let ship = ship.with_context(|| format!("simulated platform {}", platform.name))?;
+                observers.push(Box::new(ship));
+            }
+        }
         Ok(Self {
-            truth: Truth::new(world, process.options.seed)?.round(config.frame),
+            truth: Truth::new(&world, process.options.seed)?.round(config.frame),
             start_utc_ns: process.options.scenario_start_ns,
             observers,
         })

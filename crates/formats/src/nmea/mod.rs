@@ -23,6 +23,8 @@
 mod fields;
 mod reader;
 mod sentence;
+mod writer;
 
 pub use reader::{NmeaReader, NmeaSettings};
 pub use sentence::{NmeaCounts, NmeaFault};
+pub use writer::write_sentences;

@@ -26,6 +26,7 @@ impl Line {
         let system = SystemFrame::at(place);
         let table = registry::default_edition(62).unwrap();
         let model = ConversionModel {
+            is_on_board: false,
             number: source,
             sac_sic: Some((1, 2)),
             method: Method::Any,

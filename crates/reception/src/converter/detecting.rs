@@ -42,6 +42,9 @@ impl Converter {
         let time_ns = self.pass(observation)?.believed()?;
         let height = self.reported_height(observation).map_or(Height::Unknown, Height::Known);
         let used = self.plot(observation).ok_or(Counter::RejectedNoPosition)?;
+        if self.model.is_on_board {
+            return self.as_measured(observation, used, time_ns);
+        }
         let placed = place(&self.model, used, height)?;
         let own = accuracy::own_position(&self.model, observation, used)?;
         if placed.slant.is_some_and(|slant| slant.is_assumed()) {
@@ -64,6 +67,32 @@ impl Converter {
                 (kind, placed.position_m, [sigma(0), sigma(1), sigma(2)])
             }
         };
+        Ok(self.detection(observation, time_ns, (kind, values, sigmas), platform_m))
+    }
+
+    /// Slant range and azimuth of a radar on a platform that moves: where the platform was is not known yet, so nothing
+    /// is converted.
+    fn as_measured(&self, observation: &Observation, used: Position, time_ns: i64) -> Result<Detection, Counter> {
+        let (Position::Slant([range_m, azimuth_rad]) | Position::Polar([range_m, azimuth_rad])) = used else {
+            return Err(Counter::RejectedNoPosition);
+        };
+        let sigma = self.model.covariance.polar().ok_or(Counter::RejectedNoPosition)?;
+        if !(0.0..=self.model.limits.range_m).contains(&range_m) || !azimuth_rad.is_finite() {
+            return Err(Counter::RejectedPosition);
+        }
+        let values = [range_m, azimuth_rad.rem_euclid(TAU), 0.0];
+        let sigmas = [sigma.range_m, sigma.azimuth_rad, 0.0];
+        let measured = (DetectionKind::RangeBearing, values, sigmas);
+        Ok(self.detection(observation, time_ns, measured, [0.0; 3]))
+    }
+
+    fn detection(
+        &self,
+        observation: &Observation,
+        time_ns: i64,
+        (kind, values, sigmas): (DetectionKind, [f64; 3], [f64; 3]),
+        platform_m: [f64; 3],
+    ) -> Detection {
         let doppler = self.model.covariance.doppler_sigma_mps.zip(observation.doppler_mps);
         let range_rate = doppler.map(|(sigma_mps, speed_mps)| match self.model.covariance.doppler_towards {
             true => (-speed_mps, sigma_mps),
@@ -71,7 +100,7 @@ impl Converter {
         });
         let measured = kind.quantities().len();
         let only_measured = |place: usize, value: f64| if place < measured { value } else { 0.0 };
-        Ok(Detection {
+        Detection {
             time_of_measurement_ns: time_ns,
             sensor_id: sensor_id(self.model.number),
             scan: 0,
@@ -87,7 +116,7 @@ impl Converter {
             platform: DetectionPlatform::default(),
             reply: self.reply(observation),
             truth: None,
-        })
+        }
     }
 
     /// Values that the target's transponder stated. A code that is not validated, or garbled, has not come so far.

@@ -17,6 +17,7 @@ fn converter() -> Converter {
     let place = Geodetic::from_degrees(41.297063, 2.078447, 0.0).unwrap();
     let system = SystemFrame::at(place);
     let model = ConversionModel {
+        is_on_board: false,
         number: 1,
         sac_sic: Some((0, 107)),
         method: Default::default(),
@@ -852,6 +853,23 @@ fn a_plot_without_height_is_detected_on_the_ground() {
     let sigma = detection.sigmas.unwrap()[0];
     assert!((sigma * sigma - 3.077e6).abs() < 0.02e6, "{sigma}");
     assert_eq!(converter.counters()[Counter::HeightAssumed], 1);
+}
+
+#[test]
+fn a_plot_of_a_radar_on_board_stays_as_measured() {
+    let mut converter = polar(central_radar());
+    converter.model.is_on_board = true;
+    let at = |slant_polar| Observation {
+        slant_polar: Some(slant_polar),
+        ..plot(1.0)
+    };
+    // Neither an assumed height nor the place of the radar enters.
+    let detection = converter.detect(&at([20e3, 1.0])).unwrap();
+    assert_eq!(detection.kind, DetectionKind::RangeBearing);
+    assert_eq!((detection.values, detection.platform_m), ([20e3, 1.0, 0.0], [0.0; 3]));
+    assert_eq!(detection.sigmas, Some([40.0, 0.001, 0.0, 0.0]));
+    assert_eq!(converter.detect(&at([converter.model.limits.range_m + 1.0, 1.0])), None);
+    assert_eq!(converter.counters()[Counter::RejectedPosition], 1);
 }
 
 #[test]

@@ -28,6 +28,7 @@ fn model() -> ConversionModel {
     let system = SystemFrame::at(Geodetic::from_degrees(43.0, 19.3, 0.0).unwrap());
     let place = Geodetic::from_degrees(43.72, 18.57, 1900.0).unwrap();
     ConversionModel {
+        is_on_board: false,
         number: 0,
         sac_sic: Some((23, 2)),
         method: Default::default(),

@@ -8,15 +8,20 @@ use std::time::Duration;
 
 use bus::{SharedMemory, Subscriber, WaitMode, Waiter};
 use deployment::{Input, Process, Source};
-use messages::{Counter, Counters, SensorDetection};
+use messages::{Counter, Counters, PlatformState, SensorDetection};
 use observations::{Sampled, SensorEvent};
+use platform::State;
 use runtime::clock::SteadyClock;
 use runtime::{Agent, HealthEntry, Now, Turn};
+use sources::carrying::Carrying;
 use sources::{Pipeline, Processing, Samples};
 use tracking::wide_area::arrivals::Arrivals;
 
 use crate::Processed;
 use crate::channel::SourceChannel;
+use crate::platform::FAR_M;
+
+use super::on_board;
 
 /// Longest wait for detections in one turn, bounded by health messages and stop requests.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -32,6 +37,13 @@ pub(super) struct TrackerAgent {
     steady: SteadyClock,
     /// Events of a turn: monotonic time of receipt (nanoseconds), place of the sensor, event.
     taken: Vec<(i64, usize, SensorEvent)>,
+    /// States of the platforms that carry sensors.
+    platforms: Vec<Subscriber<SharedMemory, PlatformState>>,
+    carrying: Carrying<i64>,
+    /// Events for the tracker: place of the sensor, event, monotonic time of receipt.
+    carried: Vec<(usize, SensorEvent, i64)>,
+    /// Distance from the frame's origin of the sensor that measured the latest detection, metres.
+    distance_m: f64,
 }
 
 /// Sensor of the tracker.
@@ -39,6 +51,8 @@ pub(super) struct TrackerAgent {
 struct TrackedSensor {
     number: u16,
     name: String,
+    /// Whether its detections state where it is, or its platform does.
+    may_move: bool,
     events: Subscriber<SharedMemory, SensorDetection>,
     /// Checks of an external sensor.
     checks: Option<Box<Pipeline>>,
@@ -57,13 +71,24 @@ impl TrackerAgent {
             sensors.push(TrackedSensor {
                 number: sensor.number,
                 name: sensor.name.clone(),
+                may_move: sensor.on_board.is_some() || sensor.has_rows(),
                 events: process.bus.subscriber(&topic, || process.incarnation)?,
                 checks: checks(process, sensor)?,
                 unknown: 0,
             });
         }
+        let mut platforms = Vec::new();
+        for platform in on_board::platforms(process, tracker) {
+            let topic = messages::platform_states(&platform.name);
+            waiter.watch(&process.bus, &topic)?;
+            platforms.push(process.bus.subscriber(&topic, || process.incarnation)?);
+        }
         Ok(Self {
             channel: SourceChannel::open(process, tracker)?,
+            platforms,
+            carrying: on_board::carrying(process, tracker, None),
+            carried: Vec::new(),
+            distance_m: 0.0,
             sensors,
             waiter,
             steady: SteadyClock::of(Now::read()),
@@ -108,6 +133,25 @@ impl TrackerAgent {
         self.taken.sort_by_key(|(came_ns, place, _)| (*came_ns, *place));
         Ok(())
     }
+
+    /// Puts the detections of sensors on board into the system frame. The states of the turn come first: whether a
+    /// detection has waited too long should depend as little as possible on the load of the machine.
+    fn carry(&mut self) -> anyhow::Result<()> {
+        self.carried.clear();
+        let (carrying, carried) = (&mut self.carrying, &mut self.carried);
+        for (place, states) in self.platforms.iter_mut().enumerate() {
+            states.take(SLICES_PER_TURN, |_, samples| {
+                let states = samples.iter().map(State::of_sample);
+                states.for_each(|state| carrying.state(place, &state));
+            })?;
+        }
+        let mut out = |place, event, came_ns| carried.push((place, event, came_ns));
+        carrying.release(&mut out);
+        for (came_ns, place, event) in &self.taken {
+            carrying.take(*place, *event, *came_ns, &mut out);
+        }
+        Ok(())
+    }
 }
 
 /// Checks of a sensor whose detections pass no adapter.
@@ -128,26 +172,36 @@ impl Agent for TrackerAgent {
     fn turn(&mut self, now: Now) -> anyhow::Result<Turn> {
         self.take(now)?;
         self.channel.listen()?;
-        for (came_ns, place, event) in &self.taken {
+        self.carry()?;
+        for (place, event, came_ns) in &self.carried {
+            if let SensorEvent::Detection(detection) = event
+                && self.sensors[*place].may_move
+            {
+                let [east, north, _] = detection.platform_m;
+                self.distance_m = east.hypot(north);
+            }
             self.channel.event(*place, event, *came_ns)?;
         }
         self.channel.publish()?;
-        Ok(match self.taken.is_empty() {
+        Ok(match self.taken.is_empty() && self.carried.is_empty() {
             true => Turn::Idle(PATIENCE),
             false => Turn::Worked,
         })
     }
 
     fn wait(&mut self, at_most: Duration) -> anyhow::Result<()> {
-        let sensors = &self.sensors;
-        self.waiter
-            .wait(at_most, || sensors.iter().any(|sensor| sensor.events.has_slices()))?;
+        let (sensors, platforms) = (&self.sensors, &self.platforms);
+        self.waiter.wait(at_most, || {
+            let has_states = platforms.iter().any(Subscriber::has_slices);
+            has_states || sensors.iter().any(|sensor| sensor.events.has_slices())
+        })?;
         Ok(())
     }
 
     fn health(&self, entries: &mut Vec<HealthEntry>) {
         let mut of_tracker = self.channel.health(&Counters::default());
         let lost = self.sensors.iter().map(|sensor| sensor.events.counts());
+        let lost = lost.chain(self.platforms.iter().map(Subscriber::counts));
         of_tracker.set(
             Counter::Lost,
             lost.map(|counts| counts.lost + counts.schema_mismatch).sum(),
@@ -159,6 +213,9 @@ impl Agent for TrackerAgent {
             ..HealthEntry::default()
         };
         whole.add_sources(std::slice::from_ref(&of_tracker));
+        if self.distance_m > FAR_M {
+            whole.set(Counter::PlatformFarKm, (self.distance_m / 1e3) as u64);
+        }
         entries.extend([whole, of_tracker]);
         entries.extend(self.sensors.iter().filter_map(TrackedSensor::health));
     }

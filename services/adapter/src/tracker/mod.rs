@@ -7,6 +7,7 @@
 //! (`sensor/<tracker>/detections`). `koseki track` repeats the tracks from these recorded events.
 
 mod live;
+mod on_board;
 mod recorded;
 
 use deployment::Process;

@@ -23,6 +23,8 @@ use crate::plot_rows::event_of;
 use crate::recorded_source::{AHEAD, counts};
 use crate::replay::{Published, ReplayAgent, Replayed};
 
+use super::on_board;
+
 /// Recorded sensors and their tracker.
 #[derive(Debug)]
 pub(super) struct RecordedTracker {
@@ -58,6 +60,7 @@ pub(super) fn replay(process: &Process, tracker: Processed<'_>) -> anyhow::Resul
         next_detection: 0,
     };
     recording.read_all(process.config.sensors_of(source), &process.options.data, first_day_ns)?;
+    recording.carry(process, tracker)?;
     recording.track_ahead();
     let published = |stream| StreamId {
         stream,
@@ -101,6 +104,31 @@ impl RecordedTracker {
         }
         all.sort_by_key(|(come_ns, place, _)| (*come_ns, *place));
         self.events = all.into_iter().map(|(_, place, event)| (place, event)).collect();
+        Ok(())
+    }
+
+    /// Puts the detections of sensors on board into the system frame. All states are known before the first detection.
+    fn carry(&mut self, process: &Process, tracker: Processed<'_>) -> anyhow::Result<()> {
+        let mut all = Vec::new();
+        for platform in on_board::platforms(process, tracker) {
+            all.push(on_board::recorded_states(
+                platform,
+                &process.options.data,
+                process.first_day_ns(),
+            )?);
+        }
+        let states_max = all.iter().map(Vec::len).max().unwrap_or(0);
+        let mut carrying = on_board::carrying(process, tracker, Some(states_max));
+        for (place, states) in all.iter().enumerate() {
+            states.iter().for_each(|state| carrying.state(place, state));
+        }
+        carrying.states_end();
+        let events = std::mem::take(&mut self.events);
+        let carried = &mut self.events;
+        let mut out = |place, event, ()| carried.push_back((place, event));
+        for (place, event) in events {
+            carrying.take(place, event, (), &mut out);
+        }
         Ok(())
     }
 

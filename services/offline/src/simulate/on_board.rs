@@ -45,9 +45,13 @@ pub(super) fn run(simulate: &Simulate, host: &dyn Host) -> anyhow::Result<()> {
     let mut mounting = host.begin(&out.join("mounting.toml"))?;
     write!(
         mounting,
-        "# Targets at sea: without this, a tracker assumes them kilometres above and below the radar.\n\
+        "# Accelerations of ships; the usual ones are those of aircraft.\n\
+         [motion]\nprocess_noise_m2ps3 = [{}, 0.001]\nslow_mps = 0.001\n\
+         [motion.manoeuvres]\nenabled = false\n\n\
+         # Targets at sea: without this, a tracker assumes them kilometres above and below the radar.\n\
          [initiation]\nheight_sigma_m = 30.0\nclimb_sigma_mps = 0.1\n\n\
-         [platform]\n[[platform.sensor]]\nid = 1\nlever_arm_m = [{forward}, {right}, {up}]\n"
+         [platform]\n[[platform.sensor]]\nid = 1\nlever_arm_m = [{forward}, {right}, {up}]\n",
+        settings.acceleration_m2ps3.max(1e-6)
     )
     .with_context(unwritten)?;
     mounting.finish()?;

@@ -12,12 +12,15 @@ mod recorded_events;
 mod summary;
 mod support;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use configuration::{Config, SeenDetections, Tracking};
 use deployment::Source;
+use frames::SystemFrame;
 use observations::sensor_id;
-use platform::OfflinePlatform;
+use platform::Mount;
+use sources::carrying::Carrier;
 use sources::{Outputs, ScanTracker, SensorScan};
 use tracking::Settings;
 use tracking::explanation::Observer;
@@ -146,11 +149,59 @@ impl TrackConfiguration {
         })
     }
 
-    /// The platform of the sensors.
-    fn platform(&self) -> OfflinePlatform {
+    /// Assumptions on the states of the platform.
+    fn carrier(&self) -> Carrier {
+        let platform = match self {
+            Self::Offline(config) => {
+                let settings = config.platform();
+                Some((settings.assumed, settings.wait_s.ns()))
+            }
+            Self::Deployment(config) => {
+                let carries = |sensor: &Source| sensor.on_board.and_then(|on_board| on_board.platform);
+                let number = config.tracker_sensors.iter().find_map(carries);
+                let platform = number.and_then(|number| config.platforms.get(usize::from(number)));
+                platform.map(|platform| (platform.assumed, platform.wait_ns))
+            }
+        };
+        let (assumed, wait_ns) = platform.unwrap_or_default();
+        Carrier {
+            assumed,
+            wait_ns,
+            states_max: 0,
+        }
+    }
+
+    /// Mounting of a sensor that the platform of `--platform` carries.
+    fn mount(&self, sensor_id: u32) -> Option<Mount> {
         match self {
-            Self::Offline(config) => config.platform().clone(),
-            Self::Deployment(_) => OfflinePlatform::default(),
+            Self::Offline(config) => config.platform().mount(sensor_id),
+            Self::Deployment(config) => {
+                let on_board = sensor_of(config, sensor_id)?.on_board?;
+                on_board.platform.map(|_| on_board.mount)
+            }
+        }
+    }
+
+    /// Mounting of a sensor whose detections may state their platform themselves.
+    fn own_mount(&self, sensor_id: u32) -> Option<Mount> {
+        match self {
+            Self::Offline(config) => {
+                let mut sensors = config.platform().sensors.iter();
+                let named = sensors.find(|sensor| sensor.id == sensor_id && sensor.on_board);
+                named.map(|sensor| sensor.mount)
+            }
+            Self::Deployment(config) => {
+                let on_board = sensor_of(config, sensor_id)?.on_board?;
+                on_board.platform.is_none().then_some(on_board.mount)
+            }
+        }
+    }
+
+    /// Frame of a deployment: north of a sensor on board is then that at the platform.
+    fn frame(&self) -> Option<SystemFrame> {
+        match self {
+            Self::Offline(_) => None,
+            Self::Deployment(config) => Some(config.frame),
         }
     }
 
@@ -158,7 +209,11 @@ impl TrackConfiguration {
     fn sigmas(&self, sensor_id: u32) -> Option<[f64; 4]> {
         match self {
             Self::Offline(config) => config.sigmas(sensor_id),
-            Self::Deployment(_) => None,
+            Self::Deployment(config) => {
+                let tracker = config.tracker_of(&BTreeSet::from([sensor_id]))?;
+                let mut facts = tracker.settings.sensors.iter();
+                facts.find(|facts| facts.sensor_id == sensor_id)?.default_sigmas()
+            }
         }
     }
 
@@ -173,7 +228,7 @@ impl TrackConfiguration {
         };
         let mut ids = seen.sensor_ids.iter();
         match (ids.next(), ids.next()) {
-            (Some(id), None) => match tracker_of(id) {
+            (Some(id), None) => match tracker_of(id).or_else(|| config.tracker_of(&seen.sensor_ids)) {
                 Some(tracker) => Ok(tracker.settings.clone()),
                 None => {
                     let what =
@@ -193,6 +248,14 @@ impl TrackConfiguration {
             }
         }
     }
+}
+
+/// Sensor of a tracker process, by its number in files.
+fn sensor_of(config: &Config, id: u32) -> Option<&Source> {
+    config
+        .tracker_sensors
+        .iter()
+        .find(|sensor| sensor_id(sensor.number) == id)
 }
 
 /// Rejects detections given twice, inputs that would be overwritten, and outputs that share a file.

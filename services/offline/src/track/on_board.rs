@@ -1,15 +1,16 @@
 //! Detections of sensors on a moving platform (`--platform`), carried into the system's terms before they are tracked.
 //!
-//! The steps are those of live trackers: history, mounting, waiting room (crate `platform`). All states are known
-//! before the first detection, so no detection waits.
+//! The code is that of tracker processes ([`sources::carrying`]). All states are known before the first detection, so
+//! no detection waits.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
-use observations::Detection;
-use platform::{History, WaitingCounts, WaitingRoom};
+use observations::SensorEvent;
+use platform::WaitingCounts;
 use serde_json::{Value, json};
+use sources::carrying::{CarriedSensor, Carrier, Carrying};
 
 use crate::files::InputError;
 use crate::host::Host;
@@ -26,6 +27,45 @@ pub(super) struct OnBoard {
     counts: WaitingCounts,
 }
 
+/// The way of a file's detections through [`Carrying`].
+struct Passage {
+    places: BTreeMap<u32, usize>,
+    carrying: Carrying<()>,
+}
+
+impl Passage {
+    fn new(
+        config: &TrackConfiguration,
+        carrier: Option<Carrier>,
+        input: &DetectionInput,
+        sensor: impl Fn(u32) -> Option<CarriedSensor>,
+    ) -> Self {
+        let ids: BTreeSet<u32> = input.detections.iter().map(|detection| detection.sensor_id).collect();
+        let sensors: Vec<Option<CarriedSensor>> = ids.iter().map(|id| sensor(*id)).collect();
+        Self {
+            places: ids.into_iter().zip(0..).collect(),
+            carrying: Carrying::new(carrier.as_slice(), &sensors, config.carrier().assumed, config.frame()),
+        }
+    }
+
+    /// Replaces the detections by those in the system frame, without those that are refused.
+    fn pass(mut self, input: &mut DetectionInput) -> WaitingCounts {
+        let measured = std::mem::take(&mut input.detections);
+        let passed = &mut input.detections;
+        for detection in measured {
+            let place = self.places[&detection.sensor_id];
+            let mut out = |_, event, ()| {
+                if let SensorEvent::Detection(detection) = event {
+                    passed.push(detection);
+                }
+            };
+            self.carrying
+                .take(place, SensorEvent::Detection(detection), (), &mut out);
+        }
+        self.carrying.counts()
+    }
+}
+
 impl OnBoard {
     /// Reads the platform's states, and carries the detections of the sensors on board; refused detections are counted.
     ///
@@ -38,34 +78,25 @@ impl OnBoard {
         input: &mut DetectionInput,
     ) -> Result<Self, InputError> {
         let mut on_board = Self::default();
-        let settings = config.platform();
         let states = platform_states(host, path, &mut on_board.refusals)?;
         on_board.states = states.len() as u64;
-        let mut history = History::new(settings.assumed, states.len());
-        for state in &states {
-            history.add(state);
-        }
-        let mut rooms = BTreeMap::new();
-        let mut all = WaitingCounts::default();
-        let mut carried = |detection: &Detection| -> Option<Detection> {
-            let sensor_id = detection.sensor_id;
-            let Some(mount) = settings.mount(sensor_id) else {
-                return Some(*detection);
-            };
-            let room = rooms
-                .entry(sensor_id)
-                .or_insert_with(|| WaitingRoom::new(mount, config.sigmas(sensor_id), settings.wait_s.ns(), 1));
-            room.take(*detection, ());
-            // No further state will come.
-            room.end();
-            Some(room.next(&history, None)?.outcome.ok()?.detection)
+        let carrier = Carrier {
+            states_max: states.len(),
+            ..config.carrier()
         };
-        let detections = input.detections.iter().filter_map(&mut carried).collect();
-        input.detections = detections;
-        for room in rooms.values() {
-            all += room.counts();
+        let sensor = |sensor_id: u32| {
+            Some(CarriedSensor {
+                carrier: Some(0),
+                mount: config.mount(sensor_id)?,
+                default_sigmas: config.sigmas(sensor_id),
+            })
+        };
+        let mut carrying = Passage::new(config, Some(carrier), input, sensor);
+        for state in &states {
+            carrying.carrying.state(0, state);
         }
-        on_board.counts = all;
+        carrying.carrying.states_end();
+        on_board.counts = carrying.pass(input);
         if input.detections.is_empty() {
             let what = format!(
                 "no detection can be used: {}; check that the times of both files count from the same midnight",
@@ -86,29 +117,15 @@ impl OnBoard {
         config: &TrackConfiguration,
         input: &mut DetectionInput,
     ) -> Result<Option<Self>, InputError> {
-        let settings = config.platform();
         let mut own = Self::default();
-        let counts = &mut own.counts;
-        let carried = |detection: &Detection| {
-            let named = settings.sensors.iter().find(|sensor| sensor.id == detection.sensor_id);
-            let (Some(sensor), Some(_)) = (named.filter(|sensor| sensor.on_board), detection.platform.attitude_rad)
-            else {
-                return Some(*detection);
-            };
-            let sigmas = config.sigmas(detection.sensor_id);
-            match sensor.mount.carry_own(detection, &settings.assumed, sigmas, None) {
-                Ok(carried) => {
-                    counts.carried += 1;
-                    Some(carried.detection)
-                }
-                Err(refusal) => {
-                    counts.count(refusal);
-                    None
-                }
-            }
+        let sensor = |sensor_id: u32| {
+            Some(CarriedSensor {
+                carrier: None,
+                mount: config.own_mount(sensor_id)?,
+                default_sigmas: config.sigmas(sensor_id),
+            })
         };
-        let detections = input.detections.iter().filter_map(carried).collect();
-        input.detections = detections;
+        own.counts = Passage::new(config, None, input, sensor).pass(input);
         if input.detections.is_empty() {
             return Err(InputError::new(
                 path,

@@ -91,6 +91,10 @@ pub(super) fn run(track: &TrackArgs, host: &dyn Host) -> anyhow::Result<()> {
     let observer = explained.as_ref().map(|explained| explained as &dyn Observer);
     let progress = Progress::new(host, recorded.events.len() as u64);
     for (done, (sensor, event)) in recorded.events.iter().enumerate() {
+        if matches!(event, SensorEvent::Unplaced(_)) {
+            input.refusals.count("no state of the platform near the time");
+            continue;
+        }
         match joiner.take(*sensor, event, 0) {
             DetectionTreatment::Waits => {}
             DetectionTreatment::TooLate => input.refusals.count("late: the scan was complete"),

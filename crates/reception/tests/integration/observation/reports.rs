@@ -19,6 +19,7 @@ fn model(polar: bool, form: PositionForm) -> ConversionModel {
     let system = SystemFrame::at(Geodetic::from_degrees(46.0, 11.0, 0.0).unwrap());
     let place = Geodetic::from_degrees(45.0, 10.0, 500.0).unwrap();
     ConversionModel {
+        is_on_board: false,
         number: 3,
         sac_sic: None,
         method: Default::default(),
