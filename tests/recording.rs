@@ -179,6 +179,51 @@ fn a_recording_of_several_files_is_merged_and_cut() {
     assert_eq!(counts(&halves), [("system/tracks".to_owned(), tracks.samples, 0)]);
     let output = home.run(&["recording", "cut", "one/all.mcap", "--out", "one/all.mcap"]);
     assert_eq!(output.status.code(), Some(2));
+    let output = home.run(&[
+        "recording",
+        "cut",
+        "one/all.mcap",
+        "--topics",
+        "system/track",
+        "--out",
+        "none.mcap",
+    ]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(2) && said.contains("no topic system/track; its topics: "),
+        "{said}"
+    );
+    assert!(!home.path("none.mcap").exists());
+    check_repair(&home, several.topics["system/tracks"].samples);
+}
+
+/// Wrong bits in `one/all.mcap`, which has so many samples of system tracks, cost the chunks that they are in.
+fn check_repair(home: &Home, states: u64) {
+    let mut octets = std::fs::read(home.path("one/all.mcap")).unwrap();
+    for part in 1..4 {
+        let at = part * octets.len() / 4;
+        octets[at] ^= 1;
+    }
+    std::fs::write(home.path("damaged.mcap"), octets).unwrap();
+    let said = succeed(home, &["recording", "info", "damaged.mcap"]);
+    assert!(said.contains("damaged parts: "), "{said}");
+    let said = succeed(home, &["recording", "repair", "damaged.mcap", "--out", "repaired.mcap"]);
+    assert!(said.contains("; damaged parts skipped: "), "{said}");
+    let mut repaired = Survey::default();
+    repaired
+        .add(&mut File::open(home.path("repaired.mcap")).unwrap())
+        .unwrap();
+    let left = repaired.topics["system/tracks"].samples;
+    assert!(
+        (repaired.damaged, repaired.torn) == (0, 0) && (1..=states).contains(&left),
+        "{left}"
+    );
+    let output = home.run(&["recording", "info", "out/latest/system_tracks.csv"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(1) && said.contains("is no recording of all topics"),
+        "{said}"
+    );
 }
 
 /// A full disk costs samples of the recording, and nothing else. Needs a namespace of its own for a small disk.

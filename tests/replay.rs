@@ -138,6 +138,7 @@ fn change(from: &Path, to: &Path) {
     let mut file = Cursor::new(fs::read(from).unwrap());
     let mut show = |item: Item<'_>| -> Result<(), RecordingError> {
         match item {
+            Item::Damaged { bytes, reason } => panic!("{bytes:?}: {reason}"),
             Item::Facts(facts) => writer = Some(begin(to, &facts)),
             Item::Topic { name, schema, .. } => {
                 let has_name = |layout: &&Layout| schema.ends_with(&format!("/{}", layout.name));

@@ -135,7 +135,7 @@ fn read(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, (&'static st
                         .into_iter()
                         .for_each(|(_, all): &mut (_, Vec<u8>)| all.extend_from_slice(octets));
                 }
-                Item::Facts(_) | Item::Slice { .. } => {}
+                Item::Facts(_) | Item::Slice { .. } | Item::Damaged { .. } => {}
             }
             Ok(())
         });

@@ -327,7 +327,9 @@ fn parts(
     for part in elements {
         match part {
             Part::Spare(width) => at += usize::from(*width),
-            Part::Element { name, bits, content } => {
+            Part::Element {
+                name, bits, content, ..
+            } => {
                 let Some(value) = members.take(name) else {
                     return Ok(None);
                 };

@@ -102,8 +102,8 @@ struct Measure<'a> {
 
 impl Measure<'_> {
     fn item(&mut self, item: &'static Item) -> Result<(), ItemFault> {
-        match item.fixed_octets {
-            Some(octets) => self.skip(usize::from(octets)),
+        match item.quick_octets(&self.bytes[self.at..]) {
+            Some(octets) => self.skip(octets),
             None => self.layout(&item.layout),
         }
     }

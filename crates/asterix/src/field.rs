@@ -443,7 +443,9 @@ const fn find_in(parts: &[Part], path: &[&str], mut at: u32, since: Edition) -> 
     let mut i = 0;
     while i < parts.len() {
         match &parts[i] {
-            Part::Element { name, bits, content } if rest.is_empty() && same(name, first) => {
+            Part::Element {
+                name, bits, content, ..
+            } if rest.is_empty() && same(name, first) => {
                 return Some(Field::new(at, *bits as u32, content, since));
             }
             Part::Group(name, inner) if same(name, first) => return find_in(inner, rest, at, since),

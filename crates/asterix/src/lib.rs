@@ -72,10 +72,14 @@ pub mod table;
 pub mod text;
 pub mod times;
 
+mod bit_reader;
 mod bits;
 mod encode;
 mod extent;
 mod from_json;
+mod json;
+mod json_text;
+mod key;
 mod spare;
 
 pub use block::{Block, BlockWriter, Blocks, blocks, blocks_at};
@@ -83,6 +87,7 @@ pub use decoder::{Decoder, DecoderCounts};
 pub use encode_error::EncodeError;
 pub use error::Error;
 pub use expansion::Expansion;
+pub use json::JsonLines;
 pub use mode::Mode;
 pub use named::{NamedRecord, Value};
 pub use record::{Record, Records};

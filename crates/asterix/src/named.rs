@@ -313,6 +313,7 @@ fn parts(elements: &'static [Part], bytes: &[u8], mut at: usize, members: &mut V
                 name,
                 bits: width,
                 content,
+                ..
             } => {
                 let value = element_value(content, bytes, at, *width, members);
                 members.push((name, value));

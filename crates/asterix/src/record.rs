@@ -49,6 +49,11 @@ impl<'a> Record<'a> {
         self.bytes
     }
 
+    /// Its bytes behind the FSPEC.
+    pub(crate) fn body(&self) -> &'a [u8] {
+        &self.bytes[usize::from(self.starts[0])..]
+    }
+
     /// The bytes of an item, if it is present. [`field::item`](crate::field::item) and
     /// [`Uap::frn`] give the number of a named item.
     #[inline]
@@ -243,7 +248,7 @@ fn find_items<'a>(table: &'static Category, mode: Mode, bytes: &'a [u8], offset:
             });
         };
         let available = bytes.len() - at;
-        match item.fixed_octets.map(usize::from) {
+        match item.quick_octets(&bytes[at..]) {
             Some(octets) if octets <= available => at += octets,
             Some(needed) => {
                 let (offset, item) = (offset + at, item.name);

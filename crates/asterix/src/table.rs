@@ -8,6 +8,9 @@ use std::fmt;
 use std::ptr;
 use std::str::FromStr;
 
+use super::bits::goes_on;
+use super::key::Key;
+
 /// The most FSPEC bytes a record or a compound item may have. The longest profile published has 7.
 pub const MAX_FSPEC_OCTETS: usize = 8;
 /// The most field reference numbers a profile may have: seven for each FSPEC byte.
@@ -248,18 +251,35 @@ pub struct Item {
     pub layout: Layout,
     /// Length in bytes, where the layout has only one.
     pub(super) fixed_octets: Option<u16>,
+    /// Number of parts of an extended item whose parts are all of one octet; 0 for other layouts.
+    pub(super) octet_parts: usize,
+    /// The name as JSON has it.
+    pub(super) key: Key,
 }
 
 impl Item {
     /// An item. Does not compile where a part of it is no whole number of bytes.
     pub const fn new(name: &'static str, title: &'static str, layout: Layout) -> Self {
         let fixed_octets = layout.fixed_octets();
+        let octet_parts = layout.octet_parts();
         Self {
             name,
             title,
             layout,
             fixed_octets,
+            octet_parts,
+            key: Key::new(name),
         }
+    }
+
+    /// The length in bytes, where it is found without a look at the layout.
+    #[inline]
+    pub(super) fn quick_octets(&self, bytes: &[u8]) -> Option<usize> {
+        if let Some(octets) = self.fixed_octets {
+            return Some(usize::from(octets));
+        }
+        let mut parts = bytes.iter().take(self.octet_parts);
+        parts.position(|octet| !goes_on(*octet)).map(|before| before + 1)
     }
 }
 
@@ -323,6 +343,20 @@ impl Layout {
         }
     }
 
+    const fn octet_parts(&self) -> usize {
+        let Self::Extended(parts) = self else {
+            return 0;
+        };
+        let mut i = 0;
+        while i < parts.len() {
+            if bit_count(parts[i]) != 7 {
+                return 0;
+            }
+            i += 1;
+        }
+        parts.len()
+    }
+
     /// The bits of an element or a group.
     pub(super) const fn bit_count(&self) -> u32 {
         match self {
@@ -340,6 +374,8 @@ pub enum Part {
     Element {
         /// Name in the document.
         name: &'static str,
+        /// The name as JSON has it.
+        key: Key,
         /// Width in bits.
         bits: u8,
         /// Meaning of the bits.
@@ -434,7 +470,12 @@ pub const fn element(name: &'static str, bits: u8, content: Content) -> Part {
         };
         assert!(bits.is_multiple_of(width), "a text is a whole number of characters");
     }
-    Part::Element { name, bits, content }
+    Part::Element {
+        name,
+        key: Key::new(name),
+        bits,
+        content,
+    }
 }
 
 /// A single bit, as it is.

@@ -87,7 +87,7 @@ fn code(coding: TextCoding, character: char) -> Option<u8> {
     }
 }
 
-fn bits_each(coding: TextCoding) -> usize {
+pub(super) fn bits_each(coding: TextCoding) -> usize {
     match coding {
         TextCoding::Ascii => 8,
         TextCoding::Icao => 6,

@@ -19,6 +19,16 @@ const TENS: [u64; DECIMALS_MAX + 1] = {
     }
     tens
 };
+/// Half of the last decimal, by number of decimals.
+const HALVES: [f64; DECIMALS_MAX + 1] = {
+    let mut halves = [0.0; DECIMALS_MAX + 1];
+    let mut decimals = 0;
+    while decimals < halves.len() {
+        halves[decimals] = 0.5 / TENS[decimals] as f64;
+        decimals += 1;
+    }
+    halves
+};
 /// The numbers 00 to 99, two digits each.
 const PAIRS: [[u8; 2]; 100] = {
     let mut pairs = [[0; 2]; 100];
@@ -118,7 +128,7 @@ pub fn write_decimals(out: &mut impl Write, value: f64, decimals: usize) -> io::
 /// # Errors
 /// If the writer fails.
 pub fn write_plain(out: &mut impl Write, value: f64, decimals: usize) -> io::Result<()> {
-    let half = 0.5 * 10_f64.powi(-(decimals as i32));
+    let half = HALVES.get(decimals).copied().unwrap_or_default();
     write_decimals(out, if value.abs() < half { 0.0 } else { value }, decimals)
 }
 
@@ -168,15 +178,31 @@ fn rounded(value: f64, decimals: usize) -> Option<(u64, u64)> {
         0..64 => (digits >> shift, digits & ((1 << shift) - 1)),
         _ => (0, digits),
     };
+    if shift < u64::BITS
+        && let Some(product) = fraction.checked_mul(ten)
+    {
+        let rest = product & ((1 << shift) - 1);
+        return Some(carried(
+            whole,
+            product >> shift,
+            (rest, 1 << (shift - 1)),
+            (ten, decimals),
+        ));
+    }
     let product = u128::from(fraction) * u128::from(ten);
-    let mut parts = (product >> shift) as u64;
     let rest = product & ((1 << shift) - 1);
-    let half = 1_u128 << (shift - 1);
+    let parts = (product >> shift) as u64;
+    Some(carried(whole, parts, (rest, 1 << (shift - 1)), (ten, decimals)))
+}
+
+/// Rounds the decimals `parts` by the `rest` behind them and half of its unit; gives the whole part and the decimals.
+#[inline(always)]
+fn carried<T: Ord>(whole: u64, mut parts: u64, (rest, half): (T, T), (ten, decimals): (u64, usize)) -> (u64, u64) {
     // Without decimals, the last digit is that of the whole part.
     let last = if decimals == 0 { whole } else { parts };
     parts += u64::from(rest > half || rest == half && last & 1 == 1);
     let carry = u64::from(parts == ten);
-    Some((whole + carry, parts - carry * ten))
+    (whole + carry, parts - carry * ten)
 }
 
 #[cfg(test)]

@@ -241,9 +241,14 @@ impl Cells<'_> {
     ///
     /// # Errors
     /// If the value is none.
+    #[inline]
     pub fn number(&self, column: Column) -> Result<f64, CsvError> {
-        self.number_or_empty(column)?
-            .ok_or_else(|| self.error(column, "is empty; write a number"))
+        match number::simple(self.value(column)) {
+            Some(number) => Ok(number),
+            None => self
+                .unusual_number(column)?
+                .ok_or_else(|| self.error(column, "is empty; write a number")),
+        }
     }
 
     /// Finite numbers.
@@ -264,9 +269,16 @@ impl Cells<'_> {
     /// If the value is something else.
     pub fn number_or_empty(&self, column: impl Into<Option<Column>>) -> Result<Option<f64>, CsvError> {
         let Some(column) = column.into() else { return Ok(None) };
-        if let Some(number) = number::simple(self.value(column)) {
-            return Ok(Some(number));
+        match number::simple(self.value(column)) {
+            Some(number) => Ok(Some(number)),
+            None => self.unusual_number(column),
         }
+    }
+
+    /// A number that is not only digits, or `None` if the value is empty.
+    #[cold]
+    #[inline(never)]
+    fn unusual_number(&self, column: Column) -> Result<Option<f64>, CsvError> {
         let Some(text) = self.text(column)? else {
             return Ok(None);
         };
@@ -281,7 +293,11 @@ impl Cells<'_> {
     ///
     /// # Errors
     /// If the value is none.
-    pub fn whole<T: FromStr>(&self, column: Column) -> Result<T, CsvError> {
+    pub fn whole<T: FromStr + TryFrom<u64>>(&self, column: Column) -> Result<T, CsvError> {
+        let digits = number::whole(self.value(column));
+        if let Some(Ok(number)) = digits.map(T::try_from) {
+            return Ok(number);
+        }
         let text = self.text(column)?.unwrap_or_default();
         let fault = || format!("is no whole number of the kind {}", std::any::type_name::<T>());
         text.parse().map_err(|_| self.error(column, fault()))
@@ -310,7 +326,13 @@ impl Cells<'_> {
 
     /// The value without blanks around it.
     fn value(&self, column: Column) -> &[u8] {
-        self.values.value(column.place).trim_ascii()
+        let value = self.values.value(column.place);
+        // Most values have no blank around them.
+        match value {
+            [] => value,
+            [first, ..] if value[value.len() - 1].min(*first) > b' ' => value,
+            _ => value.trim_ascii(),
+        }
     }
 
     /// The error that the value of a column is, for this reason.

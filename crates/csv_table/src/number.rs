@@ -22,22 +22,40 @@ pub(crate) fn simple(text: &[u8]) -> Option<f64> {
     if text.len() > OCTETS_MAX {
         return None;
     }
-    let mut whole = 0_u64;
-    let mut point = None;
-    for (place, octet) in text.iter().enumerate() {
-        match octet {
-            b'0'..=b'9' => whole = 10 * whole + u64::from(octet - b'0'),
-            b'.' if point.is_none() => point = Some(place),
+    let (whole, rest) = digits(0, text);
+    let (whole, decimals) = match rest {
+        [] => (whole, 0),
+        [b'.', decimals @ ..] => match digits(whole, decimals) {
+            (whole, []) => (whole, decimals.len()),
             _ => return None,
-        }
-    }
-    let decimals = point.map_or(0, |point| text.len() - 1 - point);
-    let has_digits = text.len() > usize::from(point.is_some());
+        },
+        _ => return None,
+    };
+    let has_digits = text.len() > usize::from(!rest.is_empty());
     if !has_digits || whole > EXACT_MAX {
         return None;
     }
     let value = whole as f64 / TENS[decimals];
     Some(if is_negative { -value } else { value })
+}
+
+/// Returns the whole number that the digits are; `None` for other texts, and for more digits than fit.
+pub(crate) fn whole(text: &[u8]) -> Option<u64> {
+    let is_short = (1..=OCTETS_MAX).contains(&text.len());
+    match digits(0, if is_short { text } else { &[] }) {
+        (number, []) if is_short => Some(number),
+        _ => None,
+    }
+}
+
+/// Appends the digits before anything else to a number, and gives it and what follows the digits.
+#[inline]
+fn digits(mut number: u64, mut text: &[u8]) -> (u64, &[u8]) {
+    while let [digit @ b'0'..=b'9', rest @ ..] = text {
+        number = 10 * number + u64::from(digit - b'0');
+        text = rest;
+    }
+    (number, text)
 }
 
 #[cfg(test)]
@@ -94,6 +112,13 @@ mod tests {
         #[test]
         fn values_are_those_of_the_standard_library(text in "-?[0-9]{0,12}[.]?[0-9]{0,12}") {
             prop_assert!(agrees(&text));
+        }
+
+        #[test]
+        fn whole_numbers_are_those_of_the_standard_library(text in "[+-]?[0-9]{0,22}[ .]?") {
+            if let Some(number) = whole(text.as_bytes()) {
+                prop_assert_eq!(text.parse::<u64>(), Ok(number));
+            }
         }
 
         #[test]

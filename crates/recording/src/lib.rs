@@ -17,6 +17,7 @@
 
 #![forbid(unsafe_code)]
 
+mod damage;
 mod part;
 mod reader;
 mod record;
@@ -25,7 +26,7 @@ mod tally;
 mod whole;
 mod writer;
 
-pub use part::{RecordingPart, copy};
+pub use part::{Copied, RecordingPart, copy};
 pub use reader::{Chunks, Item, facts, read};
 pub use survey::{Survey, TopicSurvey};
 pub use tally::Tally;
@@ -47,6 +48,17 @@ pub enum RecordingError {
     /// Invalid contents.
     #[error(transparent)]
     Contents(mcap::McapError),
+    /// File of another kind.
+    #[error("is no recording of all topics: it does not begin as MCAP does")]
+    OtherKind,
+    /// Topic that the recording does not have.
+    #[error("has no topic {wanted}; its topics: {}", known.join(", "))]
+    UnknownTopic {
+        /// The topic, or the beginning of topics.
+        wanted: String,
+        /// The topics there are.
+        known: Vec<String>,
+    },
     /// Damaged record or chunk.
     #[error("damaged at byte {at}: {reason}")]
     Damaged {

@@ -1,6 +1,6 @@
 //! Copy of a part of a recording, or of all its files into a single file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Seek, Write};
 
 use messages::BatchHeader;
@@ -22,13 +22,27 @@ pub struct RecordingPart {
     pub topics: Vec<String>,
 }
 
+/// Whether `wanted` is a topic's name, or its beginning up to a `/`.
+fn is_wanted(wanted: &str, name: &str) -> bool {
+    let rest = name.strip_prefix(wanted);
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
 impl RecordingPart {
     fn has_topic(&self, name: &str) -> bool {
-        let is_in = |wanted: &String| {
-            let rest = name.strip_prefix(wanted.as_str());
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
-        };
-        self.topics.is_empty() || self.topics.iter().any(is_in)
+        self.topics.is_empty() || self.topics.iter().any(|wanted| is_wanted(wanted, name))
+    }
+
+    /// Refuses a part with a topic that is none of `known`.
+    fn check(&self, known: &BTreeSet<String>) -> Result<(), RecordingError> {
+        let is_unknown = |wanted: &&String| !known.iter().any(|name| is_wanted(wanted, name));
+        match self.topics.iter().find(is_unknown) {
+            Some(wanted) => Err(RecordingError::UnknownTopic {
+                wanted: wanted.clone(),
+                known: known.iter().cloned().collect(),
+            }),
+            None => Ok(()),
+        }
     }
 
     fn is_before(&self, taken_ns: u64) -> bool {
@@ -40,47 +54,61 @@ impl RecordingPart {
     }
 }
 
-/// Copies a part of the recording that consists of `files`, in their order, into one file. Returns the number of
-/// samples.
+/// What a copy holds, and what it lacks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Copied {
+    /// Samples.
+    pub samples: u64,
+    /// Damaged parts of the files, which were skipped.
+    pub damaged: u64,
+    /// Bytes of the damaged parts.
+    pub damaged_bytes: u64,
+}
+
+/// Copies a part of the recording that consists of `files`, in their order, into one file. Damaged parts are skipped.
 ///
 /// The copy states the progress of the topics at the beginning of the part. Losses within the part are counted;
 /// samples before the part are not.
 ///
 /// # Errors
-/// If a file cannot be read, or `out` cannot be written.
+/// If a file cannot be read, if no file has a topic of the part, or if `out` cannot be written.
 pub fn copy<R: Read + Seek, W: Write + Seek>(
     files: impl IntoIterator<Item = R>,
     part: &RecordingPart,
     out: W,
-) -> Result<u64, RecordingError> {
+) -> Result<Copied, RecordingError> {
     let mut copying = PartCopier {
         part,
         before: Survey::default(),
+        known: BTreeSet::new(),
         topics: BTreeMap::new(),
         out: Some(out),
         writer: None,
         place: SlicePlace::Outside,
-        samples: 0,
+        copied: Copied::default(),
     };
     for mut file in files {
         read_as_recorded::<_, RecordingError>(&mut file, |item| copying.item(item))?;
         copying.end_slice()?;
     }
+    part.check(&copying.known)?;
     copying.writer()?;
     copying.writer.map_or(Ok(()), Writer::finish)?;
-    Ok(copying.samples)
+    Ok(copying.copied)
 }
 
 struct PartCopier<'a, W: Write + Seek> {
     part: &'a RecordingPart,
     /// Contents before the part.
     before: Survey,
+    /// Names of all topics.
+    known: BTreeSet<String>,
     topics: BTreeMap<String, CopiedTopic>,
     out: Option<W>,
     /// Copy, once the part has begun.
     writer: Option<Writer<W>>,
     place: SlicePlace,
-    samples: u64,
+    copied: Copied,
 }
 
 /// Place of the present slice.
@@ -109,6 +137,9 @@ struct CopiedSlice {
 
 impl<W: Write + Seek> PartCopier<'_, W> {
     fn item(&mut self, item: Item<'_>) -> Result<(), RecordingError> {
+        if let Item::Topic { name, .. } = item {
+            self.known.insert(name.to_owned());
+        }
         match item {
             Item::Facts(_) => self.before.item(item),
             Item::Topic {
@@ -156,6 +187,10 @@ impl<W: Write + Seek> PartCopier<'_, W> {
                 }
                 SlicePlace::Outside => {}
             },
+            Item::Damaged { bytes, .. } => {
+                self.copied.damaged += 1;
+                self.copied.damaged_bytes += bytes.end - bytes.start;
+            }
         }
         Ok(())
     }
@@ -180,7 +215,7 @@ impl<W: Write + Seek> PartCopier<'_, W> {
         topic.channel = Some(channel).filter(|_| slice.sample_size > 0);
         let (taken_ns, sent_ns) = (slice.taken_ns as i64, slice.sent_ns as i64);
         writer.slice(channel, &slice.header, &slice.octets, taken_ns, sent_ns)?;
-        self.samples += (slice.octets.len() / size) as u64;
+        self.copied.samples += (slice.octets.len() / size) as u64;
         Ok(())
     }
 

@@ -8,8 +8,9 @@ use mcap::records::op;
 use messages::layout::{ALL, Sample as _};
 use messages::{BatchHeader, Conversion};
 
-use crate::record::{Fields, HEAD, head_of, is_needed};
-use crate::whole::{ReadablePart, whole};
+use crate::damage::{next_chunk, summary};
+use crate::record::{Fields, HEAD, head_of, is_known, is_needed};
+use crate::whole::{ReadablePart, whole, whole_from};
 use crate::{CDR, FACTS, FINGERPRINT, Facts, RecordingError, SCHEMA_PREFIX, SLICES, fingerprint_of};
 
 /// Item of a file, in the file's order.
@@ -48,6 +49,13 @@ pub enum Item<'a> {
         /// Sample in this build's layout, unless the file is read as recorded.
         octets: &'a [u8],
     },
+    /// Damaged bytes that were skipped. Slices before them are complete.
+    Damaged {
+        /// Bytes of the file.
+        bytes: Range<u64>,
+        /// Kind of damage.
+        reason: &'static str,
+    },
 }
 
 /// Passes all items of a file to `visit`; of a file without an end, the readable items. Returns whether the file has
@@ -82,10 +90,14 @@ pub(crate) fn read_as_recorded<R: Read + Seek, E: From<RecordingError>>(
 #[derive(Debug)]
 pub struct Chunks<R> {
     file: R,
-    /// Readable bytes of the file.
+    /// Bytes of the file.
+    length: u64,
+    /// End of the records that follow one another.
     end: u64,
     /// Whether the file has its end.
     is_ended: bool,
+    /// Whether a search behind `end` has found nothing.
+    is_searched: bool,
     next: u64,
     /// Position of `file`; `None` if unknown.
     at: Option<u64>,
@@ -100,10 +112,16 @@ impl<R: Read + Seek> Chunks<R> {
     /// If the file cannot be read.
     pub fn new(mut file: R) -> Result<Self, RecordingError> {
         let ReadablePart { bytes, is_ended } = whole(&mut file)?;
+        let length = file.seek(SeekFrom::End(0))?;
+        if bytes == 0 && length > 0 && !begins_as_recording(&mut file)? {
+            return Err(RecordingError::OtherKind);
+        }
         Ok(Self {
             file,
+            length,
             end: bytes,
             is_ended,
+            is_searched: false,
             next: mcap::MAGIC.len() as u64,
             at: None,
             names: ChannelNames::default(),
@@ -121,8 +139,8 @@ impl<R: Read + Seek> Chunks<R> {
         self.next = place;
     }
 
-    /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end. A
-    /// damaged chunk gives no items.
+    /// Passes the items of the next chunk, and of the records before it, to `visit`. Returns `false` at the end. Damaged
+    /// chunks are skipped: each is one item, [`Item::Damaged`].
     ///
     /// # Errors
     /// If the file cannot be read, or is not written by a recorder; or the first error of `visit`.
@@ -130,20 +148,100 @@ impl<R: Read + Seek> Chunks<R> {
         &mut self,
         mut visit: impl FnMut(Item<'_>) -> Result<(), E>,
     ) -> Result<bool, E> {
-        while self.next < self.end {
+        loop {
             let place = self.next;
-            let Some(code) = self.record()? else { continue };
-            let fields = Fields::of(&self.record, place);
-            if code == op::CHUNK {
-                let mut records = fields.records()?;
-                while let Some((code, fields)) = records.record()? {
-                    self.names.show(code, fields, &mut visit)?;
+            if place >= self.end {
+                let is_behind = !self.is_ended && !self.is_searched && self.end > 0;
+                if !is_behind || !self.skip(place, "a record is longer than the file", &mut visit)? {
+                    return Ok(false);
                 }
-                return Ok(true);
+                continue;
             }
-            self.names.show(code, fields, &mut visit)?;
+            match self.pass(place, &mut visit) {
+                Ok(Ok(is_chunk)) if is_chunk => return Ok(true),
+                Ok(Ok(_)) => {}
+                Ok(Err(refused)) => return Err(refused),
+                Err(RecordingError::Damaged { reason, .. }) => {
+                    if !self.skip(place, reason, &mut visit)? {
+                        // To the end.
+                        visit(Item::Damaged {
+                            bytes: place..self.length,
+                            reason,
+                        })?;
+                        return Ok(false);
+                    }
+                }
+                Err(other) => return Err(other.into()),
+            }
         }
-        Ok(false)
+    }
+
+    /// Passes the items of the next record. Returns whether it is a chunk.
+    fn pass<E>(
+        &mut self,
+        place: u64,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<Result<bool, E>, RecordingError> {
+        let Some(code) = self.record()? else {
+            return Ok(Ok(false));
+        };
+        let fields = Fields::of(&self.record, place);
+        if code != op::CHUNK {
+            return Ok(self.names.show(code, fields, visit)?.map(|()| false));
+        }
+        let mut records = fields.records()?;
+        while let Some((code, fields)) = records.record()? {
+            if let Err(refused) = self.names.show(code, fields, visit)? {
+                return Ok(Err(refused));
+            }
+        }
+        Ok(Ok(true))
+    }
+
+    /// Goes from damage at `place` to the next chunk, and passes the bytes between. `false` if there is none.
+    #[cold]
+    fn skip<E: From<RecordingError>>(
+        &mut self,
+        place: u64,
+        reason: &'static str,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        self.at = None;
+        let found = next_chunk(&mut self.file, place + 1, self.length).map_err(RecordingError::from)?;
+        let Some(next) = found else {
+            (self.is_searched, self.next) = (true, self.end.max(place));
+            self.end = self.next;
+            return Ok(false);
+        };
+        let part = whole_from(&mut self.file, next, self.length).map_err(RecordingError::from)?;
+        (self.next, self.end) = (next, self.end.max(part.bytes));
+        self.is_ended |= part.is_ended;
+        visit(Item::Damaged {
+            bytes: place..next,
+            reason,
+        })?;
+        self.learn_channels(visit)
+    }
+
+    /// Learns the channels that the damaged part may have described.
+    fn learn_channels<E: From<RecordingError>>(
+        &mut self,
+        visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let (mut refused, names, length) = (None, &mut self.names, self.length);
+        let summarised = summary(&mut self.file, length, DESCRIPTION_BYTES, |code, data| {
+            let fields = Fields::of(data, length);
+            let mut number = fields;
+            let is_known = number.u16().is_ok_and(|number| names.knows(code, number));
+            if matches!(code, op::SCHEMA | op::CHANNEL)
+                && !is_known
+                && let Ok(Err(error)) = names.show(code, fields, visit)
+            {
+                refused.get_or_insert(error);
+            }
+        });
+        summarised.map_err(RecordingError::from)?;
+        refused.map_or(Ok(true), Err)
     }
 
     /// Reads the next record. Returns its code; `None` for a record without items, such as an index.
@@ -154,6 +252,9 @@ impl<R: Read + Seek> Chunks<R> {
         }
         self.file.read_exact(&mut head)?;
         let (code, length) = head_of(&head);
+        if !is_known(code) {
+            return Err(RecordingError::damaged(self.next, "there is no record of this code"));
+        }
         let end = self.next.saturating_add(HEAD as u64).saturating_add(length);
         // The pass over the file has found each record within it: memory follows the size of the file, not the length
         // stated by a damaged file. The file may have become shorter since.
@@ -179,6 +280,14 @@ impl<R: Read + Seek> Chunks<R> {
         self.at = Some(end);
         Ok(is_needed.then_some(code))
     }
+}
+
+/// Whether a file begins as a recording does; a killed recorder may have left less than the first bytes.
+fn begins_as_recording<R: Read + Seek>(file: &mut R) -> std::io::Result<bool> {
+    let mut begin = Vec::new();
+    file.rewind()?;
+    file.take(mcap::MAGIC.len() as u64).read_to_end(&mut begin)?;
+    Ok(mcap::MAGIC.starts_with(&begin))
 }
 
 /// Returns the facts at the beginning of a file; `None` without facts.
@@ -242,38 +351,49 @@ fn conversion_of(schema: &str, definition: &[u8], fingerprint: Option<&String>) 
 
 impl ChannelNames {
     /// Passes the item of a record to `visit`.
-    fn show<E: From<RecordingError>>(
+    ///
+    /// # Errors
+    /// Damage; within, the error of `visit`.
+    fn show<E>(
         &mut self,
         code: u8,
         mut fields: Fields<'_>,
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-    ) -> Result<(), E> {
+    ) -> Result<Result<(), E>, RecordingError> {
         if code != op::MESSAGE && is_needed(code) && fields.rest().len() > DESCRIPTION_BYTES {
-            return Err(fields.damaged("a description has more than 4 MiB").into());
+            return Err(fields.damaged("a description has more than 4 MiB"));
         }
         match code {
             op::METADATA => match fields.text()? {
-                FACTS => visit(Item::Facts(fields.map()?)),
-                _ => Ok(()),
+                FACTS => Ok(visit(Item::Facts(fields.map()?))),
+                _ => Ok(Ok(())),
             },
             op::SCHEMA => {
                 let id = fields.u16()?;
                 let (name, _encoding) = (fields.text()?, fields.text()?);
                 let definition = fields.octets()?;
                 self.schemas.insert(id, (name.to_owned(), definition.to_vec()));
-                Ok(())
+                Ok(Ok(()))
             }
             op::CHANNEL => self.channel(fields, visit),
             op::MESSAGE => self.message(fields, visit),
-            _ => Ok(()),
+            _ => Ok(Ok(())),
         }
     }
 
-    fn channel<E: From<RecordingError>>(
+    /// Whether a schema or channel of this number has been described.
+    fn knows(&self, code: u8, number: u16) -> bool {
+        match code {
+            op::SCHEMA => self.schemas.contains_key(&number),
+            _ => self.topics.contains_key(&number),
+        }
+    }
+
+    fn channel<E>(
         &mut self,
         mut fields: Fields<'_>,
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-    ) -> Result<(), E> {
+    ) -> Result<Result<(), E>, RecordingError> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let (name, _encoding) = (fields.text()?, fields.text()?);
         let metadata = fields.map()?;
@@ -286,29 +406,29 @@ impl ChannelNames {
                 .and_then(|(schema, definition)| conversion_of(schema, definition, fingerprint)),
         });
         if topic.name != name {
-            return Err(fields.damaged("a channel has the number of another one").into());
+            return Err(fields.damaged("a channel has the number of another one"));
         }
         match (name.ends_with(SLICES), schema) {
-            (false, Some((schema, definition))) => visit(Item::Topic {
+            (false, Some((schema, definition))) => Ok(visit(Item::Topic {
                 name,
                 schema,
                 definition,
                 fingerprint: fingerprint.map_or("", String::as_str),
                 missing: topic.conversion.as_ref().map_or(&[], Conversion::missing),
-            }),
-            _ => Ok(()),
+            })),
+            _ => Ok(Ok(())),
         }
     }
 
-    fn message<E: From<RecordingError>>(
+    fn message<E>(
         &mut self,
         mut fields: Fields<'_>,
         visit: &mut impl FnMut(Item<'_>) -> Result<(), E>,
-    ) -> Result<(), E> {
+    ) -> Result<Result<(), E>, RecordingError> {
         let (channel, _sequence) = (fields.u16()?, fields.u32()?);
         let (taken_ns, sent_ns) = (fields.u64()?, fields.u64()?);
         let Some(ChannelTopic { name, conversion }) = self.topics.get(&channel) else {
-            return Ok(());
+            return Ok(Ok(()));
         };
         let recorded = fields.rest().strip_prefix(&CDR).unwrap_or_default();
         let octets = match conversion {
@@ -318,7 +438,7 @@ impl ChannelNames {
             }
             None => recorded,
         };
-        match name.strip_suffix(SLICES) {
+        Ok(match name.strip_suffix(SLICES) {
             None => visit(Item::Sample { topic: name, octets }),
             Some(topic) => match BatchHeader::of_octets(octets) {
                 Some(header) => visit(Item::Slice {
@@ -329,7 +449,7 @@ impl ChannelNames {
                 }),
                 None => Ok(()),
             },
-        }
+        })
     }
 }
 

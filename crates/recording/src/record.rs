@@ -24,6 +24,12 @@ pub(crate) fn is_needed(code: u8) -> bool {
     matches!(code, op::CHUNK | op::METADATA | op::SCHEMA | op::CHANNEL | op::MESSAGE)
 }
 
+/// Whether there are records of this code: those of the format, and others' own.
+pub(crate) fn is_known(code: u8) -> bool {
+    const OWN_MIN: u8 = 0x80;
+    (op::HEADER..=op::DATA_END).contains(&code) || code >= OWN_MIN
+}
+
 /// Data of a record or chunk, and its offset in the file for errors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fields<'a> {
@@ -120,6 +126,9 @@ impl<'a> Fields<'a> {
         let _times_ns = (self.u64()?, self.u64()?);
         let (size, checksum) = (self.u64()?, self.u32()?);
         let compression = self.text()?;
+        if !matches!(compression, "" | "lz4" | "zstd") {
+            return Err(self.damaged("the compression of the chunk has no known name"));
+        }
         if !compression.is_empty() {
             return Err(mcap::McapError::UnsupportedCompression(compression.to_owned()).into());
         }

@@ -18,6 +18,10 @@ pub struct Survey {
     pub topics: BTreeMap<String, TopicSurvey>,
     /// Number of files without their end.
     pub torn: u64,
+    /// Damaged parts that were skipped.
+    pub damaged: u64,
+    /// Their bytes.
+    pub damaged_bytes: u64,
     /// Gaps, each from one slice to the next, UTC, nanoseconds: the recorder did not run, or the part was cut out.
     pub gaps_ns: Vec<[u64; 2]>,
     /// Time at which the latest slice was taken.
@@ -80,6 +84,10 @@ impl Survey {
                 self.topic(topic).begin_slice(header, taken_ns);
             }
             Item::Sample { topic, .. } => self.topic(topic).add_sample(),
+            Item::Damaged { bytes, .. } => {
+                self.damaged += 1;
+                self.damaged_bytes += bytes.end - bytes.start;
+            }
         }
     }
 

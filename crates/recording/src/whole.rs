@@ -5,6 +5,8 @@
 
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 
+use crate::record::{HEAD, head_of, is_known};
+
 /// Code of the last record.
 const FOOTER: u8 = 0x02;
 /// Code of the record after the data.
@@ -26,31 +28,43 @@ pub struct ReadablePart {
 pub fn whole<R: Read + Seek>(file: &mut R) -> std::io::Result<ReadablePart> {
     let file_bytes = file.seek(SeekFrom::End(0))?;
     file.rewind()?;
+    let mut magic = [0; mcap::MAGIC.len()];
+    if !read(file, &mut magic)? || magic != *mcap::MAGIC {
+        return Ok(ReadablePart {
+            bytes: 0,
+            is_ended: false,
+        });
+    }
+    whole_from(file, magic.len() as u64, file_bytes)
+}
+
+/// Returns the end of the whole records from `from` on, in a file of so many bytes.
+///
+/// # Errors
+/// If the file cannot be read at all.
+pub(crate) fn whole_from<R: Read + Seek>(file: &mut R, from: u64, file_bytes: u64) -> std::io::Result<ReadablePart> {
+    file.seek(SeekFrom::Start(from))?;
     let mut at = ReadablePart {
-        bytes: 0,
+        bytes: from,
         is_ended: false,
     };
     let mut magic = [0; mcap::MAGIC.len()];
-    if !read(file, &mut magic)? || magic != *mcap::MAGIC {
-        return Ok(at);
-    }
-    at.bytes = magic.len() as u64;
-    let mut next = at.bytes;
+    let mut next = from;
     let mut in_data = true;
-    let mut head = [0; 9];
+    let mut head = [0; HEAD];
     while read(file, &mut head)? {
-        let length = u64::from_le_bytes(head[1..].try_into().expect("eight bytes"));
+        let (code, length) = head_of(&head);
         let end = (next + head.len() as u64).saturating_add(length);
-        if end > file_bytes {
+        if end > file_bytes || !is_known(code) {
             break;
         }
         file.seek(SeekFrom::Start(end))?;
         next = end;
-        in_data &= head[0] != DATA_END;
+        in_data &= code != DATA_END;
         if in_data {
             at.bytes = end;
         }
-        if head[0] == FOOTER {
+        if code == FOOTER {
             at.is_ended = read(file, &mut magic)? && magic == *mcap::MAGIC;
             break;
         }

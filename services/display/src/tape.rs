@@ -235,7 +235,7 @@ fn slices(
                     slice.size = octets.len();
                 }
             }
-            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } => {}
+            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } | Item::Damaged { .. } => {}
         }
         Ok(())
     })?;

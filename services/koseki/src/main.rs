@@ -127,6 +127,7 @@ fn run(command: Command) -> anyhow::Result<()> {
         Command::Recording(args::RecordingCommand::Info(info)) => recording_info::run(&info),
         Command::Recording(args::RecordingCommand::Cut(cut)) => recording_copy::cut(cut),
         Command::Recording(args::RecordingCommand::Merge(merge)) => recording_copy::merge(&merge),
+        Command::Recording(args::RecordingCommand::Repair(repair)) => recording_copy::repair(&repair),
         Command::Recording(args::RecordingCommand::Export(export)) => recording_export::run(&export),
         Command::Replay(replay) => replay::run(&replay),
         Command::Tap(tap) => tap::run(&tap),

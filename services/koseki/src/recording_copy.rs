@@ -1,4 +1,4 @@
-//! `koseki recording cut` and `koseki recording merge`: recordings of all topics, copied to the bit.
+//! `koseki recording cut`, `merge` and `repair`: recordings of all topics, copied to the bit.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use offline::{OutputFile, Usage, check_outputs};
-use recording::RecordingPart;
+use recording::{RecordingError, RecordingPart};
 
-use crate::args::{RecordingCut, RecordingMerge};
+use crate::args::{RecordingCut, RecordingMerge, RecordingRepair};
 use crate::recording_info::files;
 use crate::replay::facts;
 
@@ -27,6 +27,14 @@ pub(crate) fn cut(cut: RecordingCut) -> anyhow::Result<()> {
         topics: cut.topics,
     };
     copy(&files(&cut.path)?, &part, &cut.out)
+}
+
+/// Copies what can be read of a damaged recording.
+///
+/// # Errors
+/// If the recording cannot be read, or the copy not be written.
+pub(crate) fn repair(repair: &RecordingRepair) -> anyhow::Result<()> {
+    copy(&files(&repair.path)?, &RecordingPart::default(), &repair.out)
 }
 
 /// Copies several files into one.
@@ -57,7 +65,14 @@ fn copy(paths: &[PathBuf], part: &RecordingPart, out: &Path) -> anyhow::Result<(
     });
     let opened = opened.collect::<anyhow::Result<Vec<_>>>()?;
     let mut file = OutputFile::begin(out)?;
-    let samples = recording::copy(opened, part, &mut file)?;
+    let copied = recording::copy(opened, part, &mut file).map_err(|error| match error {
+        RecordingError::UnknownTopic { .. } => Usage(format!("--topics: the recording {error}")).into(),
+        error => anyhow::Error::from(error),
+    })?;
     file.finish()?;
-    crate::print(&format!("{samples} samples in {}\n", out.display()))
+    let skipped = match copied.damaged {
+        0 => String::new(),
+        parts => format!("; damaged parts skipped: {parts} ({} bytes)", copied.damaged_bytes),
+    };
+    crate::print(&format!("{} samples in {}{skipped}\n", copied.samples, out.display()))
 }

@@ -15,7 +15,7 @@ use recording::{Facts, Item};
 use crate::args::RecordingExport;
 use crate::config::Config;
 use crate::recording_foxglove::PictureWriter;
-use crate::recording_info::files;
+use crate::recording_info::{files, note_damage};
 use crate::replay::{configuration, facts};
 
 /// Exports.
@@ -47,6 +47,7 @@ pub(crate) fn run(export: &RecordingExport) -> anyhow::Result<()> {
     for path in &paths {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
         recording::read::<_, anyhow::Error>(&mut file, |item| {
+            note_damage(path, &item);
             tables.as_mut().map_or(Ok(()), |tables| tables.add(&item))?;
             pictures.as_mut().map_or(Ok(()), |pictures| pictures.add(&item))?;
             if let (Some(blocks), Item::Sample { topic, octets }) = (&mut blocks, &item)

@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 use std::fs::File;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use formats::rows::Utc;
 use offline::Usage;
-use recording::Survey;
+use recording::{Item, Survey};
 use serde_json::json;
 use telemetry::table::{Align, TextTable};
 
@@ -54,10 +55,21 @@ fn json(survey: &Survey, files: usize) -> String {
         "configuration": fact("configuration"),
         "files": files,
         "without_an_end": survey.torn,
+        "damaged": {"parts": survey.damaged, "bytes": survey.damaged_bytes},
         "gaps_ns": survey.gaps_ns,
         "topics": topics,
     });
     format!("{all}\n")
+}
+
+/// Notes on standard error that an item stands for damaged bytes of a file.
+pub(crate) fn note_damage(path: &Path, item: &Item<'_>) {
+    if let Item::Damaged { bytes, reason } = item {
+        let (path, begin, end) = (path.display(), bytes.start, bytes.end);
+        let note = format!("koseki: {path}: bytes {begin} to {end} are damaged and were skipped: {reason}\n");
+        // With standard error closed, the rest is read all the same.
+        let _ = io::stderr().write_all(note.as_bytes());
+    }
 }
 
 /// The files of a recording, in their order.
@@ -87,6 +99,13 @@ fn text(survey: &Survey, files: usize) -> anyhow::Result<String> {
         writeln!(out, "{fact}: {said}")?;
     }
     writeln!(out, "files: {files}, without an end: {}", survey.torn)?;
+    if survey.damaged > 0 {
+        let (parts, bytes) = (survey.damaged, survey.damaged_bytes);
+        writeln!(
+            out,
+            "damaged parts: {parts} ({bytes} bytes), skipped; `koseki recording repair` copies the rest"
+        )?;
+    }
     let configuration = survey.facts.get("configuration");
     let lines = configuration.map_or("not said".to_owned(), |text| {
         format!("{} lines, see --json", text.lines().count())

@@ -4,7 +4,7 @@
 
 use asterix::encode_error::EncodeFault;
 use asterix::text::UNDEFINED;
-use asterix::{Category, Decoder, DecoderCounts, Error, Mode, NamedRecord, Record, Value, registry};
+use asterix::{Category, Decoder, DecoderCounts, Error, JsonLines, Mode, NamedRecord, Record, Value, registry};
 
 /// No byte makes more values than this: eight flags, and the groups around them.
 const VALUES_PER_OCTET_MAX: usize = 16;
@@ -74,15 +74,36 @@ fn check_record(record: &Record<'_>, named: &NamedRecord, mode: Mode, bytes: &[u
         values <= VALUES_PER_OCTET_MAX * octets.len(),
         "{values} values out of {octets:02x?}"
     );
-    let mut line = Vec::new();
-    named.write_json(&mut line);
+    let (mut line, mut stamped) = (Vec::new(), named.clone());
+    stamped.time_stamp_s = Some(1.5);
+    stamped.write_json(&mut line);
     assert!(!line.contains(&b'\n'), "one line");
+    assert_eq!(written(record, None), String::from_utf8_lossy(&line), "{octets:02x?}");
     for expansion in registry::EXPANSIONS {
         if let Ok(Some(content)) = expansion.read(record) {
+            check_expanded(record, &stamped, &content);
             assert!(count(&content) <= VALUES_PER_OCTET_MAX * octets.len(), "{content:?}");
         }
     }
     check_encoding(record, named, mode);
+}
+
+/// The record's JSON without a tree.
+fn written(record: &Record<'_>, expanded: Option<&Value>) -> String {
+    let mut lines = JsonLines::default();
+    lines.write(record, Some(1.5), expanded);
+    let line = lines.text().strip_suffix(b"\n").expect("a line");
+    String::from_utf8(line.to_vec()).expect("UTF-8")
+}
+
+/// Checks that the content of an expansion field takes the place of its bytes.
+fn check_expanded(record: &Record<'_>, named: &NamedRecord, content: &Value) {
+    let mut named = named.clone();
+    let fields = named.items.iter_mut().filter(|(name, _)| *name == "RE");
+    fields.for_each(|(_, value)| *value = content.clone());
+    let mut line = Vec::new();
+    named.write_json(&mut line);
+    assert_eq!(written(record, Some(content)), String::from_utf8_lossy(&line));
 }
 
 fn count(value: &Value) -> usize {

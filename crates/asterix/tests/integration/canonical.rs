@@ -125,6 +125,7 @@ impl Entropy<'_> {
                             name,
                             bits: width,
                             content,
+                            ..
                         } => {
                             let number = self.canonical_content(content, *width, before, bits);
                             before.push((name, number));

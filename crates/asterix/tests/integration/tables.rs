@@ -70,7 +70,9 @@ fn check_parts(place: &str, parts: &[Part], before: &mut Vec<&'static str>) {
     for part in parts {
         match part {
             Part::Spare(bits) => assert!(*bits > 0, "{place}: no spare bits"),
-            Part::Element { name, bits, content } => {
+            Part::Element {
+                name, bits, content, ..
+            } => {
                 assert!(!before.contains(name), "{place}: {name} twice");
                 check_content(&format!("{place} {name}"), *bits, content, before);
                 before.push(name);

@@ -107,7 +107,9 @@ impl Entropy<'_> {
         for part in parts {
             match part {
                 Part::Spare(_) => {}
-                Part::Element { name, bits, content } => {
+                Part::Element {
+                    name, bits, content, ..
+                } => {
                     let value = self.content(content, *bits, members);
                     members.push((name, value));
                 }

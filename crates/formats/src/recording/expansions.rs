@@ -1,7 +1,7 @@
 //! The content of reserved expansion fields, by the coding rules that were chosen.
 
 use asterix::choice::ChosenEdition;
-use asterix::{Expansion, NamedRecord, Record};
+use asterix::{Expansion, NamedRecord, Record, Value};
 
 /// The item with separate coding rules for its content.
 const EXPANSION_FIELD: &str = "RE";
@@ -34,13 +34,18 @@ impl Expansions {
 
     /// Replaces the bytes of a record's field by the decoded content. A field with other rules keeps its bytes.
     pub fn read(&mut self, record: &Record<'_>, named: &mut NamedRecord) {
+        if let Some(content) = self.content(record) {
+            let fields = named.items.iter_mut().filter(|(name, _)| *name == EXPANSION_FIELD);
+            fields.for_each(|(_, value)| *value = content.clone());
+        }
+    }
+
+    /// The decoded content of a record's field; `None` where it has none, or one with other rules.
+    pub fn content(&mut self, record: &Record<'_>) -> Option<Value> {
+        let mut found = None;
         for (rules, failures) in &mut self.rules {
             match rules.read(record) {
-                Ok(Some(content)) => {
-                    let fields = named.items.iter_mut().filter(|(name, _)| *name == EXPANSION_FIELD);
-                    fields.for_each(|(_, value)| *value = content.clone());
-                }
-                Ok(None) => {}
+                Ok(content) => found = content.or(found),
                 Err(error) => {
                     if failures.count == 0 {
                         failures.first = error.to_string();
@@ -49,5 +54,6 @@ impl Expansions {
                 }
             }
         }
+        found
     }
 }

@@ -32,7 +32,9 @@ use encode::ENCODE_EXAMPLES;
 pub(crate) use encode::EncodeArgs;
 pub(crate) use order::GiveOrder;
 use recording::RECORDING_EXAMPLES;
-pub(crate) use recording::{RecordingCommand, RecordingCut, RecordingExport, RecordingInfo, RecordingMerge};
+pub(crate) use recording::{
+    RecordingCommand, RecordingCut, RecordingExport, RecordingInfo, RecordingMerge, RecordingRepair,
+};
 use replay::REPLAY_EXAMPLES;
 pub(crate) use replay::ReplayArgs;
 use send::SEND_EXAMPLES;

@@ -13,6 +13,7 @@ Examples:
   koseki recording info records/tower/latest/all_topics_000002.mcap
   koseki recording cut records/tower/latest --from 2026-05-01T10:00:00Z --to 2026-05-01T10:05:00Z --out near-miss.mcap
   koseki recording merge records/tower/latest --out night.mcap
+  koseki recording repair damaged.mcap --out repaired.mcap
   koseki recording export near-miss.mcap --csv near-miss --asterix near-miss.ast";
 
 /// `koseki recording`.
@@ -24,6 +25,8 @@ pub(crate) enum RecordingCommand {
     Cut(RecordingCut),
     /// Copy the files of a recording into one
     Merge(RecordingMerge),
+    /// Copy what can be read of a damaged recording
+    Repair(RecordingRepair),
     /// Write a recording in other formats
     Export(RecordingExport),
 }
@@ -66,6 +69,17 @@ pub(crate) struct RecordingMerge {
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) paths: Vec<PathBuf>,
     /// File for the merged recording
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: PathBuf,
+}
+
+/// `koseki recording repair`.
+#[derive(Debug, Args)]
+pub(crate) struct RecordingRepair {
+    /// A file, or the folder of a recording
+    #[arg(value_name = "RECORDING")]
+    pub(crate) path: PathBuf,
+    /// File for the copy: a whole recording without the damaged parts
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
 }

@@ -8,12 +8,12 @@ mod notes;
 mod tables;
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, IsTerminal as _, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::path::Path;
 
 use anyhow::Context as _;
 use asterix::choice::ChosenEdition;
-use asterix::{Mode, NamedRecord};
+use asterix::{JsonLines, Mode};
 use formats::containers::TimeStamp;
 use formats::foreign::Foreign;
 use formats::recording::{Expansions, RecordingBytes, RecordingSurvey, Statistics};
@@ -25,6 +25,8 @@ use crate::args::DecodeArgs;
 const STANDARD_OUTPUT: &str = "-";
 /// Recordings shorter than this are decoded before anybody wonders.
 const PROGRESS_BYTES_MIN: usize = 64 << 20;
+/// Lines are written when there are so many bytes of them.
+const LINES_BYTES: usize = 1 << 16;
 
 /// Decodes.
 ///
@@ -129,20 +131,21 @@ impl RecordLines<'_, '_> {
             .with_context(|| format!("--out {} cannot be written", out.display()))
     }
 
-    fn write(&self, out: impl Write, expansions: &mut Expansions) -> io::Result<()> {
-        let mut out = BufWriter::with_capacity(1 << 16, out);
+    fn write(&self, mut out: impl Write, expansions: &mut Expansions) -> io::Result<()> {
         let mut progress = DecodeProgress::new(self.bytes);
-        let mut line = Vec::new();
+        let mut lines = JsonLines::default();
         self.recording.for_each(self.survey, |found| {
-            let mut named = NamedRecord::new(found.record);
-            named.time_stamp_s = found.time_stamp.map(TimeStamp::seconds);
-            expansions.read(found.record, &mut named);
-            line.clear();
-            named.write_json(&mut line);
-            line.push(b'\n');
-            progress.at(found.record.offset());
-            out.write_all(&line)
+            let expanded = expansions.content(found.record);
+            let time_stamp_s = found.time_stamp.map(TimeStamp::seconds);
+            lines.write(found.record, time_stamp_s, expanded.as_ref());
+            if lines.text().len() >= LINES_BYTES {
+                progress.at(found.record.offset());
+                out.write_all(lines.text())?;
+                lines.clear();
+            }
+            Ok::<(), io::Error>(())
         })?;
+        out.write_all(lines.text())?;
         out.flush()
     }
 }

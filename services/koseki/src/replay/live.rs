@@ -21,6 +21,7 @@ use runtime::{Now, Speed};
 
 use crate::args::ReplayArgs;
 use crate::config::Config;
+use crate::recording_info::note_damage;
 
 /// Longest sleep before it is looked whether the command shall end, nanoseconds.
 const LOOK_NS: i64 = 100_000_000;
@@ -57,8 +58,11 @@ pub(crate) fn run(replay: &ReplayArgs, recorded: &Config, files: &[PathBuf]) -> 
     };
     for path in files {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
-        recording::read::<_, anyhow::Error>(&mut file, |item| live.item(item))
-            .with_context(|| format!("reading {}", path.display()))?;
+        let read = |item: Item<'_>| {
+            note_damage(path, &item);
+            live.item(item)
+        };
+        recording::read::<_, anyhow::Error>(&mut file, read).with_context(|| format!("reading {}", path.display()))?;
     }
     live.send()?;
     crate::print(&format!("published {} reports into instance {instance}\n", live.sent))?;
@@ -92,7 +96,7 @@ impl LiveReplay {
                 self.slice = is_wanted.then(|| (topic.to_owned(), header, sent_ns as i64));
             }
             Item::Sample { octets, .. } if self.slice.is_some() => self.reports.extend(SensorTrack::of_octets(octets)),
-            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } => {}
+            Item::Sample { .. } | Item::Facts(_) | Item::Topic { .. } | Item::Damaged { .. } => {}
         }
         Ok(())
     }

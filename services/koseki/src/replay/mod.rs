@@ -32,7 +32,7 @@ use runtime::Speed;
 
 use crate::args::ReplayArgs;
 use crate::config::Config;
-use crate::recording_info::files;
+use crate::recording_info::{files, note_damage};
 use again::{Again, Plan, RunOutcome, Spans};
 use verification::Verification;
 
@@ -91,8 +91,11 @@ fn fused_again<R: ReplayResult>(
     };
     for path in files {
         let mut file = BufReader::with_capacity(1 << 18, File::open(path)?);
-        recording::read::<_, anyhow::Error>(&mut file, |item| reading.item(item))
-            .with_context(|| format!("reading {}", path.display()))?;
+        let read = |item: Item<'_>| {
+            note_damage(path, &item);
+            reading.item(item)
+        };
+        recording::read::<_, anyhow::Error>(&mut file, read).with_context(|| format!("reading {}", path.display()))?;
     }
     reading.work(u64::MAX)?;
     Ok((reading.again, reading.result))
@@ -185,7 +188,7 @@ impl<R: ReplayResult> ReplayReading<R> {
                     self.result.pass_over(missing);
                 }
             }
-            Item::Facts(_) => {}
+            Item::Facts(_) | Item::Damaged { .. } => {}
             Item::Slice {
                 topic,
                 header,

@@ -88,12 +88,17 @@ impl KeptReader {
         self.file.octets
     }
 
-    /// The next row, and the part of the file that it stands for, bytes.
-    pub(super) fn next(&mut self) -> Option<(ArrivedReport, u64)> {
+    /// The part of the file that a row stands for, bytes.
+    pub(super) fn octets_of_row(&self) -> u64 {
+        self.file.octets / (self.file.rows.len() as u64).max(1)
+    }
+
+    /// The next row.
+    pub(super) fn next(&mut self) -> Option<ArrivedReport> {
         let mut row = *self.file.rows.get(self.next)?;
         self.next += 1;
         row.track.source = self.sources[usize::from(row.track.source)];
-        Some((row, self.file.octets / self.file.rows.len() as u64))
+        Some(row)
     }
 }
 
@@ -124,8 +129,9 @@ mod tests {
         for _ in 0..2 {
             let mut readers = kept.again(&[90, 80, 70]).unwrap();
             let read = std::iter::from_fn(|| readers[0].next());
-            let read: Vec<_> = read.map(|(row, octets)| (row.track.source, row.line, octets)).collect();
-            assert_eq!(read, [(2, 2, 50), (1, 3, 50)]);
+            let read: Vec<_> = read.map(|row| (row.track.source, row.line)).collect();
+            assert_eq!(read, [(2, 2), (1, 3)]);
+            assert_eq!(readers[0].octets_of_row(), 50);
         }
     }
 

@@ -184,7 +184,7 @@ impl MergedRows {
     /// If reading a file fails.
     pub(crate) fn next(&mut self) -> Result<Option<ArrivedReport>, InputError> {
         let order = |lane: &FileLane| {
-            let row = lane.next?;
+            let row = lane.next.as_ref()?;
             Some((row.arrival_ns, row.track.time_of_measurement_ns, row.track.source))
         };
         let lanes = self.lanes.iter_mut().filter(|lane| lane.next.is_some());
@@ -220,25 +220,25 @@ impl FileLane {
             self.given_ns = given.track.time_of_measurement_ns;
         }
         self.next = self.next_ahead(refusals)?;
-        while let Some(next) = self.next {
-            let next_ns = next.track.time_of_measurement_ns;
+        // A row is large: none is copied here that stays where it is.
+        while let Some((next_ns, source, line)) = self.next.as_ref().map(time_source_line) {
             self.look_ahead(refusals)?;
-            if self.runs_away(&next) {
+            if self.runs_away(next_ns, source) {
                 let what = format!("{} is far beyond the rows around it", seconds(next_ns));
-                refusals.out_of_order(&self.path, next.line, &what);
+                refusals.out_of_order(&self.path, line, &what);
                 self.next = self.next_ahead(refusals)?;
                 continue;
             }
-            let earlier = |row: &ArrivedReport| row.track.time_of_measurement_ns < next_ns;
-            let Some(after) = self.ahead.front().copied().filter(earlier) else {
+            let after = self.ahead.front().map(time_source_line);
+            let Some((after_ns, _, line)) = after.filter(|(after_ns, ..)| *after_ns < next_ns) else {
                 break;
             };
             let what = format!(
                 "{} is before {}, the time of an earlier row; sort the rows by time",
-                seconds(after.track.time_of_measurement_ns),
+                seconds(after_ns),
                 seconds(next_ns)
             );
-            refusals.out_of_order(&self.path, after.line, &what);
+            refusals.out_of_order(&self.path, line, &what);
             self.ahead.pop_front();
         }
         Ok(())
@@ -261,13 +261,13 @@ impl FileLane {
         }
     }
 
-    /// Whether the time of `next` is far beyond most following rows of other sensors, or, without other sensors, of
-    /// its own sensor.
-    fn runs_away(&self, next: &ArrivedReport) -> bool {
-        let (latest_ns, source) = (
-            next.track.time_of_measurement_ns.saturating_sub(LEAP_NS),
-            next.track.source,
-        );
+    /// Whether the time of the next row, which is of `source`, is far beyond most following rows of other sensors, or,
+    /// without other sensors, of its own sensor.
+    fn runs_away(&self, next_ns: i64, source: u16) -> bool {
+        let latest_ns = next_ns.saturating_sub(LEAP_NS);
+        if latest_ns <= self.given_ns {
+            return false; // no time can speak against it
+        }
         let has_others = self.ahead.iter().any(|row| row.track.source != source);
         let judges = self
             .ahead
@@ -303,8 +303,10 @@ impl FileLane {
             LaneRows::File { reader, kept } => (reader, kept),
             LaneRows::Kept { reader, octets } => {
                 let next = reader.next();
-                *octets.borrow_mut() += next.map_or(0, |(_, part)| part);
-                return Ok(next.map(|(row, _)| row));
+                if next.is_some() {
+                    *octets.borrow_mut() += reader.octets_of_row();
+                }
+                return Ok(next);
             }
         };
         while let Some(row) = reader.next() {
@@ -329,6 +331,10 @@ fn arrivals_of(host: &dyn Host, path: &Path, order: RowOrder) -> Result<ArrivalO
     let input = CountingInput::new(host.open(path)?, Rc::default());
     let reader = SensorTrackReader::new(input, 0, |_| Some(0)).map_err(|error| InputError::new(path, error))?;
     Ok(ArrivalOrder::of(reader, order))
+}
+
+fn time_source_line(row: &ArrivedReport) -> (i64, u16, u64) {
+    (row.track.time_of_measurement_ns, row.track.source, row.line)
 }
 
 fn seconds(ns: i64) -> f64 {

@@ -1,0 +1,110 @@
+//! What a reader does behind damage: where the next chunk begins, and which channels there are.
+//!
+//! A recorder writes chunks that are complete by themselves: each holds whole slices and has a checksum. A flipped bit
+//! therefore costs one chunk. If the bit is in a length, the next chunk is found by its beginning: its code, and three
+//! sizes that agree with each other. Channels are described in the chunk in which they begin, and again in the summary
+//! at the end of a complete file.
+
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+
+use mcap::records::op;
+
+use crate::record::{HEAD, head_of};
+
+/// Bytes from the beginning of a chunk to its records, which are not compressed: head, two times, size, checksum, name
+/// of the compression, stored size.
+const CHUNK_HEAD: usize = HEAD + 8 + 8 + 8 + 4 + 4 + 8;
+/// Bytes searched at once.
+const BLOCK: usize = 1 << 16;
+/// Bytes from the beginning of the last record to the end of a complete file.
+const FOOTER: usize = HEAD + 20 + mcap::MAGIC.len();
+
+/// Returns the place of the first chunk from `from` on that is whole before `end`.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(crate) fn next_chunk<R: Read + Seek>(file: &mut R, from: u64, end: u64) -> io::Result<Option<u64>> {
+    let mut block = Vec::with_capacity(BLOCK);
+    let mut begin = from;
+    while begin < end {
+        block.clear();
+        file.seek(SeekFrom::Start(begin))?;
+        file.by_ref()
+            .take(BLOCK.min(usize::try_from(end - begin).unwrap_or(BLOCK)) as u64)
+            .read_to_end(&mut block)?;
+        let found = block.windows(CHUNK_HEAD).enumerate().find(|(at, window)| {
+            let head = window.first_chunk().expect("as long as a head");
+            is_chunk(head, end - begin - *at as u64)
+        });
+        if let Some((at, _)) = found {
+            return Ok(Some(begin + at as u64));
+        }
+        // The last bytes may begin a head that continues in the next block.
+        let Some(searched) = (block.len() + 1)
+            .checked_sub(CHUNK_HEAD)
+            .filter(|searched| *searched > 0)
+        else {
+            break;
+        };
+        begin += searched as u64;
+    }
+    Ok(None)
+}
+
+/// Whether a chunk without compression begins with these bytes and ends within `left` bytes.
+fn is_chunk(head: &[u8; CHUNK_HEAD], left: u64) -> bool {
+    if head[0] != op::CHUNK {
+        return false;
+    }
+    let (_, length) = head_of(head.first_chunk().expect("a longer array"));
+    let number = |at: usize| u64::from_le_bytes(head[at..at + 8].try_into().expect("eight bytes"));
+    let (size, stored) = (number(HEAD + 16), number(CHUNK_HEAD - 8));
+    let compression = &head[HEAD + 28..HEAD + 32];
+    compression == [0; 4]
+        && size == stored
+        && stored.checked_add((CHUNK_HEAD - HEAD) as u64) == Some(length)
+        && length.checked_add(HEAD as u64).is_some_and(|bytes| bytes <= left)
+}
+
+/// Passes code and data of the records in the summary of a complete file to `visit`, if they have at most `bytes_max`.
+///
+/// # Errors
+/// If the file cannot be read.
+pub(crate) fn summary<R: Read + Seek>(
+    file: &mut R,
+    length: u64,
+    bytes_max: usize,
+    mut visit: impl FnMut(u8, &[u8]),
+) -> io::Result<()> {
+    let Some(footer) = length.checked_sub(FOOTER as u64) else {
+        return Ok(());
+    };
+    let mut end = [0; FOOTER];
+    file.seek(SeekFrom::Start(footer))?;
+    file.read_exact(&mut end)?;
+    let (code, stated) = head_of(end.first_chunk().expect("a longer array"));
+    let mut at = u64::from_le_bytes(end[HEAD..HEAD + 8].try_into().expect("eight bytes"));
+    if code != op::FOOTER || stated != 20 || !end.ends_with(mcap::MAGIC) || at == 0 {
+        return Ok(());
+    }
+    let mut data = Vec::new();
+    while at + (HEAD as u64) <= footer {
+        let mut head = [0; HEAD];
+        file.seek(SeekFrom::Start(at))?;
+        match file.read_exact(&mut head) {
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => break,
+            read => read?,
+        }
+        let (code, length) = head_of(&head);
+        let Some(next) = (at + HEAD as u64).checked_add(length).filter(|next| *next <= footer) else {
+            break;
+        };
+        if length <= bytes_max as u64 {
+            data.clear();
+            file.by_ref().take(length).read_to_end(&mut data)?;
+            visit(code, &data);
+        }
+        at = next;
+    }
+    Ok(())
+}
