@@ -7,7 +7,7 @@
 //! ```text
 //!   leader  ──▶ checkpoint: tracks, numbers, positions, a sign of life each millisecond
 //!      │             │
-//!      │ lock        ▼ every 5 to 40 ms
+//!      │ lock        ▼ every 5 to 100 ms
 //!   standby: drops the reports that the leader has finished; is the leader's process gone? its sign of life old?
 //!      │
 //!      └─ gone: the lock is free      old: SIGKILL, then the lock is free
@@ -43,10 +43,10 @@ use crate::inputs::SourceInput;
 
 /// Time between two looks at the leader while reports come.
 pub(crate) const LOOK: Duration = Duration::from_millis(5);
-/// Longest time between two looks while none come: also limited by a part of the time after which a leader counts as
-/// hung, so that several looks fit into it.
-const LOOK_IDLE: Duration = Duration::from_millis(40);
-const LOOKS_PER_TAKEOVER: u32 = 4;
+/// Longest time between two looks while none come: also limited to three quarters of the time after which a leader
+/// counts as hung. So one late look never shows a hung leader: after a standstill of the machine, the leader has the
+/// last quarter for its sign of life.
+const LOOK_IDLE: Duration = Duration::from_millis(100);
 /// Time between two looks without a leader, or at the leader's end.
 const BRIEF: Duration = Duration::from_millis(1);
 /// Time for which a process that starts as standby leaves the lead to another process.
@@ -151,7 +151,7 @@ impl StandbyFusion {
             looked_ns: now.mono_ns,
             pause: LookPause::between(
                 LOOK,
-                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) / LOOKS_PER_TAKEOVER),
+                LOOK_IDLE.min(Duration::from_nanos(takeover_ns.unsigned_abs()) * 3 / 4),
             ),
             slices: 0,
             courteous_until_ns: now.mono_ns.saturating_add(courtesy_ns),
