@@ -32,11 +32,9 @@ const REPORTS_PER_TURN: usize = 256;
 /// sleeps. A full look finds the slices of publishers that give no hint.
 const FULL_LOOK_SPINNING_NS: i64 = 1_000_000;
 const FULL_LOOK_SLEEPING_NS: i64 = 200_000_000;
-/// Longest time without work until the next turn; without tracks also limited to a part of the time after which a
-/// standby takes this process for hung.
+/// Longest time without work until the next turn; and without tracks, if no standby waits for signs of life.
 const IDLE: Duration = Duration::from_millis(20);
 const IDLE_EMPTY: Duration = Duration::from_millis(100);
-const TURNS_PER_TAKEOVER: u64 = 4;
 /// Order `time`: slices taken from one source before the turn of the next source.
 const SLICES_PER_SOURCE: usize = 4;
 /// Age beyond which an order is refused, nanoseconds: the sender has given up.
@@ -168,12 +166,7 @@ impl<S: Transport> FusionAgent<S> {
                 WaitMode::Event => FULL_LOOK_SLEEPING_NS,
                 WaitMode::Spin | WaitMode::Hybrid { .. } => FULL_LOOK_SPINNING_NS,
             },
-            idle_empty: match config.fusion.standby {
-                true => IDLE_EMPTY.min(Duration::from_nanos(
-                    config.fusion.takeover_ns().unsigned_abs() / TURNS_PER_TAKEOVER,
-                )),
-                false => IDLE_EMPTY,
-            },
+            idle_empty: if config.has_standby() { IDLE } else { IDLE_EMPTY },
             queues,
             waiter,
             report: SensorTrack::default(),
